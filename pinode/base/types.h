@@ -1,0 +1,16 @@
+// The few matrix types that every floor shares.
+
+#ifndef PINODE_BASE_TYPES_H_
+#define PINODE_BASE_TYPES_H_
+
+#include <Eigen/Core>
+
+namespace pinode {
+
+using Vector = Eigen::VectorXd;
+using RowVector = Eigen::RowVectorXd;
+using Matrix = Eigen::MatrixXd;
+
+}  // namespace pinode
+
+#endif  // PINODE_BASE_TYPES_H_
