@@ -1,0 +1,182 @@
+#include "pinode/dynamics/elements.h"
+
+#include <cmath>
+#include <limits>
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/dynamics/autodiff_law.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
+
+// |x|^p with a derivative that stays finite at x = 0, where Jets would
+// compute 0 * inf. The tiny shift is far below anything measurable.
+template <typename T>
+T SafePower(const T& magnitude, const T& exponent) {
+  using std::pow;
+  return pow(magnitude + 1e-30, exponent);
+}
+
+template <typename T>
+T Magnitude(const T& x) {
+  return x < T(0.0) ? T(-x) : x;
+}
+
+struct Linear {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    force[0] = p[0] * q[0] + p[1] * q[1];
+  }
+};
+
+struct Cubic {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    force[0] = p[0] * q[0] * q[0] * q[0];
+  }
+};
+
+struct QuadraticStiffness {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    force[0] = p[0] * Magnitude(q[0]) * q[0];
+  }
+};
+
+struct AmplitudeDamping {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    force[0] = p[0] * Magnitude(q[0]) * q[1];
+  }
+};
+
+struct Bilinear {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    const T& gap = p[1];
+    if (q[0] > gap) {
+      force[0] = p[0] * (q[0] - gap);
+    } else if (q[0] < -gap) {
+      force[0] = p[0] * (q[0] + gap);
+    } else {
+      force[0] = T(0.0);
+    }
+  }
+};
+
+struct Coulomb {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    using std::tanh;
+    force[0] = p[0] * tanh(q[1] / p[1]);
+  }
+};
+
+struct PowerDamper {
+  template <typename T>
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    const T power = SafePower(Magnitude(q[1]), p[1]);
+    force[0] = q[1] < T(0.0) ? T(-p[0] * power) : T(p[0] * power);
+  }
+};
+
+struct BoucWen {
+  template <typename T>
+  void operator()(const T* q, const T* z, const T* p, T* result) const {
+    const T& w = q[1];
+    const T power = SafePower(Magnitude(z[0]), p[4]);
+    // |z|^(n-1) z = sign(z) |z|^n
+    const T signed_power = z[0] < T(0.0) ? T(-power) : power;
+    result[0] = p[0] * z[0];
+    result[1] = p[1] * w - p[2] * Magnitude(w) * signed_power - p[3] * w * power;
+  }
+};
+
+struct ElementType {
+  std::string name;
+  std::unique_ptr<Law> (*create)();
+  std::vector<ElementParameterInfo> parameters;
+};
+
+template <typename Functor, int kInternal, int kParameters>
+std::unique_ptr<Law> Create() {
+  return std::make_unique<AutoDiffLaw<Functor, 2, kInternal, kParameters, 1>>();
+}
+
+const std::vector<ElementType>& Catalogue() {
+  static const auto* catalogue = new std::vector<ElementType>{
+      {"linear",
+       &Create<Linear, 0, 2>,
+       {{"k", 1, -1, 0, -kInfinity, kInfinity, 0.0},
+        {"c", 1, -1, 1, -kInfinity, kInfinity, 0.0}}},
+      {"cubic",
+       &Create<Cubic, 0, 1>,
+       {{"k3", 1, -3, 0, -kInfinity, kInfinity, 0.0}}},
+      {"quadratic_stiffness",
+       &Create<QuadraticStiffness, 0, 1>,
+       {{"k2", 1, -2, 0, -kInfinity, kInfinity, 0.0}}},
+      {"amplitude_damping",
+       &Create<AmplitudeDamping, 0, 1>,
+       {{"c2", 1, -2, 1, -kInfinity, kInfinity, 0.0}}},
+      {"bilinear",
+       &Create<Bilinear, 0, 2>,
+       {{"k", 1, -1, 0, -kInfinity, kInfinity, 0.0},
+        {"gap", 0, 1, 0, 0.0, kInfinity, kRequired}}},
+      {"coulomb",
+       &Create<Coulomb, 0, 2>,
+       {{"f", 1, 0, 0, -kInfinity, kInfinity, 0.0},
+        {"v0", 0, 1, -1, 1e-12, kInfinity, kRequired}}},
+      {"power_damper",
+       &Create<PowerDamper, 0, 2>,
+       {{"c", 1, 0, 0, -kInfinity, kInfinity, 0.0},
+        {"p", 0, 0, 0, 0.05, 5.0, 1.0}}},
+      {"bouc_wen",
+       &Create<BoucWen, 1, 5>,
+       {{"k", 1, -1, 0, -kInfinity, kInfinity, kRequired},
+        {"a", 0, 0, 0, -kInfinity, kInfinity, 1.0},
+        {"b", 0, 0, 0, -kInfinity, kInfinity, kRequired},
+        {"g", 0, 0, 0, -kInfinity, kInfinity, kRequired},
+        {"n", 0, 0, 0, 1.0, 10.0, 1.0}}},
+  };
+  return *catalogue;
+}
+
+const ElementType* Find(const std::string& type) {
+  for (const ElementType& entry : Catalogue()) {
+    if (entry.name == type) return &entry;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> ElementTypes() {
+  std::vector<std::string> names;
+  for (const ElementType& entry : Catalogue()) names.push_back(entry.name);
+  return names;
+}
+
+std::unique_ptr<Law> CreateElement(const std::string& type,
+                                   std::string* error) {
+  const ElementType* entry = Find(type);
+  if (entry == nullptr) {
+    const std::string nearest = NearestName(type, ElementTypes());
+    *error = "unknown element type '" + type + "'" +
+             (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+    return nullptr;
+  }
+  return entry->create();
+}
+
+std::vector<ElementParameterInfo> ElementParameters(const std::string& type) {
+  const ElementType* entry = Find(type);
+  CHECK(entry != nullptr) << "unknown element type '" << type
+                          << "'; ask CreateElement first";
+  return entry->parameters;
+}
+
+}  // namespace pinode

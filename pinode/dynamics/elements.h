@@ -1,0 +1,52 @@
+// The catalogue of named elements: one-dimensional laws between two points.
+
+#ifndef PINODE_DYNAMICS_ELEMENTS_H_
+#define PINODE_DYNAMICS_ELEMENTS_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/parameter_block.h"
+#include "pinode/dynamics/law.h"
+
+namespace pinode {
+
+// What an element type needs from its user. All elements take two features,
+// the deformation d and its rate w, and give one force, positive when it
+// resists positive deformation.
+struct ElementParameterInfo {
+  std::string name;
+  // Dimension as powers of (force, length, time), for the unit's name.
+  double force_power = 0.0;
+  double length_power = 0.0;
+  double time_power = 0.0;
+  // Physical limits; the case file may narrow them.
+  double lower;
+  double upper;
+  // Used when the case file gives no initial value; NaN: must be given.
+  double default_value;
+};
+
+// Type names in the order of the table in pinode/case/README.md:
+//
+//   linear               k d + c w
+//   cubic                k3 d^3
+//   quadratic_stiffness  k2 |d| d
+//   amplitude_damping    c2 |d| w
+//   bilinear             k (d - clamp(d, -gap, gap)), k of either sign
+//   coulomb              f tanh(w / v0)
+//   power_damper         c |w|^p sign(w)
+//   bouc_wen             k z,  dz/dt = a w - b |w| |z|^(n-1) z - g w |z|^n
+//                        (Wen 1976, without the elastic share)
+std::vector<std::string> ElementTypes();
+
+// nullptr and a message with the nearest known type where `type` is unknown.
+std::unique_ptr<Law> CreateElement(const std::string& type, std::string* error);
+
+// One entry per parameter of the law, in its order; `type` must be known.
+std::vector<ElementParameterInfo> ElementParameters(const std::string& type);
+
+}  // namespace pinode
+
+#endif  // PINODE_DYNAMICS_ELEMENTS_H_

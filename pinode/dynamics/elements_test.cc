@@ -1,0 +1,126 @@
+#include "pinode/dynamics/elements.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+namespace {
+
+struct Example {
+  std::string type;
+  std::vector<double> parameters;
+  double deformation;
+  double rate;
+  double force;
+};
+
+// Forces worked out by hand from the table in pinode/case/README.md.
+class ElementForce : public ::testing::TestWithParam<Example> {};
+
+TEST_P(ElementForce, MatchesTheTable) {
+  std::string error;
+  const auto law = CreateElement(GetParam().type, &error);
+  ASSERT_NE(law, nullptr) << error;
+  ASSERT_EQ(law->num_parameters(), GetParam().parameters.size());
+  const double features[] = {GetParam().deformation, GetParam().rate};
+  double force = 0.0;
+  law->Evaluate(features, nullptr, GetParam().parameters.data(), &force);
+  EXPECT_NEAR(force, GetParam().force, 1e-14 * std::abs(GetParam().force));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, ElementForce,
+    ::testing::Values(
+        Example{"linear", {10.0, 0.5}, 0.3, -2.0, 2.0},
+        Example{"cubic", {2.0}, -0.5, 0.0, -0.25},
+        Example{"quadratic_stiffness", {3.0}, -0.5, 0.0, -0.75},
+        Example{"amplitude_damping", {3.0}, -0.5, 2.0, 3.0},
+        Example{"bilinear", {-5.95, 0.2}, 1.15, 0.0, -5.6525},
+        Example{"bilinear", {-5.95, 0.2}, -1.15, 0.0, 5.6525},
+        Example{"bilinear", {-5.95, 0.2}, 0.1, 0.0, 0.0},
+        Example{"coulomb", {4.0, 0.01}, 0.0, 0.005, 4.0 * std::tanh(0.5)},
+        Example{"power_damper", {2.0, 2.0}, 0.0, -3.0, -18.0}));
+
+TEST(Elements, BoucWenFollowsItsEvolutionLaw) {
+  std::string error;
+  const auto law = CreateElement("bouc_wen", &error);
+  ASSERT_NE(law, nullptr) << error;
+  const double features[] = {0.0, -2.0};
+  const double internal[] = {0.5};
+  const double parameters[] = {10.0, 1.0, 0.6, 0.4, 2.0};
+  double result[2];
+  law->Evaluate(features, internal, parameters, result);
+  EXPECT_NEAR(result[0], 5.0, 1e-14);
+  // a w - b |w| |z|^(n-1) z - g w |z|^n = -2 - 0.6*2*0.25 + 0.4*2*0.25
+  EXPECT_NEAR(result[1], -2.1, 1e-14);
+}
+
+TEST(Elements, JacobiansMatchRiddersStyleDifferences) {
+  for (const std::string& type : ElementTypes()) {
+    std::string error;
+    const auto law = CreateElement(type, &error);
+    ASSERT_NE(law, nullptr) << error;
+    std::vector<double> arguments = {0.37, -0.81};
+    if (law->num_internal() > 0) arguments.push_back(0.23);
+    for (int p = 0; p < law->num_parameters(); ++p) {
+      arguments.push_back(1.3 - 0.17 * p - (type == "bilinear" ? 0.9 * p : 0));
+    }
+    const int na = law->num_arguments();
+    const int nr = law->num_results();
+    std::vector<double> result(nr), jacobian(nr * na), plus(nr), minus(nr);
+    const double* x = arguments.data();
+    law->Linearize(x, x + 2, x + 2 + law->num_internal(), result.data(),
+                   jacobian.data());
+    for (int i = 0; i < na; ++i) {
+      // Fourth-order differences; truncation about 1e-12.
+      const auto at = [&](double step, std::vector<double>* out) {
+        std::vector<double> moved = arguments;
+        moved[i] += step;
+        law->Evaluate(moved.data(), moved.data() + 2,
+                      moved.data() + 2 + law->num_internal(), out->data());
+      };
+      const double h = 1e-3;
+      std::vector<double> plus2(nr), minus2(nr);
+      at(h, &plus);
+      at(-h, &minus);
+      at(2 * h, &plus2);
+      at(-2 * h, &minus2);
+      for (int r = 0; r < nr; ++r) {
+        const double difference =
+            (8 * (plus[r] - minus[r]) - (plus2[r] - minus2[r])) / (12 * h);
+        EXPECT_NEAR(jacobian[r * na + i], difference, 1e-8)
+            << type << " result " << r << " argument " << i;
+      }
+    }
+  }
+}
+
+TEST(Elements, DerivativesAtRestAreFinite) {
+  for (const std::string& type : ElementTypes()) {
+    std::string error;
+    const auto law = CreateElement(type, &error);
+    std::vector<double> arguments(law->num_arguments(), 0.0);
+    for (int p = 0; p < law->num_parameters(); ++p) {
+      arguments[arguments.size() - 1 - p] = 1.0;
+    }
+    std::vector<double> result(law->num_results());
+    std::vector<double> jacobian(law->num_results() * law->num_arguments());
+    law->Linearize(arguments.data(), arguments.data() + 2,
+                   arguments.data() + 2 + law->num_internal(), result.data(),
+                   jacobian.data());
+    for (double value : jacobian) EXPECT_TRUE(std::isfinite(value)) << type;
+  }
+}
+
+TEST(Elements, UnknownTypeNamesTheNearest) {
+  std::string error;
+  EXPECT_EQ(CreateElement("cubik", &error), nullptr);
+  EXPECT_THAT(error, ::testing::HasSubstr("'cubic'"));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,60 @@
+// The seam between a user's constitutive law and the identification engine.
+
+#ifndef PINODE_DYNAMICS_LAW_H_
+#define PINODE_DYNAMICS_LAW_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/parameter_block.h"
+
+namespace ceres {
+template <typename T, int N>
+struct Jet;
+}  // namespace ceres
+
+namespace pinode {
+
+// The one Jet type that crosses virtual functions: wide enough to pay for a
+// pass through a whole step, used by `derivatives = "jets"`.
+using WideJet = ceres::Jet<double, 8>;
+
+// A force law with optional internal states,
+//
+//   force     = g(q, z; p)      one value per output
+//   dz/dt     = r(q, z; p)      one value per internal state
+//
+// where q are the features (see Feature), z the internal states of a
+// hysteretic law and p its parameters. Implementations are made from a
+// functor on a template scalar by AutoDiffLaw (autodiff_law.h); nothing above
+// that template is a template itself. Laws have no state of their own: all
+// functions are safe to call from several threads.
+class Law {
+ public:
+  virtual ~Law() = default;
+
+  virtual int num_features() const = 0;
+  virtual int num_internal() const = 0;
+  virtual int num_parameters() const = 0;
+  virtual int num_outputs() const = 0;
+  int num_results() const { return num_outputs() + num_internal(); }
+  int num_arguments() const {
+    return num_features() + num_internal() + num_parameters();
+  }
+
+  // result: the outputs, then the rates of the internal states.
+  virtual void Evaluate(const double* features, const double* internal,
+                        const double* parameters, double* result) const = 0;
+  virtual void Evaluate(const WideJet* features, const WideJet* internal,
+                        const WideJet* parameters, WideJet* result) const = 0;
+
+  // As Evaluate, and jacobian (num_results x num_arguments, row-major): the
+  // derivatives by features, internal states and parameters, in this order.
+  virtual void Linearize(const double* features, const double* internal,
+                         const double* parameters, double* result,
+                         double* jacobian) const = 0;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_DYNAMICS_LAW_H_

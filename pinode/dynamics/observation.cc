@@ -1,0 +1,114 @@
+#include "pinode/dynamics/observation.h"
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+
+namespace pinode {
+namespace {
+
+struct NamedQuantity {
+  Quantity quantity;
+  const char* name;
+};
+
+constexpr NamedQuantity kQuantities[] = {
+    {Quantity::kDisplacement, "displacement"},
+    {Quantity::kVelocity, "velocity"},
+    {Quantity::kRelativeAcceleration, "relative_acceleration"},
+    {Quantity::kAbsoluteAcceleration, "absolute_acceleration"},
+    {Quantity::kAbsoluteDisplacement, "absolute_displacement"},
+};
+
+}  // namespace
+
+const char* QuantityName(Quantity quantity) {
+  for (const NamedQuantity& entry : kQuantities) {
+    if (entry.quantity == quantity) return entry.name;
+  }
+  return "";
+}
+
+bool ParseQuantity(const std::string& name, Quantity* quantity,
+                   std::string* error) {
+  std::vector<std::string> names;
+  for (const NamedQuantity& entry : kQuantities) {
+    if (name == entry.name) {
+      *quantity = entry.quantity;
+      return true;
+    }
+    names.emplace_back(entry.name);
+  }
+  const std::string nearest = NearestName(name, names);
+  *error = "unknown quantity '" + name + "', expected one of " +
+           Join(names, ", ") +
+           (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  return false;
+}
+
+ObservationMap::ObservationMap(const StructuralDynamics& dynamics,
+                               const std::vector<Observation>& observations) {
+  const int n = dynamics.num_dofs();
+  const int channels = static_cast<int>(observations.size());
+  state_map_ = Matrix::Zero(channels, dynamics.num_states());
+  full_rate_map_ = Matrix::Zero(channels, dynamics.num_states());
+  input_map_ = Matrix::Zero(channels, dynamics.num_inputs());
+  for (int c = 0; c < channels; ++c) {
+    const Observation& observation = observations[static_cast<size_t>(c)];
+    CHECK_EQ(observation.weights.size(), n)
+        << "channel '" << observation.name << "' needs one weight per DOF";
+    const auto weights = observation.weights.transpose();
+    const bool acceleration =
+        observation.quantity == Quantity::kRelativeAcceleration ||
+        observation.quantity == Quantity::kAbsoluteAcceleration;
+    if (acceleration) {
+      full_rate_map_.block(c, n, 1, n) = weights;
+      acceleration_rows_.push_back(c);
+    } else if (observation.quantity == Quantity::kVelocity) {
+      state_map_.block(c, n, 1, n) = weights;
+    } else {
+      state_map_.block(c, 0, 1, n) = weights;
+    }
+    // The ground's own motion, seen by absolute sensors.
+    for (int i = 0; i < dynamics.num_inputs(); ++i) {
+      const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
+      if ((observation.quantity == Quantity::kAbsoluteAcceleration &&
+           input.kind == InputSpec::Kind::kGroundAcceleration) ||
+          (observation.quantity == Quantity::kAbsoluteDisplacement &&
+           input.kind == InputSpec::Kind::kGroundDisplacement)) {
+        input_map_(c, i) =
+            weights.dot(dynamics.model().influence.col(input.index));
+      }
+    }
+  }
+  rate_map_ = Matrix::Zero(static_cast<int>(acceleration_rows_.size()),
+                           dynamics.num_states());
+  for (size_t r = 0; r < acceleration_rows_.size(); ++r) {
+    rate_map_.row(static_cast<int>(r)) =
+        full_rate_map_.row(acceleration_rows_[r]);
+  }
+}
+
+void ObservationMap::Observe(const double* state, const double* rate,
+                             const double* input, double* y) const {
+  Eigen::Map<Vector> channels(y, num_channels());
+  const Eigen::Index states = state_map_.cols();
+  channels.noalias() = state_map_ * Eigen::Map<const Vector>(state, states);
+  if (uses_acceleration()) {
+    channels.noalias() +=
+        full_rate_map_ * Eigen::Map<const Vector>(rate, states);
+  }
+  if (input_map_.cols() > 0) {
+    channels.noalias() +=
+        input_map_ * Eigen::Map<const Vector>(input, input_map_.cols());
+  }
+}
+
+void ObservationMap::StateJacobian(const StructuralDynamics::Stage& stage,
+                                   Matrix* jacobian) const {
+  *jacobian = state_map_;
+  if (uses_acceleration()) {
+    jacobian->noalias() += full_rate_map_ * stage.jacobian;
+  }
+}
+
+}  // namespace pinode

@@ -1,0 +1,81 @@
+// What a sensor sees of the state.
+
+#ifndef PINODE_DYNAMICS_OBSERVATION_H_
+#define PINODE_DYNAMICS_OBSERVATION_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+
+namespace pinode {
+
+enum class Quantity {
+  kDisplacement,          // x, relative to the ground
+  kVelocity,              // v, relative to the ground
+  kRelativeAcceleration,  // a
+  kAbsoluteAcceleration,  // a + r a_g
+  kAbsoluteDisplacement,  // x + r x_g; needs the ground displacement as input
+};
+
+// The names used in case files, "displacement" and so on.
+const char* QuantityName(Quantity quantity);
+[[nodiscard]] bool ParseQuantity(const std::string& name, Quantity* quantity,
+                                 std::string* error);
+
+// One channel: a linear combination of one quantity over the DOFs,
+//
+//   y = sum_i w_i quantity_i,
+//
+// in the model's units. A sensor at one DOF has one weight 1; a strain gauge
+// or a relative displacement sensor has several.
+struct Observation {
+  std::string name;
+  Quantity quantity = Quantity::kDisplacement;
+  Vector weights;  // num_dofs
+};
+
+// All channels of a record as linear maps of state, acceleration and inputs,
+//
+//   y = H_h h + H_a a(h, u; theta) + H_u u,
+//
+// where a is the acceleration part of dh/dt. The maps do not depend on the
+// parameters; a does.
+class ObservationMap {
+ public:
+  ObservationMap() = default;
+  ObservationMap(const StructuralDynamics& dynamics,
+                 const std::vector<Observation>& observations);
+
+  int num_channels() const { return static_cast<int>(state_map_.rows()); }
+  // True where some channel needs the acceleration.
+  bool uses_acceleration() const { return !acceleration_rows_.empty(); }
+
+  // y (num_channels) from state and its rate at one instant.
+  void Observe(const double* state, const double* rate, const double* input,
+               double* y) const;
+
+  // d y / d state for the linearised dynamics, num_channels x num_states.
+  void StateJacobian(const StructuralDynamics::Stage& stage,
+                     Matrix* jacobian) const;
+
+  // Rows whose channel holds accelerations, and the map from the rate of the
+  // state to them (acceleration rows x num_states): the parameters' direct
+  // effect on the channels is rate_map * (d rate / d theta).
+  const std::vector<int>& acceleration_rows() const {
+    return acceleration_rows_;
+  }
+  const Matrix& rate_map() const { return rate_map_; }
+
+ private:
+  Matrix state_map_;  // channels x states
+  Matrix full_rate_map_;  // channels x states, zero but for accelerations
+  Matrix input_map_;  // channels x inputs
+  std::vector<int> acceleration_rows_;
+  Matrix rate_map_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_DYNAMICS_OBSERVATION_H_

@@ -1,0 +1,149 @@
+#include "pinode/dynamics/testing.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/logging.h"
+#include "pinode/dynamics/elements.h"
+
+namespace pinode {
+namespace testing {
+namespace {
+
+// Deterministic numbers of order one without a random generator.
+double Wiggle(int i) { return std::sin(1.7 * i + 0.3); }
+
+ParameterBlock MakeWeights(const std::string& name,
+                           const NetworkArchitecture& architecture,
+                           double scale) {
+  ParameterBlock block;
+  block.name = name;
+  block.named = false;
+  block.parameters.resize(static_cast<size_t>(architecture.NumWeights()));
+  for (int i = 0; i < block.size(); ++i) {
+    Parameter& parameter = block.parameters[static_cast<size_t>(i)];
+    parameter.name = name + "[" + std::to_string(i) + "]";
+    parameter.value = scale * Wiggle(i);
+  }
+  block.decays = architecture.NonlinearWeights();
+  return block;
+}
+
+void AddNetwork(const std::string& name, std::vector<int> hidden, bool skip,
+                bool gauge, NetworkTerm::ActsAs acts_as,
+                std::vector<Feature> features, const Matrix& outputs,
+                StructuralDynamics* dynamics) {
+  NetworkArchitecture architecture;
+  architecture.num_inputs = static_cast<int>(features.size());
+  architecture.num_outputs = static_cast<int>(outputs.cols());
+  architecture.hidden_widths = std::move(hidden);
+  architecture.skip = skip;
+  architecture.gauge = gauge;
+  architecture.input_scale = Vector::Constant(architecture.num_inputs, 0.8);
+  NetworkTerm term;
+  term.name = name;
+  term.network = std::make_shared<Network>(architecture);
+  term.features = std::move(features);
+  term.outputs = outputs;
+  term.acts_as = acts_as;
+  term.weights = MakeWeights(name, architecture, 0.6);
+  std::string error;
+  CHECK(dynamics->AddNetwork(std::move(term), &error)) << error;
+}
+
+}  // namespace
+
+StructuralModel MakeChain(int n, double k, double c) {
+  Matrix stiffness = Matrix::Zero(n, n);
+  for (int i = 0; i < n; ++i) stiffness += SpringMatrix(n, i - 1, i);
+  return MakeStructuralModel(Matrix::Identity(n, n), c * stiffness,
+                             k * stiffness);
+}
+
+std::unique_ptr<StructuralDynamics> MakeEverything() {
+  StructuralModel model = MakeChain(3, 10.0, 0.5);
+  model.mass(0, 1) = model.mass(1, 0) = 0.1;
+  model.support_mass_coupling(0, 0) = 0.2;
+  auto dynamics = std::make_unique<StructuralDynamics>(
+      std::move(model),
+      std::vector<InputSpec>{
+          {InputSpec::Kind::kGroundAcceleration, 0, "ground"},
+          {InputSpec::Kind::kForce, 1, "force"},
+          {InputSpec::Kind::kCovariate, 0, "temperature"}});
+  std::string error;
+  const auto add_group = [&](const std::string& name,
+                             MatrixGroup::Target target, const Matrix& matrix,
+                             double alpha, GroupTerm::Follows follows) {
+    GroupTerm term;
+    term.group.name = name;
+    term.group.target = target;
+    term.group.matrix = matrix;
+    term.alpha.value = alpha;
+    term.follows = follows;
+    term.input = follows == GroupTerm::Follows::kCovariate ? 2 : -1;
+    term.reference = 0.7;
+    CHECK(dynamics->AddGroup(std::move(term), &error)) << error;
+  };
+  using Target = MatrixGroup::Target;
+  using Follows = GroupTerm::Follows;
+  add_group("k1", Target::kStiffness, 10.0 * SpringMatrix(3, -1, 0), -0.1,
+            Follows::kNothing);
+  add_group("k2", Target::kStiffness, 10.0 * SpringMatrix(3, 0, 1), 0.2,
+            Follows::kTime);
+  add_group("c2", Target::kDamping, SpringMatrix(3, 0, 1), 0.3,
+            Follows::kNothing);
+  add_group("c3", Target::kDamping, SpringMatrix(3, 1, 2), 0.15,
+            Follows::kCovariate);
+  Matrix mass = Matrix::Zero(3, 3);
+  mass(2, 2) = 1.0;
+  mass(1, 2) = mass(2, 1) = 0.05;
+  add_group("m3", Target::kMass, mass, 0.25, Follows::kNothing);
+
+  int place = 0;
+  for (const std::string& type : ElementTypes()) {
+    LawTerm term;
+    term.name = type;
+    term.type = type;
+    term.law = CreateElement(type, &error);
+    const int from = place % 3 - 1;
+    const int to = place % 3;
+    ++place;
+    term.features = {Feature::Deformation(from, to),
+                     Feature::DeformationRate(from, to)};
+    term.outputs = Matrix::Zero(3, 1);
+    term.outputs(to, 0) = 1.0;
+    if (from >= 0) term.outputs(from, 0) = -1.0;
+    term.parameters.name = type;
+    for (const ElementParameterInfo& info : ElementParameters(type)) {
+      Parameter parameter;
+      parameter.name = type + "." + info.name;
+      parameter.value =
+          info.name == "gap" ? 0.05 : info.name == "n" ? 1.6 : 0.7;
+      term.parameters.parameters.push_back(parameter);
+    }
+    CHECK(dynamics->AddLaw(std::move(term), &error)) << error;
+  }
+
+  const Feature x0 = Feature::Displacement(0);
+  const Feature v2 = Feature::Velocity(2);
+  const Feature d01 = Feature::Deformation(0, 1);
+  const Feature w12 = Feature::DeformationRate(1, 2);
+  const Matrix first = Matrix::Identity(3, 3).leftCols(1);
+  const Matrix two = Matrix::Identity(3, 3).rightCols(2);
+  AddNetwork("skip", {5}, true, false, NetworkTerm::ActsAs::kAcceleration,
+             {x0, v2, d01, w12}, two, dynamics.get());
+  AddNetwork("force", {4, 3}, false, false, NetworkTerm::ActsAs::kForce,
+             {x0, v2, Feature::Time(), Feature::Input(2)}, first,
+             dynamics.get());
+  AddNetwork("gauged", {6}, false, true, NetworkTerm::ActsAs::kForce,
+             {d01, w12}, first - Matrix::Identity(3, 3).col(1),
+             dynamics.get());
+  AddNetwork("linear", {}, true, false, NetworkTerm::ActsAs::kAcceleration,
+             {x0, d01}, first, dynamics.get());
+  return dynamics;
+}
+
+}  // namespace testing
+}  // namespace pinode

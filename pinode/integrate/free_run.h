@@ -1,0 +1,41 @@
+// Plain integration over a record.
+
+#ifndef PINODE_INTEGRATE_FREE_RUN_H_
+#define PINODE_INTEGRATE_FREE_RUN_H_
+
+#include <string>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/time_grid.h"
+
+namespace pinode {
+
+// States and channels at the samples [first, first + num_samples()).
+struct Trajectory {
+  int first_sample = 0;
+  Matrix states;    // num_states x samples
+  Matrix rates;     // dh/dt at the samples, num_states x samples
+  Matrix channels;  // num_channels x samples
+  // Where a state stopped being finite: sample and index of the state; -1 if
+  // nowhere.
+  int failed_sample = -1;
+  int failed_state = -1;
+
+  bool IsFinite() const { return failed_sample < 0; }
+  int num_samples() const { return static_cast<int>(states.cols()); }
+};
+
+// Integrates from `start` (num_states) at first_sample to last_sample, both
+// included. A state beyond 1e100 counts as not finite. Returns
+// trajectory->IsFinite(); the samples from the failure on are NaN.
+bool FreeRun(const StructuralDynamics& dynamics,
+             const StructuralDynamics::Prepared& prepared,
+             const ObservationMap& observation, const TimeGrid& grid,
+             const Vector& start, int first_sample, int last_sample,
+             Trajectory* trajectory);
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_FREE_RUN_H_

@@ -1,0 +1,106 @@
+#include "pinode/integrate/segment.h"
+
+#include <cmath>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kLargest = 1e100;
+
+int FirstNotFinite(const Vector& state) {
+  for (int k = 0; k < state.size(); ++k) {
+    if (!(std::abs(state[k]) < kLargest)) return k;
+  }
+  return -1;
+}
+
+}  // namespace
+
+SegmentPropagator::SegmentPropagator(const StructuralDynamics& dynamics,
+                                     DerivativeMethod method)
+    : dynamics_(dynamics), method_(method), step_(dynamics) {}
+
+bool SegmentPropagator::Propagate(
+    const StructuralDynamics::Prepared& prepared,
+    const ObservationMap& observation, const TimeGrid& grid,
+    const Vector& start, int first, int last, bool observe_last,
+    bool with_parameters, SegmentTangents* result) {
+  CHECK_LE(0, first);
+  CHECK_LT(first, last);
+  CHECK_LT(last, grid.num_samples());
+  CHECK_EQ(start.size(), dynamics_.num_states());
+  switch (method_) {
+    case DerivativeMethod::kTangents:
+      return PropagateTangents(prepared, observation, grid, start, first, last,
+                               observe_last, with_parameters, result);
+    case DerivativeMethod::kJets:
+      return PropagateWithJets(dynamics_, prepared, observation, grid, start,
+                               first, last, observe_last, with_parameters,
+                               result);
+  }
+  return false;
+}
+
+bool SegmentPropagator::PropagateTangents(
+    const StructuralDynamics::Prepared& prepared,
+    const ObservationMap& observation, const TimeGrid& grid,
+    const Vector& start, int first, int last, bool observe_last,
+    bool with_parameters, SegmentTangents* result) {
+  const int ns = dynamics_.num_states();
+  const int np = with_parameters ? dynamics_.num_tangent_columns() : 0;
+  const int channels = observation.num_channels();
+  const int samples = last - first + (observe_last ? 1 : 0);
+  result->failed_sample = -1;
+  result->failed_state = -1;
+  result->channels.resize(channels, samples);
+  result->jacobian.resize(channels * samples, ns + np);
+  const bool direct = observation.uses_acceleration() && np > 0;
+  if (direct) {
+    direct_.resize(observation.rate_map().rows(), np);
+  }
+
+  state_ = start;
+  sensitivity_.resize(ns, ns + np);
+  sensitivity_.setZero();
+  sensitivity_.leftCols(ns).setIdentity();
+  for (int i = first; i <= last; ++i) {
+    const int failed = FirstNotFinite(state_);
+    if (failed >= 0) {
+      result->failed_sample = i;
+      result->failed_state = failed;
+      return false;
+    }
+    if (i < last || observe_last) {
+      const int row = (i - first) * channels;
+      const auto& stage =
+          step_.LinearizeAt(prepared, grid.time(i), grid.AtSample(i),
+                            state_.data());
+      observation.Observe(state_.data(), stage.rate.data(), grid.AtSample(i),
+                          result->channels.col(i - first).data());
+      observation.StateJacobian(stage, &state_jacobian_);
+      result->jacobian.middleRows(row, channels).noalias() =
+          state_jacobian_ * sensitivity_;
+      if (direct) {
+        direct_.setZero();
+        step_.AddParameterTangents(prepared, observation.rate_map(), &direct_);
+        const std::vector<int>& rows = observation.acceleration_rows();
+        for (size_t r = 0; r < rows.size(); ++r) {
+          result->jacobian.row(row + rows[r]).tail(np) +=
+              direct_.row(static_cast<int>(r));
+        }
+      }
+    }
+    if (i == last) break;
+    for (int s = 0; s < grid.substeps(); ++s) {
+      step_.Step(prepared, grid, i, s, with_parameters, &state_,
+                 &sensitivity_);
+    }
+  }
+  result->end_state = state_;
+  result->end_sensitivity = sensitivity_;
+  return true;
+}
+
+}  // namespace pinode

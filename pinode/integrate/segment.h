@@ -1,0 +1,76 @@
+// One shooting segment: channels at its samples, the state at its end, and the
+// derivatives of both by the segment's start and the parameters.
+
+#ifndef PINODE_INTEGRATE_SEGMENT_H_
+#define PINODE_INTEGRATE_SEGMENT_H_
+
+#include <memory>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/tangent_step.h"
+#include "pinode/integrate/time_grid.h"
+
+namespace pinode {
+
+// How the derivatives of a segment are computed. Both give the derivative of
+// the discrete steps and agree up to rounding.
+enum class DerivativeMethod {
+  kTangents,  // TangentStep: laws by narrow Jets, networks by hand
+  kJets,      // the step on wide Jets through the whole segment
+};
+
+// Columns of the derivatives: num_states for the start, then, where asked for,
+// num_tangent_columns for the parameters.
+struct SegmentTangents {
+  Matrix channels;         // num_channels x samples observed
+  Matrix jacobian;         // (num_channels * samples) x columns
+  Vector end_state;        // num_states
+  Matrix end_sensitivity;  // num_states x columns
+  // First sample at whose end the state was not finite, and which state.
+  int failed_sample = -1;
+  int failed_state = -1;
+};
+
+// Working memory for segments of one dynamics; one object per thread.
+class SegmentPropagator {
+ public:
+  SegmentPropagator(const StructuralDynamics& dynamics,
+                    DerivativeMethod method);
+
+  // Integrates from `start` at sample `first` to sample `last` and observes
+  // the samples in [first, last), and `last` itself if observe_last. Returns
+  // false where a state is not finite.
+  bool Propagate(const StructuralDynamics::Prepared& prepared,
+                 const ObservationMap& observation, const TimeGrid& grid,
+                 const Vector& start, int first, int last, bool observe_last,
+                 bool with_parameters, SegmentTangents* result);
+
+ private:
+  bool PropagateTangents(const StructuralDynamics::Prepared& prepared,
+                         const ObservationMap& observation,
+                         const TimeGrid& grid, const Vector& start, int first,
+                         int last, bool observe_last, bool with_parameters,
+                         SegmentTangents* result);
+
+  const StructuralDynamics& dynamics_;
+  DerivativeMethod method_;
+  TangentStep step_;
+  Vector state_;
+  Matrix sensitivity_;
+  Matrix state_jacobian_;
+  Matrix direct_;  // acceleration rows x parameter columns
+};
+
+// The same by Jets (jet_segment.cc). Slow; the oracle of the tangents.
+bool PropagateWithJets(const StructuralDynamics& dynamics,
+                       const StructuralDynamics::Prepared& prepared,
+                       const ObservationMap& observation, const TimeGrid& grid,
+                       const Vector& start, int first, int last,
+                       bool observe_last, bool with_parameters,
+                       SegmentTangents* result);
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_SEGMENT_H_

@@ -1,0 +1,186 @@
+#include "pinode/integrate/segment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "pinode/base/logging.h"
+#include "pinode/dynamics/testing.h"
+#include "pinode/integrate/free_run.h"
+
+namespace pinode {
+namespace {
+
+Excitation SomeExcitation(Interpolation interpolation, int samples) {
+  Matrix values(3, samples);
+  for (int i = 0; i < samples; ++i) {
+    values.col(i) << std::sin(1.3 * i), 0.5 * std::cos(0.7 * i), 1.0 + 0.1 * i;
+  }
+  return Excitation(0.2, 0.05, values, interpolation);
+}
+
+std::vector<Observation> SomeObservations() {
+  return {{"x1", Quantity::kDisplacement, Vector::Unit(3, 0)},
+          {"v2", Quantity::kVelocity, Vector::Unit(3, 1)},
+          {"a2", Quantity::kAbsoluteAcceleration, Vector::Unit(3, 1)},
+          {"a3", Quantity::kRelativeAcceleration, Vector::Unit(3, 2)}};
+}
+
+class SegmentDerivatives : public ::testing::TestWithParam<Interpolation> {
+ protected:
+  void SetUp() override {
+    dynamics_ = testing::MakeEverything();
+    std::string error;
+    ASSERT_TRUE(
+        dynamics_->Prepare(dynamics_->Parameters(), &prepared_, &error));
+    observation_ = ObservationMap(*dynamics_, SomeObservations());
+    grid_ = TimeGrid(SomeExcitation(GetParam(), 12), 2);
+    start_ = Vector::LinSpaced(dynamics_->num_states(), -0.5, 0.6);
+  }
+
+  SegmentTangents Propagate(DerivativeMethod method) {
+    SegmentPropagator propagator(*dynamics_, method);
+    SegmentTangents result;
+    EXPECT_TRUE(propagator.Propagate(prepared_, observation_, grid_, start_, 2,
+                                     11, true, true, &result));
+    return result;
+  }
+
+  std::unique_ptr<StructuralDynamics> dynamics_;
+  StructuralDynamics::Prepared prepared_;
+  ObservationMap observation_;
+  TimeGrid grid_;
+  Vector start_;
+};
+
+TEST_P(SegmentDerivatives, TangentsEqualWideJets) {
+  const SegmentTangents tangents = Propagate(DerivativeMethod::kTangents);
+  const SegmentTangents jets = Propagate(DerivativeMethod::kJets);
+  EXPECT_LT((tangents.channels - jets.channels).norm(),
+            1e-13 * jets.channels.norm());
+  EXPECT_LT((tangents.end_state - jets.end_state).norm(),
+            1e-13 * jets.end_state.norm());
+  for (Eigen::Index j = 0; j < jets.jacobian.cols(); ++j) {
+    EXPECT_LT((tangents.jacobian.col(j) - jets.jacobian.col(j)).norm(),
+              1e-11 * jets.jacobian.col(j).norm())
+        << "column " << j;
+    EXPECT_LT(
+        (tangents.end_sensitivity.col(j) - jets.end_sensitivity.col(j)).norm(),
+        1e-11 * jets.end_sensitivity.col(j).norm())
+        << "column " << j;
+  }
+}
+
+// Ridders' extrapolation of central differences (C. J. F. Ridders, Advances in
+// Engineering Software 4 (1982) 75-76) of a vector function.
+template <typename Function>
+Vector RiddersDerivative(const Function& function, double step) {
+  constexpr int kLevels = 8;
+  constexpr double kShrink = 1.4;
+  std::vector<std::vector<Vector>> table(kLevels);
+  Vector best;
+  double best_error = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kLevels; ++i) {
+    table[i].push_back((function(step) - function(-step)) / (2.0 * step));
+    double factor = kShrink * kShrink;
+    for (int j = 1; j <= i; ++j) {
+      table[i].push_back((table[i][j - 1] * factor - table[i - 1][j - 1]) /
+                         (factor - 1.0));
+      factor *= kShrink * kShrink;
+      const double error =
+          std::max((table[i][j] - table[i][j - 1]).norm(),
+                   (table[i][j] - table[i - 1][j - 1]).norm());
+      if (error < best_error) {
+        best_error = error;
+        best = table[i][j];
+      }
+    }
+    step /= kShrink;
+  }
+  return best;
+}
+
+TEST_P(SegmentDerivatives, TangentsMatchRiddersDifferences) {
+  const SegmentTangents tangents = Propagate(DerivativeMethod::kTangents);
+  const int ns = dynamics_->num_states();
+  const Vector theta = dynamics_->Parameters();
+  for (int j = 0; j < ns + theta.size(); ++j) {
+    const auto run = [&](double step) {
+      Vector start = start_;
+      Vector moved = theta;
+      (j < ns ? start[j] : moved[j - ns]) += step;
+      StructuralDynamics::Prepared prepared;
+      std::string error;
+      CHECK(dynamics_->Prepare(moved, &prepared, &error));
+      Trajectory trajectory;
+      CHECK(FreeRun(*dynamics_, prepared, observation_, grid_, start, 2, 11,
+                    &trajectory));
+      return Vector(Eigen::Map<const Vector>(trajectory.channels.data(),
+                                             trajectory.channels.size()));
+    };
+    // Small enough that no stage crosses the corner of the bilinear spring.
+    const Vector difference = RiddersDerivative(run, 3e-4);
+    EXPECT_LT((tangents.jacobian.col(j) - difference).norm(),
+              1e-6 * difference.norm())
+        << "column " << j;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Interpolations, SegmentDerivatives,
+                         ::testing::Values(Interpolation::kHeld,
+                                           Interpolation::kLinear,
+                                           Interpolation::kCubic));
+
+TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
+  const auto dynamics = testing::MakeEverything();
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  ASSERT_TRUE(dynamics->Prepare(dynamics->Parameters(), &prepared, &error));
+  const ObservationMap observation(*dynamics, SomeObservations());
+  const TimeGrid grid(SomeExcitation(Interpolation::kLinear, 8), 1);
+  const int ns = dynamics->num_states();
+  const Vector start = Vector::LinSpaced(ns, -0.5, 0.6);
+  for (auto method : {DerivativeMethod::kTangents, DerivativeMethod::kJets}) {
+    SegmentPropagator propagator(*dynamics, method);
+    SegmentTangents full, alone;
+    ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
+                                     false, true, &full));
+    ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
+                                     false, false, &alone));
+    EXPECT_EQ(alone.jacobian.cols(), ns);
+    EXPECT_LT((alone.jacobian - full.jacobian.leftCols(ns)).norm(),
+              1e-13 * alone.jacobian.norm());
+    EXPECT_LT((alone.end_sensitivity - full.end_sensitivity.leftCols(ns)).norm(),
+              1e-13 * alone.end_sensitivity.norm());
+  }
+}
+
+TEST(Segment, DivergenceNamesSampleAndState) {
+  StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
+  model.stiffness *= -1e6;  // explodes
+  const StructuralDynamics dynamics(model, {});
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  ASSERT_TRUE(dynamics.Prepare(Vector(), &prepared, &error));
+  const ObservationMap observation(
+      dynamics, {{"x", Quantity::kDisplacement, Vector::Unit(2, 0)}});
+  const TimeGrid grid(0.0, 0.05, 200, 1);
+  SegmentPropagator propagator(dynamics, DerivativeMethod::kTangents);
+  SegmentTangents result;
+  EXPECT_FALSE(propagator.Propagate(prepared, observation, grid,
+                                    Vector::Ones(4), 0, 199, true, false,
+                                    &result));
+  EXPECT_GT(result.failed_sample, 0);
+  EXPECT_LT(result.failed_sample, 199);
+  EXPECT_GE(result.failed_state, 0);
+  Trajectory trajectory;
+  EXPECT_FALSE(FreeRun(dynamics, prepared, observation, grid, Vector::Ones(4),
+                       0, 199, &trajectory));
+  EXPECT_EQ(trajectory.failed_sample, result.failed_sample);
+}
+
+}  // namespace
+}  // namespace pinode

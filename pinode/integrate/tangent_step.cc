@@ -1,0 +1,100 @@
+#include "pinode/integrate/tangent_step.h"
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+TangentStep::TangentStep(const StructuralDynamics& dynamics)
+    : dynamics_(dynamics),
+      sample_stage_(dynamics.MakeStage()),
+      stages_{dynamics.MakeStage(), dynamics.MakeStage(), dynamics.MakeStage(),
+              dynamics.MakeStage()},
+      scratch_(dynamics.MakeTangentScratch(dynamics.num_states())),
+      observation_scratch_(dynamics.MakeTangentScratch(1)) {
+  const int ns = dynamics.num_states();
+  for (Matrix& weight : weights_) weight = Matrix::Zero(ns, ns);
+  transition_ = Matrix::Zero(ns, ns);
+  next_start_ = Matrix::Zero(ns, ns);
+  next_ = Matrix::Zero(ns, ns + dynamics.num_tangent_columns());
+  stage_state_ = Vector::Zero(ns);
+}
+
+const StructuralDynamics::Stage& TangentStep::LinearizeAt(
+    const StructuralDynamics::Prepared& prepared, double time,
+    const double* input, const double* state) {
+  dynamics_.Linearize(prepared, time, input, state, &sample_stage_);
+  return sample_stage_;
+}
+
+void TangentStep::AddParameterTangents(
+    const StructuralDynamics::Prepared& prepared, const Matrix& left,
+    Matrix* result) {
+  DCHECK_EQ(result->rows(), left.rows());
+  if (observation_scratch_.velocity_map.rows() != left.rows()) {
+    observation_scratch_ =
+        dynamics_.MakeTangentScratch(static_cast<int>(left.rows()));
+  }
+  const StructuralDynamics::Stage* stage = &sample_stage_;
+  const Matrix* lefts[] = {&left};
+  dynamics_.AddParameterTangents(prepared, &stage, lefts, 1,
+                                 &observation_scratch_, result->data());
+}
+
+void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
+                       const TimeGrid& grid, int interval, int substep,
+                       bool with_parameters, Vector* state,
+                       Matrix* sensitivity) {
+  const int ns = dynamics_.num_states();
+  const double dt = grid.step();
+  const double time = grid.step_time(interval, substep);
+  const double* begin = grid.AtNode(interval, substep, 0);
+  const double* middle = grid.AtNode(interval, substep, 1);
+  const double* end = grid.AtNode(interval, substep, 2);
+
+  dynamics_.Linearize(prepared, time, begin, state->data(), &stages_[0]);
+  stage_state_ = *state + 0.5 * dt * stages_[0].rate;
+  dynamics_.Linearize(prepared, time + 0.5 * dt, middle, stage_state_.data(),
+                      &stages_[1]);
+  stage_state_ = *state + 0.5 * dt * stages_[1].rate;
+  dynamics_.Linearize(prepared, time + 0.5 * dt, middle, stage_state_.data(),
+                      &stages_[2]);
+  stage_state_ = *state + dt * stages_[2].rate;
+  dynamics_.Linearize(prepared, time + dt, end, stage_state_.data(),
+                      &stages_[3]);
+  *state += dt / 6.0 *
+            (stages_[0].rate + 2.0 * stages_[1].rate + 2.0 * stages_[2].rate +
+             stages_[3].rate);
+
+  // Backwards through the stages.
+  weights_[3].setZero();
+  weights_[3].diagonal().array() = dt / 6.0;
+  weights_[2].noalias() = dt * weights_[3] * stages_[3].jacobian;
+  weights_[2].diagonal().array() += dt / 3.0;
+  weights_[1].noalias() = 0.5 * dt * weights_[2] * stages_[2].jacobian;
+  weights_[1].diagonal().array() += dt / 3.0;
+  weights_[0].noalias() = 0.5 * dt * weights_[1] * stages_[1].jacobian;
+  weights_[0].diagonal().array() += dt / 6.0;
+
+  transition_.setIdentity();
+  for (size_t s = 0; s < 4; ++s) {
+    transition_.noalias() += weights_[s] * stages_[s].jacobian;
+  }
+  if (!with_parameters) {
+    DCHECK_EQ(sensitivity->cols(), ns);
+    next_start_.noalias() = transition_ * *sensitivity;
+    sensitivity->swap(next_start_);
+    return;
+  }
+  DCHECK_EQ(sensitivity->cols(), next_.cols());
+  next_.noalias() = transition_ * *sensitivity;
+  const StructuralDynamics::Stage* stages[] = {&stages_[0], &stages_[1],
+                                               &stages_[2], &stages_[3]};
+  const Matrix* lefts[] = {&weights_[0], &weights_[1], &weights_[2],
+                           &weights_[3]};
+  dynamics_.AddParameterTangents(
+      prepared, stages, lefts, 4, &scratch_,
+      next_.data() + static_cast<Eigen::Index>(ns) * ns);
+  sensitivity->swap(next_);
+}
+
+}  // namespace pinode

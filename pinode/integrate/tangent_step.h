@@ -1,0 +1,62 @@
+// One Runge-Kutta step together with its exact derivative.
+
+#ifndef PINODE_INTEGRATE_TANGENT_STEP_H_
+#define PINODE_INTEGRATE_TANGENT_STEP_H_
+
+#include <array>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/time_grid.h"
+
+namespace pinode {
+
+// Propagates a state h and its sensitivities S = d h / d (start, theta),
+// num_states x (num_states + num_tangent_columns), over one RK4 step. With
+// stages k_s = f(X_s), J_s = df/dh and F_s = df/dtheta at stage s,
+//
+//   G4 = dt/6 I                      G3 = dt/3 I + dt   G4 J4
+//   G2 = dt/3 I + dt/2 G3 J3         G1 = dt/6 I + dt/2 G2 J2
+//   A  = I + sum_s G_s J_s           B  = sum_s G_s F_s
+//   S(t + dt) = A S(t) + [0 B]
+//
+// which is the derivative of the discrete step itself (pinode/theory.md).
+// After construction nothing allocates. One object per thread.
+class TangentStep {
+ public:
+  explicit TangentStep(const StructuralDynamics& dynamics);
+
+  // The dynamics linearised at a sample, as observation needs it and as the
+  // first stage of the step that starts there.
+  const StructuralDynamics::Stage& LinearizeAt(
+      const StructuralDynamics::Prepared& prepared, double time,
+      const double* input, const double* state);
+
+  // Advances *state (num_states) and *sensitivity by one step.
+  // `with_parameters`: whether *sensitivity has the parameter columns, or just
+  // the num_states columns of the start.
+  void Step(const StructuralDynamics::Prepared& prepared, const TimeGrid& grid,
+            int interval, int substep, bool with_parameters, Vector* state,
+            Matrix* sensitivity);
+
+  // result (rows x num_tangent_columns) += left * (df/dtheta) at the point of
+  // the last LinearizeAt; left is rows x num_states.
+  void AddParameterTangents(const StructuralDynamics::Prepared& prepared,
+                            const Matrix& left, Matrix* result);
+
+ private:
+  const StructuralDynamics& dynamics_;
+  StructuralDynamics::Stage sample_stage_;
+  std::array<StructuralDynamics::Stage, 4> stages_;
+  std::array<Matrix, 4> weights_;  // G_1 ... G_4
+  StructuralDynamics::TangentScratch scratch_;
+  StructuralDynamics::TangentScratch observation_scratch_;
+  Matrix transition_;  // A
+  Matrix next_start_;  // next sensitivity by start alone, ns x ns
+  Matrix next_;        // next sensitivity, ns x (ns + np)
+  Vector stage_state_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_TANGENT_STEP_H_

@@ -1,0 +1,40 @@
+#include "pinode/integrate/time_grid.h"
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+TimeGrid::TimeGrid(double start_time, double sampling_step, int num_samples,
+                   int substeps)
+    : start_time_(start_time),
+      sampling_step_(sampling_step),
+      num_samples_(num_samples),
+      substeps_(substeps),
+      at_samples_(0, num_samples),
+      at_nodes_(0, 3 * substeps * (num_samples - 1)) {
+  CHECK_GE(num_samples, 2) << "a record needs at least two samples";
+  CHECK_GE(substeps, 1);
+  CHECK_GT(sampling_step, 0.0);
+}
+
+TimeGrid::TimeGrid(const Excitation& excitation, int substeps)
+    : TimeGrid(excitation.time(0), excitation.step(), excitation.num_samples(),
+               substeps) {
+  at_samples_.resize(excitation.num_inputs(), num_samples_);
+  at_nodes_.resize(excitation.num_inputs(),
+                   3 * substeps * (num_samples_ - 1));
+  for (int i = 0; i + 1 < num_samples_; ++i) {
+    excitation.Evaluate(i, 0.0, at_samples_.col(i).data());
+    for (int s = 0; s < substeps; ++s) {
+      for (int node = 0; node < 3; ++node) {
+        const double fraction = (s + 0.5 * node) / substeps;
+        excitation.Evaluate(i, fraction,
+                            at_nodes_.col((i * substeps + s) * 3 + node).data());
+      }
+    }
+  }
+  excitation.Evaluate(num_samples_ - 1, 0.0,
+                      at_samples_.col(num_samples_ - 1).data());
+}
+
+}  // namespace pinode

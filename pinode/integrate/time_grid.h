@@ -1,0 +1,63 @@
+// A record's samples, the steps between them, and the inputs at every stage.
+
+#ifndef PINODE_INTEGRATE_TIME_GRID_H_
+#define PINODE_INTEGRATE_TIME_GRID_H_
+
+#include "pinode/base/types.h"
+#include "pinode/record/excitation.h"
+
+namespace pinode {
+
+// Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
+// `substeps` Runge-Kutta steps of equal length in every interval. The inputs
+// are tabulated once: every integration of the record reads the same values.
+class TimeGrid {
+ public:
+  TimeGrid() = default;
+
+  // `excitation` has one row per input of the dynamics, in their order.
+  TimeGrid(const Excitation& excitation, int substeps);
+
+  // Without inputs.
+  TimeGrid(double start_time, double sampling_step, int num_samples,
+           int substeps);
+
+  int num_samples() const { return num_samples_; }
+  int substeps() const { return substeps_; }
+  int num_inputs() const { return static_cast<int>(at_samples_.rows()); }
+  double sampling_step() const { return sampling_step_; }
+  double step() const { return sampling_step_ / substeps_; }
+  double time(int sample) const {
+    return start_time_ + sample * sampling_step_;
+  }
+  double step_time(int interval, int substep) const {
+    return time(interval) + substep * step();
+  }
+
+  // Inputs (num_inputs values) that act from sample i on: a held input has
+  // already jumped.
+  const double* AtSample(int sample) const {
+    return at_samples_.data() +
+           static_cast<Eigen::Index>(sample) * at_samples_.rows();
+  }
+
+  // Inputs at the beginning (node 0), middle (1) and end (2) of one step; at
+  // the end a held input has not jumped yet.
+  const double* AtNode(int interval, int substep, int node) const {
+    const Eigen::Index column =
+        (static_cast<Eigen::Index>(interval) * substeps_ + substep) * 3 + node;
+    return at_nodes_.data() + column * at_nodes_.rows();
+  }
+
+ private:
+  double start_time_ = 0.0;
+  double sampling_step_ = 1.0;
+  int num_samples_ = 0;
+  int substeps_ = 1;
+  Matrix at_samples_;  // inputs x samples
+  Matrix at_nodes_;    // inputs x (3 * substeps * intervals)
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_TIME_GRID_H_
