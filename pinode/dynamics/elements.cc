@@ -92,7 +92,8 @@ struct BoucWen {
     // |z|^(n-1) z = sign(z) |z|^n
     const T signed_power = z[0] < T(0.0) ? T(-power) : power;
     result[0] = p[0] * z[0];
-    result[1] = p[1] * w - p[2] * Magnitude(w) * signed_power - p[3] * w * power;
+    result[1] =
+        p[1] * w - p[2] * Magnitude(w) * signed_power - p[3] * w * power;
   }
 };
 

@@ -43,8 +43,8 @@ RowVector Feature::Selector(int num_dofs) const {
   switch (kind) {
     case Kind::kDisplacement:
     case Kind::kVelocity:
-      CHECK(a >= 0 && a < num_dofs) << "feature on DOF " << a << " of "
-                                    << num_dofs;
+      CHECK(a >= 0 && a < num_dofs)
+          << "feature on DOF " << a << " of " << num_dofs;
       selector[a] = 1.0;
       break;
     case Kind::kDeformation:

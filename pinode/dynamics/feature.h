@@ -31,9 +31,9 @@ struct Feature {
   static constexpr int kGround = -1;
 
   Kind kind = Kind::kDisplacement;
-  int a = kGround;   // DOF index, or kGround for the relative quantities
-  int b = kGround;   // DOF index; relative quantities only
-  int input = -1;    // index into the inputs; kInput only
+  int a = kGround;  // DOF index, or kGround for the relative quantities
+  int b = kGround;  // DOF index; relative quantities only
+  int input = -1;   // index into the inputs; kInput only
 
   static Feature Displacement(int dof);
   static Feature Velocity(int dof);

@@ -69,9 +69,9 @@ class ObservationMap {
   const Matrix& rate_map() const { return rate_map_; }
 
  private:
-  Matrix state_map_;  // channels x states
+  Matrix state_map_;      // channels x states
   Matrix full_rate_map_;  // channels x states, zero but for accelerations
-  Matrix input_map_;  // channels x inputs
+  Matrix input_map_;      // channels x inputs
   std::vector<int> acceleration_rows_;
   Matrix rate_map_;
 };

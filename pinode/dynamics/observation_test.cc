@@ -22,11 +22,11 @@ TEST(Observation, SeesEveryQuantity) {
   Vector difference(2);
   difference << -1.0, 1.0;
   const ObservationMap map(
-      dynamics, {At(Quantity::kDisplacement, difference),
-                 At(Quantity::kVelocity, second),
-                 At(Quantity::kRelativeAcceleration, second),
-                 At(Quantity::kAbsoluteAcceleration, second),
-                 At(Quantity::kAbsoluteDisplacement, second)});
+      dynamics,
+      {At(Quantity::kDisplacement, difference), At(Quantity::kVelocity, second),
+       At(Quantity::kRelativeAcceleration, second),
+       At(Quantity::kAbsoluteAcceleration, second),
+       At(Quantity::kAbsoluteDisplacement, second)});
   const double state[] = {0.1, 0.4, -1.0, 2.0};
   const double rate[] = {-1.0, 2.0, 7.0, -3.0};
   const double input[] = {0.8, 0.06};

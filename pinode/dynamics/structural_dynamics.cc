@@ -397,7 +397,8 @@ void StructuralDynamics::LinearRate(const Prepared& prepared, double time,
   Eigen::Map<const Vector> v(state + n, n);
   Eigen::Map<Vector> a(rate + n, n);
   Eigen::Map<Vector>(rate, n) = v;
-  a.noalias() = prepared.input_map * Eigen::Map<const Vector>(input, num_inputs());
+  a.noalias() =
+      prepared.input_map * Eigen::Map<const Vector>(input, num_inputs());
   a.noalias() += prepared.state_jacobian.block(n, 0, n, 2 * n) *
                  Eigen::Map<const Vector>(state, 2 * n);
   for (size_t j = 0; j < groups_.size(); ++j) {
@@ -424,12 +425,10 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
   Eigen::Map<Vector> a(rate + n, n);
   for (size_t j = 0; j < laws_.size(); ++j) {
     const LawTerm& term = laws_[j];
-    GatherFeatures(term.features, time, input, state,
-                   scratch->features.data());
-    term.law->Evaluate(scratch->features.data(),
-                       state + law_internal_offset_[j],
-                       prepared.theta.data() + law_offset_[j],
-                       scratch->outputs.data());
+    GatherFeatures(term.features, time, input, state, scratch->features.data());
+    term.law->Evaluate(
+        scratch->features.data(), state + law_internal_offset_[j],
+        prepared.theta.data() + law_offset_[j], scratch->outputs.data());
     const int outputs = term.law->num_outputs();
     for (int o = 0; o < outputs; ++o) {
       a += prepared.law_map[j].col(o) * scratch->outputs[o];
@@ -440,12 +439,10 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
   }
   for (size_t j = 0; j < networks_.size(); ++j) {
     const NetworkTerm& term = networks_[j];
-    GatherFeatures(term.features, time, input, state,
-                   scratch->features.data());
-    term.network->Evaluate(scratch->features.data(),
-                           prepared.theta.data() + network_offset_[j],
-                           scratch->outputs.data(),
-                           &scratch->network_workspaces[j]);
+    GatherFeatures(term.features, time, input, state, scratch->features.data());
+    term.network->Evaluate(
+        scratch->features.data(), prepared.theta.data() + network_offset_[j],
+        scratch->outputs.data(), &scratch->network_workspaces[j]);
     for (int o = 0; o < prepared.network_map[j].cols(); ++o) {
       a += prepared.network_map[j].col(o) * scratch->outputs[o];
     }
@@ -501,11 +498,10 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
         stage->mapped[first + i] = jacobian(argument, outputs + i);
       }
       if (argument < features) {
-        AddFeatureColumn(term.features[Index(argument)], n,
-                         stage->mapped, &stage->jacobian);
+        AddFeatureColumn(term.features[Index(argument)], n, stage->mapped,
+                         &stage->jacobian);
       } else {
-        stage->jacobian.col(first + argument - features) +=
-            stage->mapped;
+        stage->jacobian.col(first + argument - features) += stage->mapped;
       }
     }
   }
@@ -549,14 +545,12 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
         force.noalias() = term.group.matrix * stage->force_acceleration;
         // The ground's inertia force follows the mass as well.
         for (int i = 0; i < num_inputs(); ++i) {
-          if (inputs_[Index(i)].kind !=
-              InputSpec::Kind::kGroundAcceleration) {
+          if (inputs_[Index(i)].kind != InputSpec::Kind::kGroundAcceleration) {
             continue;
           }
-          force.noalias() +=
-              term.group.matrix.lazyProduct(
-                  model_.influence.col(inputs_[Index(i)].index)) *
-              input[i];
+          force.noalias() += term.group.matrix.lazyProduct(model_.influence.col(
+                                 inputs_[Index(i)].index)) *
+                             input[i];
         }
         break;
       case MatrixGroup::Target::kDamping:
@@ -584,10 +578,12 @@ StructuralDynamics::TangentScratch StructuralDynamics::MakeTangentScratch(
   return scratch;
 }
 
-void StructuralDynamics::AddParameterTangents(
-    const Prepared& prepared, const Stage* const* stages,
-    const Matrix* const* lefts, int num_stages, TangentScratch* scratch,
-    double* result) const {
+void StructuralDynamics::AddParameterTangents(const Prepared& prepared,
+                                              const Stage* const* stages,
+                                              const Matrix* const* lefts,
+                                              int num_stages,
+                                              TangentScratch* scratch,
+                                              double* result) const {
   DCHECK_LE(num_stages, 4);
   const int n = num_dofs();
   const int rows = static_cast<int>(lefts[0]->rows());
@@ -615,8 +611,8 @@ void StructuralDynamics::AddParameterTangents(
           mapped.noalias() =
               lefts[s]->middleCols(n, n) * prepared.law_map[j].col(o);
         } else {
-          mapped = lefts[s]->col(law_internal_offset_[j] + o -
-                                 law.num_outputs());
+          mapped =
+              lefts[s]->col(law_internal_offset_[j] + o - law.num_outputs());
         }
         for (int p = 0; p < law.num_parameters(); ++p) {
           columns.col(p) += mapped * jacobian(first_parameter + p, o);
@@ -765,9 +761,9 @@ StructuralModel StructuralDynamics::CorrectedModel(const Vector& theta) const {
     constant.push_back(groups_[j].group);
     alphas.push_back(theta[static_cast<int>(j)]);
   }
-  return ApplyGroups(model_, constant,
-                     Eigen::Map<const Vector>(
-                         alphas.data(), static_cast<int>(alphas.size())));
+  return ApplyGroups(
+      model_, constant,
+      Eigen::Map<const Vector>(alphas.data(), static_cast<int>(alphas.size())));
 }
 
 }  // namespace pinode

@@ -38,8 +38,7 @@ Matrix JetJacobian(const StructuralDynamics& dynamics,
       const int column = begin + k;
       (column < ns ? h[column] : theta[column - ns]).v[k] = 1.0;
     }
-    dynamics.Rate(prepared, kTime, kInput, h.data(), theta.data(),
-                  rate.data());
+    dynamics.Rate(prepared, kTime, kInput, h.data(), theta.data(), rate.data());
     for (int i = 0; i < ns; ++i) {
       for (int k = 0; k < count; ++k) jacobian(i, begin + k) = rate[i].v[k];
     }

@@ -67,11 +67,10 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
   model.mass(0, 1) = model.mass(1, 0) = 0.1;
   model.support_mass_coupling(0, 0) = 0.2;
   auto dynamics = std::make_unique<StructuralDynamics>(
-      std::move(model),
-      std::vector<InputSpec>{
-          {InputSpec::Kind::kGroundAcceleration, 0, "ground"},
-          {InputSpec::Kind::kForce, 1, "force"},
-          {InputSpec::Kind::kCovariate, 0, "temperature"}});
+      std::move(model), std::vector<InputSpec>{
+                            {InputSpec::Kind::kGroundAcceleration, 0, "ground"},
+                            {InputSpec::Kind::kForce, 1, "force"},
+                            {InputSpec::Kind::kCovariate, 0, "temperature"}});
   std::string error;
   const auto add_group = [&](const std::string& name,
                              MatrixGroup::Target target, const Matrix& matrix,
@@ -119,8 +118,9 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
     for (const ElementParameterInfo& info : ElementParameters(type)) {
       Parameter parameter;
       parameter.name = type + "." + info.name;
-      parameter.value =
-          info.name == "gap" ? 0.05 : info.name == "n" ? 1.6 : 0.7;
+      parameter.value = info.name == "gap" ? 0.05
+                        : info.name == "n" ? 1.6
+                                           : 0.7;
       term.parameters.parameters.push_back(parameter);
     }
     CHECK(dynamics->AddLaw(std::move(term), &error)) << error;
@@ -138,8 +138,7 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
              {x0, v2, Feature::Time(), Feature::Input(2)}, first,
              dynamics.get());
   AddNetwork("gauged", {6}, false, true, NetworkTerm::ActsAs::kForce,
-             {d01, w12}, first - Matrix::Identity(3, 3).col(1),
-             dynamics.get());
+             {d01, w12}, first - Matrix::Identity(3, 3).col(1), dynamics.get());
   AddNetwork("linear", {}, true, false, NetworkTerm::ActsAs::kAcceleration,
              {x0, d01}, first, dynamics.get());
   return dynamics;

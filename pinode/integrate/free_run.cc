@@ -10,7 +10,7 @@ namespace pinode {
 
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
-             const ObservationMap& observation, const TimeGrid& grid,
+             const ObservationMap& observation, const IntegrationGrid& grid,
              const Vector& start, int first_sample, int last_sample,
              Trajectory* trajectory) {
   const int ns = dynamics.num_states();

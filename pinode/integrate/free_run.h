@@ -8,7 +8,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/integrate/time_grid.h"
+#include "pinode/integrate/integration_grid.h"
 
 namespace pinode {
 
@@ -32,7 +32,7 @@ struct Trajectory {
 // trajectory->IsFinite(); the samples from the failure on are NaN.
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
-             const ObservationMap& observation, const TimeGrid& grid,
+             const ObservationMap& observation, const IntegrationGrid& grid,
              const Vector& start, int first_sample, int last_sample,
              Trajectory* trajectory);
 

@@ -25,10 +25,11 @@ TEST(FreeRun, MatchesTheClosedFormUnderARamp) {
                  {"a", Quantity::kAbsoluteAcceleration, Vector::Ones(1)}});
   const int samples = 101;
   const Matrix ramp = RowVector::LinSpaced(samples, 0.0, 1.0);
-  const TimeGrid grid(Excitation(0.0, 0.01, ramp, Interpolation::kLinear), 4);
+  const IntegrationGrid grid(
+      Excitation(0.0, 0.01, ramp, Interpolation::kLinear), 4);
   Trajectory trajectory;
-  ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, Vector::Zero(2),
-                      0, samples - 1, &trajectory));
+  ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, Vector::Zero(2), 0,
+                      samples - 1, &trajectory));
   const double omega = std::sqrt(kStiffness);
   for (int i = 0; i < samples; ++i) {
     const double t = 0.01 * i;
@@ -46,12 +47,12 @@ TEST(FreeRun, StartsAndEndsWhereToldTo) {
   ASSERT_TRUE(dynamics.Prepare(Vector(), &prepared, &error)) << error;
   const ObservationMap observation(
       dynamics, {{"x", Quantity::kDisplacement, Vector::Ones(1)}});
-  const TimeGrid grid(0.0, 0.1, 50, 2);
+  const IntegrationGrid grid(0.0, 0.1, 50, 2);
   Vector start(2);
   start << 1.0, -0.5;
   Trajectory whole, rest;
-  ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0, 49,
-                      &whole));
+  ASSERT_TRUE(
+      FreeRun(dynamics, prepared, observation, grid, start, 0, 49, &whole));
   ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid,
                       whole.states.col(20), 20, 49, &rest));
   EXPECT_EQ(rest.num_samples(), 30);

@@ -11,10 +11,10 @@ namespace pinode {
 
 bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const StructuralDynamics::Prepared& prepared,
-                       const ObservationMap& observation, const TimeGrid& grid,
-                       const Vector& start, int first, int last,
-                       bool observe_last, bool with_parameters,
-                       SegmentTangents* result) {
+                       const ObservationMap& observation,
+                       const IntegrationGrid& grid, const Vector& start,
+                       int first, int last, bool observe_last,
+                       bool with_parameters, SegmentTangents* result) {
   constexpr int kWidth = WideJet::DIMENSION;
   const int ns = dynamics.num_states();
   const int np = dynamics.num_parameters();

@@ -23,9 +23,9 @@ double OscillatorError(int steps) {
             &scratch);
   }
   const double omega_d = kOmega * std::sqrt(1.0 - kZeta * kZeta);
-  const double x = std::exp(-kZeta * kOmega) *
-                   (std::cos(omega_d) +
-                    kZeta * kOmega / omega_d * std::sin(omega_d));
+  const double x =
+      std::exp(-kZeta * kOmega) *
+      (std::cos(omega_d) + kZeta * kOmega / omega_d * std::sin(omega_d));
   return std::abs(state[0] - x);
 }
 

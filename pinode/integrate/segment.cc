@@ -22,11 +22,12 @@ SegmentPropagator::SegmentPropagator(const StructuralDynamics& dynamics,
                                      DerivativeMethod method)
     : dynamics_(dynamics), method_(method), step_(dynamics) {}
 
-bool SegmentPropagator::Propagate(
-    const StructuralDynamics::Prepared& prepared,
-    const ObservationMap& observation, const TimeGrid& grid,
-    const Vector& start, int first, int last, bool observe_last,
-    bool with_parameters, SegmentTangents* result) {
+bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
+                                  const ObservationMap& observation,
+                                  const IntegrationGrid& grid,
+                                  const Vector& start, int first, int last,
+                                  bool observe_last, bool with_parameters,
+                                  SegmentTangents* result) {
   CHECK_LE(0, first);
   CHECK_LT(first, last);
   CHECK_LT(last, grid.num_samples());
@@ -45,7 +46,7 @@ bool SegmentPropagator::Propagate(
 
 bool SegmentPropagator::PropagateTangents(
     const StructuralDynamics::Prepared& prepared,
-    const ObservationMap& observation, const TimeGrid& grid,
+    const ObservationMap& observation, const IntegrationGrid& grid,
     const Vector& start, int first, int last, bool observe_last,
     bool with_parameters, SegmentTangents* result) {
   const int ns = dynamics_.num_states();
@@ -74,9 +75,8 @@ bool SegmentPropagator::PropagateTangents(
     }
     if (i < last || observe_last) {
       const int row = (i - first) * channels;
-      const auto& stage =
-          step_.LinearizeAt(prepared, grid.time(i), grid.AtSample(i),
-                            state_.data());
+      const auto& stage = step_.LinearizeAt(prepared, grid.time(i),
+                                            grid.AtSample(i), state_.data());
       observation.Observe(state_.data(), stage.rate.data(), grid.AtSample(i),
                           result->channels.col(i - first).data());
       observation.StateJacobian(stage, &state_jacobian_);
@@ -94,8 +94,7 @@ bool SegmentPropagator::PropagateTangents(
     }
     if (i == last) break;
     for (int s = 0; s < grid.substeps(); ++s) {
-      step_.Step(prepared, grid, i, s, with_parameters, &state_,
-                 &sensitivity_);
+      step_.Step(prepared, grid, i, s, with_parameters, &state_, &sensitivity_);
     }
   }
   result->end_state = state_;

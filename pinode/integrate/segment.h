@@ -9,8 +9,8 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/tangent_step.h"
-#include "pinode/integrate/time_grid.h"
 
 namespace pinode {
 
@@ -43,16 +43,16 @@ class SegmentPropagator {
   // the samples in [first, last), and `last` itself if observe_last. Returns
   // false where a state is not finite.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
-                 const ObservationMap& observation, const TimeGrid& grid,
+                 const ObservationMap& observation, const IntegrationGrid& grid,
                  const Vector& start, int first, int last, bool observe_last,
                  bool with_parameters, SegmentTangents* result);
 
  private:
   bool PropagateTangents(const StructuralDynamics::Prepared& prepared,
                          const ObservationMap& observation,
-                         const TimeGrid& grid, const Vector& start, int first,
-                         int last, bool observe_last, bool with_parameters,
-                         SegmentTangents* result);
+                         const IntegrationGrid& grid, const Vector& start,
+                         int first, int last, bool observe_last,
+                         bool with_parameters, SegmentTangents* result);
 
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;
@@ -66,10 +66,10 @@ class SegmentPropagator {
 // The same by Jets (jet_segment.cc). Slow; the oracle of the tangents.
 bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const StructuralDynamics::Prepared& prepared,
-                       const ObservationMap& observation, const TimeGrid& grid,
-                       const Vector& start, int first, int last,
-                       bool observe_last, bool with_parameters,
-                       SegmentTangents* result);
+                       const ObservationMap& observation,
+                       const IntegrationGrid& grid, const Vector& start,
+                       int first, int last, bool observe_last,
+                       bool with_parameters, SegmentTangents* result);
 
 }  // namespace pinode
 

@@ -37,7 +37,7 @@ class SegmentDerivatives : public ::testing::TestWithParam<Interpolation> {
     ASSERT_TRUE(
         dynamics_->Prepare(dynamics_->Parameters(), &prepared_, &error));
     observation_ = ObservationMap(*dynamics_, SomeObservations());
-    grid_ = TimeGrid(SomeExcitation(GetParam(), 12), 2);
+    grid_ = IntegrationGrid(SomeExcitation(GetParam(), 12), 2);
     start_ = Vector::LinSpaced(dynamics_->num_states(), -0.5, 0.6);
   }
 
@@ -52,7 +52,7 @@ class SegmentDerivatives : public ::testing::TestWithParam<Interpolation> {
   std::unique_ptr<StructuralDynamics> dynamics_;
   StructuralDynamics::Prepared prepared_;
   ObservationMap observation_;
-  TimeGrid grid_;
+  IntegrationGrid grid_;
   Vector start_;
 };
 
@@ -90,9 +90,8 @@ Vector RiddersDerivative(const Function& function, double step) {
       table[i].push_back((table[i][j - 1] * factor - table[i - 1][j - 1]) /
                          (factor - 1.0));
       factor *= kShrink * kShrink;
-      const double error =
-          std::max((table[i][j] - table[i][j - 1]).norm(),
-                   (table[i][j] - table[i - 1][j - 1]).norm());
+      const double error = std::max((table[i][j] - table[i][j - 1]).norm(),
+                                    (table[i][j] - table[i - 1][j - 1]).norm());
       if (error < best_error) {
         best_error = error;
         best = table[i][j];
@@ -124,7 +123,7 @@ TEST_P(SegmentDerivatives, TangentsMatchRiddersDifferences) {
     // Small enough that no stage crosses the corner of the bilinear spring.
     const Vector difference = RiddersDerivative(run, 3e-4);
     EXPECT_LT((tangents.jacobian.col(j) - difference).norm(),
-              1e-6 * difference.norm())
+              1e-6 * difference.norm() + 1e-10)
         << "column " << j;
   }
 }
@@ -140,7 +139,7 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
   std::string error;
   ASSERT_TRUE(dynamics->Prepare(dynamics->Parameters(), &prepared, &error));
   const ObservationMap observation(*dynamics, SomeObservations());
-  const TimeGrid grid(SomeExcitation(Interpolation::kLinear, 8), 1);
+  const IntegrationGrid grid(SomeExcitation(Interpolation::kLinear, 8), 1);
   const int ns = dynamics->num_states();
   const Vector start = Vector::LinSpaced(ns, -0.5, 0.6);
   for (auto method : {DerivativeMethod::kTangents, DerivativeMethod::kJets}) {
@@ -153,8 +152,9 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
     EXPECT_EQ(alone.jacobian.cols(), ns);
     EXPECT_LT((alone.jacobian - full.jacobian.leftCols(ns)).norm(),
               1e-13 * alone.jacobian.norm());
-    EXPECT_LT((alone.end_sensitivity - full.end_sensitivity.leftCols(ns)).norm(),
-              1e-13 * alone.end_sensitivity.norm());
+    EXPECT_LT(
+        (alone.end_sensitivity - full.end_sensitivity.leftCols(ns)).norm(),
+        1e-13 * alone.end_sensitivity.norm());
   }
 }
 
@@ -167,7 +167,7 @@ TEST(Segment, DivergenceNamesSampleAndState) {
   ASSERT_TRUE(dynamics.Prepare(Vector(), &prepared, &error));
   const ObservationMap observation(
       dynamics, {{"x", Quantity::kDisplacement, Vector::Unit(2, 0)}});
-  const TimeGrid grid(0.0, 0.05, 200, 1);
+  const IntegrationGrid grid(0.0, 0.05, 200, 1);
   SegmentPropagator propagator(dynamics, DerivativeMethod::kTangents);
   SegmentTangents result;
   EXPECT_FALSE(propagator.Propagate(prepared, observation, grid,

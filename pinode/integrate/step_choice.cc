@@ -15,7 +15,8 @@ namespace {
 constexpr double kRadius = 2.5;
 
 double Growth(std::complex<double> z) {
-  return std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
+  return std::abs(1.0 +
+                  z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
 }
 
 }  // namespace
@@ -26,8 +27,8 @@ int StableSubsteps(const Matrix& state_matrix, double sampling_step) {
       1, static_cast<int>(std::ceil(sampling_step * largest / kRadius)));
 }
 
-StabilityReport CheckStability(const Matrix& state_matrix,
-                               double sampling_step, int substeps) {
+StabilityReport CheckStability(const Matrix& state_matrix, double sampling_step,
+                               int substeps) {
   CHECK_GE(substeps, 1);
   StabilityReport report;
   report.substeps = substeps;

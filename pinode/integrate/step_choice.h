@@ -28,8 +28,8 @@ struct StabilityReport {
 int StableSubsteps(const Matrix& state_matrix, double sampling_step);
 
 // What happens with the number of substeps given.
-StabilityReport CheckStability(const Matrix& state_matrix,
-                               double sampling_step, int substeps);
+StabilityReport CheckStability(const Matrix& state_matrix, double sampling_step,
+                               int substeps);
 
 }  // namespace pinode
 

@@ -41,7 +41,7 @@ void TangentStep::AddParameterTangents(
 }
 
 void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
-                       const TimeGrid& grid, int interval, int substep,
+                       const IntegrationGrid& grid, int interval, int substep,
                        bool with_parameters, Vector* state,
                        Matrix* sensitivity) {
   const int ns = dynamics_.num_states();

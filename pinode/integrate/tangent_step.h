@@ -7,7 +7,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/integrate/time_grid.h"
+#include "pinode/integrate/integration_grid.h"
 
 namespace pinode {
 
@@ -35,9 +35,9 @@ class TangentStep {
   // Advances *state (num_states) and *sensitivity by one step.
   // `with_parameters`: whether *sensitivity has the parameter columns, or just
   // the num_states columns of the start.
-  void Step(const StructuralDynamics::Prepared& prepared, const TimeGrid& grid,
-            int interval, int substep, bool with_parameters, Vector* state,
-            Matrix* sensitivity);
+  void Step(const StructuralDynamics::Prepared& prepared,
+            const IntegrationGrid& grid, int interval, int substep,
+            bool with_parameters, Vector* state, Matrix* sensitivity);
 
   // result (rows x num_tangent_columns) += left * (df/dtheta) at the point of
   // the last LinearizeAt; left is rows x num_states.

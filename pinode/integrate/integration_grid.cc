@@ -1,11 +1,11 @@
-#include "pinode/integrate/time_grid.h"
+#include "pinode/integrate/integration_grid.h"
 
 #include "pinode/base/logging.h"
 
 namespace pinode {
 
-TimeGrid::TimeGrid(double start_time, double sampling_step, int num_samples,
-                   int substeps)
+IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,
+                                 int num_samples, int substeps)
     : start_time_(start_time),
       sampling_step_(sampling_step),
       num_samples_(num_samples),
@@ -17,19 +17,18 @@ TimeGrid::TimeGrid(double start_time, double sampling_step, int num_samples,
   CHECK_GT(sampling_step, 0.0);
 }
 
-TimeGrid::TimeGrid(const Excitation& excitation, int substeps)
-    : TimeGrid(excitation.time(0), excitation.step(), excitation.num_samples(),
-               substeps) {
+IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps)
+    : IntegrationGrid(excitation.time(0), excitation.step(),
+                      excitation.num_samples(), substeps) {
   at_samples_.resize(excitation.num_inputs(), num_samples_);
-  at_nodes_.resize(excitation.num_inputs(),
-                   3 * substeps * (num_samples_ - 1));
+  at_nodes_.resize(excitation.num_inputs(), 3 * substeps * (num_samples_ - 1));
   for (int i = 0; i + 1 < num_samples_; ++i) {
     excitation.Evaluate(i, 0.0, at_samples_.col(i).data());
     for (int s = 0; s < substeps; ++s) {
       for (int node = 0; node < 3; ++node) {
         const double fraction = (s + 0.5 * node) / substeps;
-        excitation.Evaluate(i, fraction,
-                            at_nodes_.col((i * substeps + s) * 3 + node).data());
+        excitation.Evaluate(
+            i, fraction, at_nodes_.col((i * substeps + s) * 3 + node).data());
       }
     }
   }

@@ -1,7 +1,7 @@
 // A record's samples, the steps between them, and the inputs at every stage.
 
-#ifndef PINODE_INTEGRATE_TIME_GRID_H_
-#define PINODE_INTEGRATE_TIME_GRID_H_
+#ifndef PINODE_INTEGRATE_INTEGRATION_GRID_H_
+#define PINODE_INTEGRATE_INTEGRATION_GRID_H_
 
 #include "pinode/base/types.h"
 #include "pinode/record/excitation.h"
@@ -11,16 +11,16 @@ namespace pinode {
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
 // `substeps` Runge-Kutta steps of equal length in every interval. The inputs
 // are tabulated once: every integration of the record reads the same values.
-class TimeGrid {
+class IntegrationGrid {
  public:
-  TimeGrid() = default;
+  IntegrationGrid() = default;
 
   // `excitation` has one row per input of the dynamics, in their order.
-  TimeGrid(const Excitation& excitation, int substeps);
+  IntegrationGrid(const Excitation& excitation, int substeps);
 
   // Without inputs.
-  TimeGrid(double start_time, double sampling_step, int num_samples,
-           int substeps);
+  IntegrationGrid(double start_time, double sampling_step, int num_samples,
+                  int substeps);
 
   int num_samples() const { return num_samples_; }
   int substeps() const { return substeps_; }
@@ -60,4 +60,4 @@ class TimeGrid {
 
 }  // namespace pinode
 
-#endif  // PINODE_INTEGRATE_TIME_GRID_H_
+#endif  // PINODE_INTEGRATE_INTEGRATION_GRID_H_

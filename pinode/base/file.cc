@@ -1,0 +1,197 @@
+#include "pinode/base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <system_error>
+#include <utility>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+namespace {
+
+std::string ErrorText(int error_number) {
+  return std::generic_category().message(error_number);
+}
+
+// Owns a file descriptor until Close() or destruction.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int get() const { return fd_; }
+  // Some file systems report a failed write only here.
+  bool Close() { return close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+bool WriteAll(int fd, const std::string& content) {
+  size_t done = 0;
+  while (done < content.size()) {
+    const ssize_t count =
+        write(fd, content.data() + done, content.size() - done);
+    if (count < 0) {
+      if (errno == EINTR) continue;
+      return false;
+    }
+    done += static_cast<size_t>(count);
+  }
+  return true;
+}
+
+// The permissions that a plain open() would have given a new file; mkstemp
+// makes its files private.
+mode_t PermissionsFor(const std::string& path) {
+  struct stat status;
+  if (stat(path.c_str(), &status) == 0) return status.st_mode & 07777;
+  const mode_t mask = umask(0);
+  umask(mask);
+  return 0666 & ~mask;
+}
+
+std::string FolderOf(const std::string& path) {
+  const size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+}  // namespace
+
+size_t FirstInvalidUtf8(const std::string& text) {
+  const size_t size = text.size();
+  auto byte = [&text](size_t i) { return static_cast<unsigned char>(text[i]); };
+  size_t i = 0;
+  while (i < size) {
+    const unsigned lead = byte(i);
+    if (lead < 0x80) {
+      ++i;
+      continue;
+    }
+    size_t length;
+    // Range of the second byte; the later ones are always 80..BF.
+    unsigned low = 0x80;
+    unsigned high = 0xBF;
+    if (lead >= 0xC2 && lead <= 0xDF) {
+      length = 2;
+    } else if (lead >= 0xE0 && lead <= 0xEF) {
+      length = 3;
+      if (lead == 0xE0) low = 0xA0;
+      if (lead == 0xED) high = 0x9F;
+    } else if (lead >= 0xF0 && lead <= 0xF4) {
+      length = 4;
+      if (lead == 0xF0) low = 0x90;
+      if (lead == 0xF4) high = 0x8F;
+    } else {
+      return i;
+    }
+    if (i + length > size) return i;
+    if (byte(i + 1) < low || byte(i + 1) > high) return i;
+    for (size_t k = 2; k < length; ++k) {
+      if ((byte(i + k) & 0xC0) != 0x80) return i;
+    }
+    i += length;
+  }
+  return std::string::npos;
+}
+
+bool ReadTextFile(const std::string& path, std::string* content,
+                  std::string* error) {
+  CHECK(content != nullptr);
+  CHECK(error != nullptr);
+  // Without O_NONBLOCK, opening a named pipe would wait for its writer.
+  Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (file.get() < 0) {
+    *error = path + ": cannot open the file: " + ErrorText(errno);
+    return false;
+  }
+  struct stat status;
+  if (fstat(file.get(), &status) != 0) {
+    *error = path + ": cannot read the file: " + ErrorText(errno);
+    return false;
+  }
+  if (S_ISDIR(status.st_mode)) {
+    *error = path + ": is a folder, expected a file";
+    return false;
+  }
+  if (!S_ISREG(status.st_mode)) {
+    *error = path + ": is not a regular file";
+    return false;
+  }
+  std::string text;
+  text.resize(static_cast<size_t>(status.st_size));
+  size_t done = 0;
+  // The size may be out of date (or 0, under /proc): read up to the end.
+  for (;;) {
+    if (done == text.size()) text.resize(text.size() + 4096);
+    const ssize_t count = read(file.get(), &text[done], text.size() - done);
+    if (count < 0) {
+      if (errno == EINTR) continue;
+      *error = path + ": cannot read the file: " + ErrorText(errno);
+      return false;
+    }
+    if (count == 0) break;
+    done += static_cast<size_t>(count);
+  }
+  text.resize(done);
+
+  const size_t bad = FirstInvalidUtf8(text);
+  if (bad != std::string::npos) {
+    const auto line =
+        1 + std::count(text.begin(),
+                       text.begin() + static_cast<std::ptrdiff_t>(bad), '\n');
+    char hex[8];
+    std::snprintf(hex, sizeof(hex), "0x%02X",
+                  static_cast<unsigned char>(text[bad]));
+    *error = path + ":" + std::to_string(line) + ": byte " + hex +
+             " is not valid UTF-8, expected a text file in UTF-8 (or ASCII)";
+    return false;
+  }
+  *content = std::move(text);
+  return true;
+}
+
+bool WriteFileAtomically(const std::string& path, const std::string& content,
+                         std::string* error) {
+  CHECK(error != nullptr);
+  CHECK(!path.empty()) << "the path of the file to write is empty";
+  struct stat status;
+  if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) {
+    *error = path + ": cannot write the file: a folder of that name exists";
+    return false;
+  }
+  const std::string folder = FolderOf(path);
+  std::string temporary = path + ".XXXXXX";
+  Descriptor file(mkstemp(temporary.data()));
+  if (file.get() < 0) {
+    *error = path + ": cannot write the file: " + ErrorText(errno);
+    return false;
+  }
+  if (fchmod(file.get(), PermissionsFor(path)) != 0 ||
+      !WriteAll(file.get(), content) || fsync(file.get()) != 0 ||
+      !file.Close() || rename(temporary.c_str(), path.c_str()) != 0) {
+    *error = path + ": cannot write the file: " + ErrorText(errno);
+    unlink(temporary.c_str());
+    return false;
+  }
+  // Makes the new name itself durable. Not every file system can do this for a
+  // folder; the content is already safe, so a refusal is no failure.
+  Descriptor folder_descriptor(
+      open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder_descriptor.get() >= 0) (void)fsync(folder_descriptor.get());
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,33 @@
+// Text files, read whole and written all or nothing.
+
+#ifndef PINODE_BASE_FILE_H_
+#define PINODE_BASE_FILE_H_
+
+#include <string>
+
+namespace pinode {
+
+// Reads the whole file at `path` into *content, byte for byte. Fails with a
+// message in *error if the file is missing, cannot be read, is not a regular
+// file, or is not valid UTF-8 (`path:line: ...`, the line of the first bad
+// byte). *content is untouched on failure.
+[[nodiscard]] bool ReadTextFile(const std::string& path, std::string* content,
+                                std::string* error);
+
+// Writes `content` to `path` so that a reader sees the old file or the whole
+// new one, whatever happens in between: a temporary file in the same folder is
+// written, flushed to the disk, and renamed over `path`. On failure the
+// temporary file is removed, an existing file at `path` is untouched, and
+// *error says what went wrong.
+[[nodiscard]] bool WriteFileAtomically(const std::string& path,
+                                       const std::string& content,
+                                       std::string* error);
+
+// Offset of the first byte of `text` that is not part of a valid UTF-8
+// sequence (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF), or
+// std::string::npos if all of it is valid.
+size_t FirstInvalidUtf8(const std::string& text);
+
+}  // namespace pinode
+
+#endif  // PINODE_BASE_FILE_H_

@@ -1,0 +1,170 @@
+#include "pinode/base/units.h"
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+
+namespace pinode {
+namespace {
+
+struct Unit {
+  std::string name;
+  Dimension dimension;
+  double in_si;
+};
+
+// Standard gravity (m/s^2), exact by the definition of 1901; the g of ground
+// motion records.
+constexpr double kStandardGravity = 9.80665;
+// Pound-force (N), exact: 0.45359237 kg times standard gravity.
+constexpr double kPoundForce = 4.4482216152605;
+
+std::vector<Unit> MakeUnits() {
+  const std::vector<Unit> times = {{"s", Dimension::kTime, 1.0},
+                                   {"ms", Dimension::kTime, 1e-3},
+                                   {"us", Dimension::kTime, 1e-6}};
+  const std::vector<Unit> lengths = {{"m", Dimension::kLength, 1.0},
+                                     {"cm", Dimension::kLength, 1e-2},
+                                     {"mm", Dimension::kLength, 1e-3},
+                                     {"in", Dimension::kLength, 0.0254},
+                                     {"ft", Dimension::kLength, 0.3048}};
+  std::vector<Unit> units = {{"1", Dimension::kNumber, 1.0}};
+  units.insert(units.end(), times.begin(), times.end());
+  units.insert(units.end(), lengths.begin(), lengths.end());
+  for (const Unit& time : times) {
+    for (const Unit& length : lengths) {
+      units.push_back({length.name + "/" + time.name, Dimension::kVelocity,
+                       length.in_si / time.in_si});
+      units.push_back({length.name + "/" + time.name + "^2",
+                       Dimension::kAcceleration,
+                       length.in_si / (time.in_si * time.in_si)});
+    }
+  }
+  units.push_back({"g", Dimension::kAcceleration, kStandardGravity});
+  units.push_back({"gal", Dimension::kAcceleration, 0.01});
+  units.push_back({"N", Dimension::kForce, 1.0});
+  units.push_back({"kN", Dimension::kForce, 1e3});
+  units.push_back({"MN", Dimension::kForce, 1e6});
+  units.push_back({"lbf", Dimension::kForce, kPoundForce});
+  units.push_back({"kip", Dimension::kForce, 1e3 * kPoundForce});
+  return units;
+}
+
+const std::vector<Unit>& Units() {
+  // Never destroyed: used by whatever runs last.
+  static const auto& units = *new std::vector<Unit>(MakeUnits());
+  return units;
+}
+
+const Unit* FindUnit(const std::string& name) {
+  for (const Unit& unit : Units()) {
+    if (unit.name == name) return &unit;
+  }
+  return nullptr;
+}
+
+bool CheckUnit(const std::string& unit, Dimension dimension,
+               const Unit** found_unit, std::string* error) {
+  const Unit* found = FindUnit(unit);
+  if (found != nullptr && found->dimension == dimension) {
+    *found_unit = found;
+    return true;
+  }
+  if (found != nullptr) {
+    *error = "unit '" + unit + "' is that of " +
+             DimensionName(found->dimension) + ", expected that of " +
+             DimensionName(dimension) + " (" +
+             Join(KnownUnits(dimension), ", ") + ")";
+  } else {
+    *error = "unit '" + unit + "' is not known, expected that of " +
+             DimensionName(dimension) + NameHint(unit, KnownUnits(dimension));
+  }
+  return false;
+}
+
+}  // namespace
+
+const char* DimensionName(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::kNumber:
+      return "a pure number";
+    case Dimension::kTime:
+      return "a time";
+    case Dimension::kLength:
+      return "a length";
+    case Dimension::kVelocity:
+      return "a velocity";
+    case Dimension::kAcceleration:
+      return "an acceleration";
+    case Dimension::kForce:
+      return "a force";
+  }
+  LOG(FATAL) << "not a dimension: " << static_cast<int>(dimension);
+  return "";
+}
+
+bool UnitSystem::IsValid(std::string* error) const {
+  CHECK(error != nullptr);
+  const Unit* unit = nullptr;
+  return CheckUnit(force, Dimension::kForce, &unit, error) &&
+         CheckUnit(length, Dimension::kLength, &unit, error) &&
+         CheckUnit(time, Dimension::kTime, &unit, error);
+}
+
+bool UnitFactor(const std::string& unit, Dimension dimension,
+                const UnitSystem& system, double* factor, std::string* error) {
+  CHECK(factor != nullptr);
+  CHECK(error != nullptr);
+  const Unit* from = nullptr;
+  if (!CheckUnit(unit, dimension, &from, error)) return false;
+  const std::string model_unit = UnitName(dimension, system);
+  const Unit* to = FindUnit(model_unit);
+  CHECK(to != nullptr) << "'" << model_unit
+                       << "': call UnitSystem::IsValid() first";
+  // Equal names give exactly 1, whatever the rounding of x / x.
+  *factor = from == to ? 1.0 : from->in_si / to->in_si;
+  return true;
+}
+
+std::vector<std::string> KnownUnits(Dimension dimension) {
+  std::vector<std::string> names;
+  for (const Unit& unit : Units()) {
+    if (unit.dimension == dimension) names.push_back(unit.name);
+  }
+  return names;
+}
+
+std::string UnitName(Dimension dimension, const UnitSystem& system) {
+  switch (dimension) {
+    case Dimension::kNumber:
+      return "1";
+    case Dimension::kTime:
+      return system.time;
+    case Dimension::kLength:
+      return system.length;
+    case Dimension::kVelocity:
+      return system.length + "/" + system.time;
+    case Dimension::kAcceleration:
+      return system.length + "/" + system.time + "^2";
+    case Dimension::kForce:
+      return system.force;
+  }
+  LOG(FATAL) << "not a dimension: " << static_cast<int>(dimension);
+  return "";
+}
+
+std::string StiffnessUnitName(const UnitSystem& system) {
+  return system.force + "/" + system.length;
+}
+
+std::string DampingUnitName(const UnitSystem& system) {
+  return system.force + "*" + system.time + "/" + system.length;
+}
+
+std::string MassUnitName(const UnitSystem& system) {
+  if (system.force == "N" && system.length == "m" && system.time == "s") {
+    return "kg";
+  }
+  return system.force + "*" + system.time + "^2/" + system.length;
+}
+
+}  // namespace pinode

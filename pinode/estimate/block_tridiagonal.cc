@@ -1,0 +1,80 @@
+#include "pinode/estimate/block_tridiagonal.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+BlockTridiagonal::BlockTridiagonal(int num_blocks, int block_size)
+    : block_size_(block_size) {
+  CHECK_GE(num_blocks, 1);
+  CHECK_GE(block_size, 1);
+  const Matrix zero = Matrix::Zero(block_size, block_size);
+  diagonal_.assign(static_cast<size_t>(num_blocks), zero);
+  lower_ = diagonal_;
+  coupling_.assign(static_cast<size_t>(num_blocks - 1), zero);
+  below_ = coupling_;
+}
+
+void BlockTridiagonal::SetZero() {
+  for (Matrix& block : diagonal_) block.setZero();
+  for (Matrix& block : coupling_) block.setZero();
+}
+
+bool BlockTridiagonal::Factor(double damping) {
+  for (size_t k = 0; k < diagonal_.size(); ++k) {
+    Matrix block = diagonal_[k];
+    block.diagonal() *= 1.0 + damping;
+    if (k > 0) block.noalias() -= below_[k - 1] * below_[k - 1].transpose();
+    const Eigen::LLT<Matrix> factor(block);
+    if (factor.info() != Eigen::Success) return false;
+    lower_[k] = factor.matrixL();
+    if (!lower_[k].allFinite()) return false;
+    if (k + 1 < diagonal_.size()) {
+      // M_k = B_k' L_k^-T, that is, L_k M_k' = B_k.
+      Matrix transposed = coupling_[k];
+      lower_[k].triangularView<Eigen::Lower>().solveInPlace(transposed);
+      below_[k] = transposed.transpose();
+    }
+  }
+  return true;
+}
+
+void BlockTridiagonal::SolveLower(Matrix* right) const {
+  const int m = block_size_;
+  CHECK_EQ(right->rows(), m * num_blocks());
+  for (int k = 0; k < num_blocks(); ++k) {
+    auto block = right->middleRows(k * m, m);
+    if (k > 0) {
+      block.noalias() -= below_[static_cast<size_t>(k - 1)] *
+                         right->middleRows((k - 1) * m, m);
+    }
+    lower_[static_cast<size_t>(k)].triangularView<Eigen::Lower>().solveInPlace(
+        block);
+  }
+}
+
+void BlockTridiagonal::SolveUpper(Matrix* right) const {
+  const int m = block_size_;
+  CHECK_EQ(right->rows(), m * num_blocks());
+  for (int k = num_blocks() - 1; k >= 0; --k) {
+    auto block = right->middleRows(k * m, m);
+    if (k + 1 < num_blocks()) {
+      block.noalias() -= below_[static_cast<size_t>(k)].transpose() *
+                         right->middleRows((k + 1) * m, m);
+    }
+    lower_[static_cast<size_t>(k)]
+        .transpose()
+        .triangularView<Eigen::Upper>()
+        .solveInPlace(block);
+  }
+}
+
+void BlockTridiagonal::Solve(Matrix* right) const {
+  SolveLower(right);
+  SolveUpper(right);
+}
+
+}  // namespace pinode

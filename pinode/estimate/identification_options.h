@@ -1,0 +1,75 @@
+// How a problem is solved.
+
+#ifndef PINODE_ESTIMATE_IDENTIFICATION_OPTIONS_H_
+#define PINODE_ESTIMATE_IDENTIFICATION_OPTIONS_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/integrate/segment.h"
+
+namespace pinode {
+
+// What a program shows, and saves, while a fit runs.
+struct IdentificationProgress {
+  int stage = 0;  // from 1
+  int num_stages = 0;
+  int segment_samples = 0;  // longest segment of the stage
+  int iteration = 0;        // Levenberg-Marquardt iterations so far
+  double cost = 0.0;
+  double largest_gap = 0.0;       // in units of the state's RMS
+  double free_run_error = 0.0;    // of the last stage, nrmse over all channels
+  double elapsed_seconds = 0.0;
+  double expected_seconds = 0.0;  // in all, at this pace; an upper bound
+  const Vector* parameters = nullptr;  // all of them, at this iteration
+};
+
+struct IdentificationOptions {
+  enum class Shooting { kMultiple, kSingle };
+  enum class Covariance { kAuto, kPlain, kSandwich };
+
+  // Multiple shooting reaches solutions that a long free run does not lead to
+  // (H. G. Bock, 1981); the last stage is a free run wherever that is stable.
+  Shooting shooting = Shooting::kMultiple;
+
+  // Segment length of the first stage in samples; 0: a quarter of the longest
+  // period, and at least ten samples.
+  int segment_samples = 0;
+
+  // Levenberg-Marquardt iterations in all stages together.
+  int max_num_iterations = 200;
+
+  // Relative change of the cost that ends a solve.
+  double function_tolerance = 1e-10;
+
+  // Derivatives by hand-made tangents or by Jets through the whole segment.
+  // They agree up to rounding; tangents are many times faster.
+  DerivativeMethod derivatives = DerivativeMethod::kTangents;
+
+  RobustLoss loss = RobustLoss::kNone;
+  double loss_scale = 3.0;  // in units of sigma
+
+  // kAuto: input-noise covariance where an input has noise, block-sandwich
+  // where residuals are autocorrelated, else the plain inverse Hessian.
+  Covariance covariance = Covariance::kAuto;
+
+  // Number of starts for multistart; the first is the given one, the others
+  // are drawn within bounds and priors, networks from other seeds.
+  int num_starts = 1;
+  uint64_t seed = 1;
+
+  int num_threads = 1;
+
+  // Called after each iteration; false stops the fit, keeping the best so far.
+  std::function<bool(const IdentificationProgress&)> callback;
+
+  // Sizes and signs; on failure names the option and the violated constraint.
+  [[nodiscard]] bool IsValid(std::string* error) const;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_IDENTIFICATION_OPTIONS_H_

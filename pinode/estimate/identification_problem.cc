@@ -1,0 +1,98 @@
+#include "pinode/estimate/identification_problem.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace pinode {
+
+int IdentificationProblem::num_train_records() const {
+  int count = 0;
+  for (const IdentificationRecord& record : records) {
+    if (record.role == IdentificationRecord::Role::kTrain) ++count;
+  }
+  return count;
+}
+
+bool IdentificationProblem::IsValid(std::string* error) const {
+  if (dynamics == nullptr) {
+    *error = "there is no model";
+    return false;
+  }
+  bool any_free = false;
+  for (const ParameterBlock& block : dynamics->blocks()) {
+    if (!block.IsValid(error)) return false;
+    for (const Parameter& p : block.parameters) any_free = any_free || p.free;
+  }
+  if (!sensors.IsValid(error)) return false;
+  for (const Parameter& p : sensors.parameters) any_free = any_free || p.free;
+  if (!any_free) {
+    *error =
+        "no parameter is free: mark at least one group, element parameter, "
+        "network or sensor parameter as free";
+    return false;
+  }
+  bool any_fitted = false;
+  for (const IdentificationRecord& record : records) {
+    const std::string prefix = "record '" + record.name + "': ";
+    if (!record.excitation.has_value() || record.num_samples() < 2) {
+      *error = prefix + "it has fewer than two samples";
+      return false;
+    }
+    if (record.excitation->num_inputs() != dynamics->num_inputs()) {
+      std::ostringstream message;
+      message << "it has " << record.excitation->num_inputs()
+              << " inputs, the model has " << dynamics->num_inputs();
+      *error = prefix + message.str();
+      return false;
+    }
+    if (record.substeps < 1) {
+      *error = prefix + "it needs at least one Runge-Kutta step per sample";
+      return false;
+    }
+    if (record.start == IdentificationRecord::Start::kKnown &&
+        (record.known_start.size() != dynamics->num_states() ||
+         !record.known_start.allFinite())) {
+      std::ostringstream message;
+      message << "its start needs " << dynamics->num_states()
+              << " finite values, one per state";
+      *error = prefix + message.str();
+      return false;
+    }
+    if (record.channels.empty()) {
+      *error = prefix + "it has no measured channel";
+      return false;
+    }
+    for (const MeasuredChannel& channel : record.channels) {
+      const std::string where =
+          prefix + "channel '" + channel.observation.name + "': ";
+      if (channel.values.size() != record.num_samples()) {
+        *error = where + "its length differs from that of the excitation";
+        return false;
+      }
+      int finite = 0;
+      for (double value : channel.values) finite += std::isfinite(value);
+      if (finite == 0) {
+        *error = where + "it holds no value";
+        return false;
+      }
+      if (record.filter != nullptr && finite != channel.values.size()) {
+        *error = where + "a record with missing samples cannot be filtered";
+        return false;
+      }
+      if (!(channel.sigma >= 0.0)) {
+        *error = where + "its standard deviation is negative";
+        return false;
+      }
+      any_fitted = any_fitted ||
+                   (channel.fit &&
+                    record.role == IdentificationRecord::Role::kTrain);
+    }
+  }
+  if (!any_fitted) {
+    *error = "no training record has a fitted channel";
+    return false;
+  }
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,78 @@
+// What is identified from what: the dynamics with its unknowns, and records.
+
+#ifndef PINODE_ESTIMATE_IDENTIFICATION_PROBLEM_H_
+#define PINODE_ESTIMATE_IDENTIFICATION_PROBLEM_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pinode/base/parameter_block.h"
+#include "pinode/base/types.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/record/excitation.h"
+#include "pinode/record/filter.h"
+
+namespace pinode {
+
+// A sensor's record beside what the model predicts for it,
+//
+//   y(t) = gain * observation(t - delay) + offset + noise.
+struct MeasuredChannel {
+  Observation observation;
+  // One value per sample in the model's units; NaN where missing.
+  Vector values;
+  // Standard deviation of the noise in the model's units; 0: estimate it.
+  double sigma = 0.0;
+  // False: predicted and scored, but not fitted.
+  bool fit = true;
+  // Indices into IdentificationProblem::sensors, -1 for an ideal sensor.
+  int gain = -1;
+  int offset = -1;
+  int delay = -1;
+};
+
+struct IdentificationRecord {
+  enum class Role { kTrain, kHoldout };
+  enum class Start { kRest, kKnown, kFree };
+
+  std::string name;
+  Role role = Role::kTrain;
+  // One row per input of the dynamics, in their order (no rows where there are
+  // none). Its samples are those of the record.
+  std::optional<Excitation> excitation;
+  // Standard deviation of the noise of each input (empty: none). It enters the
+  // intervals, see InputNoise in pinode/theory.md.
+  Vector input_sigma;
+  Start start = Start::kFree;
+  Vector known_start;  // num_states, for kKnown
+  std::vector<MeasuredChannel> channels;
+  // Applied to `values` by whoever read them, and to the prediction here.
+  std::shared_ptr<const ZeroPhaseFilter> filter;
+  // Runge-Kutta steps per sample, see ChooseSubsteps.
+  int substeps = 1;
+
+  int num_samples() const { return excitation->num_samples(); }
+  double sampling_step() const { return excitation->step(); }
+};
+
+struct IdentificationProblem {
+  // Initial values, bounds, priors and free flags are those of its blocks.
+  std::shared_ptr<const StructuralDynamics> dynamics;
+  std::vector<IdentificationRecord> records;
+  // Gains (initially 1), offsets (the channel's unit) and delays (s).
+  ParameterBlock sensors;
+
+  int num_train_records() const;
+
+  // Sizes, at least two samples, finite excitations, at least one training
+  // record with a fitted channel, at least one free parameter. On failure says
+  // which record or channel.
+  [[nodiscard]] bool IsValid(std::string* error) const;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_IDENTIFICATION_PROBLEM_H_

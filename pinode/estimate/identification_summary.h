@@ -1,0 +1,125 @@
+// What came out of an identification.
+
+#ifndef PINODE_ESTIMATE_IDENTIFICATION_SUMMARY_H_
+#define PINODE_ESTIMATE_IDENTIFICATION_SUMMARY_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/parameter_block.h"
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+
+namespace pinode {
+
+enum class Termination {
+  kFailure,       // not started, or no finite trajectory to start from
+  kConverged,     // changes fell below the tolerances
+  kNoConvergence, // the iterations ran out
+  kInterrupted,   // the callback said stop
+};
+const char* TerminationName(Termination termination);
+
+// Free run of one channel over a whole record against its measurement.
+struct ChannelScore {
+  std::string name;
+  double rmse = 0.0;   // model units
+  double nrmse = 0.0;  // |y - yhat| / |y - mean(y)|
+  double prior_nrmse = 0.0;  // of the model before the identification
+  double sigma = 0.0;  // estimated or given noise
+};
+
+struct RecordScore {
+  std::string name;
+  IdentificationRecord::Role role = IdentificationRecord::Role::kTrain;
+  bool finite = false;
+  // First sample that is scored; later than 0 where the start was smoothed.
+  int first_scored_sample = 0;
+  double nrmse = 0.0;        // over all channels, each in units of its scale
+  double prior_nrmse = 0.0;
+  std::vector<ChannelScore> channels;
+  Vector start;      // num_states
+  Matrix prediction;  // channels x samples, of the sensors as they are
+  Matrix states;      // num_states x samples
+};
+
+struct ParameterEstimate {
+  std::string name;
+  std::string unit;
+  double initial = 0.0;
+  double value = 0.0;
+  double sigma = 0.0;
+  double lower95 = 0.0;
+  double upper95 = 0.0;
+  bool free = false;
+  bool at_bound = false;
+};
+
+struct IterationRecord {
+  int stage = 0;
+  int segment_samples = 0;
+  int iteration = 0;
+  double cost = 0.0;
+  double gradient_norm = 0.0;
+  double step_norm = 0.0;
+  double trust_region_radius = 0.0;
+  double largest_gap = 0.0;
+  bool accepted = false;
+  double seconds = 0.0;
+};
+
+struct StageRecord {
+  int segment_samples = 0;
+  int num_segments = 0;
+  int iterations = 0;
+  double free_run_error = 0.0;
+  double largest_gap = 0.0;
+  bool rolled_back = false;
+};
+
+struct IdentificationSummary {
+  Termination termination = Termination::kFailure;
+  std::string message = "the identification has not been started";
+  bool usable = false;
+
+  std::vector<RecordScore> records;  // in the problem's order
+  std::vector<ParameterEstimate> parameters;  // named ones
+  // Covariance of the free named parameters, in the order of `parameters`.
+  std::vector<std::string> covariance_names;
+  Matrix covariance;
+  std::string covariance_method;  // "plain", "sandwich", "input noise"
+  // Directions of the named parameters that the data do not determine.
+  std::vector<std::string> undetermined;
+
+  std::vector<StageRecord> stages;
+  std::vector<IterationRecord> iterations;
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+  double largest_gap = 0.0;  // in units of the state's RMS
+  bool single_shooting = false;  // the last stage was one segment a record
+  int num_iterations = 0;
+  int rejected_steps = 0;
+  int failed_evaluations = 0;
+  double effective_parameters = 0.0;
+  std::vector<double> decays;  // per network
+
+  double seconds = 0.0;
+  double jacobian_seconds = 0.0;
+  double linear_solver_seconds = 0.0;
+
+  // One line; and a table.
+  std::string BriefReport() const;
+};
+
+// The outcome as a model: values of all parameters, noise levels and starts,
+// from which the next identification, damage detection or discovery begins.
+struct IdentifiedModel {
+  Vector parameters;  // dynamics first, then sensors
+  std::vector<Vector> sigmas;  // per record of the problem (training ones)
+  std::vector<Vector> starts;  // per record
+  Vector decays;               // per network
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_IDENTIFICATION_SUMMARY_H_

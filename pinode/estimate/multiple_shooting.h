@@ -1,0 +1,166 @@
+// The cost of a set of parameters, with the best segment starts for them.
+
+#ifndef PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
+#define PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/block_tridiagonal.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/integrate/segment.h"
+#include "pinode/integrate/integration_grid.h"
+
+namespace pinode {
+
+enum class RobustLoss { kNone, kHuber, kCauchy };
+
+// Normal equations of the free parameters after the starts are eliminated.
+struct CondensedSystem {
+  double cost = 0.0;
+  Vector gradient;  // num_free
+  Matrix hessian;   // num_free x num_free, Gauss-Newton, both triangles
+};
+
+// Where a trajectory stopped being finite.
+struct Divergence {
+  int record = -1;  // index into the problem's records
+  int segment = -1;
+  int sample = -1;
+  int state = -1;
+  bool Happened() const { return record >= 0; }
+};
+
+// Multiple shooting with the segment starts projected out.
+//
+// Every training record is cut into segments; s_k is the state at the start of
+// segment k and phi_k(s_k, theta) the state at its end. For given theta the
+// starts minimise
+//
+//   F(s, theta) = 1/2 sum_i rho(|y_i - yhat_i(s, theta)|^2 / sigma_i^2)
+//               + mu/2 sum_k |D^-1 (phi_k(s_k, theta) - s_{k+1}) + lambda_k|^2
+//               + priors,
+//
+// an augmented Lagrangian for closed gaps (J. Nocedal and S. Wright, Numerical
+// Optimization, ch. 17) with scaled multipliers lambda and state scales D. The
+// minimisation is an iterated Rauch-Tung-Striebel smoother: Gauss-Newton on a
+// block tridiagonal system. What is left, f(theta) = min_s F(s, theta), is what
+// Ceres sees: variable projection (G. H. Golub and V. Pereyra, SIAM J. Numer.
+// Anal. 10 (1973) 413-432) with the Gauss-Newton Hessian of the projected
+// problem, that is, the Schur complement of the starts.
+//
+// The cost of an evaluation grows linearly with the record's length.
+class MultipleShooting {
+ public:
+  struct Options {
+    DerivativeMethod derivatives = DerivativeMethod::kTangents;
+    RobustLoss loss = RobustLoss::kNone;
+    double loss_scale = 3.0;  // in units of sigma
+    int num_threads = 1;
+  };
+
+  // `problem` (valid) and `layout` must outlive this object.
+  MultipleShooting(const IdentificationProblem& problem,
+                   const ParameterLayout& layout, const Options& options);
+  ~MultipleShooting();
+
+  // Training records, as indices into the problem's records. The vectors below
+  // have one entry for each of them.
+  const std::vector<int>& train_records() const { return train_records_; }
+
+  // Cuts every training record into segments of about `samples` samples; 0:
+  // one segment a record. Starts are taken from the trajectories given (states
+  // at every sample of each record, num_states x samples). Multipliers are
+  // reset to zero.
+  void SetSegments(int samples, const std::vector<Matrix>& trajectories);
+  int num_segments(int train_record) const;
+  bool IsSingleShooting() const;
+
+  // D, one scale per state and record; positive.
+  void SetStateScales(const std::vector<Vector>& scales);
+  // sigma, one per channel and record.
+  void SetSigmas(const std::vector<Vector>& sigmas);
+  // Precision of the decay prior per network of the dynamics.
+  void SetDecays(const Vector& decays) { decays_ = decays; }
+  void SetGapPenalty(double mu) { gap_penalty_ = mu; }
+  double gap_penalty() const { return gap_penalty_; }
+  // lambda_k += D^-1 gap_k, at the parameters of the last evaluation.
+  void UpdateMultipliers();
+  // After a change of mu: mu * lambda is what must stay.
+  void RescaleMultipliers(double factor);
+
+  // f(free) by the smoother started from the last linearisation. False where a
+  // trajectory is not finite, see divergence().
+  [[nodiscard]] bool Evaluate(const Vector& free, double* cost);
+
+  // The same, and gradient and Hessian. Starts stay those found here for the
+  // next evaluations.
+  [[nodiscard]] bool Linearize(const Vector& free, CondensedSystem* system);
+
+  const Divergence& divergence() const { return divergence_; }
+
+  // Of the last successful evaluation:
+  // Starts, num_states x segments per training record.
+  const std::vector<Matrix>& starts() const { return starts_; }
+  // max |D^-1 gap|.
+  double LargestGap() const;
+  // States at every sample, from the starts, per training record.
+  bool Trajectories(const Vector& free, std::vector<Matrix>* states);
+  // Weighted residuals (yhat - y) / sigma, robust weights included, zero where
+  // missing or not fitted: channels x samples per training record. With
+  // `with_jacobian` also their derivative by the free parameters with the
+  // starts following as at the last Linearize, (channels * samples) x
+  // num_free, channels fastest. False where a trajectory is not finite.
+  bool WeightedResiduals(const Vector& free, bool with_jacobian,
+                         std::vector<Matrix>* residuals,
+                         std::vector<Matrix>* jacobians);
+  // Mean over segments and states of D^2 J'J of the data: how firmly the data
+  // alone hold a start, beside mu.
+  double DataCurvature() const { return data_curvature_; }
+
+ private:
+  struct Record;
+  struct Thread;
+
+  [[nodiscard]] bool PrepareDynamics(const Vector& free);
+  bool EvaluateSegment(Record* record, int segment, const Matrix& starts,
+                       bool with_parameters, Thread* thread) const;
+  void WeightRows(const Record& record, int segment, bool with_parameters,
+                  const SegmentTangents& tangents, Thread* thread,
+                  double* cost) const;
+  // W (gap + D lambda): the force with which gap k pulls, num_states.
+  Vector GapForce(const Record& record, const Matrix& starts, int gap) const;
+  // Fills record->system with the normal equations of the starts, and *right
+  // with their coupling to the free parameters (num_free columns, 0 to leave
+  // them out) and, in the last column, their gradient.
+  void AssembleStarts(Record* record, const Matrix& starts, int num_free,
+                      Matrix* right) const;
+  bool SolveStarts(const Vector& free, double* cost);
+  double PriorCost(const Vector& free) const;
+  void AddPriors(const Vector& free, CondensedSystem* system) const;
+
+  const IdentificationProblem& problem_;
+  const ParameterLayout& layout_;
+  Options options_;
+  std::vector<int> train_records_;
+  std::vector<std::unique_ptr<Record>> records_;
+  std::vector<std::unique_ptr<Thread>> threads_;
+  Vector decays_;
+  double gap_penalty_ = 1.0;
+  double data_curvature_ = 0.0;
+
+  StructuralDynamics::Prepared prepared_;
+  Vector full_parameters_;  // of prepared_
+  // The point of the last evaluation, and of the last linearisation.
+  Vector last_free_, linearized_free_;
+  std::vector<Matrix> starts_, linearized_starts_;
+  double last_cost_ = 0.0;
+  Divergence divergence_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_

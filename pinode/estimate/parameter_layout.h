@@ -1,0 +1,64 @@
+// The free unknowns of a problem, as one vector.
+
+#ifndef PINODE_ESTIMATE_PARAMETER_LAYOUT_H_
+#define PINODE_ESTIMATE_PARAMETER_LAYOUT_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+
+namespace pinode {
+
+// All parameters of a problem in one flat vector, dynamics first, then
+// sensors; and the free ones among them, again in one vector, in the same
+// order.
+class ParameterLayout {
+ public:
+  explicit ParameterLayout(const IdentificationProblem& problem);
+
+  int num_parameters() const { return static_cast<int>(all_.size()); }
+  int num_dynamics() const { return num_dynamics_; }
+  int num_free() const { return static_cast<int>(free_.size()); }
+
+  const Parameter& parameter(int index) const {
+    return all_[static_cast<size_t>(index)];
+  }
+  // Whether the entry is reported by name (not a network weight).
+  bool IsNamed(int index) const { return named_[static_cast<size_t>(index)]; }
+  // Index of the network (of the dynamics) whose decay applies, -1 if none.
+  int DecayGroup(int index) const {
+    return decay_group_[static_cast<size_t>(index)];
+  }
+
+  // Indices of the free parameters in the full vector.
+  const std::vector<int>& free() const { return free_; }
+  // Tangent column of the dynamics for each free dynamics parameter, in order;
+  // free parameters from num_free_dynamics() on are sensors'.
+  const std::vector<int>& tangent_columns() const { return tangent_columns_; }
+  int num_free_dynamics() const {
+    return static_cast<int>(tangent_columns_.size());
+  }
+  // Position among the free ones, -1 where fixed.
+  int FreeIndex(int index) const {
+    return free_index_[static_cast<size_t>(index)];
+  }
+
+  Vector InitialValues() const;
+  Vector Free(const Vector& all) const;
+  // `all` with its free entries replaced.
+  void SetFree(const Vector& free, Vector* all) const;
+
+ private:
+  std::vector<Parameter> all_;
+  std::vector<bool> named_;
+  std::vector<int> decay_group_;
+  std::vector<int> free_;
+  std::vector<int> free_index_;
+  std::vector<int> tangent_columns_;
+  int num_dynamics_ = 0;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_PARAMETER_LAYOUT_H_

@@ -1,0 +1,33 @@
+// Sensors that are not ideal: unknown gain, offset and delay.
+
+#ifndef PINODE_ESTIMATE_SENSOR_H_
+#define PINODE_ESTIMATE_SENSOR_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+
+// Turns what ideal sensors would show over consecutive samples into what the
+// record's sensors show, gain * y(t - delay) + offset, in place.
+//
+//   prediction  channels * samples values, channels fastest
+//   rows        their derivatives; columns: the start's states, then, where
+//               with_parameters, all free parameters (sensors last)
+//   valid       set to false where the delayed instant lies outside the
+//               samples at hand by more than half a sampling step
+//
+// Between samples the prediction is a cubic through four neighbours: for
+// signals below a tenth of the sampling rate its error is below 0.1 %.
+// parameters: the full vector of `layout`.
+void ApplySensors(const IdentificationProblem& problem,
+                  const ParameterLayout& layout, const Vector& parameters,
+                  const IdentificationRecord& record, bool with_parameters,
+                  Vector* prediction, Matrix* rows, std::vector<bool>* valid);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_SENSOR_H_

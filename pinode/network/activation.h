@@ -1,0 +1,42 @@
+// Activation functions of the networks and their derivatives.
+
+#ifndef PINODE_NETWORK_ACTIVATION_H_
+#define PINODE_NETWORK_ACTIVATION_H_
+
+#include <string>
+#include <string_view>
+
+namespace pinode {
+
+// Where a derivative jumps (at zero, for kRelu and kLeakyRelu) the value from
+// the left is used: 0 and kLeakyReluSlope. Their second derivative is zero
+// everywhere.
+enum class Activation {
+  kTanh,
+  kSigmoid,
+  kRelu,
+  kLeakyRelu,
+  kSoftplus,
+  kSine,
+  kIdentity
+};
+
+inline constexpr double kLeakyReluSlope = 0.01;
+
+// Names as the case file and the network file spell them: tanh sigmoid relu
+// leaky_relu softplus sine identity.
+const char* ActivationName(Activation activation);
+
+// On failure *error names the nearest name, or all that exist.
+[[nodiscard]] bool ParseActivation(std::string_view name,
+                                   Activation* activation, std::string* error);
+
+// Applies the function to z[0..size). `value`, `slope` and `curvature` receive
+// the function and its first and second derivative; `slope` may be null, and
+// `curvature` may be null. `value` may be `z`. Allocates nothing.
+void ApplyActivation(Activation activation, int size, const double* z,
+                     double* value, double* slope, double* curvature);
+
+}  // namespace pinode
+
+#endif  // PINODE_NETWORK_ACTIVATION_H_

@@ -1,0 +1,32 @@
+// Starting values of a network's weights.
+
+#ifndef PINODE_NETWORK_INITIALIZE_WEIGHTS_H_
+#define PINODE_NETWORK_INITIALIZE_WEIGHTS_H_
+
+#include <cstdint>
+
+#include "pinode/base/types.h"
+#include "pinode/network/network_architecture.h"
+
+namespace pinode {
+
+// Random weights in the order of WeightLayout, the same for the same seed on
+// every platform up to the rounding of log and cos.
+//
+// W_l of a hidden layer is normal with zero mean and the variance
+//   2 / (inputs + outputs of the layer)    (Glorot and Bengio 2010), or
+//   2 / ((1 + slope^2) inputs)             (He et al. 2015) for relu and
+//                                          leaky_relu.
+// b_l of a hidden layer is drawn from the same distribution: at zero, every
+// kink would lie at rest and a tanh network would be odd.
+//
+// With `zero_last_layer` W_L is zero, so the network is: training starts from
+// the physics alone. Without it W_L has a tenth of the Glorot deviation, small
+// but not zero. b_L and W_skip are zero. Of a linear network W_1 is the last
+// layer.
+Vector InitializeWeights(const NetworkArchitecture& architecture,
+                         std::uint64_t seed, bool zero_last_layer);
+
+}  // namespace pinode
+
+#endif  // PINODE_NETWORK_INITIALIZE_WEIGHTS_H_

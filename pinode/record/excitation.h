@@ -1,0 +1,71 @@
+// Measured inputs of a structure (ground accelerations, forces), at any time.
+
+#ifndef PINODE_RECORD_EXCITATION_H_
+#define PINODE_RECORD_EXCITATION_H_
+
+#include <string>
+
+#include "pinode/base/types.h"
+#include "pinode/record/record.h"
+
+namespace pinode {
+
+// What an input is taken to do between two samples. It is stated, never
+// guessed: held against linear alone moves an identified stiffness by a per
+// cent.
+//   held    the left sample, up to the next one
+//   linear  the straight line
+//   cubic   Catmull-Rom: the cubic with slopes (u_(i+1) - u_(i-1)) / 2 per
+//   step;
+//           the end samples are repeated outside, as in Ceres'
+//           CubicInterpolator
+enum class Interpolation { kHeld, kLinear, kCubic };
+
+// "held", "linear" or "cubic".
+const char* InterpolationName(Interpolation interpolation);
+// False, with *interpolation untouched, if the name is another.
+[[nodiscard]] bool ParseInterpolation(const std::string& name,
+                                      Interpolation* interpolation);
+
+// Uniformly sampled inputs. Time is addressed by sample interval and fraction
+// of it rather than as one number: integrators step inside intervals, and a
+// held input must keep the left sample up to the interval's right end, where
+// the next interval begins with another value.
+class Excitation {
+ public:
+  // `samples` is inputs x samples, all finite, at least one sample; sample i is
+  // at start_time + i * step. No inputs (0 rows) are allowed.
+  Excitation(double start_time, double step, Matrix samples,
+             Interpolation interpolation);
+
+  // Inputs at start_time + (interval + fraction) * step, 0 <= fraction <= 1,
+  // into inputs[0 .. num_inputs()). From the last sample on (interval >=
+  // num_samples() - 1) its values hold. Allocates nothing.
+  void Evaluate(int interval, double fraction, double* inputs) const;
+
+  int num_inputs() const { return static_cast<int>(samples_.rows()); }
+  int num_samples() const { return static_cast<int>(samples_.cols()); }
+  double start_time() const { return start_time_; }
+  double step() const { return step_; }
+  double time(int sample) const { return start_time_ + sample * step_; }
+  Interpolation interpolation() const { return interpolation_; }
+  // inputs x samples.
+  const Matrix& samples() const { return samples_; }
+
+ private:
+  double start_time_;
+  double step_;
+  Matrix samples_;
+  Interpolation interpolation_;
+};
+
+// False if a sample of the channel is missing: a response may have gaps, an
+// excitation may not, for the structure felt it. *error names record, channel
+// and the times of the first gap.
+[[nodiscard]] bool IsCompleteExcitation(const Record& record,
+                                        const Channel& channel,
+                                        std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_RECORD_EXCITATION_H_

@@ -1,0 +1,121 @@
+#include "pinode/record/excitation.h"
+
+#include <ceres/cubic_interpolation.h>
+
+#include <limits>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+Matrix Samples() {
+  Matrix samples(2, 6);
+  samples << 1.0, -2.0, 4.0, 3.0, 0.5, 7.0,  //
+      0.0, 1.0, 2.0, 3.0, 4.0, 5.0;
+  return samples;
+}
+
+Vector At(const Excitation& excitation, int interval, double fraction) {
+  Vector inputs(excitation.num_inputs());
+  excitation.Evaluate(interval, fraction, inputs.data());
+  return inputs;
+}
+
+TEST(ExcitationTest, HeldKeepsTheLeftSampleUpToTheRightEnd) {
+  const Excitation excitation(2.0, 0.1, Samples(), Interpolation::kHeld);
+  EXPECT_EQ(excitation.num_inputs(), 2);
+  EXPECT_EQ(excitation.num_samples(), 6);
+  EXPECT_DOUBLE_EQ(excitation.time(3), 2.3);
+  for (const double fraction : {0.0, 0.3, 1.0}) {
+    EXPECT_EQ(At(excitation, 1, fraction), Samples().col(1));
+  }
+  EXPECT_EQ(At(excitation, 2, 0.0), Samples().col(2));
+}
+
+TEST(ExcitationTest, LinearIsAStraightLine) {
+  const Excitation excitation(0.0, 0.1, Samples(), Interpolation::kLinear);
+  EXPECT_EQ(At(excitation, 0, 0.0), Samples().col(0));
+  EXPECT_EQ(At(excitation, 0, 1.0), Samples().col(1));
+  EXPECT_DOUBLE_EQ(At(excitation, 1, 0.25)[0], -0.5);
+  EXPECT_DOUBLE_EQ(At(excitation, 3, 0.5)[1], 3.5);
+}
+
+TEST(ExcitationTest, CubicIsThatOfCeres) {
+  const Matrix samples = Samples();
+  const Excitation excitation(0.0, 0.1, samples, Interpolation::kCubic);
+  using Grid = ceres::Grid1D<double, 2>;
+  const Grid grid(samples.data(), 0, static_cast<int>(samples.cols()));
+  const ceres::CubicInterpolator<Grid> interpolator(grid);
+  for (int interval = 0; interval < 5; ++interval) {
+    for (const double fraction : {0.0, 0.125, 0.5, 0.9, 1.0}) {
+      Vector expected(2);
+      interpolator.Evaluate(interval + fraction, expected.data());
+      EXPECT_LT((At(excitation, interval, fraction) - expected).norm(), 1e-13)
+          << interval << " + " << fraction;
+    }
+  }
+}
+
+TEST(ExcitationTest, CubicReproducesQuadraticsInside) {
+  Matrix samples(1, 8);
+  for (int i = 0; i < 8; ++i) samples(0, i) = 2.0 - i + 0.5 * i * i;
+  const Excitation excitation(0.0, 1.0, samples, Interpolation::kCubic);
+  for (int interval = 1; interval < 6; ++interval) {
+    for (const double fraction : {0.1, 0.5, 0.8}) {
+      const double t = interval + fraction;
+      EXPECT_NEAR(At(excitation, interval, fraction)[0], 2.0 - t + 0.5 * t * t,
+                  1e-13);
+    }
+  }
+}
+
+TEST(ExcitationTest, TheLastSampleHolds) {
+  for (const Interpolation interpolation :
+       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic}) {
+    const Excitation excitation(0.0, 0.1, Samples(), interpolation);
+    EXPECT_EQ(At(excitation, 5, 0.7), Samples().col(5));
+    EXPECT_EQ(At(excitation, 1000, 0.0), Samples().col(5));
+    const Excitation single(0.0, 0.1, Samples().leftCols(1), interpolation);
+    EXPECT_EQ(At(single, 0, 0.5), Samples().col(0));
+    const Excitation none(0.0, 0.1, Matrix(0, 4), interpolation);
+    none.Evaluate(1, 0.5, nullptr);
+    EXPECT_EQ(none.num_inputs(), 0);
+  }
+}
+
+TEST(ExcitationTest, NamesOfInterpolations) {
+  for (const Interpolation interpolation :
+       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic}) {
+    Interpolation parsed = Interpolation::kHeld;
+    EXPECT_TRUE(ParseInterpolation(InterpolationName(interpolation), &parsed));
+    EXPECT_EQ(parsed, interpolation);
+  }
+  Interpolation parsed = Interpolation::kCubic;
+  EXPECT_FALSE(ParseInterpolation("spline", &parsed));
+  EXPECT_EQ(parsed, Interpolation::kCubic);
+}
+
+TEST(ExcitationTest, GapsAreRefused) {
+  Record record;
+  record.name = "quake";
+  record.start_time = 1.0;
+  record.sampling_step = 0.5;
+  record.channels = {{"ag", "g", Vector::Ones(10)}};
+  std::string error;
+  EXPECT_TRUE(IsCompleteExcitation(record, record.channels[0], &error));
+  Vector& values = record.channels[0].values;
+  values[3] = values[4] = values[8] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(IsCompleteExcitation(record, record.channels[0], &error));
+  EXPECT_THAT(error, HasSubstr("record 'quake': the excitation 'ag' misses 2 "
+                               "samples from 2.5 to 3 (and more in 1 further"));
+  EXPECT_DEATH(Excitation(0.0, 0.5, values.transpose(), Interpolation::kHeld),
+               "samples are missing");
+}
+
+}  // namespace
+}  // namespace pinode

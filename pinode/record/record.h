@@ -1,0 +1,46 @@
+// Measured time histories on a uniform grid.
+
+#ifndef PINODE_RECORD_RECORD_H_
+#define PINODE_RECORD_RECORD_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+// One measured quantity over time. NaN marks a sample that is missing.
+struct Channel {
+  std::string name;
+  std::string unit = "1";
+  Vector values;
+};
+
+// Channels that share one grid: sample i is at start_time + i * sampling_step.
+struct Record {
+  std::string name;
+  double start_time = 0.0;
+  double sampling_step = 0.0;
+  std::vector<Channel> channels;
+
+  // Samples of every channel; 0 without channels.
+  int num_samples() const {
+    return channels.empty() ? 0 : static_cast<int>(channels[0].values.size());
+  }
+  double time(int sample) const { return start_time + sample * sampling_step; }
+  // From the first sample to the last.
+  double duration() const {
+    return channels.empty() ? 0.0 : (num_samples() - 1) * sampling_step;
+  }
+  // Null if no channel has that name.
+  const Channel* FindChannel(const std::string& channel_name) const;
+
+  // At least two samples, as many in each channel; a finite start; a positive
+  // step; channel names given and given once. On failure *error says what.
+  [[nodiscard]] bool IsValid(std::string* error) const;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_RECORD_RECORD_H_

@@ -1,0 +1,107 @@
+#include "pinode/record/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pinode/base/logging.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kNumZeros = 32.0;
+constexpr double kCutoff = 0.92;
+// A new sample this close to an old one, in steps, is at its time.
+constexpr double kSameTime = 1e-9;
+
+double Sinc(double x) {
+  return std::abs(x) < 1e-8 ? 1.0 : std::sin(kPi * x) / (kPi * x);
+}
+
+// Blackman's window over |x| <= 1.
+double Window(double x) {
+  const double c = std::cos(kPi * x);
+  return 0.42 + 0.5 * c + 0.08 * (2.0 * c * c - 1.0);
+}
+
+// A sample of the history continued by odd reflection about its ends, as far
+// as it reaches, then held.
+double Reflected(const Vector& values, std::ptrdiff_t i) {
+  const std::ptrdiff_t last = values.size() - 1;
+  if (i < 0) return 2.0 * values[0] - values[std::min(-i, last)];
+  if (i > last) {
+    return 2.0 * values[last] -
+           values[std::max<std::ptrdiff_t>(2 * last - i, 0)];
+  }
+  return values[i];
+}
+
+}  // namespace
+
+Vector Resample(const Vector& values, double step, double new_step) {
+  CHECK_GT(step, 0.0);
+  CHECK_GT(new_step, 0.0);
+  CHECK_GT(values.size(), 1) << "at least two samples are needed";
+  const std::ptrdiff_t last = values.size() - 1;
+  const double ratio = new_step / step;
+  if (std::abs(ratio - 1.0) * static_cast<double>(last) < kSameTime) {
+    return values;
+  }
+  if (CountPresent(values) == 0) {
+    // Nothing to draw a line through.
+    return Vector::Constant(
+        static_cast<Eigen::Index>(
+            std::floor(static_cast<double>(last) / ratio + kSameTime)) +
+            1,
+        std::numeric_limits<double>::quiet_NaN());
+  }
+  const Vector filled = FillMissing(values);
+  // Zeros of the sinc are 1 / bandwidth old samples apart.
+  const double bandwidth = ratio > 1.0 ? kCutoff / ratio : 1.0;
+  const double reach = kNumZeros / bandwidth;
+
+  const auto num_new = static_cast<Eigen::Index>(std::floor(
+                           static_cast<double>(last) / ratio + kSameTime)) +
+                       1;
+  Vector result(num_new);
+  for (Eigen::Index k = 0; k < num_new; ++k) {
+    // Time in old samples.
+    const double t =
+        std::min(static_cast<double>(k) * ratio, static_cast<double>(last));
+    const double nearest = std::round(t);
+    const bool on_sample = std::abs(t - nearest) < kSameTime * (1.0 + t);
+    const auto before =
+        static_cast<std::ptrdiff_t>(on_sample ? nearest : std::floor(t));
+    const std::ptrdiff_t after = on_sample ? before : before + 1;
+    if (std::isnan(values[before]) || std::isnan(values[after])) {
+      result[k] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    double weighted = 0.0;
+    double weights = 0.0;
+    const auto first = static_cast<std::ptrdiff_t>(std::ceil(t - reach));
+    const auto end = static_cast<std::ptrdiff_t>(std::floor(t + reach));
+    for (std::ptrdiff_t i = first; i <= end; ++i) {
+      const double distance = t - static_cast<double>(i);
+      const double weight =
+          Sinc(bandwidth * distance) * Window(distance / reach);
+      weighted += weight * Reflected(filled, i);
+      weights += weight;
+    }
+    result[k] = weighted / weights;
+  }
+  return result;
+}
+
+Record ResampleRecord(const Record& record, double new_step) {
+  Record result = record;
+  result.sampling_step = new_step;
+  for (Channel& channel : result.channels) {
+    channel.values = Resample(channel.values, record.sampling_step, new_step);
+  }
+  return result;
+}
+
+}  // namespace pinode

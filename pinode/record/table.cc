@@ -1,0 +1,309 @@
+#include "pinode/record/table.h"
+
+#include <csv.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+
+namespace pinode {
+namespace {
+
+constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
+
+// One row after the other of a CSV text. libcsv splits a row into cells; lines
+// are fed to it one by one, so that each row's line is known and lines that
+// are no row (blank, comment) never reach it.
+class CsvRows {
+ public:
+  CsvRows(std::string_view text, char delimiter) : text_(text) {
+    CHECK_EQ(csv_init(&parser_, CSV_STRICT), 0);
+    csv_set_delim(&parser_, static_cast<unsigned char>(delimiter));
+  }
+  ~CsvRows() { csv_free(&parser_); }
+  CsvRows(const CsvRows&) = delete;
+  CsvRows& operator=(const CsvRows&) = delete;
+
+  // False at the end of the text, or with *error set (else left alone) if the
+  // text is malformed; the message begins with the line number.
+  bool Next(std::string* error) {
+    cells_.clear();
+    row_ended_ = false;
+    bool row_began = false;
+    while (position_ < text_.size()) {
+      const std::string_view line = NextLine();
+      if (!row_began) {
+        if (IsNoRow(line)) continue;
+        row_began = true;
+        first_line_ = line_number_;
+      }
+      if (!Feed(line) || !Feed("\n")) {
+        *error = std::to_string(line_number_) +
+                 ": stray quote, expected cells quoted as a whole (\"...\", "
+                 "with a quote inside doubled)";
+        return false;
+      }
+      if (row_ended_) return true;
+    }
+    if (row_began) {
+      *error = std::to_string(first_line_) +
+               ": a quoted cell begins here that is never closed";
+    }
+    return false;
+  }
+
+  const std::vector<std::string>& cells() const { return cells_; }
+  // The line on which the current row begins.
+  int line_number() const { return first_line_; }
+
+  static bool IsNoRow(std::string_view line) {
+    const std::string_view stripped = StripBlanks(line);
+    return stripped.empty() || stripped.front() == '#';
+  }
+
+ private:
+  std::string_view NextLine() {
+    const size_t end = std::min(text_.find('\n', position_), text_.size());
+    std::string_view line = text_.substr(position_, end - position_);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    position_ = end + 1;
+    ++line_number_;
+    return line;
+  }
+
+  bool Feed(std::string_view bytes) {
+    return csv_parse(&parser_, bytes.data(), bytes.size(), &CsvRows::OnCell,
+                     &CsvRows::OnRowEnd, this) == bytes.size();
+  }
+
+  static void OnCell(void* cell, size_t size, void* self) {
+    static_cast<CsvRows*>(self)->cells_.emplace_back(
+        static_cast<const char*>(cell), size);
+  }
+  static void OnRowEnd(int, void* self) {
+    static_cast<CsvRows*>(self)->row_ended_ = true;
+  }
+
+  std::string_view text_;
+  csv_parser parser_;
+  size_t position_ = 0;
+  int line_number_ = 0;
+  int first_line_ = 0;
+  bool row_ended_ = false;
+  std::vector<std::string> cells_;
+};
+
+// The most frequent candidate in the header line outside quotes; the earlier
+// one of equals (a comma is the likeliest to be part of a name).
+char DetectDelimiter(std::string_view text) {
+  while (!text.empty()) {
+    const size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (CsvRows::IsNoRow(line)) continue;
+    char best = ',';
+    int best_count = 0;
+    for (const char candidate : {'\t', ';', ','}) {
+      int count = 0;
+      bool quoted = false;
+      for (const char c : line) {
+        if (c == '"') quoted = !quoted;
+        if (c == candidate && !quoted) ++count;
+      }
+      if (count > best_count) {
+        best = candidate;
+        best_count = count;
+      }
+    }
+    return best;
+  }
+  return ',';
+}
+
+bool IsDigits(std::string_view cell) {
+  cell = StripBlanks(cell);
+  if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) {
+    cell.remove_prefix(1);
+  }
+  return !cell.empty() && std::all_of(cell.begin(), cell.end(), [](char c) {
+    return c >= '0' && c <= '9';
+  });
+}
+
+std::string RaggedRowMessage(const CsvRows& rows, size_t expected,
+                             char delimiter) {
+  const std::vector<std::string>& cells = rows.cells();
+  std::string message =
+      std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells") +
+      ", expected " + std::to_string(expected) + " as in the header line";
+  if (delimiter == ',' && cells.size() > expected &&
+      std::all_of(cells.begin(), cells.end(), IsDigits)) {
+    message +=
+        "; the numbers seem to have decimal commas, write them with a "
+        "decimal point";
+  }
+  return message;
+}
+
+std::string BadCellMessage(const std::string& cell) {
+  std::string pointed = cell;
+  const size_t comma = pointed.find(',');
+  double number = 0.0;
+  if (comma != std::string::npos) {
+    pointed[comma] = '.';
+    if (ParseDouble(pointed, &number)) {
+      return "'" + cell + "' has a decimal comma, expected a decimal point ('" +
+             std::string(StripBlanks(pointed)) + "')";
+    }
+  }
+  return "'" + cell + "' is not a number";
+}
+
+// Where each wanted column is in the header.
+bool LocateColumns(const std::vector<std::string>& header, int header_line,
+                   const std::vector<std::string>& wanted,
+                   const std::string& path, std::vector<std::string>* columns,
+                   std::vector<size_t>* positions, std::string* error) {
+  const std::string where = path + ":" + std::to_string(header_line) + ": ";
+  for (const std::string& name : wanted.empty() ? header : wanted) {
+    // A name asked for twice is one column; a header's own repetition is
+    // caught by the count below.
+    if (!wanted.empty() &&
+        std::find(columns->begin(), columns->end(), name) != columns->end()) {
+      continue;
+    }
+    const auto found = std::find(header.begin(), header.end(), name);
+    if (found == header.end()) {
+      std::vector<std::string> named;
+      std::copy_if(header.begin(), header.end(), std::back_inserter(named),
+                   [](const std::string& known) { return !known.empty(); });
+      *error =
+          where + "no column is named '" + name + "'" + NameHint(name, named);
+      return false;
+    }
+    const auto again = std::find(found + 1, header.end(), name);
+    if (again != header.end()) {
+      *error = where + "the name '" + name + "' occurs twice, in columns " +
+               std::to_string(found - header.begin() + 1) + " and " +
+               std::to_string(again - header.begin() + 1) +
+               ", expected it once";
+      return false;
+    }
+    columns->push_back(name);
+    positions->push_back(static_cast<size_t>(found - header.begin()));
+  }
+  return true;
+}
+
+}  // namespace
+
+int Table::FindColumn(const std::string& name) const {
+  const auto found = std::find(columns.begin(), columns.end(), name);
+  return found == columns.end() ? -1
+                                : static_cast<int>(found - columns.begin());
+}
+
+bool ReadCsvTable(const std::string& path,
+                  const std::vector<std::string>& wanted, Table* table,
+                  std::string* error) {
+  std::string text;
+  return ReadTextFile(path, &text, error) &&
+         ParseCsvTable(text, path, wanted, table, error);
+}
+
+bool ParseCsvTable(const std::string& original, const std::string& path,
+                   const std::vector<std::string>& wanted, Table* table,
+                   std::string* error) {
+  CHECK(table != nullptr);
+  CHECK(error != nullptr);
+  std::string text = original;
+  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
+  // Carriage returns alone end the lines of some old instruments.
+  if (text.find('\n') == std::string::npos) {
+    std::replace(text.begin(), text.end(), '\r', '\n');
+  }
+
+  const char delimiter = DetectDelimiter(text);
+  CsvRows rows(text, delimiter);
+  std::string malformed;
+  if (!rows.Next(&malformed)) {
+    *error = malformed.empty()
+                 ? path +
+                       ": is empty, expected a header line with the "
+                       "columns' names and one line a sample"
+                 : path + ":" + malformed;
+    return false;
+  }
+  std::vector<std::string> header;
+  bool all_numbers = true;
+  double number = 0.0;
+  for (const std::string& cell : rows.cells()) {
+    header.emplace_back(StripBlanks(cell));
+    if (!ParseDouble(header.back(), &number)) all_numbers = false;
+  }
+  const int header_line = rows.line_number();
+  if (all_numbers) {
+    *error = path + ":" + std::to_string(header_line) +
+             ": the first line holds numbers, expected the columns' names "
+             "(lines that begin with '#' are comments)";
+    return false;
+  }
+
+  Table result;
+  result.path = path;
+  std::vector<size_t> positions;
+  if (!LocateColumns(header, header_line, wanted, path, &result.columns,
+                     &positions, error)) {
+    return false;
+  }
+
+  std::vector<double> values;
+  while (rows.Next(&malformed)) {
+    const std::string where =
+        path + ":" + std::to_string(rows.line_number()) + ": ";
+    if (rows.cells().size() != header.size()) {
+      *error = where + RaggedRowMessage(rows, header.size(), delimiter);
+      return false;
+    }
+    for (size_t j = 0; j < positions.size(); ++j) {
+      const std::string& cell = rows.cells()[positions[j]];
+      double value = std::numeric_limits<double>::quiet_NaN();
+      if (!StripBlanks(cell).empty() && !ParseDouble(cell, &value)) {
+        *error = where + "column '" + result.columns[j] +
+                 "': " + BadCellMessage(cell);
+        return false;
+      }
+      if (std::isinf(value)) {
+        *error = where + "column '" + result.columns[j] + "': '" + cell +
+                 "' is not finite";
+        return false;
+      }
+      values.push_back(value);
+    }
+    result.line_numbers.push_back(rows.line_number());
+  }
+  if (!malformed.empty()) {
+    *error = path + ":" + malformed;
+    return false;
+  }
+  if (result.line_numbers.empty()) {
+    *error = path + ":" + std::to_string(header_line) +
+             ": no rows of numbers below the header line";
+    return false;
+  }
+  using RowMajor =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  result.values = Eigen::Map<const RowMajor>(
+      values.data(), static_cast<Eigen::Index>(result.line_numbers.size()),
+      static_cast<Eigen::Index>(positions.size()));
+  *table = std::move(result);
+  return true;
+}
+
+}  // namespace pinode
