@@ -1,9 +1,17 @@
-# pinode_add_floor(<folder> SOURCES ... [TESTS ...] [PUBLIC ...] [PRIVATE ...])
+# pinode_add_floor(<folder> SOURCES ... [TESTS ...] [SLOW_TESTS ...]
+#                  [PUBLIC ...] [PRIVATE ...])
 #
 # One static library target pinode_<folder>, exported as pinode::<folder>, and
-# one test program pinode_<folder>_test of the *_test.cc files beside it.
+# one test program pinode_<folder>_test of the *_test.cc files beside it, whose
+# tests carry the folder's name as their label. SLOW_TESTS become a program of
+# their own, pinode_<folder>_slow_test, labelled `slow`, which the sanitizer run
+# leaves out.
+#
+# pinode_install_package() adds the umbrella target pinode::pinode and
+# everything that find_package(pinode) needs.
 
 include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
 
 set(PINODE_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
 if(PINODE_WERROR)
@@ -15,11 +23,32 @@ function(pinode_private_flags target)
   target_compile_options(${target} PRIVATE ${PINODE_WARNINGS})
   if(PINODE_NATIVE)
     target_compile_options(${target} PRIVATE -march=native)
+    # GCC before 13 takes the deliberately undefined registers of its own AVX
+    # headers for mistakes (GCC bug 105593). The presets `dev` and `asan`, which
+    # compile for any machine, keep the two warnings.
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
+       CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+      target_compile_options(${target} PRIVATE
+        -Wno-uninitialized -Wno-maybe-uninitialized)
+    endif()
   endif()
 endfunction()
 
+function(pinode_add_unit_test name folder label libraries)
+  add_executable(${name} ${ARGN})
+  target_link_libraries(${name} PRIVATE
+    ${libraries} GTest::gmock GTest::gtest_main)
+  # Where a test finds the project's data, from whatever directory it runs in.
+  target_compile_definitions(${name} PRIVATE
+    PINODE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  pinode_private_flags(${name})
+  gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES
+    PROPERTIES LABELS ${label} DISCOVERY_TIMEOUT 60)
+endfunction()
+
 function(pinode_add_floor folder)
-  cmake_parse_arguments(FLOOR "" "" "SOURCES;TESTS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(FLOOR "" "" "SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE"
+    ${ARGN})
   set(target pinode_${folder})
   add_library(${target} STATIC ${FLOOR_SOURCES})
   add_library(pinode::${folder} ALIAS ${target})
@@ -27,20 +56,60 @@ function(pinode_add_floor folder)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  # Ceres is built for plain x86-64. Whatever our own flags are, everything
-  # that Eigen allocates must be aligned the same on both sides.
-  target_compile_definitions(${target} PUBLIC EIGEN_MAX_ALIGN_BYTES=16)
+  # Code for this machine's AVX and the code around it (Ceres, users' programs)
+  # must agree on what Eigen allocates. Lowering EIGEN_MAX_ALIGN_BYTES to 16
+  # does not do it: with AVX, Eigen then still frees in its own way what SSE
+  # code took from malloc. So everybody who includes our headers gets the
+  # alignment of the widest registers on the heap and that of SSE in fixed-size
+  # members. (tests/install_test.sh crashes if this is wrong.)
+  if(PINODE_NATIVE)
+    target_compile_definitions(${target} PUBLIC
+      EIGEN_MAX_ALIGN_BYTES=64 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_link_libraries(${target} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE})
   pinode_private_flags(${target})
+  set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
   install(TARGETS ${target} EXPORT pinodeTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode/${folder}
+    FILES_MATCHING PATTERN "*.h"
+    # Help for our own tests.
+    REGEX "/(measured_data|(.*_)?testing)\\.h$" EXCLUDE)
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
-    add_executable(${target}_test ${FLOOR_TESTS})
-    target_link_libraries(${target}_test PRIVATE
-      ${target} ${FLOOR_PRIVATE} GTest::gmock GTest::gtest_main)
-    pinode_private_flags(${target}_test)
-    gtest_discover_tests(${target}_test TEST_PREFIX "${folder}."
-      PROPERTIES LABELS ${folder} DISCOVERY_TIMEOUT 60)
+    pinode_add_unit_test(${target}_test ${folder} ${folder}
+      "${target};${FLOOR_PRIVATE}" ${FLOOR_TESTS})
   endif()
+  if(PINODE_BUILD_TESTS AND FLOOR_SLOW_TESTS)
+    pinode_add_unit_test(${target}_slow_test ${folder} slow
+      "${target};${FLOOR_PRIVATE}" ${FLOOR_SLOW_TESTS})
+  endif()
+endfunction()
+
+function(pinode_install_package)
+  get_property(floors GLOBAL PROPERTY PINODE_FLOORS)
+  add_library(pinode_pinode INTERFACE)
+  add_library(pinode::pinode ALIAS pinode_pinode)
+  set_target_properties(pinode_pinode PROPERTIES EXPORT_NAME pinode)
+  target_link_libraries(pinode_pinode INTERFACE ${floors})
+  install(TARGETS pinode_pinode EXPORT pinodeTargets)
+
+  set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pinode)
+  install(EXPORT pinodeTargets NAMESPACE pinode:: DESTINATION ${package_dir})
+  configure_package_config_file(
+    ${PROJECT_SOURCE_DIR}/pinode/cmake/pinodeConfig.cmake.in
+    ${PROJECT_BINARY_DIR}/pinodeConfig.cmake
+    INSTALL_DESTINATION ${package_dir}
+    NO_SET_AND_CHECK_MACRO)
+  # Before 1.0 a minor version may change the interface.
+  write_basic_package_version_file(
+    ${PROJECT_BINARY_DIR}/pinodeConfigVersion.cmake
+    COMPATIBILITY SameMinorVersion)
+  install(FILES
+    ${PROJECT_BINARY_DIR}/pinodeConfig.cmake
+    ${PROJECT_BINARY_DIR}/pinodeConfigVersion.cmake
+    DESTINATION ${package_dir})
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
+    DESTINATION ${CMAKE_INSTALL_DOCDIR})
 endfunction()

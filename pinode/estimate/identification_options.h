@@ -40,7 +40,7 @@ struct IdentificationOptions {
   int segment_samples = 0;
 
   // Levenberg-Marquardt iterations in all stages together.
-  int max_num_iterations = 200;
+  int max_num_iterations = 500;
 
   // Relative change of the cost that ends a solve.
   double function_tolerance = 1e-10;

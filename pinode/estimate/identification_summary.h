@@ -101,7 +101,7 @@ struct IdentificationSummary {
   int rejected_steps = 0;
   int failed_evaluations = 0;
   double effective_parameters = 0.0;
-  std::vector<double> decays;  // per network
+  std::vector<double> decays;  // per decay group of the parameter layout
 
   double seconds = 0.0;
   double jacobian_seconds = 0.0;
@@ -117,7 +117,7 @@ struct IdentifiedModel {
   Vector parameters;  // dynamics first, then sensors
   std::vector<Vector> sigmas;  // per record of the problem (training ones)
   std::vector<Vector> starts;  // per record
-  Vector decays;               // per network
+  Vector decays;               // per decay group of the parameter layout
 };
 
 }  // namespace pinode

@@ -125,7 +125,7 @@ MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
     records_.push_back(std::move(record));
   }
   starts_.resize(records_.size());
-  decays_ = Vector::Zero(static_cast<int>(dynamics.networks().size()));
+  decays_ = Vector::Zero(layout.num_decay_groups());
   for (int t = 0; t < std::max(1, options.num_threads); ++t) {
     threads_.push_back(std::make_unique<Thread>(dynamics, options.derivatives,
                                                 layout.num_free()));
@@ -340,8 +340,8 @@ double MultipleShooting::PriorCost(const Vector& free) const {
       const double r = (free[j] - parameter.prior_mean) / parameter.prior_sigma;
       cost += 0.5 * r * r;
     }
-    const int network = layout_.DecayGroup(index);
-    if (network >= 0) cost += 0.5 * decays_[network] * free[j] * free[j];
+    const int group = layout_.DecayGroupOf(index);
+    if (group >= 0) cost += 0.5 * decays_[group] * free[j] * free[j];
   }
   return cost;
 }
@@ -357,10 +357,10 @@ void MultipleShooting::AddPriors(const Vector& free,
       system->gradient[j] += precision * (free[j] - parameter.prior_mean);
       system->hessian(j, j) += precision;
     }
-    const int network = layout_.DecayGroup(index);
-    if (network >= 0) {
-      system->gradient[j] += decays_[network] * free[j];
-      system->hessian(j, j) += decays_[network];
+    const int group = layout_.DecayGroupOf(index);
+    if (group >= 0) {
+      system->gradient[j] += decays_[group] * free[j];
+      system->hessian(j, j) += decays_[group];
     }
   }
 }

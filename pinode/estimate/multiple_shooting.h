@@ -83,7 +83,7 @@ class MultipleShooting {
   void SetStateScales(const std::vector<Vector>& scales);
   // sigma, one per channel and record.
   void SetSigmas(const std::vector<Vector>& sigmas);
-  // Precision of the decay prior per network of the dynamics.
+  // Precision of the decay prior per decay group of the layout.
   void SetDecays(const Vector& decays) { decays_ = decays; }
   void SetGapPenalty(double mu) { gap_penalty_ = mu; }
   double gap_penalty() const { return gap_penalty_; }

@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_PARAMETER_LAYOUT_H_
 #define PINODE_ESTIMATE_PARAMETER_LAYOUT_H_
 
+#include <string>
 #include <vector>
 
 #include "pinode/base/types.h"
@@ -26,8 +27,22 @@ class ParameterLayout {
   }
   // Whether the entry is reported by name (not a network weight).
   bool IsNamed(int index) const { return named_[static_cast<size_t>(index)]; }
-  // Index of the network (of the dynamics) whose decay applies, -1 if none.
-  int DecayGroup(int index) const {
+
+  // Network weights that share one decay precision: per network the weights of
+  // each input, those of each output, the hidden biases, and each layer in
+  // between. With precisions chosen by the evidence this is automatic
+  // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,
+  // 1996): inputs and outputs that nothing depends on are shrunk away.
+  struct DecayGroup {
+    int network = -1;
+    std::string name;
+  };
+  const std::vector<DecayGroup>& decay_groups() const { return decay_groups_; }
+  int num_decay_groups() const {
+    return static_cast<int>(decay_groups_.size());
+  }
+  // Index of the decay group of a parameter, -1 if none.
+  int DecayGroupOf(int index) const {
     return decay_group_[static_cast<size_t>(index)];
   }
 
@@ -52,6 +67,10 @@ class ParameterLayout {
  private:
   std::vector<Parameter> all_;
   std::vector<bool> named_;
+  // Decay group of each weight of a network, -1 where nothing decays.
+  std::vector<int> GroupWeights(const NetworkTerm& term, int network);
+
+  std::vector<DecayGroup> decay_groups_;
   std::vector<int> decay_group_;
   std::vector<int> free_;
   std::vector<int> free_index_;

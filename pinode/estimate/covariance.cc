@@ -1,0 +1,247 @@
+#include "pinode/estimate/covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "pinode/base/logging.h"
+#include "pinode/estimate/input_noise.h"
+
+namespace pinode {
+namespace {
+
+// An autocorrelation this many standard deviations beyond white noise is taken
+// seriously: about one false alarm in a thousand channels.
+constexpr double kAutocorrelated = 3.5;
+constexpr int kLags = 20;
+
+// Random sign vectors per channel for the trace of the induced noise.
+constexpr int kProbes = 6;
+
+// Score of consecutive blocks: sums of J_i' r_i, one column per block.
+Matrix BlockScores(const std::vector<Matrix>& residuals,
+                   const std::vector<Matrix>& jacobians) {
+  std::vector<Vector> scores;
+  for (size_t r = 0; r < residuals.size(); ++r) {
+    const int nc = static_cast<int>(residuals[r].rows());
+    const int samples = static_cast<int>(residuals[r].cols());
+    double time = 1.0;
+    for (int c = 0; c < nc; ++c) {
+      time = std::max(time, AutocorrelationTime(residuals[r].row(c)));
+    }
+    // Blocks long against the memory of the residuals, but enough of them.
+    const int length = std::clamp(static_cast<int>(std::ceil(8.0 * time)), 5,
+                                  std::max(5, samples / 12));
+    for (int first = 0; first < samples; first += length) {
+      const int count = std::min(length, samples - first);
+      const auto block = residuals[r].middleCols(first, count);
+      const Vector flat = Eigen::Map<const Vector>(
+          Matrix(block).data(), static_cast<Eigen::Index>(count) * nc);
+      scores.push_back(
+          jacobians[r].middleRows(first * nc, count * nc).transpose() * flat);
+    }
+  }
+  Matrix result(jacobians[0].cols(), static_cast<int>(scores.size()));
+  for (size_t b = 0; b < scores.size(); ++b) {
+    result.col(static_cast<int>(b)) = scores[b];
+  }
+  return result;
+}
+
+bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
+  for (const Matrix& record : residuals) {
+    for (int c = 0; c < record.rows(); ++c) {
+      if (LjungBoxExcess(record.row(c), kLags) > kAutocorrelated) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+double LjungBoxExcess(const Vector& residuals, int num_lags) {
+  const int n = static_cast<int>(residuals.size());
+  const double variance = residuals.squaredNorm();
+  if (n <= 2 * num_lags || !(variance > 0.0)) return 0.0;
+  double statistic = 0.0;
+  for (int k = 1; k <= num_lags; ++k) {
+    const double rho =
+        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
+    statistic += rho * rho / (n - k);
+  }
+  statistic *= static_cast<double>(n) * (n + 2.0);
+  return (statistic - num_lags) / std::sqrt(2.0 * num_lags);
+}
+
+double AutocorrelationTime(const Vector& residuals) {
+  const int n = static_cast<int>(residuals.size());
+  const double variance = residuals.squaredNorm();
+  if (!(variance > 0.0)) return 1.0;
+  double time = 1.0;
+  for (int k = 1; k < n / 2; ++k) {
+    const double rho =
+        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
+    if (rho < 0.05) break;
+    time += 2.0 * rho;
+  }
+  return time;
+}
+
+double StudentQuantile(double degrees) {
+  constexpr double z = 1.959963984540054;
+  if (!(degrees >= 1.0)) degrees = 1.0;
+  const double z3 = z * z * z;
+  const double z5 = z3 * z * z;
+  const double z7 = z5 * z * z;
+  const double z9 = z7 * z * z;
+  const double d = degrees;
+  return z + (z3 + z) / (4.0 * d) +
+         (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * d * d) +
+         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * d * d * d) +
+         (79.0 * z9 + 776.0 * z7 + 1482.0 * z5 - 1920.0 * z3 - 945.0 * z) /
+             (92160.0 * d * d * d * d);
+}
+
+bool EstimateCovariance(const IdentificationProblem& problem,
+                        const ParameterLayout& layout,
+                        IdentificationOptions::Covariance choice,
+                        const Vector& free, const std::vector<Vector>& sigmas,
+                        MultipleShooting* shooting,
+                        CovarianceEstimate* estimate) {
+  CondensedSystem system;
+  std::vector<Matrix> residuals, jacobians, states;
+  if (!shooting->Linearize(free, &system) ||
+      !shooting->WeightedResiduals(free, true, &residuals, &jacobians) ||
+      !shooting->Trajectories(free, &states)) {
+    return false;
+  }
+  const int n = layout.num_free();
+  // Unit diagonal: what is small then is small in every unit.
+  Vector scale(n);
+  for (int i = 0; i < n; ++i) {
+    scale[i] = system.hessian(i, i) > 0.0 ? std::sqrt(system.hessian(i, i))
+                                          : 1.0;
+  }
+  const Vector inverse_scale = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
+      inverse_scale.asDiagonal() * system.hessian * inverse_scale.asDiagonal());
+  if (eigen.info() != Eigen::Success) return false;
+  const double threshold = 1e-13 * n * eigen.eigenvalues().maxCoeff();
+  Vector inverse_values(n);
+  int null = 0;
+  for (int i = 0; i < n; ++i) {
+    const double value = eigen.eigenvalues()[i];
+    if (value <= threshold) ++null;
+    inverse_values[i] = 1.0 / std::max(value, threshold);
+  }
+  estimate->null_space = eigen.eigenvectors().leftCols(null);
+  const Matrix inverse = inverse_scale.asDiagonal() * eigen.eigenvectors() *
+                         inverse_values.asDiagonal() *
+                         eigen.eigenvectors().transpose() *
+                         inverse_scale.asDiagonal();
+
+  bool noisy_input = false;
+  for (int r : shooting->train_records()) {
+    const Vector& sigma =
+        problem.records[static_cast<size_t>(r)].input_sigma;
+    noisy_input = noisy_input || (sigma.size() > 0 && sigma.maxCoeff() > 0.0);
+  }
+  using Covariance = IdentificationOptions::Covariance;
+  estimate->quantile = StudentQuantile(1e6);
+  if (choice == Covariance::kPlain ||
+      (choice == Covariance::kAuto && !noisy_input &&
+       !AnyAutocorrelated(residuals))) {
+    estimate->method = "plain";
+    estimate->covariance = inverse;
+    return true;
+  }
+
+  // The priors' share of the Hessian is theirs in the middle as well.
+  Matrix data_hessian = Matrix::Zero(n, n);
+  for (const Matrix& jacobian : jacobians) {
+    data_hessian.noalias() += jacobian.transpose() * jacobian;
+  }
+  const Matrix priors = system.hessian - data_hessian;
+  Matrix middle = priors;
+  if (choice == Covariance::kAuto && noisy_input) {
+    estimate->method = "input noise";
+    Vector parameters = layout.InitialValues();
+    layout.SetFree(free, &parameters);
+    for (size_t t = 0; t < residuals.size(); ++t) {
+      const int record = shooting->train_records()[t];
+      const IdentificationRecord& data =
+          problem.records[static_cast<size_t>(record)];
+      const int nc = static_cast<int>(residuals[t].rows());
+      const int samples = static_cast<int>(residuals[t].cols());
+      // Columns: the weighted Jacobian, then random signs per channel.
+      Matrix weights = Matrix::Zero(nc * samples, n + nc * kProbes);
+      weights.leftCols(n) = jacobians[t];
+      std::mt19937_64 random(12345);
+      for (int c = 0; c < nc; ++c) {
+        for (int p = 0; p < kProbes; ++p) {
+          for (int i = 0; i < samples; ++i) {
+            weights(i * nc + c, n + c * kProbes + p) =
+                (random() & 1) != 0 ? 1.0 : -1.0;
+          }
+        }
+      }
+      if (data.filter != nullptr) {
+        // The filter is symmetric but for its ends: the adjoint of "predict,
+        // then filter" filters the weights.
+        for (int c = 0; c < nc; ++c) {
+          Matrix history(samples, weights.cols());
+          for (int i = 0; i < samples; ++i) {
+            history.row(i) = weights.row(i * nc + c);
+          }
+          data.filter->Apply(&history);
+          for (int i = 0; i < samples; ++i) {
+            weights.row(i * nc + c) = history.row(i);
+          }
+        }
+      }
+      for (int row = 0; row < weights.rows(); ++row) {
+        weights.row(row) /= sigmas[t][row % nc];
+      }
+      Vector induced = Vector::Zero(nc);  // sum of squares, units of sigma^2
+      for (int input = 0; input < data.input_sigma.size(); ++input) {
+        const double sigma = data.input_sigma[input];
+        if (!(sigma > 0.0)) continue;
+        const Matrix effect =
+            sigma * InputSensitivity(problem, layout, record, input,
+                                     parameters, states[t], weights);
+        middle.noalias() +=
+            effect.topRows(n) * effect.topRows(n).transpose();
+        for (int c = 0; c < nc; ++c) {
+          induced[c] +=
+              effect.middleRows(n + c * kProbes, kProbes).squaredNorm() /
+              kProbes;
+        }
+      }
+      for (int c = 0; c < nc; ++c) {
+        const double total = residuals[t].row(c).squaredNorm();
+        // Never nothing: the split itself is estimated.
+        const double share =
+            total > 0.0 ? std::clamp(1.0 - induced[c] / total, 0.02, 1.0) : 1.0;
+        const double scale_to_one = total / std::max(1, samples);
+        Matrix rows(samples, n);
+        for (int i = 0; i < samples; ++i) {
+          rows.row(i) = jacobians[t].row(i * nc + c);
+        }
+        middle.noalias() +=
+            share * scale_to_one * rows.transpose() * rows;
+      }
+    }
+  } else {
+    estimate->method = "sandwich";
+    const Matrix scores = BlockScores(residuals, jacobians);
+    const double blocks = static_cast<double>(scores.cols());
+    middle.noalias() +=
+        blocks / std::max(1.0, blocks - 1.0) * scores * scores.transpose();
+    estimate->quantile = StudentQuantile(blocks - 1.0);
+  }
+  estimate->covariance = inverse * middle * inverse;
+  return estimate->covariance.allFinite();
+}
+
+}  // namespace pinode

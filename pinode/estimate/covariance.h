@@ -1,0 +1,63 @@
+// How sure the identified parameters are.
+
+#ifndef PINODE_ESTIMATE_COVARIANCE_H_
+#define PINODE_ESTIMATE_COVARIANCE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_options.h"
+#include "pinode/estimate/multiple_shooting.h"
+
+namespace pinode {
+
+struct CovarianceEstimate {
+  // Of all free parameters, num_free x num_free.
+  Matrix covariance;
+  // "plain", "sandwich" or "input noise".
+  std::string method;
+  // Half-width of the 95 % interval in standard deviations.
+  double quantile = 1.96;
+  // Unit vectors (scaled by each parameter's own curvature) along which the
+  // cost does not change within rounding: num_free x count.
+  Matrix null_space;
+};
+
+// At the solution `free` of `shooting`, which is linearised there.
+//
+//   plain         H^-1, H the Gauss-Newton Hessian with priors and decay
+//   sandwich      H^-1 (sum_b g_b g_b' + P) H^-1 over blocks of consecutive
+//                 samples, g_b the score of a block and P the priors' precision
+//                 (H. R. Kuensch, Ann. Statist. 17 (1989) 1217-1241): for
+//                 residuals that are autocorrelated
+//   input noise   H^-1 (sum_c rho_c J_c' J_c + sum_i sigma_i^2 v_i v_i' + P)
+//                 H^-1, v_i the effect of one input sample on the score by an
+//                 adjoint run; rho_c the share of output noise in channel c's
+//                 residual
+//
+// kAuto takes input noise where a training record has a noisy input, sandwich
+// where a Ljung-Box test finds autocorrelation, else plain. Returns false where
+// the Hessian is not finite.
+[[nodiscard]] bool EstimateCovariance(const IdentificationProblem& problem,
+                                      const ParameterLayout& layout,
+                                      IdentificationOptions::Covariance choice,
+                                      const Vector& free,
+                                      const std::vector<Vector>& sigmas,
+                                      MultipleShooting* shooting,
+                                      CovarianceEstimate* estimate);
+
+// Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
+// its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65
+// (1978) 297-303).
+double LjungBoxExcess(const Vector& residuals, int num_lags);
+
+// 1 + 2 sum rho_k up to the first lag with rho_k < 0.05, in samples.
+double AutocorrelationTime(const Vector& residuals);
+
+// 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
+double StudentQuantile(double degrees);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_COVARIANCE_H_

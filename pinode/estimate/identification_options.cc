@@ -1,0 +1,33 @@
+#include "pinode/estimate/identification_options.h"
+
+#include <sstream>
+
+namespace pinode {
+
+bool IdentificationOptions::IsValid(std::string* error) const {
+  std::ostringstream message;
+  if (segment_samples < 0) {
+    message << "segment_samples is " << segment_samples
+            << ", it must not be negative (0: chosen)";
+  } else if (segment_samples > 0 && segment_samples < 2) {
+    message << "segment_samples is 1, a segment needs at least two samples";
+  } else if (max_num_iterations < 1) {
+    message << "max_iterations is " << max_num_iterations
+            << ", it must be at least 1";
+  } else if (!(function_tolerance > 0.0 && function_tolerance < 1.0)) {
+    message << "tolerance is " << function_tolerance
+            << ", it must lie between 0 and 1";
+  } else if (!(loss_scale > 0.0)) {
+    message << "robust_scale is " << loss_scale << ", it must be positive";
+  } else if (num_starts < 1) {
+    message << "multistart is " << num_starts << ", it must be at least 1";
+  } else if (num_threads < 1) {
+    message << "threads is " << num_threads << ", it must be at least 1";
+  } else {
+    return true;
+  }
+  *error = message.str();
+  return false;
+}
+
+}  // namespace pinode

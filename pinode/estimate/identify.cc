@@ -1,0 +1,874 @@
+#include "pinode/estimate/identify.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <sstream>
+
+#include "pinode/base/logging.h"
+#include "pinode/estimate/condensed_cost.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/null_space.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/score.h"
+#include "pinode/network/initialize_weights.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Gaps are closed when they are below this, in units of the state's RMS.
+constexpr double kClosedGap = 1e-6;
+
+// Rounds of one stage: multipliers, noise levels and decay are updated between
+// them.
+constexpr int kMaxRounds = 40;
+
+// With networks whose decay the evidence chooses the noise begins at the first
+// of these shares of the spread and is never taken to be below the second: what
+// a network leaves over is misfit, and trusting it further makes the evidence
+// buy weights for it that do not generalise (data/README.md has the figures).
+constexpr double kFirstNetworkNoise = 0.01;
+constexpr double kSmallestMisfit = 0.003;
+
+// Rounds for the decay of networks after the noise levels have settled.
+constexpr int kEvidenceRounds = 6;
+
+// Change of the cost in one iteration at which such a fit has converged.
+constexpr double kSmallestChange = 0.02;
+
+// Largest step down of a noise level between rounds of such a fit.
+constexpr double kNetworkShrink = 0.75;
+
+// A first guess of the noise, as a share of the channel's spread, for channels
+// whose noise is to be estimated.
+constexpr double kFirstNoise = 0.05;
+
+// No noise estimate goes below this share of the channel's RMS.
+constexpr double kSmallestNoise = 1e-8;
+
+// First precision of a weight decay that the evidence is to choose.
+constexpr double kFirstDecay = 0.1;
+constexpr double kLargestDecay = 1e8;
+
+double Seconds(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+      .count();
+}
+
+Vector StackSigmas(const std::vector<Vector>& sigmas) {
+  Eigen::Index size = 0;
+  for (const Vector& sigma : sigmas) size += sigma.size();
+  Vector stacked(size);
+  size = 0;
+  for (const Vector& sigma : sigmas) {
+    stacked.segment(size, sigma.size()) = sigma;
+    size += sigma.size();
+  }
+  return stacked;
+}
+
+// Everything that a stage changes, to be kept or rolled back.
+struct Solution {
+  Vector free;
+  std::vector<Vector> sigmas;  // per training record
+  Vector decays;
+  std::vector<Matrix> trajectories;  // per training record
+  double free_run_error = kInfinity;
+  double cost = kInfinity;
+};
+
+// One start of an identification.
+class Trainer {
+ public:
+  Trainer(const IdentificationProblem& problem,
+          const IdentificationOptions& options, IdentificationSummary* summary)
+      : problem_(problem),
+        options_(options),
+        summary_(summary),
+        layout_(problem),
+        begin_(std::chrono::steady_clock::now()) {
+    MultipleShooting::Options shooting;
+    shooting.derivatives = options.derivatives;
+    shooting.loss = options.loss;
+    shooting.loss_scale = options.loss_scale;
+    shooting.num_threads = options.num_threads;
+    shooting_ = std::make_unique<MultipleShooting>(problem, layout_, shooting);
+  }
+
+  // Runs all stages from the values given. False, with the summary's message,
+  // where nothing finite came out.
+  bool Run(const Vector& parameters, const IdentifiedModel* initial);
+
+  const Solution& best() const { return best_; }
+  bool interrupted() const { return interrupted_; }
+  const ParameterLayout& layout() const { return layout_; }
+  MultipleShooting* shooting() { return shooting_.get(); }
+  bool converged() const { return converged_; }
+  Vector Parameters(const Vector& free) const {
+    Vector all = layout_.InitialValues();
+    layout_.SetFree(free, &all);
+    return all;
+  }
+
+ private:
+  class Callback;
+
+  double SmallestNoise(const MeasuredChannel& channel) const;
+  void SetInitialNoise(const IdentifiedModel* initial);
+  std::vector<int> StageLengths() const;
+  bool RunStage(int samples, bool last);
+  bool SolveRound(int max_iterations, double function_tolerance,
+                  bool* converged);
+  // True where neither moves any more.
+  bool UpdateNoiseAndDecay();
+  // What the user set for a decay group; negative: the evidence chooses.
+  double GivenDecay(int group) const;
+  double ScoreFreeRuns(const Vector& free);
+  std::string DescribeDivergence(const Divergence& divergence) const;
+  bool IterationsLeft() const {
+    return summary_->num_iterations < options_.max_num_iterations;
+  }
+
+  const IdentificationProblem& problem_;
+  const IdentificationOptions& options_;
+  IdentificationSummary* summary_;
+  ParameterLayout layout_;
+  std::unique_ptr<MultipleShooting> shooting_;
+  std::chrono::steady_clock::time_point begin_;
+  Solution current_;
+  Solution best_;
+  bool noise_is_quiet_ = false;
+  bool interrupted_ = false;
+  bool converged_ = false;
+  int stage_ = 0;
+  int num_stages_ = 0;
+  int stage_samples_ = 0;
+  double radius_ = 1e4;
+  double last_free_run_error_ = 0.0;
+};
+
+class Trainer::Callback final : public ceres::IterationCallback {
+ public:
+  Callback(Trainer* trainer, const Vector* free, int first_iteration)
+      : trainer_(trainer), free_(free), first_iteration_(first_iteration) {}
+
+  ceres::CallbackReturnType operator()(
+      const ceres::IterationSummary& iteration) override {
+    IdentificationSummary* summary = trainer_->summary_;
+    IterationRecord record;
+    record.stage = trainer_->stage_;
+    record.segment_samples = trainer_->stage_samples_;
+    record.iteration = first_iteration_ + iteration.iteration;
+    record.cost = iteration.cost;
+    record.gradient_norm = iteration.gradient_norm;
+    record.step_norm = iteration.step_norm;
+    record.trust_region_radius = iteration.trust_region_radius;
+    record.largest_gap = trainer_->shooting_->LargestGap();
+    record.accepted = iteration.step_is_successful;
+    record.seconds = Seconds(trainer_->begin_);
+    if (iteration.iteration > 0) {
+      summary->num_iterations = record.iteration;
+      if (!iteration.step_is_successful) ++summary->rejected_steps;
+    }
+    trainer_->radius_ = iteration.trust_region_radius;
+    summary->iterations.push_back(record);
+    VLOG(1) << "stage " << record.stage << " iteration " << record.iteration
+            << " cost " << record.cost << " gap " << record.largest_gap
+            << " radius " << record.trust_region_radius
+            << (record.accepted ? "" : " rejected");
+    if (trainer_->options_.callback) {
+      IdentificationProgress progress;
+      progress.stage = record.stage;
+      progress.num_stages = trainer_->num_stages_;
+      progress.segment_samples = record.segment_samples;
+      progress.iteration = record.iteration;
+      progress.cost = record.cost;
+      progress.largest_gap = record.largest_gap;
+      progress.free_run_error = trainer_->last_free_run_error_;
+      progress.elapsed_seconds = record.seconds;
+      if (record.iteration > 0) {
+        progress.expected_seconds = record.seconds *
+                                    trainer_->options_.max_num_iterations /
+                                    record.iteration;
+      }
+      const Vector parameters = trainer_->Parameters(*free_);
+      progress.parameters = &parameters;
+      if (!trainer_->options_.callback(progress)) {
+        trainer_->interrupted_ = true;
+        return ceres::SOLVER_ABORT;
+      }
+    }
+    return ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  Trainer* trainer_;
+  const Vector* free_;
+  int first_iteration_;
+};
+
+double Trainer::SmallestNoise(const MeasuredChannel& channel) const {
+  const double floor =
+      kSmallestNoise * std::max(RmsOfPresent(channel.values), 1e-290);
+  return layout_.num_decay_groups() > 0
+             ? std::max(floor, kSmallestMisfit * Spread(channel.values))
+             : floor;
+}
+
+void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
+  current_.sigmas.clear();
+  for (int r : shooting_->train_records()) {
+    const IdentificationRecord& record =
+        problem_.records[static_cast<size_t>(r)];
+    Vector sigma(static_cast<int>(record.channels.size()));
+    for (int c = 0; c < sigma.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      const double share =
+          layout_.num_decay_groups() > 0 ? kFirstNetworkNoise : kFirstNoise;
+      sigma[c] = channel.sigma > 0.0 ? channel.sigma
+                                     : std::max(share * Spread(channel.values),
+                                                SmallestNoise(channel));
+    }
+    const size_t index = static_cast<size_t>(r);
+    if (initial != nullptr && index < initial->sigmas.size() &&
+        initial->sigmas[index].size() == sigma.size() &&
+        initial->sigmas[index].minCoeff() > 0.0) {
+      sigma = initial->sigmas[index];
+    }
+    current_.sigmas.push_back(sigma);
+  }
+  current_.decays.resize(layout_.num_decay_groups());
+  for (int g = 0; g < layout_.num_decay_groups(); ++g) {
+    const double given = GivenDecay(g);
+    current_.decays[g] = given >= 0.0 ? given : kFirstDecay;
+  }
+  if (initial != nullptr && initial->decays.size() == current_.decays.size()) {
+    current_.decays = initial->decays;
+  }
+}
+
+std::vector<int> Trainer::StageLengths() const {
+  if (options_.shooting == IdentificationOptions::Shooting::kSingle) {
+    return {0};
+  }
+  int longest = 0;
+  for (int r : shooting_->train_records()) {
+    longest = std::max(
+        longest, problem_.records[static_cast<size_t>(r)].num_samples());
+  }
+  std::vector<int> lengths;
+  const int first = options_.segment_samples > 0
+                        ? options_.segment_samples
+                        : FirstSegmentSamples(problem_);
+  for (int length = first; 2 * length < longest; length *= 4) {
+    lengths.push_back(length);
+  }
+  lengths.push_back(0);
+  return lengths;
+}
+
+std::string Trainer::DescribeDivergence(const Divergence& divergence) const {
+  if (!divergence.Happened()) return "the trajectory is not finite";
+  const IdentificationRecord& record =
+      problem_.records[static_cast<size_t>(divergence.record)];
+  std::ostringstream text;
+  text << "the trajectory of record '" << record.name
+       << "' is not finite in segment " << divergence.segment + 1 << " at t = "
+       << record.excitation->time(divergence.sample) << " s, state "
+       << problem_.dynamics->StateNames()[static_cast<size_t>(
+              std::max(0, divergence.state))];
+  return text.str();
+}
+
+double Trainer::ScoreFreeRuns(const Vector& free) {
+  const Vector parameters = Parameters(free);
+  double sum = 0.0;
+  const std::vector<int>& train = shooting_->train_records();
+  for (size_t t = 0; t < train.size(); ++t) {
+    RecordScore score;
+    ScoreRecord(problem_, train[t], parameters, shooting_->starts()[t].col(0),
+                0, &score);
+    if (!score.finite) return kInfinity;
+    sum += score.nrmse * score.nrmse;
+  }
+  return std::sqrt(sum / static_cast<double>(train.size()));
+}
+
+bool Trainer::SolveRound(int max_iterations, double function_tolerance,
+                         bool* converged) {
+  *converged = false;
+  const int n = layout_.num_free();
+  Vector x = current_.free;
+  auto* cost = new CondensedCost(shooting_.get(), n);
+  ceres::Problem ceres_problem;
+  ceres_problem.AddResidualBlock(cost, nullptr, x.data());
+  for (int j = 0; j < n; ++j) {
+    const Parameter& parameter =
+        layout_.parameter(layout_.free()[static_cast<size_t>(j)]);
+    if (std::isfinite(parameter.lower)) {
+      ceres_problem.SetParameterLowerBound(x.data(), j, parameter.lower);
+    }
+    if (std::isfinite(parameter.upper)) {
+      ceres_problem.SetParameterUpperBound(x.data(), j, parameter.upper);
+    }
+  }
+  ceres::Solver::Options options;
+  options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  options.linear_solver_type =
+      n <= 100 ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations =
+      std::min(max_iterations,
+               options_.max_num_iterations - summary_->num_iterations);
+  options.function_tolerance = function_tolerance;
+  options.parameter_tolerance = 1e-14;
+  options.gradient_tolerance = 0.0;
+  options.initial_trust_region_radius = std::clamp(radius_, 1e-2, 1e8);
+  options.max_num_consecutive_invalid_steps = 50;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  options.update_state_every_iteration = true;
+  Callback callback(this, &x, summary_->num_iterations);
+  options.callbacks.push_back(&callback);
+  if (options.max_num_iterations <= 0) return true;
+
+  ceres::Solver::Summary ceres_summary;
+  ceres::Solve(options, &ceres_problem, &ceres_summary);
+  summary_->jacobian_seconds += cost->jacobian_seconds();
+  summary_->linear_solver_seconds +=
+      ceres_summary.linear_solver_time_in_seconds;
+  summary_->failed_evaluations += cost->failed_evaluations();
+  VLOG(2) << ceres_summary.FullReport();
+  if (ceres_summary.termination_type == ceres::FAILURE &&
+      ceres_summary.iterations.size() <= 1) {
+    summary_->message = DescribeDivergence(shooting_->divergence());
+    return false;
+  }
+  current_.free = x;
+  *converged = ceres_summary.termination_type == ceres::CONVERGENCE;
+  // Leave the shooting object linearised at the solution.
+  CondensedSystem system;
+  if (!shooting_->Linearize(current_.free, &system)) {
+    summary_->message = DescribeDivergence(shooting_->divergence());
+    return false;
+  }
+  current_.cost = system.cost;
+  return true;
+}
+
+double Trainer::GivenDecay(int group) const {
+  const int network =
+      layout_.decay_groups()[static_cast<size_t>(group)].network;
+  return problem_.dynamics->networks()[static_cast<size_t>(network)].decay;
+}
+
+bool Trainer::UpdateNoiseAndDecay() {
+  CondensedSystem system;
+  std::vector<Matrix> residuals;
+  Matrix root;
+  if (!shooting_->Linearize(current_.free, &system) ||
+      !shooting_->WeightedResiduals(current_.free, false, &residuals,
+                                    nullptr) ||
+      !SquareRoot(system.hessian, &root)) {
+    return false;
+  }
+  const int n = layout_.num_free();
+  const Vector sigmas_before = StackSigmas(current_.sigmas);
+  const double effective_before = summary_->effective_parameters;
+
+  // Diagonal of H^-1: how well the data and the priors determine each entry.
+  const Matrix inverse_root =
+      root.triangularView<Eigen::Upper>().solve(Matrix::Identity(n, n));
+  const Vector variance = inverse_root.rowwise().squaredNorm();
+
+  // MacKay's rule (Neural Computation 4 (1992) 415-447) with the Gauss-Newton
+  // Hessian (F. D. Foresee and M. T. Hagan, ICNN 1997), per decay group.
+  double effective = n;
+  Vector determined = Vector::Zero(current_.decays.size());
+  Vector squares = Vector::Zero(current_.decays.size());
+  for (int j = 0; j < n; ++j) {
+    const int index = layout_.free()[static_cast<size_t>(j)];
+    const Parameter& parameter = layout_.parameter(index);
+    double precision = 0.0;
+    if (parameter.HasPrior()) {
+      precision = 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
+    }
+    const int group = layout_.DecayGroupOf(index);
+    if (group >= 0) {
+      const double decay = current_.decays[group];
+      determined[group] += 1.0 - std::min(1.0, decay * variance[j]);
+      squares[group] += current_.free[j] * current_.free[j];
+      precision += decay;
+    }
+    effective -= std::min(1.0, precision * variance[j]);
+  }
+  summary_->effective_parameters = effective;
+  for (int g = 0; g < current_.decays.size(); ++g) {
+    if (GivenDecay(g) >= 0.0) continue;
+    // Never more than a hundredfold at once: a group that seems idle early may
+    // be needed later.
+    const double wanted =
+        std::max(determined[g], 1e-3) / std::max(squares[g], 1e-12);
+    current_.decays[g] =
+        std::clamp(wanted, 0.01 * current_.decays[g],
+                   std::min(kLargestDecay, 100.0 * current_.decays[g]));
+  }
+  shooting_->SetDecays(current_.decays);
+
+  // Noise per channel with the degrees of freedom that the fit has used up.
+  double samples = 0.0;
+  double used = effective;
+  for (size_t r = 0; r < residuals.size(); ++r) {
+    const IdentificationRecord& record =
+        problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.fit) samples += CountPresent(channel.values);
+    }
+    // Closed gaps leave the first start alone.
+    if (record.start == IdentificationRecord::Start::kFree) {
+      used += problem_.dynamics->num_states();
+    }
+  }
+  const double share = std::clamp(1.0 - used / samples, 0.1, 1.0);
+  for (size_t r = 0; r < residuals.size(); ++r) {
+    const IdentificationRecord& record =
+        problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
+    for (int c = 0; c < residuals[r].rows(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      if (channel.sigma > 0.0 || !channel.fit) continue;
+      double mean_square = residuals[r].row(c).squaredNorm() /
+                           std::max(1, CountPresent(channel.values)) / share;
+      // What a network leaves over is misfit with a memory. Weighed as
+      // independent samples it would buy weights that fit it; it counts as
+      // one sample per autocorrelation time.
+      if (layout_.num_decay_groups() > 0) {
+        mean_square *= AutocorrelationTime(residuals[r].row(c));
+      }
+      const double floor = SmallestNoise(channel);
+      double& sigma = current_.sigmas[r][c];
+      // Never much at once: early residuals mislead, and a network needs time
+      // to find out what it can do without.
+      const double shrink = layout_.num_decay_groups() > 0 ? kNetworkShrink : 0.1;
+      sigma = std::max(
+          floor, sigma * std::clamp(std::sqrt(mean_square), shrink, 10.0));
+    }
+  }
+  shooting_->SetSigmas(current_.sigmas);
+  const double noise_change =
+      (StackSigmas(current_.sigmas) - sigmas_before)
+          .cwiseQuotient(sigmas_before)
+          .cwiseAbs()
+          .maxCoeff();
+  VLOG(1) << "noise changed by " << noise_change << ", well-determined "
+          << "parameters " << effective_before << " -> " << effective;
+  noise_is_quiet_ = noise_change < 0.02;
+  return noise_is_quiet_ &&
+         std::abs(effective - effective_before) < 0.01 * n + 0.1;
+}
+
+bool Trainer::RunStage(int samples, bool last) {
+  shooting_->SetSegments(samples, current_.trajectories);
+  shooting_->SetSigmas(current_.sigmas);
+  shooting_->SetDecays(current_.decays);
+  std::vector<Vector> scales;
+  for (const Matrix& states : current_.trajectories) {
+    scales.push_back(StateScales(problem_, states));
+  }
+  shooting_->SetStateScales(scales);
+  const bool single = shooting_->IsSingleShooting();
+  stage_samples_ = samples;
+
+  StageRecord record;
+  record.segment_samples = samples;
+  for (size_t r = 0; r < current_.trajectories.size(); ++r) {
+    record.num_segments += shooting_->num_segments(static_cast<int>(r));
+  }
+  const int iterations_before = summary_->num_iterations;
+
+  CondensedSystem system;
+  shooting_->SetGapPenalty(1.0);
+  if (!shooting_->Linearize(current_.free, &system)) {
+    summary_->message = DescribeDivergence(shooting_->divergence());
+    return false;
+  }
+  // Gaps begin softer than the data hold the starts, and end much firmer.
+  double firmness = single ? 0.0 : 0.1;
+  if (!single) {
+    shooting_->SetGapPenalty(
+        std::max(1.0, firmness * shooting_->DataCurvature()));
+  }
+  const bool networks = layout_.num_decay_groups() > 0;
+  const int round_iterations = networks ? 10 : 15;
+  bool settled = false;
+  // The first rounds are for noise levels, decay and multipliers to find their
+  // place, and end early; the last one runs to the tolerance asked for.
+  bool fine = false;
+  int evidence_rounds = 0;
+  for (int round = 0; round < kMaxRounds && IterationsLeft(); ++round) {
+    bool converged = false;
+    double tolerance = 1e-3;
+    if (fine) {
+      // The cost is a negative logarithm of likelihood. Networks have valleys
+      // without end; what changes it by less than this cannot be seen.
+      tolerance = networks ? std::clamp(kSmallestChange / current_.cost,
+                                        options_.function_tolerance, 1e-2)
+                           : options_.function_tolerance;
+    }
+    if (!SolveRound(fine ? options_.max_num_iterations : round_iterations,
+                    tolerance, &converged)) {
+      return false;
+    }
+    if (interrupted_) break;
+    if (single) {
+      if (fine && converged && networks) {
+        settled = true;
+        break;
+      }
+      const bool quiet = UpdateNoiseAndDecay();
+      // Idle inputs go on fading long after that matters.
+      evidence_rounds += noise_is_quiet_ ? 1 : 0;
+      if (fine && converged) {
+        settled = true;
+        if (quiet) break;
+      }
+      fine = fine || quiet || evidence_rounds >= kEvidenceRounds;
+      continue;
+    }
+    // The multipliers belong to the noise levels at hand: close gaps first.
+    if (shooting_->LargestGap() < kClosedGap && (converged || !last)) {
+      settled = converged;
+      break;
+    }
+    shooting_->UpdateMultipliers();
+    UpdateNoiseAndDecay();
+    const double before = shooting_->gap_penalty();
+    firmness = std::min(1e4, 10.0 * firmness);
+    CondensedSystem updated;
+    if (!shooting_->Linearize(current_.free, &updated)) break;
+    const double after = std::max(
+        before, firmness * std::max(1.0, shooting_->DataCurvature()));
+    shooting_->SetGapPenalty(after);
+    shooting_->RescaleMultipliers(before / after);
+  }
+  record.iterations = summary_->num_iterations - iterations_before;
+  record.largest_gap = shooting_->LargestGap();
+  current_.free_run_error = ScoreFreeRuns(current_.free);
+  record.free_run_error = current_.free_run_error;
+  last_free_run_error_ = current_.free_run_error;
+  std::vector<Matrix> trajectories;
+  if (shooting_->Trajectories(current_.free, &trajectories)) {
+    current_.trajectories = trajectories;
+  }
+  if (last) converged_ = settled;
+  summary_->largest_gap = record.largest_gap;
+  summary_->single_shooting = single;
+
+  // A stage that makes the free run worse is undone.
+  const bool worse = current_.free_run_error > best_.free_run_error * 1.02;
+  record.rolled_back = worse;
+  summary_->stages.push_back(record);
+  if (worse) {
+    current_ = best_;
+    return true;
+  }
+  best_ = current_;
+  return true;
+}
+
+bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
+  current_ = Solution();
+  best_ = Solution();
+  current_.free = layout_.Free(parameters);
+  SetInitialNoise(initial);
+  shooting_->SetSigmas(current_.sigmas);
+  shooting_->SetDecays(current_.decays);
+  const std::vector<int> lengths = StageLengths();
+  num_stages_ = static_cast<int>(lengths.size());
+  if (!InitialTrajectories(problem_, lengths[0], current_.free,
+                           shooting_.get(), &current_.trajectories)) {
+    summary_->message = DescribeDivergence(shooting_->divergence());
+    return false;
+  }
+  best_ = current_;
+  bool gaps_closed = false;
+  for (size_t s = 0; s < lengths.size(); ++s) {
+    const bool last = s + 1 == lengths.size();
+    // With closed gaps the trajectory is already one piece: merging a few
+    // segments would change nothing.
+    if (!last && gaps_closed) continue;
+    stage_ = static_cast<int>(s) + 1;
+    const Solution before = current_;
+    if (!RunStage(lengths[s], last)) {
+      // The whole record may not run freely: what the segments gave stands.
+      if (summary_->stages.empty()) return false;
+      VLOG(1) << "stage " << stage_ << " abandoned: " << summary_->message;
+      current_ = before;
+      break;
+    }
+    gaps_closed = summary_->stages.back().largest_gap < 10.0 * kClosedGap &&
+                  !summary_->stages.back().rolled_back;
+    if (interrupted_ || !IterationsLeft()) break;
+  }
+  return true;
+}
+
+// What the estimate says about one parameter.
+ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
+                               double sigma, double quantile) {
+  ParameterEstimate estimate;
+  estimate.name = parameter.name;
+  estimate.unit = parameter.unit;
+  estimate.initial = parameter.value;
+  estimate.value = value;
+  estimate.free = parameter.free;
+  estimate.sigma = parameter.free ? sigma : 0.0;
+  estimate.lower95 = value - quantile * estimate.sigma;
+  estimate.upper95 = value + quantile * estimate.sigma;
+  const double span = 1e-9 * std::max(1.0, std::abs(value));
+  estimate.at_bound = parameter.free && (value <= parameter.lower + span ||
+                                         value >= parameter.upper - span);
+  return estimate;
+}
+
+void ScoreEverything(const IdentificationProblem& problem,
+                     const Vector& prior_parameters, const Vector& parameters,
+                     const std::vector<int>& train,
+                     const std::vector<Matrix>& starts,
+                     const std::vector<Vector>& train_sigmas,
+                     IdentificationSummary* summary, IdentifiedModel* model) {
+  summary->records.assign(problem.records.size(), RecordScore());
+  model->starts.assign(problem.records.size(), Vector());
+  model->sigmas.assign(problem.records.size(), Vector());
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    const int index = static_cast<int>(r);
+    const auto position = std::find(train.begin(), train.end(), index);
+    const bool is_train = position != train.end();
+    const size_t t = static_cast<size_t>(position - train.begin());
+    Vector sigmas(static_cast<int>(record.channels.size()));
+    for (int c = 0; c < sigmas.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      sigmas[c] = channel.sigma > 0.0
+                      ? channel.sigma
+                      : std::max(kFirstNoise * Spread(channel.values), 1e-290);
+    }
+    if (is_train) sigmas = train_sigmas[t];
+    model->sigmas[r] = sigmas;
+
+    RecordScore prior;
+    Vector start;
+    int first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
+    ScoreRecord(problem, index, prior_parameters, start, first, &prior);
+
+    RecordScore& score = summary->records[r];
+    if (is_train) {
+      start = starts[t].col(0);
+      first = 0;
+    } else {
+      first = FreeRunStart(problem, index, parameters, sigmas, &start);
+    }
+    ScoreRecord(problem, index, parameters, start, first, &score);
+    model->starts[r] = start;
+    score.prior_nrmse = prior.nrmse;
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      score.channels[c].prior_nrmse = prior.channels[c].nrmse;
+      score.channels[c].sigma = sigmas[static_cast<int>(c)];
+    }
+  }
+}
+
+// The design's definition of "usable"; says why not.
+void Judge(IdentificationSummary* summary) {
+  std::ostringstream reason;
+  summary->usable = false;
+  if (summary->termination == Termination::kFailure) return;
+  for (const RecordScore& score : summary->records) {
+    const bool train = score.role == IdentificationRecord::Role::kTrain;
+    if (!score.finite) {
+      reason << "the free run of record '" << score.name << "' is not finite";
+    } else if (train ? score.nrmse >= score.prior_nrmse
+                     : score.nrmse > score.prior_nrmse) {
+      reason << "record '" << score.name << "' is not predicted better (nrmse "
+             << score.nrmse << ") than by the model before ("
+             << score.prior_nrmse << ")";
+    } else {
+      continue;
+    }
+    summary->message = reason.str();
+    return;
+  }
+  if (summary->largest_gap > kClosedGap) {
+    reason << "gaps between segments stayed open (" << summary->largest_gap
+           << " of the state's RMS)";
+    summary->message = reason.str();
+    return;
+  }
+  if (summary->termination == Termination::kNoConvergence) {
+    reason << "not converged after " << summary->num_iterations
+           << " iterations; raise options.max_iterations";
+    summary->message = reason.str();
+    return;
+  }
+  if (summary->termination == Termination::kInterrupted) return;
+  summary->usable = true;
+}
+
+// Another start for a multistart: within bounds and priors, networks reseeded.
+Vector DrawStart(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&random]() {
+    return (static_cast<double>(random() >> 11) + 0.5) * 0x1.0p-53;
+  };
+  Vector values = layout.InitialValues();
+  for (int index : layout.free()) {
+    const Parameter& parameter = layout.parameter(index);
+    if (!layout.IsNamed(index)) continue;
+    double low = parameter.lower;
+    double high = parameter.upper;
+    if (parameter.HasPrior()) {
+      low = std::max(low, parameter.prior_mean - 2.0 * parameter.prior_sigma);
+      high = std::min(high, parameter.prior_mean + 2.0 * parameter.prior_sigma);
+    }
+    if (!std::isfinite(low) || !std::isfinite(high)) continue;
+    values[index] = low + (high - low) * uniform();
+  }
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const int first = static_cast<int>(dynamics.blocks().size()) -
+                    static_cast<int>(dynamics.networks().size());
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    const int block = first + static_cast<int>(j);
+    const Vector weights = InitializeWeights(
+        dynamics.networks()[j].network->architecture(), random(), true);
+    for (int i = 0; i < weights.size(); ++i) {
+      const int index = dynamics.block_offset(block) + i;
+      if (layout.FreeIndex(index) >= 0) values[index] = weights[i];
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+void Identify(const IdentificationProblem& problem,
+              const IdentificationOptions& options,
+              const IdentifiedModel* initial, IdentificationSummary* summary,
+              IdentifiedModel* model) {
+  *summary = IdentificationSummary();
+  *model = IdentifiedModel();
+  std::string error;
+  if (!problem.IsValid(&error) || !options.IsValid(&error)) {
+    summary->message = error;
+    return;
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  std::unique_ptr<Trainer> best;
+  IdentificationSummary best_summary;
+  for (int start = 0; start < std::max(1, options.num_starts); ++start) {
+    IdentificationSummary attempt;
+    auto trainer = std::make_unique<Trainer>(problem, options, &attempt);
+    Vector parameters = trainer->layout().InitialValues();
+    if (start > 0) {
+      parameters = DrawStart(problem, trainer->layout(),
+                             options.seed + static_cast<uint64_t>(start));
+    } else if (initial != nullptr) {
+      CHECK_EQ(initial->parameters.size(), parameters.size())
+          << "the initial model belongs to another problem";
+      parameters = initial->parameters;
+    }
+    const bool ok = trainer->Run(parameters, start == 0 ? initial : nullptr);
+    const bool interrupted = trainer->interrupted();
+    if (!ok) {
+      if (best == nullptr) best_summary = attempt;
+    } else if (best == nullptr || trainer->best().free_run_error <
+                                      best->best().free_run_error) {
+      best = std::move(trainer);
+      best_summary = attempt;
+    }
+    if (interrupted) break;
+  }
+  *summary = best_summary;
+  if (best == nullptr) {
+    summary->termination = Termination::kFailure;
+    summary->seconds = Seconds(begin);
+    return;
+  }
+
+  const Solution& solution = best->best();
+  const ParameterLayout& layout = best->layout();
+  MultipleShooting* shooting = best->shooting();
+  model->parameters = best->Parameters(solution.free);
+  model->decays = solution.decays;
+  summary->decays.assign(solution.decays.data(),
+                         solution.decays.data() + solution.decays.size());
+  summary->final_cost = solution.cost;
+  if (!summary->iterations.empty()) {
+    summary->initial_cost = summary->iterations.front().cost;
+  }
+  summary->termination = best->interrupted() ? Termination::kInterrupted
+                         : best->converged() ? Termination::kConverged
+                                             : Termination::kNoConvergence;
+  summary->message = best->interrupted() ? "interrupted; best so far"
+                     : best->converged() ? "converged"
+                                         : "not converged";
+
+  // The shooting object at the solution: single where that runs.
+  shooting->SetSigmas(solution.sigmas);
+  shooting->SetDecays(solution.decays);
+  shooting->SetSegments(
+      summary->single_shooting ? 0 : summary->stages.back().segment_samples,
+      solution.trajectories);
+  double cost = 0.0;
+  CovarianceEstimate covariance;
+  const bool evaluated = shooting->Evaluate(solution.free, &cost);
+  const std::vector<Matrix> starts = shooting->starts();
+  const bool has_covariance =
+      evaluated &&
+      EstimateCovariance(problem, layout, options.covariance, solution.free,
+                         solution.sigmas, shooting, &covariance);
+  ScoreEverything(problem, layout.InitialValues(), model->parameters,
+                  shooting->train_records(), starts, solution.sigmas, summary,
+                  model);
+
+  std::vector<int> named;
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    if (!layout.IsNamed(i)) continue;
+    const int j = layout.FreeIndex(i);
+    const double sigma =
+        j >= 0 && has_covariance
+            ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
+            : (j >= 0 ? kInfinity : 0.0);
+    summary->parameters.push_back(MakeEstimate(
+        layout.parameter(i), model->parameters[i], sigma, covariance.quantile));
+    if (j >= 0) {
+      named.push_back(j);
+      summary->covariance_names.push_back(layout.parameter(i).name);
+    }
+  }
+  if (has_covariance) {
+    summary->covariance_method = covariance.method;
+    const int count = static_cast<int>(named.size());
+    summary->covariance.resize(count, count);
+    for (int a = 0; a < count; ++a) {
+      for (int b = 0; b < count; ++b) {
+        summary->covariance(a, b) = covariance.covariance(
+            named[static_cast<size_t>(a)], named[static_cast<size_t>(b)]);
+      }
+    }
+    summary->undetermined = DescribeNullSpace(layout, covariance.null_space);
+  }
+  summary->seconds = Seconds(begin);
+  Judge(summary);
+}
+
+}  // namespace pinode

@@ -1,0 +1,148 @@
+#include "pinode/estimate/initial_states.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/logging.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+namespace {
+
+// Circular frequencies of the linear model, ascending, without zeros.
+std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  std::vector<double> frequencies;
+  if (!dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) {
+    return frequencies;
+  }
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
+      prepared.stiffness, prepared.mass, Eigen::EigenvaluesOnly);
+  const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
+  for (double value : solver.eigenvalues()) {
+    if (value > 1e-12 * largest) frequencies.push_back(std::sqrt(value));
+  }
+  return frequencies;
+}
+
+// Typical circular frequency of the motion: from the channels where both a
+// quantity and its derivative are measured, else the model's lowest.
+double TypicalFrequency(const IdentificationProblem& problem, double x,
+                        double v, double a) {
+  if (x > 0.0 && v > 0.0) return v / x;
+  if (v > 0.0 && a > 0.0) return a / v;
+  if (x > 0.0 && a > 0.0) return std::sqrt(a / x);
+  const std::vector<double> frequencies = ModelFrequencies(problem);
+  return frequencies.empty() ? 1.0 : frequencies.front();
+}
+
+// First guess of the states' scales from what the channels show.
+Vector GuessScales(const IdentificationProblem& problem,
+                   const IdentificationRecord& record) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  double x = 0.0, v = 0.0, a = 0.0;
+  for (const MeasuredChannel& channel : record.channels) {
+    const double weight =
+        channel.observation.weights.cwiseAbs().maxCoeff();
+    if (!(weight > 0.0)) continue;
+    const double size = StandardDeviationOfPresent(channel.values) / weight;
+    switch (channel.observation.quantity) {
+      case Quantity::kDisplacement:
+      case Quantity::kAbsoluteDisplacement:
+        x = std::max(x, size);
+        break;
+      case Quantity::kVelocity:
+        v = std::max(v, size);
+        break;
+      case Quantity::kRelativeAcceleration:
+      case Quantity::kAbsoluteAcceleration:
+        a = std::max(a, size);
+        break;
+    }
+  }
+  const double omega = TypicalFrequency(problem, x, v, a);
+  if (v == 0.0) v = x > 0.0 ? x * omega : a / omega;
+  if (x == 0.0) x = v / omega;
+  const int n = dynamics.num_dofs();
+  Vector scales(dynamics.num_states());
+  scales.head(n).setConstant(std::max(x, 1e-290));
+  scales.segment(n, n).setConstant(std::max(v, 1e-290));
+  scales.tail(dynamics.num_internal()).setConstant(std::max(x, 1e-290));
+  return scales;
+}
+
+}  // namespace
+
+int FirstSegmentSamples(const IdentificationProblem& problem) {
+  int shortest = 0;
+  double step = 0.0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    shortest = shortest == 0 ? record.num_samples()
+                             : std::min(shortest, record.num_samples());
+    step = std::max(step, record.sampling_step());
+  }
+  int samples = 10;
+  const std::vector<double> frequencies = ModelFrequencies(problem);
+  if (!frequencies.empty()) {
+    constexpr double kQuarterTurn = 1.5707963267948966;
+    samples = static_cast<int>(std::min(
+        1e6, std::ceil(kQuarterTurn / frequencies.front() / step)));
+  }
+  return std::clamp(samples, 10, std::max(10, shortest / 4));
+}
+
+Vector StateScales(const IdentificationProblem& problem,
+                   const Matrix& states) {
+  const int n = problem.dynamics->num_dofs();
+  Vector scales =
+      (states.rowwise().squaredNorm() / static_cast<double>(states.cols()))
+          .cwiseSqrt();
+  const auto lift = [&scales](int first, int count) {
+    if (count == 0) return;
+    const double largest = scales.segment(first, count).maxCoeff();
+    scales.segment(first, count) =
+        scales.segment(first, count).cwiseMax(std::max(1e-3 * largest, 1e-290));
+  };
+  lift(0, n);
+  lift(n, n);
+  lift(2 * n, problem.dynamics->num_internal());
+  return scales;
+}
+
+bool InitialTrajectories(const IdentificationProblem& problem,
+                         int segment_samples, const Vector& free,
+                         MultipleShooting* shooting,
+                         std::vector<Matrix>* trajectories) {
+  const int ns = problem.dynamics->num_states();
+  trajectories->clear();
+  std::vector<Vector> scales;
+  for (int r : shooting->train_records()) {
+    const IdentificationRecord& record =
+        problem.records[static_cast<size_t>(r)];
+    trajectories->push_back(Matrix::Zero(ns, record.num_samples()));
+    scales.push_back(GuessScales(problem, record));
+  }
+  // Two passes: the second knows the scales of the unmeasured states.
+  for (int pass = 0; pass < 2; ++pass) {
+    shooting->SetSegments(segment_samples, *trajectories);
+    shooting->SetStateScales(scales);
+    // A gap of a tenth of a state's RMS counts like one sigma: the model is
+    // wrong by about that much over a segment.
+    shooting->SetGapPenalty(100.0);
+    double cost = 0.0;
+    if (!shooting->Evaluate(free, &cost) ||
+        !shooting->Trajectories(free, trajectories)) {
+      return false;
+    }
+    for (size_t r = 0; r < trajectories->size(); ++r) {
+      scales[r] = StateScales(problem, (*trajectories)[r]);
+    }
+  }
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,34 @@
+// Where a fit begins: states from the records before anything is identified.
+
+#ifndef PINODE_ESTIMATE_INITIAL_STATES_H_
+#define PINODE_ESTIMATE_INITIAL_STATES_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/multiple_shooting.h"
+
+namespace pinode {
+
+// Length in samples of the first stage's segments: a quarter of the longest
+// period of the model before the identification, at least ten samples, at most
+// a quarter of the shortest record.
+int FirstSegmentSamples(const IdentificationProblem& problem);
+
+// RMS of each state over a trajectory (num_states x samples), never below a
+// thousandth of the largest of its kind (displacements, velocities, internal).
+Vector StateScales(const IdentificationProblem& problem, const Matrix& states);
+
+// States at every sample of every training record by the iterated
+// Rauch-Tung-Striebel smoother inside `shooting` (whose sigmas are set), on the
+// model with the parameters `free` and segments of `segment_samples` joined
+// softly: accelerations alone suffice. False where no finite trajectory is
+// found.
+[[nodiscard]] bool InitialTrajectories(const IdentificationProblem& problem,
+                                       int segment_samples, const Vector& free,
+                                       MultipleShooting* shooting,
+                                       std::vector<Matrix>* trajectories);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_INITIAL_STATES_H_

@@ -1,0 +1,22 @@
+// Words for what the data do not determine.
+
+#ifndef PINODE_ESTIMATE_NULL_SPACE_H_
+#define PINODE_ESTIMATE_NULL_SPACE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+
+// One sentence fragment per direction in which named parameters take part by
+// more than a tenth, such as "k1 - 0.98 k2", largest parts first. `directions`:
+// num_free x count, unit columns.
+std::vector<std::string> DescribeNullSpace(const ParameterLayout& layout,
+                                           const Matrix& directions);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_NULL_SPACE_H_

@@ -1,0 +1,174 @@
+#include "pinode/estimate/score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pinode/base/logging.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/sensor.h"
+#include "pinode/integrate/free_run.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Share of a hold-out record from which its start is smoothed.
+constexpr double kStartShare = 0.05;
+
+ObservationMap MapOf(const IdentificationProblem& problem,
+                     const IdentificationRecord& record) {
+  std::vector<Observation> observations;
+  for (const MeasuredChannel& channel : record.channels) {
+    observations.push_back(channel.observation);
+  }
+  return ObservationMap(*problem.dynamics, observations);
+}
+
+}  // namespace
+
+double Spread(const Vector& values) {
+  return StandardDeviationOfPresent(values);
+}
+
+int FreeRunStart(const IdentificationProblem& problem, int record,
+                 const Vector& parameters, const Vector& sigmas,
+                 Vector* start) {
+  const IdentificationRecord& data =
+      problem.records[static_cast<size_t>(record)];
+  const int ns = problem.dynamics->num_states();
+  if (data.start == IdentificationRecord::Start::kRest) {
+    *start = Vector::Zero(ns);
+    return 0;
+  }
+  if (data.start == IdentificationRecord::Start::kKnown) {
+    *start = data.known_start;
+    return 0;
+  }
+  // A problem of its own: the record's beginning, its start the only unknown.
+  const int samples = std::clamp(
+      static_cast<int>(std::ceil(kStartShare * data.num_samples())),
+      std::min(data.num_samples(), 8), data.num_samples());
+  IdentificationProblem beginning = problem;
+  IdentificationRecord shortened = data;
+  shortened.role = IdentificationRecord::Role::kTrain;
+  shortened.filter = nullptr;
+  shortened.excitation.emplace(data.excitation->start_time(),
+                               data.excitation->step(),
+                               data.excitation->samples().leftCols(samples),
+                               data.excitation->interpolation());
+  for (MeasuredChannel& channel : shortened.channels) {
+    channel.values = Vector(channel.values.head(samples));
+  }
+  beginning.records = {shortened};
+  const ParameterLayout layout(beginning);
+  MultipleShooting shooting(beginning, layout, MultipleShooting::Options());
+  shooting.SetSigmas({sigmas});
+  shooting.SetSegments(0, {Matrix::Zero(ns, samples)});
+  // The free parameters take the values given; fixed ones are the problem's.
+  double cost = 0.0;
+  if (shooting.Evaluate(layout.Free(parameters), &cost)) {
+    *start = shooting.starts()[0].col(0);
+  } else {
+    *start = Vector::Zero(ns);
+  }
+  return data.role == IdentificationRecord::Role::kHoldout ? samples : 0;
+}
+
+void ScoreRecord(const IdentificationProblem& problem, int record,
+                 const Vector& parameters, const Vector& start,
+                 int first_scored_sample, RecordScore* score) {
+  const IdentificationRecord& data =
+      problem.records[static_cast<size_t>(record)];
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const ParameterLayout layout(problem);
+  score->name = data.name;
+  score->role = data.role;
+  score->first_scored_sample = first_scored_sample;
+  score->start = start;
+  score->channels.resize(data.channels.size());
+  score->finite = false;
+
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  Trajectory trajectory;
+  const ObservationMap observation = MapOf(problem, data);
+  const int nc = observation.num_channels();
+  const int samples = data.num_samples();
+  if (dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
+                       &error)) {
+    const IntegrationGrid grid(*data.excitation, data.substeps);
+    score->finite = FreeRun(dynamics, prepared, observation, grid, start, 0,
+                            samples - 1, &trajectory);
+  }
+  if (!score->finite) {
+    score->prediction = Matrix::Constant(
+        nc, samples, std::numeric_limits<double>::quiet_NaN());
+    if (trajectory.channels.cols() == samples) {
+      score->prediction = trajectory.channels;
+      score->states = trajectory.states;
+    }
+    score->nrmse = kInfinity;
+    for (size_t c = 0; c < data.channels.size(); ++c) {
+      score->channels[c].name = data.channels[c].observation.name;
+      score->channels[c].rmse = kInfinity;
+      score->channels[c].nrmse = kInfinity;
+    }
+    return;
+  }
+  score->states = trajectory.states;
+  Vector prediction = Eigen::Map<const Vector>(trajectory.channels.data(),
+                                               trajectory.channels.size());
+  Matrix no_rows(prediction.size(), 0);
+  std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
+  ApplySensors(problem, layout, parameters, data, false, &prediction, &no_rows,
+               &valid);
+  score->prediction =
+      Eigen::Map<const Matrix>(prediction.data(), nc, samples);
+  if (data.filter != nullptr) {
+    Matrix history = score->prediction.transpose();
+    data.filter->Apply(&history);
+    score->prediction = history.transpose();
+  }
+  for (int c = 0; c < nc; ++c) {
+    const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
+    ChannelScore& result = score->channels[static_cast<size_t>(c)];
+    result.name = channel.observation.name;
+    double sum = 0.0;
+    double spread = 0.0;
+    int count = 0;
+    const double mean =
+        MeanOfPresent(channel.values.tail(samples - first_scored_sample));
+    for (int i = first_scored_sample; i < samples; ++i) {
+      const double y = channel.values[i];
+      if (std::isnan(y) || !valid[static_cast<size_t>(i * nc + c)]) continue;
+      const double residual = y - score->prediction(c, i);
+      sum += residual * residual;
+      spread += (y - mean) * (y - mean);
+      ++count;
+    }
+    result.rmse = count > 0 ? std::sqrt(sum / count) : 0.0;
+    result.nrmse = spread > 0.0 ? std::sqrt(sum / spread) : kInfinity;
+  }
+  score->nrmse = CombinedError(data, *score);
+}
+
+double CombinedError(const IdentificationRecord& record,
+                     const RecordScore& score) {
+  if (!score.finite) return kInfinity;
+  double sum = 0.0;
+  int count = 0;
+  for (size_t c = 0; c < record.channels.size(); ++c) {
+    // A channel at rest has no spread to compare with.
+    if (!record.channels[c].fit || !std::isfinite(score.channels[c].nrmse)) {
+      continue;
+    }
+    sum += score.channels[c].nrmse * score.channels[c].nrmse;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
+}  // namespace pinode

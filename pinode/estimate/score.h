@@ -1,0 +1,39 @@
+// Free runs over whole records and their errors.
+
+#ifndef PINODE_ESTIMATE_SCORE_H_
+#define PINODE_ESTIMATE_SCORE_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+
+// The state from which a record's free run starts: at rest or as known, or
+// else smoothed, given the parameters, from the first samples alone. Returns
+// the first sample that may be scored: 0, or the first one after those used.
+// sigmas: noise per channel.
+int FreeRunStart(const IdentificationProblem& problem, int record,
+                 const Vector& parameters, const Vector& sigmas,
+                 Vector* start);
+
+// Runs the record from `start` and compares every channel with what was
+// measured: sensors and filter applied. Fills *score but for its prior_nrmse.
+// `parameters`: all of the problem's. A run that is not finite has infinite
+// errors.
+void ScoreRecord(const IdentificationProblem& problem, int record,
+                 const Vector& parameters, const Vector& start,
+                 int first_scored_sample, RecordScore* score);
+
+// sqrt(mean over fitted channels of nrmse^2); infinite where not finite.
+double CombinedError(const IdentificationRecord& record,
+                     const RecordScore& score);
+
+// RMS of the present values about their mean.
+double Spread(const Vector& values);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_SCORE_H_

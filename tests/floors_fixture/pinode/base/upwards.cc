@@ -1,0 +1,5 @@
+#include <vector>
+
+#include "pinode/base/logging.h"
+#include "pinode/structure/model.h"  // refused
+#include <glog/logging.h>            // refused

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Installs a build, then builds and runs a project that finds it there.
+#
+#   tests/install_test.sh BUILD_DIR CXX_COMPILER
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+build=$(cd -- "$1" && pwd)
+compiler=$2
+scratch=$build/tests/install_test
+prefix=$scratch/prefix
+
+rm -rf -- "$scratch"
+mkdir -p -- "$scratch/run"
+cmake --install "$build" --prefix "$prefix" >"$scratch/install.log"
+
+package=$(dirname -- "$(find "$prefix" -name pinodeConfig.cmake)")
+for file in pinodeTargets.cmake pinodeConfigVersion.cmake; do
+  if [[ ! -f $package/$file ]]; then
+    echo "$file was not installed beside pinodeConfig.cmake"
+    exit 1
+  fi
+done
+# The package must work on another machine and without these two folders.
+if grep -rnF -e '-march' -e "$root" -e "$build" -- "$package"; then
+  echo "the package names a machine's instructions or a folder of this build"
+  exit 1
+fi
+
+cmake -S "$root/tests/consumer" -B "$scratch/build" -G Ninja \
+  -DCMAKE_CXX_COMPILER="$compiler" \
+  -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
+  -DPINODE_README="$root/README.md"
+if grep -nF -e '-march' -e "$root/pinode" -- \
+  "$scratch/build/compile_commands.json"; then
+  echo "the consumer is not built from the installed package alone"
+  exit 1
+fi
+cmake --build "$scratch/build"
+
+# In a folder of their own, with the paths that the README speaks of.
+cd -- "$scratch/run"
+ln -s -- "$root/data" data
+for program in consumer consumer_of_base readme; do
+  if [[ -x $scratch/build/$program ]]; then
+    echo "Running $program"
+    "$scratch/build/$program"
+  fi
+done

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# What every program owes to whoever drives it from a script.
+#
+#   tests/program_flags_test.sh PROGRAM
+#
+# --help exits 0 and shows --case; an unknown flag exits 2 with one line on
+# standard error that names it, and so does a call without a case. In neither
+# is anything else written.
+set -euo pipefail
+
+program=$1
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+mkdir -- "$scratch/run"
+cd -- "$scratch/run"
+
+Run() {
+  status=0
+  "$program" "$@" >"$scratch/out" 2>"$scratch/err" || status=$?
+}
+
+Fail() {
+  echo "$1; it left with $status and wrote:"
+  cat -- "$scratch/out" "$scratch/err"
+  exit 1
+}
+
+Run --help
+[[ $status -eq 0 ]] || Fail "--help: expected status 0"
+grep -q -e '-case' "$scratch/out" || Fail "--help: expected --case"
+
+Run --no_such_flag=1
+[[ $status -eq 2 ]] || Fail "unknown flag: expected status 2"
+[[ $(wc -l <"$scratch/err") -eq 1 ]] || Fail "unknown flag: expected one line"
+grep -q no_such_flag "$scratch/err" || Fail "unknown flag: expected its name"
+
+Run
+[[ $status -eq 2 ]] || Fail "no case: expected status 2"
+[[ $(wc -l <"$scratch/err") -eq 1 ]] || Fail "no case: expected one line"
+
+[[ -z $(ls -A) ]] || Fail "expected no file, found $(ls -A)"

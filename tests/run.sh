@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Everything that a change must pass: format, the whole suite of the release
+# build, and the unit tests under the sanitizers.
+#
+#   tests/run.sh
+#
+# Runs from any directory, as root or with sudo (only to install packages that
+# are missing), and as often as you like. The static analysis, which takes
+# longer, is tests/tidy.sh.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+cd -- "$root"
+jobs=$(nproc)
+failed=()
+
+apps/install_packages.sh apps/packages.txt tests/packages.txt
+
+echo "== format"
+tests/format.sh || failed+=("format")
+
+for preset in release asan; do
+  echo "== $preset"
+  cmake --preset "$preset"
+  cmake --build --preset "$preset" --parallel "$jobs"
+  ctest --preset "$preset" --parallel "$jobs" || failed+=("$preset")
+done
+
+if [[ ${#failed[@]} -gt 0 ]]; then
+  echo "failed: ${failed[*]}" >&2
+  exit 1
+fi
