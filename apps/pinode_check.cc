@@ -1,0 +1,146 @@
+// Reads a case and everything it names, fits nothing, and says what an
+// identification could find from it.
+//
+// Sample run:
+//   pinode_check --case=data/three_storey/three_storey.toml
+
+#include <gflags/gflags.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "apps/program.h"
+#include "pinode/case/case_file.h"
+#include "pinode/estimate/assessment.h"
+#include "pinode/record/excitation.h"
+#include "pinode/structure/modal_analysis.h"
+
+DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+
+namespace pinode {
+namespace {
+
+void PrintModel(const Case& c) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  std::printf("Model: %d DOFs, %d states, units %s, %s, %s\n",
+              dynamics.num_dofs(), dynamics.num_states(),
+              c.units.force.c_str(), c.units.length.c_str(),
+              c.units.time.c_str());
+  const StructuralModel model =
+      dynamics.CorrectedModel(dynamics.Parameters());
+  ModalProperties modes;
+  std::string error;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &error)) {
+    std::printf("No modes: %s\n", error.c_str());
+    return;
+  }
+  const double to_hz = c.HzPerModelFrequency();
+  std::printf("\nMode      Hz   damping %%   expected Hz   error %%\n");
+  for (int i = 0; i < modes.frequency_hz.size(); ++i) {
+    const double hz = to_hz * modes.frequency_hz[i];
+    std::printf("%4d %8.4g %10.3g", i + 1, hz,
+                100.0 * modes.damping_ratio[i]);
+    const size_t index = static_cast<size_t>(i);
+    if (index < c.expected_hz.size()) {
+      std::printf("   %11.4g %9.2f", c.expected_hz[index],
+                  100.0 * (hz / c.expected_hz[index] - 1.0));
+    }
+    std::printf("\n");
+  }
+}
+
+void PrintRecords(const Case& c) {
+  std::printf("\nRecords\n");
+  for (size_t r = 0; r < c.problem.records.size(); ++r) {
+    const IdentificationRecord& record = c.problem.records[r];
+    const CaseRecord& info = c.records[r];
+    std::printf(
+        "  %s (%s): %d samples, step %.6g s, %.4g s, %zu channels, "
+        "excitation %s\n",
+        record.name.c_str(),
+        record.role == IdentificationRecord::Role::kTrain ? "train"
+                                                          : "holdout",
+        record.num_samples(), record.sampling_step(),
+        record.sampling_step() * (record.num_samples() - 1),
+        record.channels.size(),
+        info.has_excitation ? InterpolationName(info.interpolation) : "none");
+    std::printf(
+        "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, growth "
+        "%.6f",
+        record.substeps, info.substeps_given ? " (given)" : " (chosen)",
+        info.substeps.stability.largest_eigenvalue,
+        info.substeps.stability.growth);
+    if (std::isfinite(info.substeps.error) &&
+        !info.substeps.channel.empty()) {
+      std::printf("; halving the step moves %s by %.2g (limit %.2g)",
+                  info.substeps.channel.c_str(), info.substeps.error,
+                  info.substeps.error_limit);
+    }
+    std::printf("\n");
+    for (const std::string& remark : info.remarks) {
+      std::printf("    %s\n", remark.c_str());
+    }
+  }
+}
+
+bool PrintAssessment(const Case& c) {
+  ProblemAssessment assessment;
+  std::string error;
+  if (!AssessProblem(c.problem, c.options, &assessment, &error)) {
+    std::printf("\nNot assessed: %s\n", error.c_str());
+    return false;
+  }
+  std::printf(
+      "\nSizes: %d free parameters, %d residuals, %d unknown start states\n",
+      assessment.num_free, assessment.num_residuals, assessment.num_starts);
+  if (!assessment.expected.empty()) {
+    std::printf(
+        "\nExpected uncertainty at the initial values (noise as given, else "
+        "5 %%)\n");
+    for (const auto& expected : assessment.expected) {
+      std::printf("  %-24s %12.5g +- %.2g %s%s\n", expected.name.c_str(),
+                  expected.initial, 1.96 * expected.sigma,
+                  expected.unit == "1" ? "" : expected.unit.c_str(),
+                  std::isfinite(expected.sigma) ? "" : "(not determined)");
+    }
+  }
+  for (const std::string& direction : assessment.undetermined) {
+    std::printf(
+        "\nThe sensors and the load cannot see: %s. Add a prior, fix one of "
+        "them or add a channel.\n",
+        direction.c_str());
+  }
+  if (assessment.undetermined.empty()) {
+    std::printf("\nEvery named parameter is determined by the data.\n");
+  }
+  return true;
+}
+
+}  // namespace
+}  // namespace pinode
+
+int main(int argc, char** argv) {
+  using namespace pinode;
+  int status;
+  if (!ParseFlags(argc, argv,
+                  "pinode_check --case=FILE\n\n"
+                  "Reads a case and all it names, fits nothing, and prints "
+                  "modes, steps, sizes and\nwhat the sensors cannot see.",
+                  &status)) {
+    return status;
+  }
+  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
+  Case c;
+  std::string error;
+  if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
+  if (!c.title.empty()) std::printf("%s\n\n", c.title.c_str());
+  PrintModel(c);
+  PrintRecords(c);
+  for (const std::string& remark : c.remarks) {
+    std::printf("  %s\n", remark.c_str());
+  }
+  return PrintAssessment(c) ? kDone : kNotUsable;
+}

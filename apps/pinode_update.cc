@@ -1,0 +1,156 @@
+// Model updating: the main job.
+//
+// Reads a case, identifies its unknowns from the records and writes a result
+// folder with the updated matrices and a report.
+//
+// Sample runs:
+//   pinode_update --case=data/three_storey/three_storey.toml --output_dir=out
+//   pinode_update --case=... --output_dir=out --resume
+
+#include <gflags/gflags.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <unistd.h>
+
+#include "apps/program.h"
+#include "apps/reporting.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/case/case_file.h"
+#include "pinode/case/checkpoint.h"
+#include "pinode/case/result_files.h"
+#include "pinode/case/result_folder.h"
+#include "pinode/estimate/identify.h"
+#include "pinode/report/console.h"
+#include "pinode/report/html_report.h"
+
+DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+DEFINE_string(output_dir, "",
+              "folder for the results; must not exist without --overwrite or "
+              "--resume");
+DEFINE_bool(overwrite, false, "replace an existing output folder");
+DEFINE_bool(resume, false,
+            "continue an interrupted run from its checkpoint in the output "
+            "folder");
+DEFINE_int32(threads, 0, "threads; 0: as the case says");
+DEFINE_bool(progress, true, "show progress on standard error");
+
+namespace {
+
+// One line, rewritten on a terminal and printed once in a while elsewhere.
+class ProgressLine {
+ public:
+  void Show(const pinode::IdentificationProgress& progress) {
+    if (!FLAGS_progress) return;
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    const auto now = std::chrono::steady_clock::now();
+    const double wait = terminal ? 0.2 : 5.0;
+    if (shown_ &&
+        std::chrono::duration<double>(now - last_).count() < wait) {
+      return;
+    }
+    last_ = now;
+    shown_ = true;
+    std::fprintf(stderr,
+                 "%sstage %d/%d  iteration %d  cost %.6g  free-run error "
+                 "%.3g  %.0f s of at most %.0f s%s",
+                 terminal ? "\r\033[K" : "", progress.stage,
+                 progress.num_stages, progress.iteration, progress.cost,
+                 progress.free_run_error, progress.elapsed_seconds,
+                 std::ceil(progress.expected_seconds), terminal ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void End() {
+    if (shown_ && isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\n");
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_;
+  bool shown_ = false;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace pinode;
+  const auto begin = std::chrono::steady_clock::now();
+  int status;
+  if (!ParseFlags(argc, argv,
+                  "pinode_update --case=FILE --output_dir=FOLDER\n\n"
+                  "Identifies the unknowns of a case from its records and "
+                  "writes the updated model\nand a report.",
+                  &status)) {
+    return status;
+  }
+
+  // 1. Everything that can be wrong with the input, before any work.
+  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
+  if (FLAGS_output_dir.empty()) {
+    return Refuse("--output_dir=FOLDER is missing; see --help");
+  }
+  if (FLAGS_threads < 0) return Refuse("--threads must not be negative");
+  std::string error;
+  if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
+                         &error)) {
+    return Refuse(error);
+  }
+  Case c;
+  if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
+  if (FLAGS_threads > 0) c.options.num_threads = FLAGS_threads;
+
+  // 2. A folder that nobody sees until it is complete.
+  ResultFolder folder;
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
+    return Refuse(error);
+  }
+  Checkpoint checkpoint;
+  const bool resumed = !folder.resume_path().empty();
+  if (resumed && !ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint,
+                                 &error)) {
+    return Refuse(error);
+  }
+
+  // 3. The fit, with a checkpoint after every iteration.
+  CatchInterrupts();
+  ProgressLine line;
+  CheckpointWriter writer(c.problem, folder.checkpoint_path());
+  bool warned = false;
+  c.options.callback = [&](const IdentificationProgress& progress) {
+    std::string problem;
+    if (!writer.Update(progress, &problem) && !warned) {
+      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
+      warned = true;
+    }
+    line.Show(progress);
+    return !Interrupted();
+  };
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(c.problem, c.options, resumed ? &checkpoint.model : nullptr,
+           &summary, &model);
+  line.End();
+
+  // 4. Results and report.
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+          .count();
+  const ReportInput report = MakeReportInput(
+      c, summary, model, CommandLine(argc, argv), seconds);
+  HtmlReportOptions report_options;
+  report_options.num_threads = DefaultThreads();
+  if (!WriteResultFiles(c, summary, model, folder, &error) ||
+      !WriteHtmlReport(report, report_options,
+                       folder.working_path() + "/report.html", &error) ||
+      !folder.Commit(&error)) {
+    return Refuse(error);
+  }
+  std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
+              folder.final_path().c_str());
+  if (summary.termination == Termination::kInterrupted) {
+    std::fprintf(stderr, "interrupted; continue with --resume\n");
+    return kInterrupted;
+  }
+  return summary.usable ? kDone : kNotUsable;
+}

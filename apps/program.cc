@@ -1,0 +1,169 @@
+#include "apps/program.h"
+
+#include <gflags/gflags.h>
+
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+
+DECLARE_int32(v);
+DECLARE_bool(logtostderr);
+DECLARE_int32(minloglevel);
+
+namespace pinode {
+namespace {
+
+volatile std::sig_atomic_t interrupts = 0;
+
+void OnInterrupt(int signal) {
+  interrupts = interrupts + 1;
+  if (interrupts > 1) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
+
+bool IsOwn(const gflags::CommandLineFlagInfo& flag) {
+  return flag.filename.find("apps/") != std::string::npos;
+}
+
+std::vector<gflags::CommandLineFlagInfo> AllFlags() {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  return flags;
+}
+
+void PrintHelp(const std::string& usage) {
+  std::printf("%s\n\n", usage.c_str());
+  const auto print = [](const gflags::CommandLineFlagInfo& flag) {
+    std::printf("  --%s  (%s, default \"%s\")\n      %s\n", flag.name.c_str(),
+                flag.type.c_str(), flag.default_value.c_str(),
+                flag.description.c_str());
+  };
+  for (const auto& flag : AllFlags()) {
+    if (IsOwn(flag)) print(flag);
+  }
+  std::printf("\nLogging, to standard error:\n\n");
+  for (const auto& flag : AllFlags()) {
+    if (flag.name == "v" || flag.name == "vmodule") print(flag);
+  }
+  std::printf(
+      "\nExit status: 0 done; 1 ran, but the result is not usable; 2 bad input "
+      "or usage;\n3 interrupted, best so far written.\n");
+}
+
+// The name of the flag in "--name", "--name=value" or "--noname"; sets *value
+// and *has_value.
+std::string FlagName(const std::string& argument, std::string* value,
+                     bool* has_value) {
+  std::string name = argument.substr(argument[1] == '-' ? 2 : 1);
+  const size_t equals = name.find('=');
+  *has_value = equals != std::string::npos;
+  if (*has_value) {
+    *value = name.substr(equals + 1);
+    name.resize(equals);
+  }
+  return name;
+}
+
+}  // namespace
+
+bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
+  *status = kBadInput;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.size() < 2 || argument[0] != '-') {
+      Refuse("'" + argument + "' is not a flag; see --help");
+      return false;
+    }
+    std::string value;
+    bool has_value = false;
+    std::string name = FlagName(argument, &value, &has_value);
+    if (name == "help" || name == "h") {
+      PrintHelp(usage);
+      *status = kDone;
+      return false;
+    }
+    gflags::CommandLineFlagInfo info;
+    if (!gflags::GetCommandLineFlagInfo(name.c_str(), &info) &&
+        name.rfind("no", 0) == 0 && !has_value &&
+        gflags::GetCommandLineFlagInfo(name.c_str() + 2, &info) &&
+        info.type == "bool") {
+      name = name.substr(2);
+      value = "false";
+      has_value = true;
+    }
+    if (!gflags::GetCommandLineFlagInfo(name.c_str(), &info)) {
+      std::vector<std::string> known;
+      for (const auto& flag : AllFlags()) {
+        if (IsOwn(flag)) known.push_back(flag.name);
+      }
+      const std::string nearest = NearestName(name, known);
+      Refuse("unknown flag '--" + name + "'" +
+             (nearest.empty() ? "" : ", did you mean '--" + nearest + "'?") +
+             "; see --help");
+      return false;
+    }
+    if (!has_value && info.type == "bool") {
+      value = "true";
+    } else if (!has_value) {
+      if (i + 1 >= argc) {
+        Refuse("flag '--" + name + "' needs a value");
+        return false;
+      }
+      value = argv[++i];
+    }
+    if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
+      Refuse("flag '--" + name + "': '" + value + "' is not a value of type " +
+             info.type);
+      return false;
+    }
+  }
+  FLAGS_logtostderr = true;
+  // What Ceres and others have to say belongs to those who ask for it.
+  if (FLAGS_v == 0) FLAGS_minloglevel = google::GLOG_ERROR;
+  google::InitGoogleLogging(argv[0]);
+  return true;
+}
+
+int Refuse(const std::string& message) {
+  std::fprintf(stderr, "%s\n", message.c_str());
+  return kBadInput;
+}
+
+std::string CommandLine(int argc, char** argv) {
+  std::string line;
+  for (int i = 0; i < argc; ++i) {
+    std::string word = argv[i];
+    if (i == 0) word = word.substr(word.find_last_of('/') + 1);
+    const bool plain =
+        word.find_first_not_of(
+            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+            "-_=./,:+@%") == std::string::npos;
+    if (!plain) {
+      std::string quoted = "'";
+      for (const char c : word) {
+        quoted += c == '\'' ? "'\\''" : std::string(1, c);
+      }
+      word = quoted + "'";
+    }
+    line += (i > 0 ? " " : "") + word;
+  }
+  return line;
+}
+
+void CatchInterrupts() {
+  struct sigaction action = {};
+  action.sa_handler = OnInterrupt;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool Interrupted() { return interrupts > 0; }
+
+}  // namespace pinode

@@ -1,0 +1,37 @@
+// What all programs share: flags, exit statuses, interrupts.
+
+#ifndef PINODE_APPS_PROGRAM_H_
+#define PINODE_APPS_PROGRAM_H_
+
+#include <string>
+
+namespace pinode {
+
+// Exit statuses of every program.
+inline constexpr int kDone = 0;
+inline constexpr int kNotUsable = 1;   // ran; files are written and say so
+inline constexpr int kBadInput = 2;    // one line on standard error
+inline constexpr int kInterrupted = 3; // best so far written
+
+// Sets the flags from the command line and starts logging to standard error.
+// gflags' own parser leaves with status 1 on help and on mistakes alike, so
+// names and values are checked here. Returns true where the program is to go
+// on; otherwise *status is what it is to exit with: kDone after --help (its own
+// flags are printed first), kBadInput after one line about what is wrong.
+[[nodiscard]] bool ParseFlags(int argc, char** argv, const std::string& usage,
+                              int* status);
+
+// Prints `message` as the one line of an error and returns kBadInput.
+int Refuse(const std::string& message);
+
+// The command line as it could be typed again.
+std::string CommandLine(int argc, char** argv);
+
+// From now on SIGINT and SIGTERM set a mark instead of ending the process; a
+// second one ends it.
+void CatchInterrupts();
+bool Interrupted();
+
+}  // namespace pinode
+
+#endif  // PINODE_APPS_PROGRAM_H_

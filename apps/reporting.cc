@@ -1,0 +1,79 @@
+#include "apps/reporting.h"
+
+#include <utility>
+#include <vector>
+
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/score.h"
+#include "pinode/structure/mode_comparison.h"
+
+namespace pinode {
+
+ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
+                            const IdentifiedModel& model,
+                            const std::string& command_line,
+                            double wall_seconds) {
+  ReportInput input;
+  input.title = c.title;
+  input.case_path = c.path;
+  input.command_line = command_line;
+  input.version = PINODE_VERSION;
+  input.units = c.units;
+  input.wall_seconds = wall_seconds;
+  input.problem = &c.problem;
+  input.summary = &summary;
+  input.model = &model;
+  input.remarks = c.remarks;
+
+  const ParameterLayout layout(c.problem);
+  const Vector prior = layout.InitialValues();
+  for (size_t r = 0; r < c.problem.records.size(); ++r) {
+    ReportRecord record;
+    if (r < summary.records.size()) {
+      Vector start;
+      const int index = static_cast<int>(r);
+      const Vector sigmas =
+          r < model.sigmas.size() && model.sigmas[r].size() > 0
+              ? model.sigmas[r]
+              : Vector::Ones(
+                    static_cast<int>(c.problem.records[r].channels.size()));
+      const int first =
+          FreeRunStart(c.problem, index, prior, sigmas, &start);
+      RecordScore score;
+      ScoreRecord(c.problem, index, prior, start, first, &score);
+      if (score.finite) record.prior_prediction = std::move(score.prediction);
+    }
+    input.records.push_back(std::move(record));
+    for (const std::string& remark : c.records[r].remarks) {
+      input.remarks.push_back("Record " + c.problem.records[r].name + ": " +
+                              remark);
+    }
+  }
+
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  std::vector<ModePair> pairs;
+  std::string error;
+  if (model.parameters.size() == layout.num_parameters() &&
+      CompareModes(dynamics.CorrectedModel(prior.head(layout.num_dynamics())),
+                   dynamics.CorrectedModel(
+                       model.parameters.head(layout.num_dynamics())),
+                   &pairs, &error)) {
+    const double to_hz = c.HzPerModelFrequency();
+    for (ModePair& pair : pairs) {
+      ReportMode mode;
+      mode.initial_hz = to_hz * pair.initial_frequency;
+      mode.updated_hz = to_hz * pair.updated_frequency;
+      mode.initial_damping = pair.initial_damping;
+      mode.updated_damping = pair.updated_damping;
+      mode.mac = pair.mac;
+      mode.initial_shape = std::move(pair.initial_shape);
+      mode.updated_shape = std::move(pair.updated_shape);
+      input.modes.push_back(std::move(mode));
+    }
+  } else if (!error.empty()) {
+    input.remarks.push_back("No modes: " + error);
+  }
+  return input;
+}
+
+}  // namespace pinode

@@ -1,0 +1,66 @@
+// A fit that was cut off, and how it goes on.
+
+#ifndef PINODE_CASE_CHECKPOINT_H_
+#define PINODE_CASE_CHECKPOINT_H_
+
+#include <chrono>
+#include <string>
+
+#include "pinode/case/case_file.h"
+#include "pinode/estimate/identification_options.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+
+struct Checkpoint {
+  int iteration = 0;
+  int stage = 0;
+  double cost = 0.0;
+  // What Identify takes as its `initial`. Of a fit that was still running it
+  // has the parameters only.
+  IdentifiedModel model;
+};
+
+// 16 hexadecimal digits that stand for the problem of a case: matrices, named
+// unknowns, networks' sizes, records and their numbers, but not the options,
+// which may be changed between a fit and its continuation.
+std::string ProblemHash(const IdentificationProblem& problem);
+
+// {"schema": "pinode-checkpoint-1", "problem": hash, "iteration", "stage",
+//  "cost", "parameters": [...], "sigmas": [[...]], "starts": [[...]],
+//  "decays": [...]}, written atomically; numbers are read back bit for bit.
+[[nodiscard]] bool WriteCheckpoint(const std::string& path,
+                                   const std::string& problem_hash,
+                                   const Checkpoint& checkpoint,
+                                   std::string* error);
+
+// Fails, with *checkpoint untouched, on a file that is not a checkpoint of this
+// problem.
+[[nodiscard]] bool ReadCheckpoint(const std::string& path,
+                                  const IdentificationProblem& problem,
+                                  Checkpoint* checkpoint, std::string* error);
+
+// Keeps the file at `path` up to date while a fit runs: call Update in
+// IdentificationOptions::callback. Writes at most once in `interval`, and at
+// once the first time.
+class CheckpointWriter {
+ public:
+  CheckpointWriter(
+      const IdentificationProblem& problem, std::string path,
+      std::chrono::milliseconds interval = std::chrono::milliseconds(1000));
+
+  // False, with *error, where the file cannot be written: the fit may go on.
+  [[nodiscard]] bool Update(const IdentificationProgress& progress,
+                            std::string* error);
+
+ private:
+  std::string path_;
+  std::string problem_hash_;
+  std::chrono::milliseconds interval_;
+  bool written_ = false;
+  std::chrono::steady_clock::time_point last_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_CHECKPOINT_H_

@@ -1,0 +1,113 @@
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/parameter_keys.h"
+#include "pinode/case/terms_section.h"
+#include "pinode/dynamics/elements.h"
+
+namespace pinode {
+namespace {
+
+// One entry of `parameters`: a bare number (fixed), or a table.
+bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
+                          const ElementParameterInfo& info,
+                          const std::string& element, const UnitSystem& units,
+                          Parameter* parameter) {
+  parameter->name = element + "." + info.name;
+  parameter->unit = PowersUnitName(info.force_power, info.length_power,
+                                   info.time_power, units);
+  parameter->lower = info.lower;
+  parameter->upper = info.upper;
+  parameter->value = info.default_value;
+  const TomlValue* value = parameters.Find(info.name);
+  const bool has_initial =
+      value != nullptr && (value->IsNumber() || value->Find("initial"));
+  if (!has_initial && std::isnan(info.default_value)) {
+    return (value != nullptr ? parameters : table)
+        .Fail(value != nullptr ? info.name : "name",
+              "parameter '" + info.name +
+                  "' needs a value, expected parameters." + info.name +
+                  " = {initial = ...}, or a number that stays fixed");
+  }
+  if (value == nullptr || value->IsNumber()) {
+    parameter->free = false;
+    parameter->value = parameters.Number(info.name, info.default_value);
+    parameter->prior_mean = parameter->value;
+    if (!table.errors()->ok()) return false;
+    if (parameter->value < info.lower || parameter->value > info.upper) {
+      return parameters.Fail(info.name, "parameter '" + info.name + "' is " +
+                                            FormatNumber(parameter->value) +
+                                            ", expected a value within [" +
+                                            FormatNumber(info.lower) + ", " +
+                                            FormatNumber(info.upper) + "]");
+    }
+    return true;
+  }
+  const TomlTable keys =
+      parameters.Table(info.name, table.name() + ", parameter " + info.name);
+  return table.errors()->ok() && keys.AllowKeys(ParameterKeys()) &&
+         ReadParameterKeys(keys, 1.0, parameter);
+}
+
+}  // namespace
+
+bool ReadElements(const TomlTable& root, const TermsContext& context,
+                  StructuralDynamics* dynamics) {
+  const StructuralModel& model = context.model->model;
+  std::set<std::string> seen;
+  for (TomlTable& table : root.Tables("element")) {
+    if (!table.AllowKeys({"name", "type", "between", "parameters"})) {
+      return false;
+    }
+    LawTerm term;
+    term.name = table.RequiredString("name");
+    if (!root.errors()->ok()) return false;
+    table.set_name("element '" + term.name + "'");
+    if (!CheckName(table, "name", term.name)) return false;
+    if (!seen.insert(term.name).second) {
+      return table.Fail("name", "its name is used twice");
+    }
+    term.type = table.RequiredString("type");
+    if (!root.errors()->ok()) return false;
+    std::string error;
+    term.law = CreateElement(term.type, &error);
+    if (term.law == nullptr) return table.Fail("type", error);
+    int from = -1;
+    int to = -1;
+    if (!table.RequireKey("between", "two ends") ||
+        !ReadBetween(model, table, &from, &to)) {
+      return false;
+    }
+    term.features = {Feature::Deformation(from, to),
+                     Feature::DeformationRate(from, to)};
+    // The force resists d = x[to] - x[from] at both ends.
+    term.outputs = term.features[0].Selector(model.num_dofs()).transpose();
+    term.parameters.name = term.name;
+
+    const TomlTable parameters =
+        table.Table("parameters", table.name() + ", parameters");
+    std::vector<std::string> known;
+    for (const ElementParameterInfo& info : ElementParameters(term.type)) {
+      known.push_back(info.name);
+    }
+    if (!root.errors()->ok() || !parameters.AllowKeys(known)) return false;
+    for (const ElementParameterInfo& info : ElementParameters(term.type)) {
+      Parameter parameter;
+      if (!ReadElementParameter(table, parameters, info, term.name,
+                                *context.units, &parameter)) {
+        return false;
+      }
+      term.parameters.parameters.push_back(parameter);
+    }
+    if (!dynamics->AddLaw(std::move(term), &error)) {
+      return table.Fail("name", error);
+    }
+  }
+  return root.errors()->ok();
+}
+
+}  // namespace pinode

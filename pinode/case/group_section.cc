@@ -1,0 +1,142 @@
+#include <string>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/parameter_keys.h"
+#include "pinode/case/terms_section.h"
+#include "pinode/structure/shear_building.h"
+
+namespace pinode {
+namespace {
+
+constexpr char kTargets[] = "stiffness, damping, mass";
+
+bool ParseTarget(const std::string& name, MatrixGroup::Target* target) {
+  for (const auto candidate :
+       {MatrixGroup::Target::kStiffness, MatrixGroup::Target::kDamping,
+        MatrixGroup::Target::kMass}) {
+    if (name == TargetName(candidate)) {
+      *target = candidate;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
+                     MatrixGroup* group) {
+  const StructuralModel& model = section.model;
+  const int count =
+      table.Has("between") + table.Has("matrix") + table.Has("storey");
+  if (count != 1) {
+    return table.Fail("name", "it has " + std::to_string(count) +
+                                  " of the keys between, matrix, storey; "
+                                  "expected exactly one");
+  }
+  if (table.Has("scale") && !table.Has("between")) {
+    return table.Fail("scale", "'scale' goes with 'between' only");
+  }
+  if (table.Has("between")) {
+    int from = -1;
+    int to = -1;
+    if (!ReadBetween(model, table, &from, &to)) return false;
+    group->matrix = table.PositiveNumber("scale", 1.0) *
+                    SpringMatrix(model.num_dofs(), from, to);
+    return table.errors()->ok();
+  }
+  if (table.Has("matrix")) {
+    return ReadMatrixKey(table, "matrix",
+                         "the matrix of group '" + group->name + "'",
+                         model.num_dofs(), &group->matrix);
+  }
+  const int storey = table.Integer("storey", 1, 1);
+  if (!table.errors()->ok()) return false;
+  if (!section.building.has_value()) {
+    return table.Fail("storey",
+                      "'storey' without a [model.shear_building], expected "
+                      "'between' or 'matrix'");
+  }
+  MatrixGroup of_storey;
+  std::string error;
+  if (!StoreyGroup(*section.building, group->target, storey, &of_storey,
+                   &error)) {
+    return table.Fail("storey", error);
+  }
+  group->matrix = of_storey.matrix;
+  return true;
+}
+
+bool ReadFollows(const TomlTable& table, const UnitSystem& units,
+                 const StructuralDynamics& dynamics, GroupTerm* term) {
+  if (!table.Has("follows")) return true;
+  const TomlTable follows = table.Table("follows", table.name() + " follows");
+  if (!follows.AllowKeys({"covariate", "time", "reference"})) return false;
+  if (follows.Has("covariate") == follows.Has("time")) {
+    return table.Fail("follows",
+                      "'follows' expected {covariate = \"...\", reference = "
+                      "...} or {time = \"linear\", reference = ...}");
+  }
+  term->reference = follows.Number("reference", 0.0);
+  if (follows.Has("time")) {
+    follows.Choice("time", {"linear"}, "linear");
+    term->follows = GroupTerm::Follows::kTime;
+    double seconds = 1.0;
+    std::string error;
+    if (!UnitFactor("s", Dimension::kTime, units, &seconds, &error)) {
+      return follows.Fail("reference", error);
+    }
+    term->reference *= seconds;
+    return table.errors()->ok();
+  }
+  const std::string name = follows.String("covariate");
+  std::vector<std::string> known;
+  for (int i = 0; i < dynamics.num_inputs(); ++i) {
+    const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
+    if (input.kind != InputSpec::Kind::kCovariate) continue;
+    known.push_back(input.name);
+    if (input.name == name) term->input = i;
+  }
+  if (term->input < 0) {
+    return follows.Fail("covariate", "no record has a covariate '" + name +
+                                         "'" + NameHint(name, known));
+  }
+  term->follows = GroupTerm::Follows::kCovariate;
+  return table.errors()->ok();
+}
+
+}  // namespace
+
+bool ReadGroups(const TomlTable& root, const TermsContext& context,
+                StructuralDynamics* dynamics) {
+  for (TomlTable& table : root.Tables("group")) {
+    std::vector<std::string> keys = {"name",   "adds_to", "between", "matrix",
+                                     "storey", "scale",   "follows"};
+    keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
+    if (!table.AllowKeys(keys)) return false;
+    GroupTerm term;
+    term.group.name = table.RequiredString("name");
+    if (!root.errors()->ok()) return false;
+    table.set_name("group '" + term.group.name + "'");
+    if (!CheckName(table, "name", term.group.name) ||
+        !table.RequireKey("adds_to", std::string("one of ") + kTargets)) {
+      return false;
+    }
+    const std::string target = table.String("adds_to");
+    if (!root.errors()->ok()) return false;
+    if (!ParseTarget(target, &term.group.target)) {
+      return table.Fail("adds_to", "'adds_to' is '" + target +
+                                       "', expected one of " + kTargets);
+    }
+    if (!ReadGroupMatrix(table, *context.model, &term.group) ||
+        !ReadFollows(table, *context.units, *dynamics, &term)) {
+      return false;
+    }
+    term.alpha.name = term.group.name;
+    if (!ReadParameterKeys(table, 1.0, &term.alpha)) return false;
+    std::string error;
+    if (!dynamics->AddGroup(term, &error)) return table.Fail("name", error);
+  }
+  return root.errors()->ok();
+}
+
+}  // namespace pinode

@@ -1,0 +1,211 @@
+#include "pinode/case/model_case.h"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/file.h"
+#include "pinode/base/logging.h"
+#include "pinode/case/model_section.h"
+#include "pinode/case/toml_value.h"
+#include "pinode/network/network_json.h"
+#include "pinode/structure/matrix_io.h"
+
+namespace pinode {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ModelCaseWriter {
+ public:
+  // `c`'s dynamics and sensors with the values found.
+  ModelCaseWriter(const Case& c, const IdentifiedModel& model,
+                  std::string folder, std::string final_folder,
+                  std::string* error)
+      : c_(c),
+        dynamics_(*c.problem.dynamics),
+        folder_(std::move(folder)),
+        final_folder_(std::move(final_folder)),
+        error_(error),
+        root_(*c.source) {
+    dynamics_.SetParameters(model.parameters.head(dynamics_.num_parameters()));
+    sensors_ = c.problem.sensors;
+    sensors_.SetValues(model.parameters.tail(sensors_.size()));
+  }
+
+  bool Write() {
+    return WriteMatrices() && WriteGroups() && SetElements() &&
+           WriteNetworks() && SetRecords() &&
+           WriteFileAtomically(
+               Path("model.toml"),
+               "# The model after the identification; see the keys' meaning "
+               "in the case it was made from.\n" +
+                   FormatToml(root_),
+               error_);
+  }
+
+ private:
+  std::string Path(const std::string& name) const {
+    return (fs::path(folder_) / name).string();
+  }
+
+  bool WriteMatrices() {
+    const StructuralModel updated =
+        dynamics_.CorrectedModel(dynamics_.Parameters());
+    TomlValue& model = *root_.Find("model");
+    model.Set("dofs", TomlValue::Strings(updated.dof_names));
+    model.Erase("shear_building");
+    model.Set("mass", TomlValue::String("M.mtx"));
+    model.Set("stiffness", TomlValue::String("K.mtx"));
+    model.Set("damping", TomlValue::String("C.mtx"));
+    return WriteMatrixMarket(Path("M.mtx"), updated.mass, error_) &&
+           WriteMatrixMarket(Path("K.mtx"), updated.stiffness, error_) &&
+           WriteMatrixMarket(Path("C.mtx"), updated.damping, error_);
+  }
+
+  bool WriteGroups() {
+    for (size_t j = 0; j < dynamics_.groups().size(); ++j) {
+      const GroupTerm& term = dynamics_.groups()[j];
+      const std::string file = "group_" + term.group.name + ".mtx";
+      TomlValue& table = root_.Find("group")->elements[j];
+      for (const char* key : {"between", "storey", "scale"}) table.Erase(key);
+      table.Set("matrix", TomlValue::String(file));
+      const double taken =
+          term.follows == GroupTerm::Follows::kNothing ? term.alpha.value : 0.0;
+      table.Set("initial", TomlValue::Float(term.alpha.value - taken));
+      if (std::isfinite(term.alpha.lower)) {
+        table.Set("lower", TomlValue::Float(term.alpha.lower - taken));
+      }
+      if (std::isfinite(term.alpha.upper)) {
+        table.Set("upper", TomlValue::Float(term.alpha.upper - taken));
+      }
+      if (term.alpha.HasPrior()) {
+        table.Set("prior_mean",
+                  TomlValue::Float(term.alpha.prior_mean - taken));
+      }
+      if (!WriteMatrixMarket(Path(file), term.group.matrix, error_)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // The value found, divided by `factor`, in a table of parameter keys.
+  static void SetParameter(const Parameter& parameter, double factor,
+                           TomlValue* keys) {
+    keys->Set("initial", TomlValue::Float(parameter.value / factor));
+    // By default it would be the initial value, which is no longer the prior's.
+    if (parameter.HasPrior()) {
+      keys->Set("prior_mean", TomlValue::Float(parameter.prior_mean / factor));
+    }
+  }
+
+  bool SetElements() {
+    for (size_t j = 0; j < dynamics_.laws().size(); ++j) {
+      const LawTerm& term = dynamics_.laws()[j];
+      TomlValue* parameters =
+          root_.Find("element")->elements[j].Find("parameters");
+      if (parameters == nullptr) continue;
+      for (const Parameter& parameter : term.parameters.parameters) {
+        TomlValue* keys =
+            parameters->Find(parameter.name.substr(term.name.size() + 1));
+        // A bare number is fixed.
+        if (keys != nullptr && keys->IsTable()) {
+          SetParameter(parameter, 1.0, keys);
+        }
+      }
+    }
+    return true;
+  }
+
+  bool WriteNetworks() {
+    std::vector<std::string> input_names;
+    for (const InputSpec& input : dynamics_.inputs()) {
+      input_names.push_back(input.name);
+    }
+    for (size_t j = 0; j < dynamics_.networks().size(); ++j) {
+      const NetworkTerm& term = dynamics_.networks()[j];
+      const std::string file = "network_" + term.name + ".json";
+      TomlValue& table = root_.Find("network")->elements[j];
+      SavedNetwork saved;
+      saved.architecture = term.network->architecture();
+      for (const Feature& feature : term.features) {
+        saved.inputs.push_back(
+            feature.Name(dynamics_.model().dof_names, input_names));
+      }
+      saved.outputs = term.output_names;
+      saved.weights = term.weights.Values();
+      // The file says what the network is.
+      for (const char* key :
+           {"layers", "activation", "bias", "skip", "gauge", "input_scale"}) {
+        table.Erase(key);
+      }
+      table.Set("weights", TomlValue::String(file));
+      if (!WriteNetwork(Path(file), saved, error_)) return false;
+    }
+    return true;
+  }
+
+  void MovePath(TomlValue* table) const {
+    TomlValue* file = table->Find("file");
+    if (file == nullptr) return;
+    std::error_code status;
+    const fs::path from = fs::weakly_canonical(
+        fs::absolute(ResolvePath(c_.path, file->text), status), status);
+    fs::path to = from.lexically_proximate(
+        fs::weakly_canonical(fs::absolute(final_folder_, status), status));
+    if (to.empty()) to = from;
+    *file = TomlValue::String(to.string());
+  }
+
+  bool SetRecords() {
+    std::vector<TomlValue>& tables = root_.Find("record")->elements;
+    for (size_t r = 0; r < tables.size(); ++r) {
+      MovePath(&tables[r]);
+      for (const char* key : {"ground", "force", "covariate", "channel"}) {
+        TomlValue* signals = tables[r].Find(key);
+        if (signals == nullptr) continue;
+        for (TomlValue& signal : signals->elements) MovePath(&signal);
+      }
+      TomlValue* channels = tables[r].Find("channel");
+      CHECK(channels != nullptr &&
+            channels->elements.size() == c_.records[r].channels.size());
+      for (size_t i = 0; i < channels->elements.size(); ++i) {
+        SetSensor(r, i, &channels->elements[i]);
+      }
+    }
+    return true;
+  }
+
+  void SetSensor(size_t r, size_t i, TomlValue* table) const {
+    const MeasuredChannel& channel = c_.problem.records[r].channels[i];
+    const auto set = [&](const char* key, int index, double factor) {
+      TomlValue* keys = table->Find(key);
+      if (index < 0 || keys == nullptr) return;
+      SetParameter(sensors_.parameters[static_cast<size_t>(index)], factor,
+                   keys);
+    };
+    set("gain", channel.gain, 1.0);
+    set("offset", channel.offset, c_.records[r].channels[i].factor);
+    set("delay", channel.delay, c_.HzPerModelFrequency());
+  }
+
+  const Case& c_;
+  StructuralDynamics dynamics_;
+  ParameterBlock sensors_;
+  const std::string folder_;
+  const std::string final_folder_;
+  std::string* error_;
+  TomlValue root_;
+};
+
+}  // namespace
+
+bool WriteModelCase(const Case& c, const IdentifiedModel& model,
+                    const std::string& folder, const std::string& final_folder,
+                    std::string* error) {
+  return ModelCaseWriter(c, model, folder, final_folder, error).Write();
+}
+
+}  // namespace pinode

@@ -1,0 +1,352 @@
+#include "pinode/case/model_section.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "pinode/base/strings.h"
+#include "pinode/structure/damping.h"
+#include "pinode/structure/matrix_io.h"
+
+namespace pinode {
+namespace {
+
+std::string SizeText(Eigen::Index rows, Eigen::Index cols) {
+  return std::to_string(rows) + " x " + std::to_string(cols);
+}
+
+bool RowsToMatrix(const TomlTable& table, const std::string& key,
+                  const TomlValue& value, Matrix* matrix) {
+  const size_t cols =
+      value.elements.empty() ? 0 : value.elements[0].elements.size();
+  Matrix rows(static_cast<Eigen::Index>(value.elements.size()),
+              static_cast<Eigen::Index>(cols));
+  for (size_t i = 0; i < value.elements.size(); ++i) {
+    const TomlValue& row = value.elements[i];
+    if (row.type != TomlValue::Type::kArray || row.elements.size() != cols ||
+        cols == 0) {
+      return table.errors()->Fail(
+          row.line > 0 ? row.line : table.Line(key),
+          table.name() + ": row " + std::to_string(i + 1) + " of '" + key +
+              "' is " + row.Describe() + " of " +
+              std::to_string(row.elements.size()) +
+              " entries, expected rows [...] of equal length");
+    }
+    for (size_t j = 0; j < cols; ++j) {
+      const TomlValue& entry = row.elements[j];
+      if (!entry.IsNumber() || !std::isfinite(entry.number)) {
+        return table.errors()->Fail(
+            entry.line > 0 ? entry.line : table.Line(key),
+            table.name() + ": entry (" + std::to_string(i + 1) + ", " +
+                std::to_string(j + 1) + ") of '" + key + "' is " +
+                entry.Describe() + ", expected a finite number");
+      }
+      rows(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          entry.number;
+    }
+  }
+  *matrix = rows;
+  return true;
+}
+
+// damping = "none", {rayleigh = ...}, {ratios = ...} or a matrix.
+bool ReadDamping(const TomlTable& table, int num_dofs, const Matrix& mass,
+                 const Matrix& stiffness, Matrix* damping) {
+  const TomlValue& value = *table.Find("damping");
+  if (value.type == TomlValue::Type::kString && value.text == "none") {
+    *damping = Matrix::Zero(num_dofs, num_dofs);
+    return true;
+  }
+  if (!value.IsTable() || value.Find("diagonal") != nullptr) {
+    return ReadMatrixKey(table, "damping", "the damping matrix", num_dofs,
+                         damping);
+  }
+  const TomlTable inner = table.Table("damping", table.name() + " damping");
+  if (!inner.AllowKeys({"rayleigh", "ratios", "diagonal"})) return false;
+  if (inner.Has("rayleigh") == inner.Has("ratios")) {
+    return table.Fail("damping",
+                      "'damping' expected one of {rayleigh = [a0, a1]}, "
+                      "{ratios = [...]}, {diagonal = [...]}, a matrix, or "
+                      "\"none\"");
+  }
+  if (inner.Has("rayleigh")) {
+    const std::vector<double> values =
+        inner.Numbers("rayleigh", 2, "coefficient: a0 and a1");
+    if (!table.errors()->ok()) return false;
+    *damping = RayleighDamping(mass, stiffness, {values[0], values[1]});
+    return true;
+  }
+  const std::vector<double> ratios = inner.Numbers("ratios");
+  if (!table.errors()->ok()) return false;
+  std::string error;
+  if (!ModalDamping(mass, stiffness, ToVector(ratios), damping, &error)) {
+    return inner.Fail("ratios", error);
+  }
+  return true;
+}
+
+bool ReadShearBuilding(const TomlTable& table, ShearBuilding* building) {
+  const TomlTable inner =
+      table.Table("shear_building", "[model.shear_building]");
+  if (!inner.AllowKeys({"masses", "stiffnesses", "dampers"}) ||
+      !inner.RequireKey("masses", "one mass per floor") ||
+      !inner.RequireKey("stiffnesses", "one stiffness per storey")) {
+    return false;
+  }
+  building->masses = inner.Numbers("masses");
+  building->stiffnesses = inner.Numbers("stiffnesses");
+  building->dampers = inner.Numbers("dampers");
+  building->dof_names = table.Strings("dofs");
+  if (!table.errors()->ok()) return false;
+  std::string error;
+  if (!building->IsValid(&error)) return inner.Fail("masses", error);
+  return true;
+}
+
+// A matrix with one column per direction from {x = [...], ...}.
+bool ReadDirections(const TomlTable& table, const std::string& key,
+                    std::vector<std::string>* directions, Matrix* columns) {
+  const int n = static_cast<int>(columns->rows());
+  const TomlTable inner = table.Table(key, table.name() + " " + key);
+  for (const auto& [name, value] : inner.entries()) {
+    const std::vector<double> entries = inner.Numbers(name, n, "DOF");
+    if (!table.errors()->ok()) return false;
+    Eigen::Index column = 0;
+    while (column < columns->cols() &&
+           (*directions)[static_cast<size_t>(column)] != name) {
+      ++column;
+    }
+    if (column == columns->cols()) {
+      directions->push_back(name);
+      columns->conservativeResize(n, column + 1);
+    }
+    columns->col(column) = ToVector(entries);
+  }
+  return table.errors()->ok();
+}
+
+bool ReadDofNames(const TomlTable& table, std::vector<std::string>* names) {
+  *names = table.Strings("dofs");
+  if (!table.errors()->ok()) return false;
+  for (const std::string& name : *names) {
+    // Names appear in x[u1], d[a,b] and "a-b".
+    if (name.empty() || name == "ground" ||
+        name.find_first_of("[], \t\n\"") != std::string::npos) {
+      return table.Fail("dofs", "'" + name +
+                                    "' cannot be the name of a DOF; expected "
+                                    "a text without brackets, commas, blanks "
+                                    "and quotes, other than 'ground'");
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string ResolvePath(const std::string& case_path, const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path path(name);
+  if (path.is_absolute()) return name;
+  return (fs::path(case_path).parent_path() / path).string();
+}
+
+bool ReadUnits(const TomlTable& root, UnitSystem* units) {
+  const TomlTable table = root.Table("units", "[units]");
+  if (!table.AllowKeys({"force", "length", "time"})) return false;
+  units->force = table.String("force", units->force);
+  units->length = table.String("length", units->length);
+  units->time = table.String("time", units->time);
+  if (!table.errors()->ok()) return false;
+  // One at a time, so that the message has the line of the wrong one.
+  for (const char* key : {"force", "length", "time"}) {
+    UnitSystem single;
+    const std::string unit = table.String(key);
+    if (unit.empty()) continue;
+    (key[0] == 'f'   ? single.force
+     : key[0] == 'l' ? single.length
+                     : single.time) = unit;
+    std::string error;
+    if (!single.IsValid(&error)) return table.Fail(key, error);
+  }
+  return true;
+}
+
+bool ReadMatrixKey(const TomlTable& table, const std::string& key,
+                   const std::string& what, int num_dofs, Matrix* matrix) {
+  const TomlValue& value = *table.Find(key);
+  // Where a wrong size or entry is to be mended.
+  std::string source;
+  Matrix result;
+  if (value.type == TomlValue::Type::kString) {
+    source = ResolvePath(table.errors()->path(), value.text);
+    std::string error;
+    if (!ReadMatrix(source, &result, &error)) {
+      return std::filesystem::exists(source)
+                 ? table.errors()->FailAsIs(error)
+                 : table.Fail(key, "'" + key + "' names the file '" +
+                                       value.text +
+                                       "', which does not exist; expected a "
+                                       ".csv or .mtx file beside the case");
+    }
+  } else if (value.IsTable()) {
+    const TomlTable inner = table.Table(key, table.name() + " " + key);
+    if (!inner.AllowKeys({"diagonal"})) return false;
+    if (!inner.RequireKey("diagonal", "the entries of the diagonal")) {
+      return false;
+    }
+    const std::vector<double> diagonal = inner.Numbers("diagonal");
+    if (!table.errors()->ok()) return false;
+    result = ToVector(diagonal).asDiagonal();
+  } else if (value.type == TomlValue::Type::kArray) {
+    if (!RowsToMatrix(table, key, value, &result)) return false;
+  } else {
+    return table.Fail(key, "'" + key + "' is " + value.Describe() +
+                               ", expected a file's name, rows [[...], ...] "
+                               "or {diagonal = [...]}");
+  }
+  std::string message;
+  if (result.rows() != num_dofs || result.cols() != num_dofs) {
+    message = what + " is " + SizeText(result.rows(), result.cols()) +
+              ", expected " + SizeText(num_dofs, num_dofs) +
+              ", one row and column per DOF";
+  } else if (!result.allFinite()) {
+    message = what + " has an entry that is not finite, expected numbers only";
+  }
+  if (!message.empty()) {
+    return source.empty() ? table.Fail(key, message)
+                          : table.errors()->FailAsIs(source + ": " + message);
+  }
+  *matrix = result;
+  return true;
+}
+
+bool FindDof(const StructuralModel& model, const TomlTable& table,
+             const std::string& key, const std::string& name,
+             bool ground_allowed, int* index) {
+  *index = -1;
+  if (ground_allowed && name == "ground") return true;
+  *index = model.DofIndex(name);
+  if (*index >= 0) return true;
+  std::vector<std::string> known = model.dof_names;
+  if (ground_allowed) known.push_back("ground");
+  return table.Fail(
+      key, "'" + name + "' is not a DOF of the model" + NameHint(name, known));
+}
+
+bool ReadBetween(const StructuralModel& model, const TomlTable& table,
+                 int* from, int* to) {
+  const std::vector<std::string> ends = table.Strings("between");
+  if (!table.errors()->ok()) return false;
+  if (ends.size() != 2 || ends[0] == ends[1]) {
+    return table.Fail("between",
+                      "'between' expected two different ends, such as "
+                      "[\"ground\", \"" +
+                          model.dof_names[0] + "\"]");
+  }
+  return FindDof(model, table, "between", ends[0], true, from) &&
+         FindDof(model, table, "between", ends[1], true, to);
+}
+
+bool ReadModelSection(const TomlTable& root, ModelSection* section) {
+  CaseErrors* errors = root.errors();
+  if (!root.RequireKey("model", "a table [model]")) return false;
+  const TomlTable table = root.Table("model", "[model]");
+  if (!table.AllowKeys({"dofs", "mass", "stiffness", "damping", "influence",
+                        "support_mass_coupling", "expected_hz",
+                        "shear_building"})) {
+    return false;
+  }
+  std::vector<std::string> dofs;
+  if (!ReadDofNames(table, &dofs)) return false;
+  StructuralModel& model = section->model;
+  std::string error;
+  if (table.Has("shear_building")) {
+    for (const char* key : {"mass", "stiffness"}) {
+      if (table.Has(key)) {
+        return table.Fail(key, std::string("'") + key +
+                                   "' beside [model.shear_building], expected "
+                                   "one of the two");
+      }
+    }
+    ShearBuilding building;
+    if (!ReadShearBuilding(table, &building)) return false;
+    if (table.Has("damping") && !building.dampers.empty()) {
+      return table.Fail("damping",
+                        "'damping' beside the dampers of "
+                        "[model.shear_building], expected one of the two");
+    }
+    if (!table.Has("damping") && building.dampers.empty()) {
+      return table.RequireKey("damping",
+                              "it or the dampers of [model.shear_building]");
+    }
+    if (!BuildShearBuilding(building, &model, &error)) {
+      return table.Fail("shear_building", error);
+    }
+    section->building = building;
+  } else {
+    if (dofs.empty()) {
+      return table.Fail("dofs",
+                        "'dofs' is missing or empty, expected the "
+                        "names of the degrees of freedom");
+    }
+    const int n = static_cast<int>(dofs.size());
+    Matrix mass;
+    Matrix stiffness;
+    if (!table.RequireKey("mass", "a matrix") ||
+        !table.RequireKey("stiffness", "a matrix") ||
+        !table.RequireKey("damping",
+                          "a matrix, {rayleigh = [a0, a1]}, {ratios = [...]} "
+                          "or \"none\"") ||
+        !ReadMatrixKey(table, "mass", "the mass matrix", n, &mass) ||
+        !ReadMatrixKey(table, "stiffness", "the stiffness matrix", n,
+                       &stiffness)) {
+      return false;
+    }
+    model = MakeStructuralModel(mass, Matrix::Zero(n, n), stiffness, dofs);
+  }
+  const int n = model.num_dofs();
+  // Before the damping, which may be made from the modes of M and K.
+  const auto line_key = [&table](const std::string& message) {
+    for (const char* key : {"mass", "stiffness", "damping"}) {
+      if (message.find(std::string("the ") + key + " matrix") == 0) {
+        return std::string(table.Has(key) ? key : "shear_building");
+      }
+    }
+    return std::string("dofs");
+  };
+  if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
+  if (table.Has("damping") &&
+      !ReadDamping(table, n, model.mass, model.stiffness, &model.damping)) {
+    return false;
+  }
+
+  if (table.Has("influence")) {
+    model.directions.clear();
+    model.influence.resize(n, 0);
+    if (!ReadDirections(table, "influence", &model.directions,
+                        &model.influence)) {
+      return false;
+    }
+    model.support_mass_coupling = Matrix::Zero(n, model.num_directions());
+  }
+  const int num_directions = model.num_directions();
+  if (table.Has("support_mass_coupling") &&
+      !ReadDirections(table, "support_mass_coupling", &model.directions,
+                      &model.support_mass_coupling)) {
+    return false;
+  }
+  if (model.num_directions() != num_directions) {
+    return table.Fail("support_mass_coupling",
+                      "'" + model.directions.back() +
+                          "' has no influence vector, expected one of " +
+                          Join(std::vector<std::string>(
+                                   model.directions.begin(),
+                                   model.directions.begin() + num_directions),
+                               ", "));
+  }
+  if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
+
+  section->expected_hz = table.Numbers("expected_hz");
+  return errors->ok();
+}
+
+}  // namespace pinode

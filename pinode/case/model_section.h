@@ -1,0 +1,50 @@
+// [units] and [model]: the structure as it was before the identification.
+
+#ifndef PINODE_CASE_MODEL_SECTION_H_
+#define PINODE_CASE_MODEL_SECTION_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pinode/base/units.h"
+#include "pinode/case/toml_table.h"
+#include "pinode/structure/shear_building.h"
+#include "pinode/structure/structural_model.h"
+
+namespace pinode {
+
+// `name` as seen from the folder of the case file `case_path`.
+std::string ResolvePath(const std::string& case_path, const std::string& name);
+
+[[nodiscard]] bool ReadUnits(const TomlTable& root, UnitSystem* units);
+
+struct ModelSection {
+  StructuralModel model;  // valid
+  // Where the case has one: what `storey` in a group refers to.
+  std::optional<ShearBuilding> building;
+  std::vector<double> expected_hz;
+};
+
+[[nodiscard]] bool ReadModelSection(const TomlTable& root,
+                                    ModelSection* section);
+
+// The matrix under `key` of `table`: a file's name, rows [[...], ...] or
+// {diagonal = [...]}. It is num_dofs x num_dofs and finite; otherwise the
+// message names the file, or the key. `what` is "the mass matrix", ...
+[[nodiscard]] bool ReadMatrixKey(const TomlTable& table, const std::string& key,
+                                 const std::string& what, int num_dofs,
+                                 Matrix* matrix);
+
+// Index of a DOF named in the case file; with `ground_allowed` "ground" is -1.
+[[nodiscard]] bool FindDof(const StructuralModel& model, const TomlTable& table,
+                           const std::string& key, const std::string& name,
+                           bool ground_allowed, int* index);
+
+// Two different ends from between = ["a", "b"].
+[[nodiscard]] bool ReadBetween(const StructuralModel& model,
+                               const TomlTable& table, int* from, int* to);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_MODEL_SECTION_H_

@@ -1,0 +1,58 @@
+#include "pinode/case/options_section.h"
+
+#include <string>
+
+#include "pinode/base/parallel_for.h"
+
+namespace pinode {
+
+bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
+  const TomlTable table = root.Table("options", "[options]");
+  if (!table.AllowKeys({"shooting", "segment_samples", "max_iterations",
+                        "robust_loss", "robust_scale", "derivatives",
+                        "covariance", "threads", "multistart", "seed",
+                        "tolerance"})) {
+    return false;
+  }
+  if (table.Choice("shooting", {"multiple", "single"}, "multiple") ==
+      "single") {
+    options->shooting = IdentificationOptions::Shooting::kSingle;
+  }
+  options->segment_samples =
+      table.Integer("segment_samples", options->segment_samples, 0);
+  options->max_num_iterations =
+      table.Integer("max_iterations", options->max_num_iterations, 0);
+  const std::string loss =
+      table.Choice("robust_loss", {"none", "huber", "cauchy"}, "none");
+  options->loss = loss == "huber"    ? RobustLoss::kHuber
+                  : loss == "cauchy" ? RobustLoss::kCauchy
+                                     : RobustLoss::kNone;
+  options->loss_scale =
+      table.PositiveNumber("robust_scale", options->loss_scale);
+  if (table.Choice("derivatives", {"tangents", "jets"}, "tangents") == "jets") {
+    options->derivatives = DerivativeMethod::kJets;
+  }
+  const std::string covariance =
+      table.Choice("covariance", {"auto", "plain", "sandwich"}, "auto");
+  options->covariance =
+      covariance == "plain"      ? IdentificationOptions::Covariance::kPlain
+      : covariance == "sandwich" ? IdentificationOptions::Covariance::kSandwich
+                                 : IdentificationOptions::Covariance::kAuto;
+  options->num_threads = table.Integer("threads", DefaultThreads(), 1);
+  options->num_starts = table.Integer("multistart", options->num_starts, 1);
+  options->seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
+  options->function_tolerance =
+      table.PositiveNumber("tolerance", options->function_tolerance);
+  return table.errors()->ok();
+}
+
+bool ReadSimulate(const TomlTable& root, double* noise_percent,
+                  std::uint64_t* seed) {
+  const TomlTable table = root.Table("simulate", "[simulate]");
+  if (!table.AllowKeys({"noise_percent", "seed"})) return false;
+  *noise_percent = table.NonNegativeNumber("noise_percent", 0.0);
+  *seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
+  return table.errors()->ok();
+}
+
+}  // namespace pinode

@@ -1,0 +1,532 @@
+#include "pinode/case/record_section.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/parameter_keys.h"
+
+namespace pinode {
+namespace {
+
+Dimension DimensionOf(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kDisplacement:
+    case Quantity::kAbsoluteDisplacement:
+      return Dimension::kLength;
+    case Quantity::kVelocity:
+      return Dimension::kVelocity;
+    case Quantity::kRelativeAcceleration:
+    case Quantity::kAbsoluteAcceleration:
+      return Dimension::kAcceleration;
+  }
+  return Dimension::kNumber;
+}
+
+const std::vector<std::string>& RecordKeys() {
+  static const auto& keys = *new std::vector<std::string>{
+      "name",      "role",     "file",   "time",        "sampling_rate_hz",
+      "time_unit", "duration", "window", "resample_hz", "interpolation",
+      "start",     "substeps", "ground", "force",       "covariate",
+      "channel",   "filter"};
+  return keys;
+}
+
+class RecordReader {
+ public:
+  RecordReader(const UnitSystem& units, const StructuralModel& model,
+               bool simulation, RecordSection* section)
+      : units_(units),
+        model_(model),
+        simulation_(simulation),
+        section_(section),
+        table_(section->table) {}
+
+  bool Read() {
+    return ReadHead() && ReadTime() && ReadInputs() && ReadChannels() &&
+           CheckFile() && ReadStart() && ReadFilter();
+  }
+
+ private:
+  // Seconds (or Hz) to the model's unit of time.
+  double Second() const {
+    double factor = 1.0;
+    std::string error;
+    return UnitFactor("s", Dimension::kTime, units_, &factor, &error) ? factor
+                                                                      : 1.0;
+  }
+
+  bool ReadHead() {
+    section_->name = table_.RequiredString("name");
+    if (!table_.errors()->ok()) return false;
+    table_.set_name("record '" + section_->name + "'");
+    if (!CheckName(table_, "name", section_->name)) return false;
+    section_->role =
+        table_.Choice("role", {"train", "holdout"}, "train") == "holdout"
+            ? IdentificationRecord::Role::kHoldout
+            : IdentificationRecord::Role::kTrain;
+    if (table_.Has("file")) {
+      section_->file = table_.RequiredString("file");
+      if (!table_.errors()->ok()) return false;
+      section_->file = ResolvePath(table_.errors()->path(), section_->file);
+      if (!Exists(table_, section_->file)) return false;
+    }
+    section_->substeps = table_.Integer("substeps", 0, 0);
+    return table_.errors()->ok();
+  }
+
+  bool Exists(const TomlTable& table, const std::string& path) const {
+    std::error_code status;
+    if (std::filesystem::exists(path, status)) return true;
+    return table.Fail("file", "the file '" + path +
+                                  "' does not exist, expected a CSV file with "
+                                  "a header line, or a PEER .at2 file");
+  }
+
+  bool ReadTime() {
+    section_->time_unit = table_.String("time_unit", "s");
+    std::string error;
+    if (!UnitFactor(section_->time_unit, Dimension::kTime, units_,
+                    &section_->time_factor, &error)) {
+      return table_.Fail("time_unit", error);
+    }
+    section_->time_column = table_.String("time");
+    if (table_.Has("time") && table_.Has("sampling_rate_hz")) {
+      return table_.Fail("time",
+                         "'time' beside 'sampling_rate_hz', expected "
+                         "one of the two");
+    }
+    if (table_.Has("sampling_rate_hz")) {
+      section_->sampling_step =
+          Second() / table_.PositiveNumber("sampling_rate_hz", 1.0);
+    }
+    if (table_.Has("resample_hz")) {
+      section_->resampling_step =
+          Second() / table_.PositiveNumber("resample_hz", 1.0);
+    }
+    if (table_.Has("window")) {
+      const std::vector<double> window =
+          table_.Numbers("window", 2, "end: from and to");
+      if (!table_.errors()->ok()) return false;
+      section_->window_from = window[0] * Second();
+      section_->window_to = window[1] * Second();
+    }
+    if (table_.Has("duration")) {
+      if (!simulation_) {
+        return table_.Fail("duration",
+                           "'duration' is for simulations of records without "
+                           "a file, expected 'window'");
+      }
+      section_->duration = table_.PositiveNumber("duration", 1.0) * Second();
+    }
+    return table_.errors()->ok();
+  }
+
+  // Keys that all signals share. `name_key` holds what the signal is.
+  bool ReadSource(SignalSection* signal) {
+    const TomlTable& table = signal->table;
+    signal->file = section_->file;
+    if (table.Has("file")) {
+      signal->file = table.RequiredString("file");
+      if (!table.errors()->ok()) return false;
+      signal->file = ResolvePath(table.errors()->path(), signal->file);
+      if (!Exists(table, signal->file)) return false;
+    }
+    if (signal->file.empty()) {
+      return table.Fail("file", signal->label +
+                                    " has no file, expected 'file' here or in "
+                                    "its record");
+    }
+    if (IsAt2File(signal->file)) {
+      if (table.Has("column")) {
+        return table.Fail("column",
+                          "'column' of an AT2 file, which holds one motion "
+                          "only; expected none");
+      }
+    } else {
+      signal->column = table.RequiredString("column");
+    }
+    return table.errors()->ok();
+  }
+
+  bool ReadUnit(SignalSection* signal) {
+    const TomlTable& table = signal->table;
+    const bool at2 = IsAt2File(signal->file);
+    if (!at2 &&
+        !table.RequireKey(
+            "unit", std::string("that of ") + DimensionName(signal->dimension) +
+                        ", such as \"" + UnitName(signal->dimension, units_) +
+                        "\"")) {
+      return false;
+    }
+    signal->unit = table.String("unit", "g");
+    if (at2 && signal->unit != "g") {
+      return table.Fail(
+          "unit", "unit '" + signal->unit + "' of an AT2 file, expected g");
+    }
+    double factor = 1.0;
+    std::string error;
+    if (!UnitFactor(signal->unit, signal->dimension, units_, &factor, &error)) {
+      return table.Fail("unit", signal->label + ": " + error);
+    }
+    signal->factor = factor * signal->scale * signal->sign;
+    if (table.Has("sigma") && table.Has("sigma_percent")) {
+      return table.Fail("sigma",
+                        "'sigma' beside 'sigma_percent', expected one "
+                        "of the two");
+    }
+    signal->sigma = factor * table.NonNegativeNumber("sigma", 0.0);
+    signal->sigma_percent = table.NonNegativeNumber("sigma_percent", 0.0);
+    signal->remove_offset = table.Boolean("remove_offset", false);
+    return table.errors()->ok();
+  }
+
+  bool AddInput(InputSection input) {
+    for (const InputSection& other : section_->inputs) {
+      if (other.spec.name != input.spec.name) continue;
+      return input.signal.table.Fail(
+          "column", "'" + input.signal.label +
+                        "' is given twice in this record, expected once");
+    }
+    section_->inputs.push_back(std::move(input));
+    return true;
+  }
+
+  bool ReadInputs() {
+    for (TomlTable& table : table_.Tables("ground", "record")) {
+      table.set_name(table_.name() + ", ground");
+      if (!table.AllowKeys({"direction", "column", "unit", "file", "scale",
+                            "remove_offset", "sigma", "sigma_percent"})) {
+        return false;
+      }
+      InputSection input(table);
+      const std::string direction = table.RequiredString("direction");
+      if (!table.errors()->ok()) return false;
+      input.spec.kind = InputSpec::Kind::kGroundAcceleration;
+      input.spec.index = model_.DirectionIndex(direction);
+      if (input.spec.index < 0) {
+        return table.Fail("direction",
+                          "'" + direction +
+                              "' is not a direction of the model's influence "
+                              "vectors" +
+                              NameHint(direction, model_.directions));
+      }
+      input.spec.name = "ground_" + direction;
+      input.signal.label = "ground " + direction;
+      input.signal.dimension = Dimension::kAcceleration;
+      input.signal.scale = table.Number("scale", 1.0);
+      if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
+          !AddInput(std::move(input))) {
+        return false;
+      }
+    }
+    for (TomlTable& table : table_.Tables("force", "record")) {
+      table.set_name(table_.name() + ", force");
+      if (!table.AllowKeys({"dof", "column", "unit", "file", "scale",
+                            "remove_offset", "sigma", "sigma_percent"})) {
+        return false;
+      }
+      InputSection input(table);
+      const std::string dof = table.RequiredString("dof");
+      if (!table.errors()->ok() ||
+          !FindDof(model_, table, "dof", dof, false, &input.spec.index)) {
+        return false;
+      }
+      input.spec.kind = InputSpec::Kind::kForce;
+      input.spec.name = "force_" + dof;
+      input.signal.label = "force " + dof;
+      input.signal.dimension = Dimension::kForce;
+      input.signal.scale = table.Number("scale", 1.0);
+      if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
+          !AddInput(std::move(input))) {
+        return false;
+      }
+    }
+    for (TomlTable& table : table_.Tables("covariate", "record")) {
+      table.set_name(table_.name() + ", covariate");
+      if (!table.AllowKeys({"name", "column", "file"})) return false;
+      InputSection input(table);
+      input.spec.kind = InputSpec::Kind::kCovariate;
+      input.spec.name = table.RequiredString("name");
+      if (!table.errors()->ok()) return false;
+      if (input.spec.name.rfind("ground_", 0) == 0 ||
+          input.spec.name.rfind("force_", 0) == 0) {
+        return table.Fail("name", "'" + input.spec.name +
+                                      "' begins like the name of an "
+                                      "excitation, expected another name");
+      }
+      input.signal.label = "covariate " + input.spec.name;
+      if (!ReadSource(&input.signal) || !AddInput(std::move(input))) {
+        return false;
+      }
+    }
+    if (section_->has_excitation() &&
+        !table_.RequireKey("interpolation",
+                           "one of held, linear, cubic: what the excitation "
+                           "does between its samples")) {
+      return false;
+    }
+    const std::string interpolation =
+        table_.Choice("interpolation", {"held", "linear", "cubic"}, "linear");
+    return table_.errors()->ok() &&
+           ParseInterpolation(interpolation, &section_->interpolation);
+  }
+
+  // `dof` or `combination`.
+  bool ReadWeights(const TomlTable& table, ChannelSection* channel) {
+    if (table.Has("dof") == table.Has("combination")) {
+      return table.Fail("dof",
+                        "expected one of dof = \"...\" and combination "
+                        "= {dof = weight, ...}");
+    }
+    channel->weights = Vector::Zero(model_.num_dofs());
+    int dof = -1;
+    if (table.Has("dof")) {
+      channel->location = table.String("dof");
+      if (!table.errors()->ok() ||
+          !FindDof(model_, table, "dof", channel->location, false, &dof)) {
+        return false;
+      }
+      channel->weights[dof] = 1.0;
+      return true;
+    }
+    const TomlTable combination =
+        table.Table("combination", table.name() + ", combination");
+    if (!table.errors()->ok()) return false;
+    std::vector<std::string> parts;
+    for (const auto& [name, value] : combination.entries()) {
+      if (!FindDof(model_, combination, name, name, false, &dof)) return false;
+      const double weight = combination.Number(name, 0.0);
+      channel->weights[dof] = weight;
+      parts.push_back(FormatNumber(weight, 6) + " " + name);
+    }
+    if (!table.errors()->ok()) return false;
+    if (channel->weights.isZero(0.0)) {
+      return table.Fail("combination",
+                        "'combination' has no weight other than zero, expected "
+                        "{dof = weight, ...}");
+    }
+    channel->location = Join(parts, " + ");
+    return true;
+  }
+
+  bool ReadChannels() {
+    std::set<std::string> seen;
+    for (TomlTable& table : table_.Tables("channel", "record")) {
+      if (!table.AllowKeys({"name", "column", "file", "quantity", "dof",
+                            "combination", "unit", "sign", "sigma",
+                            "sigma_percent", "remove_offset", "gain", "offset",
+                            "delay", "fit"})) {
+        return false;
+      }
+      ChannelSection channel(table);
+      channel.name = table.String("name", table.String("column"));
+      if (!table.errors()->ok()) return false;
+      if (channel.name.empty() && !table.RequireKey("column", "a column")) {
+        return false;
+      }
+      table.set_name(table_.name() + ", channel '" + channel.name + "'");
+      channel.signal.table.set_name(table.name());
+      channel.signal.label = "channel " + channel.name;
+      if (!seen.insert(channel.name).second) {
+        return table.Fail(table.Has("name") ? "name" : "column",
+                          "its name is used twice in this record");
+      }
+      std::string error;
+      const std::string quantity = table.RequiredString("quantity");
+      if (!table.errors()->ok()) return false;
+      if (!ParseQuantity(quantity, &channel.quantity, &error)) {
+        return table.Fail("quantity", error);
+      }
+      if (!ReadWeights(table, &channel)) return false;
+      channel.signal.dimension = DimensionOf(channel.quantity);
+      // The weights of a combination may carry a unit themselves, as in a
+      // strain.
+      if (table.Has("combination") && table.String("unit") == "1") {
+        channel.signal.dimension = Dimension::kNumber;
+      }
+      channel.signal.sign = 1;
+      if (table.Has("sign")) {
+        const double sign = table.Number("sign", 1.0);
+        if (!table.errors()->ok()) return false;
+        if (sign != 1.0 && sign != -1.0) {
+          return table.Fail(
+              "sign", "'sign' is " + FormatNumber(sign) + ", expected 1 or -1");
+        }
+        channel.signal.sign = sign < 0.0 ? -1 : 1;
+      }
+      channel.fit = table.Boolean("fit", true);
+      if ((!simulation_ && !ReadSource(&channel.signal)) ||
+          !ReadUnit(&channel.signal)) {
+        return false;
+      }
+      section_->channels.push_back(std::move(channel));
+    }
+    if (table_.errors()->ok() && section_->channels.empty()) {
+      return table_.Fail("channel",
+                         "it has no [[record.channel]], expected "
+                         "at least one measured response");
+    }
+    return table_.errors()->ok();
+  }
+
+  bool CheckFile() {
+    std::vector<std::string> files;
+    if (!section_->file.empty()) files.push_back(section_->file);
+    for (const InputSection& input : section_->inputs) {
+      files.push_back(input.signal.file);
+    }
+    for (const ChannelSection& channel : section_->channels) {
+      if (!simulation_) files.push_back(channel.signal.file);
+    }
+    if (files.empty()) {
+      if (section_->duration > 0.0 && section_->sampling_step > 0.0) {
+        return true;
+      }
+      return table_.Fail("file",
+                         "'file' is missing, expected one, or "
+                         "'sampling_rate_hz' and 'duration'");
+    }
+    if (section_->duration > 0.0) {
+      return table_.Fail("duration",
+                         "'duration' beside a file, expected "
+                         "'window'");
+    }
+    if (section_->file.empty()) section_->file = files[0];
+    const bool any_table =
+        std::any_of(files.begin(), files.end(),
+                    [](const std::string& path) { return !IsAt2File(path); });
+    if (any_table && section_->time_column.empty() &&
+        section_->sampling_step == 0.0) {
+      return table_.Fail("time",
+                         "'time' is missing, expected the column of "
+                         "the time, or 'sampling_rate_hz'");
+    }
+    return true;
+  }
+
+  bool ReadStart() {
+    const TomlValue* start = table_.Find("start");
+    if (start == nullptr || !start->IsTable()) {
+      const std::string name = table_.Choice("start", {"rest", "free"}, "free");
+      section_->start = name == "rest" ? IdentificationRecord::Start::kRest
+                                       : IdentificationRecord::Start::kFree;
+      return table_.errors()->ok();
+    }
+    const TomlTable known = table_.Table("start", table_.name() + ", start");
+    if (!known.AllowKeys({"x", "v"})) return false;
+    const int n = model_.num_dofs();
+    section_->start = IdentificationRecord::Start::kKnown;
+    section_->start_x = Vector::Zero(n);
+    section_->start_v = Vector::Zero(n);
+    for (const char* key : {"x", "v"}) {
+      if (!known.Has(key)) continue;
+      const std::vector<double> values = known.Numbers(key, n, "DOF");
+      if (!table_.errors()->ok()) return false;
+      (key[0] == 'x' ? section_->start_x : section_->start_v) =
+          ToVector(values);
+    }
+    return true;
+  }
+
+  bool ReadFilter() {
+    if (!table_.Has("filter")) return true;
+    const TomlTable table = table_.Table("filter", table_.name() + ", filter");
+    if (!table_.errors()->ok() ||
+        !table.AllowKeys({"type", "corner_hz", "order"})) {
+      return false;
+    }
+    if (!table.RequireKey("type", "one of lowpass, highpass, bandpass") ||
+        !table.RequireKey("corner_hz", "a frequency, or two for bandpass")) {
+      return false;
+    }
+    FilterOptions filter;
+    const std::string type =
+        table.Choice("type", {"lowpass", "highpass", "bandpass"}, "lowpass");
+    filter.type = type == "lowpass"    ? FilterType::kLowPass
+                  : type == "highpass" ? FilterType::kHighPass
+                                       : FilterType::kBandPass;
+    if (table.Find("corner_hz")->IsNumber()) {
+      filter.corner_frequencies = {table.Number("corner_hz", 1.0)};
+    } else {
+      filter.corner_frequencies = table.Numbers("corner_hz");
+    }
+    for (double& corner : filter.corner_frequencies) corner /= Second();
+    filter.order = table.Integer("order", filter.order, 1);
+    section_->filter = filter;
+    return table_.errors()->ok();
+  }
+
+  const UnitSystem& units_;
+  const StructuralModel& model_;
+  const bool simulation_;
+  RecordSection* section_;
+  TomlTable& table_;
+};
+
+}  // namespace
+
+bool IsAt2File(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".at2";
+}
+
+bool RecordSection::has_excitation() const {
+  return std::any_of(inputs.begin(), inputs.end(),
+                     [](const InputSection& input) {
+                       return input.spec.kind != InputSpec::Kind::kCovariate;
+                     });
+}
+
+bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
+                        const StructuralModel& model, bool simulation,
+                        std::vector<RecordSection>* sections) {
+  if (!root.RequireKey("record", "at least one [[record]]")) return false;
+  std::set<std::string> seen;
+  for (const TomlTable& table : root.Tables("record")) {
+    if (!table.AllowKeys(RecordKeys())) return false;
+    RecordSection section(table);
+    if (!RecordReader(units, model, simulation, &section).Read()) return false;
+    if (!seen.insert(section.name).second) {
+      return section.table.Fail("name", "its name is used twice");
+    }
+    sections->push_back(std::move(section));
+  }
+  return root.errors()->ok();
+}
+
+std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,
+                                     const StructuralModel& model) {
+  std::vector<InputSpec> inputs;
+  const auto add = [&inputs](const InputSpec& spec) {
+    for (const InputSpec& other : inputs) {
+      if (other.name == spec.name) return;
+    }
+    inputs.push_back(spec);
+  };
+  bool absolute_displacement = false;
+  for (const RecordSection& section : sections) {
+    for (const InputSection& input : section.inputs) add(input.spec);
+    for (const ChannelSection& channel : section.channels) {
+      absolute_displacement =
+          absolute_displacement ||
+          channel.quantity == Quantity::kAbsoluteDisplacement;
+    }
+  }
+  if (!absolute_displacement) return inputs;
+  const std::vector<InputSpec> measured = inputs;
+  for (const InputSpec& input : measured) {
+    if (input.kind != InputSpec::Kind::kGroundAcceleration) continue;
+    add({InputSpec::Kind::kGroundDisplacement, input.index,
+         "ground_displacement_" +
+             model.directions[static_cast<size_t>(input.index)]});
+  }
+  return inputs;
+}
+
+}  // namespace pinode

@@ -1,0 +1,104 @@
+// [[record]]: what the case file says about a record, before its numbers are
+// read.
+
+#ifndef PINODE_CASE_RECORD_SECTION_H_
+#define PINODE_CASE_RECORD_SECTION_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pinode/base/units.h"
+#include "pinode/case/model_section.h"
+#include "pinode/case/toml_table.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/record/excitation.h"
+#include "pinode/record/filter.h"
+
+namespace pinode {
+
+// By its extension, in any case: a PEER ground motion, not a table.
+bool IsAt2File(const std::string& path);
+
+// Where one time history comes from, and how it becomes one in model units:
+// factor * value, after the mean is subtracted if `remove_offset`.
+struct SignalSection {
+  TomlTable table;
+  std::string label;   // "ground x", "channel a1": for messages
+  std::string file;    // as opened
+  std::string column;  // empty for AT2 files
+  Dimension dimension = Dimension::kNumber;
+  std::string unit = "1";
+  int sign = 1;
+  double scale = 1.0;
+  double factor = 1.0;  // of unit, sign and scale
+  bool remove_offset = false;
+  // Noise, model units; not positive: not given.
+  double sigma = 0.0;
+  // Per cent of the standard deviation; not positive: not given.
+  double sigma_percent = 0.0;
+
+  explicit SignalSection(const TomlTable& t) : table(t) {}
+};
+
+struct InputSection {
+  SignalSection signal;
+  InputSpec spec;
+
+  explicit InputSection(const TomlTable& t) : signal(t) {}
+};
+
+struct ChannelSection {
+  SignalSection signal;
+  std::string name;
+  Quantity quantity = Quantity::kDisplacement;
+  Vector weights;  // num_dofs
+  std::string location;
+  bool fit = true;
+
+  explicit ChannelSection(const TomlTable& t) : signal(t) {}
+};
+
+struct RecordSection {
+  TomlTable table;
+  std::string name;
+  IdentificationRecord::Role role = IdentificationRecord::Role::kTrain;
+  std::string file;         // as opened; empty: none
+  std::string time_column;  // empty: sampling_step is given, or AT2
+  std::string time_unit = "s";
+  double time_factor = 1.0;    // model time per file time
+  double sampling_step = 0.0;  // model time; 0: from the file
+  double duration = 0.0;       // model time; simulations without a file
+  std::optional<double> window_from, window_to;  // model time
+  double resampling_step = 0.0;  // model time; 0: the record's own
+  Interpolation interpolation = Interpolation::kLinear;
+  IdentificationRecord::Start start = IdentificationRecord::Start::kFree;
+  Vector start_x, start_v;  // kKnown
+  int substeps = 0;         // 0: chosen
+  std::vector<InputSection> inputs;
+  std::vector<ChannelSection> channels;
+  std::optional<FilterOptions> filter;  // frequencies per model time
+
+  explicit RecordSection(const TomlTable& t) : table(t) {}
+  bool has_excitation() const;
+};
+
+// All [[record]] sections, checked for themselves and against the model.
+// With `simulation`, files are optional where `duration` is given.
+[[nodiscard]] bool ReadRecordSections(const TomlTable& root,
+                                      const UnitSystem& units,
+                                      const StructuralModel& model,
+                                      bool simulation,
+                                      std::vector<RecordSection>* sections);
+
+// The inputs of the dynamics: everything that some record has, each once, and
+// the ground displacement where a channel needs it. Names: ground_<direction>,
+// force_<dof>, the covariate's own, ground_displacement_<direction>.
+std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,
+                                     const StructuralModel& model);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_RECORD_SECTION_H_

@@ -1,0 +1,50 @@
+// What an identification leaves on disk.
+
+#ifndef PINODE_CASE_RESULT_FILES_H_
+#define PINODE_CASE_RESULT_FILES_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/case/case_file.h"
+#include "pinode/case/result_folder.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+
+// One column of a CSV file; NaN is written as an empty cell.
+struct CsvColumn {
+  std::string name;
+  Vector values;
+};
+
+// Columns of equal length under a header line.
+[[nodiscard]] bool WriteCsv(const std::string& path,
+                            const std::vector<CsvColumn>& columns,
+                            std::string* error);
+
+// The time of each sample of record `r` in the unit of its file.
+Vector FileTimes(const Case& c, size_t r);
+
+// Writes to folder.working_path() everything that a result folder holds but the
+// report (see pinode/case/README.md): result.json, parameters.csv,
+// covariance.csv, history.csv, prediction_<record>.csv, initial_states.csv, the
+// model case with its matrices and networks, folded matrices where there are
+// any, and checkpoint.json. `summary` and `model` are what Identify returned
+// for `c`, whatever the outcome.
+[[nodiscard]] bool WriteResultFiles(const Case& c,
+                                    const IdentificationSummary& summary,
+                                    const IdentifiedModel& model,
+                                    const ResultFolder& folder,
+                                    std::string* error);
+
+// The text of result.json.
+[[nodiscard]] bool FormatResultJson(const Case& c,
+                                    const IdentificationSummary& summary,
+                                    const IdentifiedModel& model,
+                                    std::string* text, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_RESULT_FILES_H_

@@ -1,0 +1,356 @@
+#include "pinode/case/result_files.h"
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/case/checkpoint.h"
+#include "pinode/case/folded_matrices.h"
+#include "pinode/case/testing.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/record/table.h"
+#include "pinode/structure/matrix_io.h"
+
+namespace pinode {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// The small case with one term of every kind, and a summary made by hand.
+struct Fixture {
+  Fixture() {
+    folder.Write("quake.csv", SmallRecord());
+    std::string text = SmallCase();
+    text = Replaced(text, "lower = -0.9",
+                    "lower = -0.9\nupper = 2.0\nprior_mean = 0.1\n"
+                    "prior_sigma = 0.5");
+    const size_t at = text.find("[[record]]");
+    text.insert(at, R"([[group]]
+name = "m2"
+adds_to = "mass"
+between = ["ground", "u2"]
+[[group]]
+name = "ageing"
+adds_to = "stiffness"
+between = ["u1", "u2"]
+follows = {time = "linear"}
+[[element]]
+name = "spring"
+type = "cubic"
+between = ["u1", "u2"]
+parameters.k3 = {initial = 1.0, prior_sigma = 2.0}
+[[network]]
+name = "nn"
+inputs = ["x[u1]", "x[u2]", "v[u2]"]
+input_scale = [0.5, 2.0, 4.0]
+outputs = ["u2"]
+layers = [3]
+gauge = "off"
+)");
+    text = Replaced(text, "unit = \"mm\"",
+                    "unit = \"mm\"\n  sign = -1\n  offset = {initial = 1.5, "
+                    "free = true}");
+    std::string error;
+    EXPECT_TRUE(ReadCase(folder.Write("case.toml", text), &c, &error)) << error;
+
+    model.parameters = ParameterLayout(c.problem).InitialValues();
+    for (Eigen::Index i = 0; i < model.parameters.size(); ++i) {
+      model.parameters[i] += 0.1 + 0.01 * std::sin(static_cast<double>(i));
+    }
+    model.sigmas = {Vector::Constant(2, 0.01)};
+    model.starts = {Vector::Zero(4)};
+    model.decays = Vector::Constant(1, 2.0);
+
+    summary.termination = Termination::kConverged;
+    summary.message = "done";
+    summary.usable = true;
+    RecordScore score;
+    score.name = "quake";
+    score.finite = true;
+    score.start = Vector::LinSpaced(4, 1.0, 4.0);
+    score.prediction = Matrix::Constant(2, 200, 0.002);
+    score.channels.resize(2);
+    score.channels[0].name = "a1";
+    score.channels[0].rmse = 9.80665;
+    score.channels[0].nrmse = 0.5;
+    score.channels[1].name = "d2";
+    score.channels[1].nrmse = std::nan("");
+    summary.records = {score};
+    ParameterEstimate estimate;
+    estimate.name = "k1";
+    estimate.unit = "1";
+    estimate.value = model.parameters[0];
+    estimate.sigma = 0.01;
+    estimate.free = true;
+    summary.parameters = {estimate};
+    summary.covariance_names = {"k1"};
+    summary.covariance = Matrix::Constant(1, 1, 1e-4);
+    summary.iterations.resize(3);
+    summary.final_cost = 1.25;
+  }
+
+  TemporaryFolder folder;
+  Case c;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+};
+
+std::string WriteAll(const Fixture& f, const std::string& name) {
+  ResultFolder out;
+  std::string error;
+  EXPECT_TRUE(out.Open(f.folder.Path(name), false, false, &error)) << error;
+  EXPECT_TRUE(WriteResultFiles(f.c, f.summary, f.model, out, &error)) << error;
+  EXPECT_TRUE(out.Commit(&error)) << error;
+  return f.folder.Path(name);
+}
+
+Matrix ReadMatrixOrFail(const std::string& path) {
+  Matrix matrix;
+  std::string error;
+  EXPECT_TRUE(ReadMatrix(path, &matrix, &error)) << error;
+  return matrix;
+}
+
+TEST(ResultFilesTest, EverythingIsThere) {
+  const Fixture f;
+  const std::string out = WriteAll(f, "out");
+  for (const char* name :
+       {"result.json", "parameters.csv", "covariance.csv", "history.csv",
+        "prediction_quake.csv", "initial_states.csv", "M.mtx", "C.mtx", "K.mtx",
+        "K_folded.mtx", "C_folded.mtx", "K_folded_symmetric.mtx",
+        "C_folded_symmetric.mtx", "model.toml", "network_nn.json",
+        "checkpoint.json"}) {
+    EXPECT_TRUE(fs::exists(fs::path(out) / name)) << name;
+  }
+
+  const Json json = Json::parse(f.folder.Read("out/result.json"));
+  EXPECT_EQ(json["schema"], "pinode-result-1");
+  EXPECT_EQ(json["usable"], true);
+  const Json& channel = json["records"][0]["channels"][0];
+  EXPECT_EQ(channel["name"], "a1");
+  EXPECT_EQ(channel["dof"], "u1");
+  EXPECT_EQ(channel["quantity"], "absolute_acceleration");
+  EXPECT_DOUBLE_EQ(channel["rmse"].get<double>(), 1.0);  // in g
+  EXPECT_EQ(channel["nrmse"], 0.5);
+  EXPECT_TRUE(json["records"][0]["channels"][1]["nrmse"].is_null());
+  EXPECT_EQ(json["records"][0]["role"], "train");
+  EXPECT_EQ(json["parameters"][0]["name"], "k1");
+  EXPECT_EQ(json["solver"]["final_cost"], 1.25);
+  ASSERT_EQ(json["modes"].size(), 2u);
+  EXPECT_NEAR(json["modes"][0]["initial_damping"].get<double>(), 0.02, 1e-9);
+  EXPECT_GT(json["modes"][0]["updated_hz"].get<double>(), 0.0);
+  EXPECT_NEAR(json["modes"][0]["mac"].get<double>(), 1.0, 0.1);
+
+  // Predictions are in the units of the file, sign included.
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ReadCsvTable(out + "/prediction_quake.csv", {}, &table, &error))
+      << error;
+  EXPECT_THAT(table.columns,
+              ::testing::ElementsAre("time", "a1_measured", "a1_predicted",
+                                     "d2_measured", "d2_predicted"));
+  EXPECT_NEAR(table.values(20, 0), 0.2, 1e-12);
+  EXPECT_NEAR(table.values(20, 1), 0.1 * std::sin(1.5), 1e-8);
+  EXPECT_NEAR(table.values(20, 3), 4.0 * std::sin(1.6) + 1.0, 1e-8);
+  EXPECT_NEAR(table.values(20, 4), -2.0, 1e-12);
+  EXPECT_THAT(f.folder.Read("out/initial_states.csv"),
+              HasSubstr("record,x[u1],x[u2],v[u1],v[u2]\nquake,1,2,3,4\n"));
+  EXPECT_THAT(f.folder.Read("out/covariance.csv"), HasSubstr("k1,1e-04"));
+}
+
+// The model case is the same structure, and counts nothing twice.
+TEST(ResultFilesTest, ModelCaseReadsBack) {
+  const Fixture f;
+  const std::string out = WriteAll(f, "deep/er/out");
+  Case read;
+  std::string error;
+  ASSERT_TRUE(ReadCase(out + "/model.toml", &read, &error)) << error;
+  const StructuralDynamics& before = *f.c.problem.dynamics;
+  const StructuralDynamics& after = *read.problem.dynamics;
+  const Vector theta = f.model.parameters.head(before.num_parameters());
+  const StructuralModel expected = before.CorrectedModel(theta);
+  const StructuralModel found = after.CorrectedModel(after.Parameters());
+  EXPECT_EQ(found.mass, expected.mass);
+  EXPECT_EQ(found.damping, expected.damping);
+  EXPECT_EQ(found.stiffness, expected.stiffness);
+
+  ASSERT_EQ(after.groups().size(), before.groups().size());
+  const Parameter& k1 = after.groups()[0].alpha;
+  EXPECT_EQ(k1.value, 0.0);
+  EXPECT_EQ(k1.lower, -0.9 - theta[0]);
+  EXPECT_EQ(k1.upper, 2.0 - theta[0]);
+  EXPECT_EQ(k1.prior_mean, 0.1 - theta[0]);
+  EXPECT_EQ(after.groups()[0].group.matrix, before.groups()[0].group.matrix);
+  // Follows time: stays where it is.
+  EXPECT_EQ(after.groups()[2].alpha.value, theta[2]);
+  EXPECT_EQ(after.laws()[0].parameters.parameters[0].value, theta[3]);
+  EXPECT_EQ(after.laws()[0].parameters.parameters[0].prior_mean, 1.0);
+  const NetworkTerm& network = after.networks()[0];
+  EXPECT_EQ(network.weights.Values(), theta.tail(network.weights.size()));
+  EXPECT_EQ(network.network->architecture().input_scale[1], 2.0);
+  EXPECT_NEAR(read.problem.sensors.Values()[0], f.model.parameters.tail(1)[0],
+              1e-15);
+  EXPECT_EQ(read.problem.records[0].channels[1].values,
+            f.c.problem.records[0].channels[1].values);
+
+  // The right-hand sides agree at a point.
+  StructuralDynamics updated = before;
+  updated.SetParameters(theta);
+  const Vector state = Vector::LinSpaced(4, -0.3, 0.4);
+  const double input = 0.7;
+  Vector rates[2] = {Vector(4), Vector(4)};
+  const StructuralDynamics* both[2] = {&updated, &after};
+  for (int i = 0; i < 2; ++i) {
+    StructuralDynamics::Prepared prepared;
+    ASSERT_TRUE(both[i]->Prepare(both[i]->Parameters(), &prepared, &error));
+    auto stage = both[i]->MakeStage();
+    both[i]->Rate(prepared, 1.5, &input, state.data(), rates[i].data(), &stage);
+  }
+  EXPECT_LT((rates[0] - rates[1]).norm(), 1e-12 * rates[0].norm());
+
+  // And once more, from the model case itself.
+  Fixture again;
+  again.c = read;
+  again.model.parameters = ParameterLayout(read.problem).InitialValues();
+  const std::string second = WriteAll(again, "second");
+  EXPECT_EQ(ReadMatrixOrFail(second + "/K.mtx"), expected.stiffness);
+  ASSERT_TRUE(ReadCase(second + "/model.toml", &read, &error)) << error;
+  EXPECT_EQ(read.problem.dynamics->model().stiffness, expected.stiffness);
+}
+
+// A fit that never began is written as such.
+TEST(ResultFilesTest, FailedFit) {
+  Fixture f;
+  f.summary = IdentificationSummary();
+  f.model = IdentifiedModel();
+  WriteAll(f, "out");
+  const Json json = Json::parse(f.folder.Read("out/result.json"));
+  EXPECT_EQ(json["usable"], false);
+  EXPECT_TRUE(json["records"].empty());
+  EXPECT_FALSE(fs::exists(f.folder.Path("out/prediction_quake.csv")));
+}
+
+// Folding against the Jacobian of the dynamics: a linear network leaves nothing
+// else in it.
+TEST(FoldedMatricesTest, AreTheJacobianOfALinearNetwork) {
+  for (const auto acts_as :
+       {NetworkTerm::ActsAs::kAcceleration, NetworkTerm::ActsAs::kForce}) {
+    const Matrix mass = Vector(Eigen::Vector2d(2.0, 1.0)).asDiagonal();
+    const Matrix stiffness =
+        (Matrix(2, 2) << 300.0, -100.0, -100.0, 100.0).finished();
+    StructuralDynamics dynamics(
+        MakeStructuralModel(mass, 0.01 * stiffness, stiffness), {});
+    NetworkArchitecture architecture;
+    architecture.num_inputs = 3;
+    architecture.num_outputs = 1;
+    architecture.input_scale = Vector(Eigen::Vector3d(0.5, 2.0, 4.0));
+    NetworkTerm term;
+    term.name = "nn";
+    term.network = std::make_shared<Network>(architecture);
+    term.features = {Feature::Displacement(0), Feature::Deformation(0, 1),
+                     Feature::Velocity(1)};
+    term.outputs = Vector(Eigen::Vector2d(0.0, 1.0));
+    term.output_names = {"u2"};
+    term.acts_as = acts_as;
+    term.weights.name = "nn";
+    for (int i = 0; i < architecture.NumWeights(); ++i) {
+      Parameter weight;
+      weight.name = "w";
+      weight.value = 0.3 + 0.1 * i;
+      term.weights.parameters.push_back(weight);
+    }
+    std::string error;
+    ASSERT_TRUE(dynamics.AddNetwork(term, &error)) << error;
+    const Vector theta = dynamics.Parameters();
+    const FoldedMatrices folded = FoldNetworks(dynamics, theta);
+    EXPECT_TRUE(folded.any);
+    EXPECT_TRUE(folded.complete);
+    StructuralDynamics::Prepared prepared;
+    ASSERT_TRUE(dynamics.Prepare(theta, &prepared, &error)) << error;
+    auto stage = dynamics.MakeStage();
+    const Vector state = Vector::Constant(4, 0.3);
+    dynamics.Linearize(prepared, 0.0, nullptr, state.data(), &stage);
+    EXPECT_LT((-mass * stage.jacobian.bottomLeftCorner(2, 2) - folded.stiffness)
+                  .norm(),
+              1e-10);
+    EXPECT_LT((-mass * stage.jacobian.bottomRightCorner(2, 2) - folded.damping)
+                  .norm(),
+              1e-10);
+    EXPECT_GT((folded.stiffness - stiffness).norm(), 0.1);
+  }
+}
+
+TEST(CheckpointTest, RoundTrip) {
+  const Fixture f;
+  const std::string path = f.folder.Path("checkpoint.json");
+  Checkpoint checkpoint;
+  checkpoint.iteration = 12;
+  checkpoint.stage = 3;
+  checkpoint.cost = 1.0 / 3.0;
+  checkpoint.model = f.model;
+  std::string error;
+  ASSERT_TRUE(
+      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
+      << error;
+  Checkpoint read;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  EXPECT_EQ(read.iteration, 12);
+  EXPECT_EQ(read.stage, 3);
+  EXPECT_EQ(read.cost, 1.0 / 3.0);
+  EXPECT_EQ(read.model.parameters, f.model.parameters);
+  ASSERT_EQ(read.model.sigmas.size(), 1u);
+  EXPECT_EQ(read.model.sigmas[0], f.model.sigmas[0]);
+  EXPECT_EQ(read.model.starts[0], f.model.starts[0]);
+  EXPECT_EQ(read.model.decays, f.model.decays);
+}
+
+TEST(CheckpointTest, OfAnotherCaseIsRefused) {
+  const Fixture f;
+  const std::string path = f.folder.Path("checkpoint.json");
+  std::string error;
+  Checkpoint checkpoint;
+  checkpoint.model = f.model;
+  ASSERT_TRUE(
+      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error));
+  Checkpoint read;
+  Fixture changed;
+  changed.c.problem.records[0].channels[0].values[7] += 1e-9;
+  EXPECT_FALSE(ReadCheckpoint(path, changed.c.problem, &read, &error));
+  EXPECT_THAT(error, HasSubstr("belongs to another case"));
+  EXPECT_EQ(read.model.parameters.size(), 0);
+  for (const char* text : {"", "{}", "{\"schema\": 1}", "[1, 2"}) {
+    f.folder.Write("checkpoint.json", text);
+    EXPECT_FALSE(ReadCheckpoint(path, f.c.problem, &read, &error)) << text;
+    EXPECT_THAT(error, HasSubstr("is not a checkpoint"));
+  }
+  EXPECT_FALSE(ReadCheckpoint(path + "x", f.c.problem, &read, &error));
+}
+
+TEST(CheckpointTest, WriterIsThrottled) {
+  const Fixture f;
+  const std::string path = f.folder.Path("checkpoint.json");
+  CheckpointWriter writer(f.c.problem, path, std::chrono::hours(1));
+  IdentificationProgress progress;
+  Vector parameters = f.model.parameters;
+  progress.parameters = &parameters;
+  std::string error;
+  ASSERT_TRUE(writer.Update(progress, &error)) << error;
+  parameters[0] += 1.0;
+  ASSERT_TRUE(writer.Update(progress, &error)) << error;
+  Checkpoint read;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  EXPECT_EQ(read.model.parameters[0], f.model.parameters[0]);
+
+  CheckpointWriter eager(f.c.problem, path, std::chrono::milliseconds(0));
+  ASSERT_TRUE(eager.Update(progress, &error));
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  EXPECT_EQ(read.model.parameters[0], parameters[0]);
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,146 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "pinode/case/checkpoint.h"
+#include "pinode/case/result_files.h"
+#include "pinode/structure/modal_analysis.h"
+
+namespace pinode {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON knows no infinity; nlohmann writes null for it and for NaN.
+Json Records(const Case& c, const IdentificationSummary& summary) {
+  Json records = Json::array();
+  for (size_t r = 0; r < summary.records.size(); ++r) {
+    const RecordScore& score = summary.records[r];
+    Json record;
+    record["name"] = score.name;
+    record["role"] =
+        score.role == IdentificationRecord::Role::kTrain ? "train" : "holdout";
+    record["finite"] = score.finite;
+    record["first_scored_sample"] = score.first_scored_sample;
+    record["nrmse"] = score.nrmse;
+    record["prior_nrmse"] = score.prior_nrmse;
+    record["substeps"] = c.problem.records[r].substeps;
+    record["channels"] = Json::array();
+    for (size_t i = 0; i < score.channels.size(); ++i) {
+      const ChannelScore& channel_score = score.channels[i];
+      const CaseChannel& channel = c.records[r].channels[i];
+      const MeasuredChannel& measured = c.problem.records[r].channels[i];
+      const double to_file = 1.0 / std::abs(channel.factor);
+      Json entry;
+      entry["name"] = channel_score.name;
+      entry["dof"] = channel.location;
+      entry["quantity"] = QuantityName(measured.observation.quantity);
+      entry["unit"] = channel.unit;
+      entry["rmse"] = channel_score.rmse * to_file;
+      entry["nrmse"] = channel_score.nrmse;
+      entry["prior_nrmse"] = channel_score.prior_nrmse;
+      entry["sigma"] = channel_score.sigma * to_file;
+      entry["fit"] = measured.fit;
+      record["channels"].push_back(std::move(entry));
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+Json Parameters(const IdentificationSummary& summary) {
+  Json parameters = Json::array();
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    parameters.push_back({{"name", estimate.name},
+                          {"unit", estimate.unit},
+                          {"initial", estimate.initial},
+                          {"value", estimate.value},
+                          {"sigma", estimate.sigma},
+                          {"lower95", estimate.lower95},
+                          {"upper95", estimate.upper95},
+                          {"free", estimate.free},
+                          {"at_bound", estimate.at_bound}});
+  }
+  return parameters;
+}
+
+bool Modes(const Case& c, const IdentifiedModel& model, Json* json,
+           std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  const StructuralModel before = dynamics.CorrectedModel(dynamics.Parameters());
+  const StructuralModel after =
+      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
+  ModalProperties initial;
+  ModalProperties updated;
+  if (!ComputeModes(before.mass, before.damping, before.stiffness, &initial,
+                    error) ||
+      !ComputeModes(after.mass, after.damping, after.stiffness, &updated,
+                    error)) {
+    return false;
+  }
+  const double hz = c.HzPerModelFrequency();
+  const std::vector<int> pairs =
+      PairModes(initial.mode_shapes, updated.mode_shapes);
+  *json = Json::array();
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const auto a = static_cast<Eigen::Index>(i);
+    const auto b = static_cast<Eigen::Index>(pairs[i]);
+    json->push_back(
+        {{"initial_hz", initial.frequency_hz[a] * hz},
+         {"updated_hz", updated.frequency_hz[b] * hz},
+         {"initial_damping", initial.damping_ratio[a]},
+         {"updated_damping", updated.damping_ratio[b]},
+         {"mac", Mac(initial.mode_shapes.col(a), updated.mode_shapes.col(b))}});
+  }
+  return true;
+}
+
+}  // namespace
+
+bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
+                      const IdentifiedModel& model, std::string* text,
+                      std::string* error) {
+  Json json;
+  json["schema"] = "pinode-result-1";
+  json["title"] = c.title;
+  json["usable"] = summary.usable;
+  json["termination"] = TerminationName(summary.termination);
+  json["message"] = summary.message;
+  json["problem"] = ProblemHash(c.problem);
+  json["units"] = {{"force", c.units.force},
+                   {"length", c.units.length},
+                   {"time", c.units.time}};
+  json["records"] = Records(c, summary);
+  json["parameters"] = Parameters(summary);
+  json["covariance_method"] = summary.covariance_method;
+  json["undetermined"] = summary.undetermined;
+  if (!Modes(c, model, &json["modes"], error)) return false;
+  Json& solver = json["solver"];
+  solver["iterations"] = summary.num_iterations;
+  solver["initial_cost"] = summary.initial_cost;
+  solver["final_cost"] = summary.final_cost;
+  solver["largest_gap"] = summary.largest_gap;
+  solver["single_shooting"] = summary.single_shooting;
+  solver["rejected_steps"] = summary.rejected_steps;
+  solver["failed_evaluations"] = summary.failed_evaluations;
+  solver["effective_parameters"] = summary.effective_parameters;
+  solver["decays"] = summary.decays;
+  solver["seconds"] = summary.seconds;
+  solver["jacobian_seconds"] = summary.jacobian_seconds;
+  solver["linear_solver_seconds"] = summary.linear_solver_seconds;
+  solver["stages"] = Json::array();
+  for (const StageRecord& stage : summary.stages) {
+    solver["stages"].push_back({{"segment_samples", stage.segment_samples},
+                                {"num_segments", stage.num_segments},
+                                {"iterations", stage.iterations},
+                                {"free_run_error", stage.free_run_error},
+                                {"largest_gap", stage.largest_gap},
+                                {"rolled_back", stage.rolled_back}});
+  }
+  json["remarks"] = c.remarks;
+  *text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return true;
+}
+
+}  // namespace pinode

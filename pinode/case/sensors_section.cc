@@ -1,0 +1,102 @@
+#include "pinode/case/sensors_section.h"
+
+#include <map>
+#include <string>
+
+#include "pinode/case/parameter_keys.h"
+
+namespace pinode {
+namespace {
+
+bool Same(const Parameter& a, const Parameter& b) {
+  return a.value == b.value && a.lower == b.lower && a.upper == b.upper &&
+         a.prior_mean == b.prior_mean && a.prior_sigma == b.prior_sigma &&
+         a.free == b.free;
+}
+
+class SensorsReader {
+ public:
+  SensorsReader(const UnitSystem& units, IdentificationProblem* problem)
+      : units_(units), problem_(problem) {}
+
+  bool Read(const std::vector<RecordSection>& sections) {
+    problem_->sensors.name = "sensors";
+    for (size_t r = 0; r < sections.size(); ++r) {
+      for (size_t c = 0; c < sections[r].channels.size(); ++c) {
+        const ChannelSection& channel = sections[r].channels[c];
+        double second = 1.0;
+        std::string error;
+        if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
+          return channel.signal.table.Fail("delay", error);
+        }
+        Parameter gain;
+        gain.name = "gain." + channel.name;
+        gain.value = 1.0;
+        Parameter delay;
+        delay.name = "delay." + channel.name;
+        delay.unit = UnitName(Dimension::kTime, units_);
+        Parameter offset;
+        offset.name = "offset." + sections[r].name + "." + channel.name;
+        offset.unit = UnitName(channel.signal.dimension, units_);
+        int unused = -1;
+        if (!ReadOne(channel, "gain", 1.0, gain, &unused) ||
+            !ReadOne(channel, "delay", second, delay, &unused) ||
+            !ReadOne(channel, "offset", channel.signal.factor, offset,
+                     &problem_->records[r].channels[c].offset)) {
+          return false;
+        }
+      }
+    }
+    for (IdentificationRecord& record : problem_->records) {
+      for (MeasuredChannel& channel : record.channels) {
+        channel.gain = Index("gain." + channel.observation.name);
+        channel.delay = Index("delay." + channel.observation.name);
+      }
+    }
+    return true;
+  }
+
+ private:
+  bool ReadOne(const ChannelSection& channel, const char* key, double factor,
+               Parameter parameter, int* index) {
+    const TomlTable& table = channel.signal.table;
+    if (!table.Has(key)) return true;
+    const TomlTable keys = table.Table(key, table.name() + ", " + key);
+    if (!table.errors()->ok() || !keys.AllowKeys(ParameterKeys())) return false;
+    parameter.free = false;
+    parameter.prior_mean = parameter.value;
+    if (!ReadParameterKeys(keys, factor, &parameter)) return false;
+    const auto known = indices_.find(parameter.name);
+    if (known != indices_.end()) {
+      *index = known->second;
+      const Parameter& first =
+          problem_->sensors.parameters[static_cast<size_t>(*index)];
+      return Same(first, parameter) ||
+             table.Fail(key, std::string("'") + key +
+                                 "' differs from that of the same channel in "
+                                 "another record, expected the same");
+    }
+    *index = problem_->sensors.size();
+    indices_[parameter.name] = *index;
+    problem_->sensors.parameters.push_back(std::move(parameter));
+    return true;
+  }
+
+  int Index(const std::string& name) const {
+    const auto found = indices_.find(name);
+    return found == indices_.end() ? -1 : found->second;
+  }
+
+  const UnitSystem& units_;
+  IdentificationProblem* problem_;
+  std::map<std::string, int> indices_;
+};
+
+}  // namespace
+
+bool ReadSensors(const std::vector<RecordSection>& sections,
+                 const UnitSystem& units, IdentificationProblem* problem) {
+  return SensorsReader(units, problem).Read(sections);
+}
+
+}  // namespace pinode

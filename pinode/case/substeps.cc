@@ -1,0 +1,243 @@
+#include "pinode/case/substeps.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/integrate/free_run.h"
+#include "pinode/integrate/integration_grid.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kLargestPhase = 0.35;  // step * max|lambda|
+constexpr double kSigmaShare = 0.1;
+constexpr double kRmsShare = 1e-4;
+// A free run that six halvings do not bring to its limit is chaotic, or grows
+// without bound: the step is not what it lacks.
+constexpr int kLargestRefinement = 64;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// The state at the first sample, as far as a free run needs one. False where
+// the record does not say.
+bool FindStart(const StructuralDynamics& dynamics,
+               const IdentificationRecord& record, Vector* start) {
+  const int n = dynamics.num_dofs();
+  *start = Vector::Zero(dynamics.num_states());
+  if (record.start == IdentificationRecord::Start::kRest) return true;
+  if (record.start == IdentificationRecord::Start::kKnown) {
+    *start = record.known_start;
+    return true;
+  }
+  // y(0) = [W_x 0; 0 W_v] [x; v] over the channels that see the state itself.
+  std::vector<RowVector> rows;
+  std::vector<double> values;
+  for (const MeasuredChannel& channel : record.channels) {
+    const Quantity quantity = channel.observation.quantity;
+    if (channel.values.size() == 0 || !std::isfinite(channel.values[0]) ||
+        (quantity != Quantity::kDisplacement &&
+         quantity != Quantity::kVelocity)) {
+      continue;
+    }
+    RowVector row = RowVector::Zero(2 * n);
+    row.segment(quantity == Quantity::kVelocity ? n : 0, n) =
+        channel.observation.weights.transpose();
+    rows.push_back(row);
+    values.push_back(channel.values[0]);
+  }
+  if (static_cast<int>(rows.size()) < 2 * n) return false;
+  Matrix map(static_cast<Eigen::Index>(rows.size()), 2 * n);
+  Vector measured(map.rows());
+  for (Eigen::Index i = 0; i < map.rows(); ++i) {
+    map.row(i) = rows[static_cast<size_t>(i)];
+    measured[i] = values[static_cast<size_t>(i)];
+  }
+  const Eigen::ColPivHouseholderQR<Matrix> factor(map);
+  if (factor.rank() < 2 * n) return false;
+  start->head(2 * n) = factor.solve(measured);
+  return true;
+}
+
+// The free run of the model as it is, with a given number of steps.
+class Prior {
+ public:
+  // False where there is no start.
+  bool Init(const StructuralDynamics& dynamics,
+            const StructuralDynamics::Prepared& prepared,
+            const IdentificationRecord& record) {
+    dynamics_ = &dynamics;
+    prepared_ = &prepared;
+    record_ = &record;
+    std::vector<Observation> observations;
+    for (const MeasuredChannel& channel : record.channels) {
+      observations.push_back(channel.observation);
+    }
+    observation_ = ObservationMap(dynamics, observations);
+    return FindStart(dynamics, record, &start_);
+  }
+
+  // Channels x samples; false where the run does not stay finite.
+  bool Run(int substeps, Matrix* channels) const {
+    Trajectory trajectory;
+    const IntegrationGrid grid(*record_->excitation, substeps);
+    if (!FreeRun(*dynamics_, *prepared_, observation_, grid, start_, 0,
+                 record_->num_samples() - 1, &trajectory)) {
+      return false;
+    }
+    *channels = std::move(trajectory.channels);
+    return true;
+  }
+
+ private:
+  const StructuralDynamics* dynamics_ = nullptr;
+  const StructuralDynamics::Prepared* prepared_ = nullptr;
+  const IdentificationRecord* record_ = nullptr;
+  ObservationMap observation_;
+  Vector start_;
+};
+
+double Rms(const RowVector& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+// Fills in the channel whose change is largest against its limit. Returns
+// whether all are within their limits.
+bool CompareChannels(const IdentificationRecord& record, const Matrix& coarse,
+                     const Matrix& fine, SubstepChoice* choice) {
+  double worst = -1.0;
+  for (size_t c = 0; c < record.channels.size(); ++c) {
+    const MeasuredChannel& channel = record.channels[c];
+    if (!channel.fit) continue;
+    const Eigen::Index row = static_cast<Eigen::Index>(c);
+    // A simulation has no measurement to compare with.
+    const double measured_rms = RmsOfPresent(channel.values);
+    const double rms =
+        std::isfinite(measured_rms) ? measured_rms : Rms(fine.row(row));
+    const double limit =
+        channel.sigma > 0.0 ? kSigmaShare * channel.sigma : kRmsShare * rms;
+    if (limit == 0.0) continue;  // a dead channel says nothing
+    const double error = Rms(fine.row(row) - coarse.row(row));
+    const double ratio = error / limit;
+    if (ratio > worst) {
+      worst = ratio;
+      choice->error = error;
+      choice->error_limit = limit;
+      choice->channel = channel.observation.name;
+    }
+  }
+  return worst <= 1.0;
+}
+
+bool TooCoarse(double needed, const StabilityReport& stability,
+               std::string* error) {
+  *error = "its sampling is too coarse for the model's highest mode (" +
+           FormatNumber(stability.largest_eigenvalue, 4) +
+           " rad per unit of time): " + FormatNumber(needed, 4) +
+           " Runge-Kutta steps per sample would be needed, at most " +
+           std::to_string(kMaxSubsteps) +
+           " are taken; condense the model to fewer degrees of freedom, or "
+           "check its units";
+  return false;
+}
+
+}  // namespace
+
+Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
+                         const IdentificationRecord& record) {
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  if (!dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) {
+    return Matrix::Zero(dynamics.num_states(), dynamics.num_states());
+  }
+  StructuralDynamics::Stage stage = dynamics.MakeStage();
+  const Vector rest = Vector::Zero(dynamics.num_states());
+  Vector input(dynamics.num_inputs());
+  record.excitation->Evaluate(0, 0.0, input.data());
+  dynamics.Linearize(prepared, record.excitation->start_time(), input.data(),
+                     rest.data(), &stage);
+  return stage.jacobian.allFinite() ? stage.jacobian : prepared.state_jacobian;
+}
+
+bool ChooseSubsteps(const StructuralDynamics& dynamics,
+                    const IdentificationRecord& record, SubstepChoice* choice,
+                    std::string* error) {
+  StructuralDynamics::Prepared prepared;
+  if (!dynamics.Prepare(dynamics.Parameters(), &prepared, error)) return false;
+  const Matrix state_matrix = StateMatrixAtRest(dynamics, record);
+  const double step = record.sampling_step();
+  const StabilityReport one_step = CheckStability(state_matrix, step, 1);
+  const double stable_estimate = one_step.largest_eigenvalue * step;
+  if (!(stable_estimate < kMaxSubsteps)) {
+    return TooCoarse(stable_estimate, one_step, error);
+  }
+  *choice = SubstepChoice();
+  choice->error = choice->error_limit = kNaN;
+  int substeps = StableSubsteps(state_matrix, step);
+  const int most = std::min(kMaxSubsteps, kLargestRefinement * substeps);
+
+  Prior prior;
+  Matrix coarse;
+  Matrix fine;
+  bool have_coarse = false;
+  const bool have_start = prior.Init(dynamics, prepared, record);
+  bool accurate = false;
+  while (have_start && !accurate && substeps <= most) {
+    if (!have_coarse) have_coarse = prior.Run(substeps, &coarse);
+    if (!prior.Run(2 * substeps, &fine)) break;
+    accurate = have_coarse && CompareChannels(record, coarse, fine, choice);
+    if (accurate) break;
+    std::swap(coarse, fine);
+    have_coarse = true;
+    substeps *= 2;
+  }
+  if (!accurate) {
+    // No start, or a prior that diverges whatever the step.
+    choice->error = choice->error_limit = kNaN;
+    choice->channel.clear();
+    const double needed = std::max(
+        1.0, std::ceil(one_step.largest_eigenvalue * step / kLargestPhase));
+    if (needed > kMaxSubsteps) return TooCoarse(needed, one_step, error);
+    substeps = static_cast<int>(needed);
+  }
+  choice->substeps = substeps;
+  choice->stability = CheckStability(state_matrix, step, substeps);
+  return true;
+}
+
+bool CheckSubsteps(const StructuralDynamics& dynamics,
+                   const IdentificationRecord& record, int substeps,
+                   SubstepChoice* choice, std::string* error) {
+  StructuralDynamics::Prepared prepared;
+  if (!dynamics.Prepare(dynamics.Parameters(), &prepared, error)) return false;
+  const Matrix state_matrix = StateMatrixAtRest(dynamics, record);
+  *choice = SubstepChoice();
+  choice->substeps = substeps;
+  choice->error = choice->error_limit = kNaN;
+  choice->stability =
+      CheckStability(state_matrix, record.sampling_step(), substeps);
+  if (!choice->stability.stable) {
+    *error =
+        "its sampling is too coarse for the model's highest mode (" +
+        FormatNumber(choice->stability.largest_eigenvalue, 4) +
+        " rad per unit of time) with substeps = " + std::to_string(substeps) +
+        ", expected at least " +
+        std::to_string(StableSubsteps(state_matrix, record.sampling_step())) +
+        ", or 0 to have them chosen";
+    return false;
+  }
+  Prior prior;
+  Matrix coarse;
+  Matrix fine;
+  if (prior.Init(dynamics, prepared, record) && prior.Run(substeps, &coarse) &&
+      prior.Run(2 * substeps, &fine)) {
+    CompareChannels(record, coarse, fine, choice);
+  }
+  return true;
+}
+
+}  // namespace pinode

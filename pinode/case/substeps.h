@@ -1,0 +1,62 @@
+// How many Runge-Kutta steps a record's sampling interval is divided into.
+
+#ifndef PINODE_CASE_SUBSTEPS_H_
+#define PINODE_CASE_SUBSTEPS_H_
+
+#include <string>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/integrate/step_choice.h"
+
+namespace pinode {
+
+// More steps per sample than this mean that the record is sampled too coarsely
+// for the model.
+inline constexpr int kMaxSubsteps = 1000;
+
+struct SubstepChoice {
+  int substeps = 1;
+  StabilityReport stability;
+  // Largest change of a fitted channel when the step is halved (RMS over the
+  // record), and the limit it was held against, both in the channel's model
+  // unit; NaN where no free run was possible.
+  double error = 0.0;
+  double error_limit = 0.0;
+  std::string channel;
+};
+
+// d(dh/dt)/dh at rest, under the inputs of the record's first sample, with the
+// tangents of all elements and networks (num_states x num_states). Laws without
+// a finite tangent at rest are left out.
+Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
+                         const IdentificationRecord& record);
+
+// The smallest number of steps per sample, doubled from the smallest stable
+// one, at which halving the step changes the free run of the model as it is by
+// less than a tenth of sigma in every fitted channel, or by less than 1e-4 of
+// its RMS where sigma is to be estimated.
+//
+// The free run starts at rest or from the known start; from the first sample
+// where the start is free and displacement and velocity channels determine it.
+// Where there is no start, or the model diverges, the rule is
+// step * max|lambda| <= 0.35: then RK4 errs by less than 5e-5 of the amplitude
+// in a radian.
+//
+// `record.substeps` is not read. Fails where more than kMaxSubsteps would be
+// needed, or where the dynamics cannot be prepared.
+[[nodiscard]] bool ChooseSubsteps(const StructuralDynamics& dynamics,
+                                  const IdentificationRecord& record,
+                                  SubstepChoice* choice, std::string* error);
+
+// What `substeps`, given by the user, mean. Fails if the integration would be
+// unstable.
+[[nodiscard]] bool CheckSubsteps(const StructuralDynamics& dynamics,
+                                 const IdentificationRecord& record,
+                                 int substeps, SubstepChoice* choice,
+                                 std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_SUBSTEPS_H_

@@ -1,0 +1,121 @@
+// Help for the tests of this floor: cases in a folder of their own.
+
+#ifndef PINODE_CASE_TESTING_H_
+#define PINODE_CASE_TESTING_H_
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "gtest/gtest.h"
+#include "pinode/base/strings.h"
+
+namespace pinode {
+
+// A folder that exists as long as this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    static int count = 0;
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string(info->test_suite_name()) + "_" +
+                       info->name() + "_" + std::to_string(++count);
+    for (char& c : name) {
+      if (c == '/') c = '_';
+    }
+    path_ = std::filesystem::path(::testing::TempDir()) / ("pinode_" + name);
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+
+  std::string Path(const std::string& name) const {
+    return (path_ / name).string();
+  }
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return Path(name);
+  }
+  std::string Read(const std::string& name) const {
+    std::ifstream file(path_ / name, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// `text` with the first `from` replaced; the test fails if there is none.
+inline std::string Replaced(std::string text, const std::string& from,
+                            const std::string& to) {
+  const size_t at = text.find(from);
+  if (at == std::string::npos) {
+    ADD_FAILURE() << "'" << from << "' is not in the text";
+    return text;
+  }
+  return text.replace(at, from.size(), to);
+}
+
+// Two storeys with a ground motion, line by line: tests count on line numbers.
+inline std::string SmallCase() {
+  return R"(title = "Two storeys"
+[units]
+force = "kN"
+length = "m"
+[model]
+dofs = ["u1", "u2"]
+mass = {diagonal = [2.0, 1.0]}
+stiffness = [[300.0, -100.0], [-100.0, 100.0]]
+damping = {ratios = [0.02]}
+[[group]]
+name = "k1"
+adds_to = "stiffness"
+between = ["ground", "u1"]
+scale = 200.0
+lower = -0.9
+[[record]]
+name = "quake"
+file = "quake.csv"
+time = "t"
+interpolation = "linear"
+start = "rest"
+  [[record.ground]]
+  direction = "x"
+  column = "ag"
+  unit = "gal"
+  [[record.channel]]
+  column = "a1"
+  quantity = "absolute_acceleration"
+  dof = "u1"
+  unit = "g"
+  [[record.channel]]
+  column = "d2"
+  quantity = "displacement"
+  dof = "u2"
+  unit = "mm"
+)";
+}
+
+// Its record: `samples` lines at 100 Hz of t, ag, a1, d2.
+inline std::string SmallRecord(int samples = 200) {
+  std::string text = "t,ag,a1,d2\n";
+  for (int i = 0; i < samples; ++i) {
+    const double t = 0.01 * i;
+    text += FormatNumber(t, 6) + "," +
+            FormatNumber(80.0 * std::sin(9.0 * t), 9) + "," +
+            FormatNumber(0.1 * std::sin(9.0 * t - 0.3), 9) + "," +
+            FormatNumber(4.0 * std::sin(8.0 * t) + 1.0, 9) + "\n";
+  }
+  return text;
+}
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_TESTING_H_

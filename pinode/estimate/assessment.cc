@@ -1,0 +1,76 @@
+#include "pinode/estimate/assessment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/null_space.h"
+#include "pinode/estimate/score.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+
+bool AssessProblem(const IdentificationProblem& problem,
+                   const IdentificationOptions& options,
+                   ProblemAssessment* assessment, std::string* error) {
+  constexpr double kAssumedNoise = 0.05;
+  *assessment = ProblemAssessment();
+  const ParameterLayout layout(problem);
+  MultipleShooting::Options shooting_options;
+  shooting_options.derivatives = options.derivatives;
+  shooting_options.num_threads = options.num_threads;
+  MultipleShooting shooting(problem, layout, shooting_options);
+
+  std::vector<Vector> sigmas;
+  for (int r : shooting.train_records()) {
+    const IdentificationRecord& record =
+        problem.records[static_cast<size_t>(r)];
+    Vector sigma(static_cast<int>(record.channels.size()));
+    for (int c = 0; c < sigma.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      sigma[c] = channel.sigma > 0.0
+                     ? channel.sigma
+                     : std::max(kAssumedNoise * Spread(channel.values), 1e-290);
+      if (channel.fit) {
+        assessment->num_residuals += CountPresent(channel.values);
+      }
+    }
+    sigmas.push_back(sigma);
+    if (record.start == IdentificationRecord::Start::kFree) {
+      assessment->num_starts += problem.dynamics->num_states();
+    }
+  }
+  assessment->num_free = layout.num_free();
+  shooting.SetSigmas(sigmas);
+
+  const Vector free = layout.Free(layout.InitialValues());
+  std::vector<Matrix> trajectories;
+  CovarianceEstimate covariance;
+  if (!InitialTrajectories(problem, FirstSegmentSamples(problem), free,
+                           &shooting, &trajectories) ||
+      !EstimateCovariance(problem, layout,
+                          IdentificationOptions::Covariance::kPlain, free,
+                          sigmas, &shooting, &covariance)) {
+    *error = "no finite trajectory at the initial values";
+    return false;
+  }
+  for (int j = 0; j < layout.num_free(); ++j) {
+    const int index = layout.free()[static_cast<size_t>(j)];
+    if (!layout.IsNamed(index)) continue;
+    const bool determined =
+        covariance.null_space.cols() == 0 ||
+        covariance.null_space.row(j).cwiseAbs().maxCoeff() < 0.1;
+    const Parameter& parameter = layout.parameter(index);
+    assessment->expected.push_back(
+        {parameter.name, parameter.unit, parameter.value,
+         determined ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
+                    : std::numeric_limits<double>::infinity()});
+  }
+  assessment->undetermined = DescribeNullSpace(layout, covariance.null_space);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,42 @@
+// What a problem can tell before it is solved.
+
+#ifndef PINODE_ESTIMATE_ASSESSMENT_H_
+#define PINODE_ESTIMATE_ASSESSMENT_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/estimate/identification_options.h"
+#include "pinode/estimate/identification_problem.h"
+
+namespace pinode {
+
+struct ProblemAssessment {
+  int num_free = 0;
+  int num_residuals = 0;
+  int num_starts = 0;  // unknown states at record starts
+  // Expected standard deviation of each free named parameter from the
+  // Gauss-Newton Hessian at the initial values, with the noise given or 5 % of
+  // a channel's spread. Infinite where the data do not determine it.
+  struct Expected {
+    std::string name;
+    std::string unit;
+    double initial = 0.0;
+    double sigma = 0.0;
+  };
+  std::vector<Expected> expected;
+  // Directions of named parameters along which the cost does not change.
+  std::vector<std::string> undetermined;
+};
+
+// Linearises `problem` (valid) at its initial values, on states that the
+// smoother finds there. False, with a sentence, where no finite trajectory is
+// found.
+[[nodiscard]] bool AssessProblem(const IdentificationProblem& problem,
+                                 const IdentificationOptions& options,
+                                 ProblemAssessment* assessment,
+                                 std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_ASSESSMENT_H_

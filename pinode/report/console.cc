@@ -1,0 +1,178 @@
+#include "pinode/report/console.h"
+
+#include <cmath>
+#include <vector>
+
+#include "pinode/report/number_text.h"
+
+namespace pinode {
+namespace {
+
+using Align = TextTable::Align;
+using Role = IdentificationRecord::Role;
+
+std::string Percent(double fraction) {
+  return ReadableNumber(100.0 * fraction, 3);
+}
+
+const char* RoleName(Role role) {
+  return role == Role::kTrain ? "train" : "hold-out";
+}
+
+// Indices of the scored records, hold-out ones first.
+std::vector<int> HoldoutFirst(const IdentificationSummary& summary) {
+  std::vector<int> order;
+  for (const Role role : {Role::kHoldout, Role::kTrain}) {
+    for (size_t i = 0; i < summary.records.size(); ++i) {
+      if (summary.records[i].role == role) order.push_back(static_cast<int>(i));
+    }
+  }
+  return order;
+}
+
+std::string NoteOn(const ParameterEstimate& parameter) {
+  if (!parameter.free) return "fixed";
+  if (parameter.at_bound) return "at bound";
+  return std::isfinite(parameter.sigma) ? "" : "no interval";
+}
+
+}  // namespace
+
+TextTable MakeParameterTable(const ReportInput& input) {
+  TextTable table({{"parameter", Align::kLeft},
+                   {"initial", Align::kDecimal},
+                   {"identified", Align::kDecimal},
+                   {"\u00b1 95 %", Align::kDecimal},
+                   {"unit", Align::kLeft},
+                   {"", Align::kLeft}});
+  for (const ParameterEstimate& parameter : input.summary->parameters) {
+    const double half_width =
+        parameter.free ? 0.5 * (parameter.upper95 - parameter.lower95) : 0.0;
+    const EstimateText text =
+        FormatEstimate(parameter.initial, parameter.value, half_width);
+    table.AddRow({parameter.name, text.initial, text.value, text.half_width,
+                  UnitText(parameter.unit), NoteOn(parameter)});
+  }
+  return table;
+}
+
+TextTable MakeModeTable(const ReportInput& input) {
+  TextTable table({{"mode", Align::kDecimal},
+                   {"initial Hz", Align::kDecimal},
+                   {"updated Hz", Align::kDecimal},
+                   {"change %", Align::kDecimal},
+                   {"initial damping %", Align::kDecimal},
+                   {"updated damping %", Align::kDecimal},
+                   {"MAC", Align::kDecimal}});
+  int number = 0;
+  for (const ReportMode& mode : input.modes) {
+    const double change = 100.0 * (mode.updated_hz / mode.initial_hz - 1.0);
+    std::string change_text = "-";
+    if (std::isfinite(change)) {
+      // Two decimals: frequencies are hardly ever known better.
+      const double rounded = std::round(100.0 * change) / 100.0;
+      change_text = (rounded > 0.0 ? "+" : "") + ReadableNumber(rounded, 3);
+    }
+    table.AddRow({std::to_string(++number), ReadableNumber(mode.initial_hz, 5),
+                  ReadableNumber(mode.updated_hz, 5), change_text,
+                  Percent(mode.initial_damping), Percent(mode.updated_damping),
+                  ReadableNumber(mode.mac, 4)});
+  }
+  return table;
+}
+
+TextTable MakeRecordTable(const ReportInput& input) {
+  TextTable table({{"record", Align::kLeft},
+                   {"role", Align::kLeft},
+                   {"error %", Align::kDecimal},
+                   {"prior %", Align::kDecimal},
+                   {"error / prior", Align::kDecimal},
+                   {"", Align::kLeft}});
+  for (const int i : HoldoutFirst(*input.summary)) {
+    const RecordScore& record = input.summary->records[static_cast<size_t>(i)];
+    std::string note;
+    if (!record.finite) {
+      note = "free run not finite";
+    } else if (record.first_scored_sample > 0) {
+      const IdentificationRecord& data =
+          input.problem->records.at(static_cast<size_t>(i));
+      note =
+          "scored from " +
+          ReadableNumber(data.excitation->time(record.first_scored_sample), 3) +
+          " " + input.units.time;
+    }
+    table.AddRow({record.name, RoleName(record.role),
+                  record.finite ? Percent(record.nrmse) : "-",
+                  Percent(record.prior_nrmse),
+                  record.finite
+                      ? ReadableNumber(record.nrmse / record.prior_nrmse, 3)
+                      : "-",
+                  note});
+  }
+  return table;
+}
+
+TextTable MakeSensorTable(const ReportInput& input) {
+  TextTable table({{"record", Align::kLeft},
+                   {"sensor", Align::kLeft},
+                   {"quantity", Align::kLeft},
+                   {"at", Align::kLeft},
+                   {"rmse", Align::kDecimal},
+                   {"unit", Align::kLeft},
+                   {"error %", Align::kDecimal},
+                   {"prior %", Align::kDecimal},
+                   {"noise %", Align::kDecimal},
+                   {"", Align::kLeft}});
+  for (const int i : HoldoutFirst(*input.summary)) {
+    const RecordScore& record = input.summary->records[static_cast<size_t>(i)];
+    const IdentificationRecord& data =
+        input.problem->records.at(static_cast<size_t>(i));
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const ChannelScore& channel = record.channels[c];
+      const MeasuredChannel& measured = data.channels.at(c);
+      const int index = static_cast<int>(c);
+      std::string quantity = QuantityName(measured.observation.quantity);
+      for (char& letter : quantity) letter = letter == '_' ? ' ' : letter;
+      table.AddRow(
+          {record.name, channel.name, quantity, ChannelPlace(input, i, index),
+           ReadableNumber(channel.rmse, 4),
+           UnitText(ChannelUnit(input, i, index)), Percent(channel.nrmse),
+           Percent(channel.prior_nrmse), Percent(NoiseShare(input, i, index)),
+           measured.fit ? "" : "not fitted"});
+    }
+  }
+  return table;
+}
+
+TextTable MakeStageTable(const ReportInput& input) {
+  TextTable table({{"stage", Align::kDecimal},
+                   {"longest segment, samples", Align::kDecimal},
+                   {"segments", Align::kDecimal},
+                   {"iterations", Align::kDecimal},
+                   {"largest gap", Align::kDecimal},
+                   {"free-run error %", Align::kDecimal},
+                   {"", Align::kLeft}});
+  int number = 0;
+  for (const StageRecord& stage : input.summary->stages) {
+    table.AddRow(
+        {std::to_string(++number), std::to_string(stage.segment_samples),
+         std::to_string(stage.num_segments), std::to_string(stage.iterations),
+         ReadableNumber(stage.largest_gap, 2), Percent(stage.free_run_error),
+         stage.rolled_back ? "rolled back" : ""});
+  }
+  return table;
+}
+
+std::string ConsoleReport(const ReportInput& input) {
+  std::string text = Verdict(input) + "\n";
+  const auto add = [&](const std::string& heading, const TextTable& table) {
+    if (!table.empty()) text += "\n" + heading + "\n" + table.ToText();
+  };
+  add("Free-run error (nrmse)", MakeRecordTable(input));
+  add("Parameters", MakeParameterTable(input));
+  add("Modes", MakeModeTable(input));
+  add("Sensors", MakeSensorTable(input));
+  return text;
+}
+
+}  // namespace pinode

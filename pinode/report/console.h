@@ -1,0 +1,37 @@
+// The outcome of an identification as tables for a terminal.
+
+#ifndef PINODE_REPORT_CONSOLE_H_
+#define PINODE_REPORT_CONSOLE_H_
+
+#include <string>
+
+#include "pinode/report/report.h"
+#include "pinode/report/text_table.h"
+
+namespace pinode {
+
+// Named parameters: initial and identified value, half width of the 95 %
+// interval, unit, and "fixed", "at bound" or "no interval" where it applies.
+TextTable MakeParameterTable(const ReportInput& input);
+
+// Frequencies (Hz), damping ratios (%) and MAC, before and after.
+TextTable MakeModeTable(const ReportInput& input);
+
+// Errors of the free runs in per cent (nrmse) beside the prior model's;
+// hold-out records first.
+TextTable MakeRecordTable(const ReportInput& input);
+
+// The same by sensor, with the error in the channel's unit and the estimated
+// noise.
+TextTable MakeSensorTable(const ReportInput& input);
+
+// Stages of the solution.
+TextTable MakeStageTable(const ReportInput& input);
+
+// Verdict and the first four tables with a heading each, ended by a line break;
+// empty tables are left out.
+std::string ConsoleReport(const ReportInput& input);
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_CONSOLE_H_

@@ -1,0 +1,112 @@
+#include "pinode/report/console.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+#include <vector>
+
+#include "pinode/report/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Console, ShowsParametersWithIntervalsAndNotes) {
+  const auto example = testing::MakeReportExample();
+  auto& parameters = example->summary.parameters;
+  ASSERT_EQ(parameters[0].name, "k1");
+  parameters[0].value = 0.1994;
+  parameters[0].lower95 = 0.1974;
+  parameters[0].upper95 = 0.2014;
+  parameters[1].at_bound = true;
+  parameters[2].sigma = std::numeric_limits<double>::infinity();
+  parameters[2].lower95 = -parameters[2].sigma;
+  parameters[2].upper95 = parameters[2].sigma;
+  const std::string text = MakeParameterTable(example->input).ToText();
+  EXPECT_THAT(text, ContainsRegex("k1 +0 +0\\.1994 +0\\.0020"));
+  EXPECT_THAT(text, ContainsRegex("k2 .*at bound"));
+  EXPECT_THAT(text, ContainsRegex("k3 .*no interval"));
+  EXPECT_THAT(text, ContainsRegex("spring1\\.k3 .*N/m\u00b3"));
+  EXPECT_THAT(text, ContainsRegex("slip2\\.b +400\\.00 +400\\.00 +1/m +fixed"));
+
+  // Decimal points of one column stand in one place.
+  const std::vector<std::string> lines = Lines(text);
+  const size_t column = lines[2].find("0.1994") + 1;
+  for (const size_t row : {2, 3, 5, 9}) EXPECT_EQ(lines[row][column], '.');
+}
+
+TEST(Console, ShowsHoldoutRecordsFirst) {
+  const auto example = testing::MakeReportExample();
+  example->summary.records[1].nrmse = 0.0218;
+  example->summary.records[1].prior_nrmse = 1.69;
+  example->summary.records[1].first_scored_sample = 150;
+  example->summary.records[0].finite = false;
+  const std::vector<std::string> lines =
+      Lines(MakeRecordTable(example->input).ToText());
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_THAT(lines[2], ContainsRegex("south_quake +hold-out +2\\.18 +169 "
+                                      "+0\\.0129 +scored from 1\\.50 s"));
+  EXPECT_THAT(lines[3], ContainsRegex("north_quake +train .*not finite"));
+}
+
+TEST(Console, ShowsModesAndWhatIsMissingOfThem) {
+  const auto example = testing::MakeReportExample();
+  example->input.modes.resize(2);
+  example->input.modes[0].initial_hz = 2.0;
+  example->input.modes[0].updated_hz = 2.1;
+  example->input.modes[0].initial_damping = 0.02;
+  example->input.modes[0].updated_damping = 0.035;
+  example->input.modes[0].mac = 0.9987;
+  example->input.modes[1] = ReportMode();
+  const std::vector<std::string> lines =
+      Lines(MakeModeTable(example->input).ToText());
+  EXPECT_THAT(lines[2], ContainsRegex("1 +2\\.0000 +2\\.1000 +\\+5\\.00 "
+                                      "+2\\.00 +3\\.50 +0\\.9987"));
+  EXPECT_THAT(lines[3], ContainsRegex("2 +- +- +- +- +- +-"));
+}
+
+TEST(Console, ShowsSensorsInTheirUnits) {
+  const auto example = testing::MakeReportExample();
+  example->problem.records[0].channels[2].fit = false;
+  const std::string text = MakeSensorTable(example->input).ToText();
+  EXPECT_THAT(text, ContainsRegex("south_quake +a1 +absolute acceleration +u1 "
+                                  "+0\\.0[0-9]+ +m/s\u00b2"));
+  EXPECT_THAT(text, ContainsRegex("north_quake +a3 .*not fitted"));
+  // 2 % noise was given.
+  EXPECT_THAT(text, ContainsRegex("north_quake +a1 .* 2\\.00"));
+}
+
+TEST(Console, LeavesOutWhatAFailureLacks) {
+  const auto example = testing::MakeReportExample();
+  example->summary = IdentificationSummary();
+  example->input.modes.clear();
+  const std::string text = ConsoleReport(example->input);
+  EXPECT_EQ(text, "Not usable: the identification has not been started.\n");
+}
+
+TEST(Console, HasAllTables) {
+  const auto example = testing::MakeReportExample();
+  const std::string text = ConsoleReport(example->input);
+  for (const char* heading :
+       {"Usable.", "Free-run error", "Parameters", "Modes", "Sensors"}) {
+    EXPECT_THAT(text, HasSubstr(heading));
+  }
+  for (const std::string& line : Lines(text)) {
+    EXPECT_THAT(line, Not(ContainsRegex(" $")));
+  }
+}
+
+}  // namespace
+}  // namespace pinode

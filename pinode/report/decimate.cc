@@ -1,0 +1,67 @@
+#include "pinode/report/decimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+Polyline DecimateHistory(const Vector& x, const Vector& y, int num_buckets) {
+  CHECK_EQ(x.size(), y.size()) << "one abscissa per ordinate";
+  CHECK_GT(num_buckets, 0);
+  Polyline line;
+  const Eigen::Index present = y.array().isFinite().count();
+  if (present == 0) return line;
+  // A sensor at a lower rate misses samples all the time: a gap is what lasts
+  // longer than twice the usual distance between its values.
+  const double longest_distance =
+      2.0 * static_cast<double>(y.size()) / static_cast<double>(present);
+  int last = -1;  // last sample taken
+  const auto take = [&](int i) {
+    if (i <= last) return;
+    int previous = last;
+    for (int k = last + 1; k <= i && last >= 0; ++k) {
+      if (!std::isfinite(y(k))) continue;
+      if (k - previous > longest_distance) {
+        line.x.push_back(x(previous + 1));
+        line.y.push_back(std::numeric_limits<double>::quiet_NaN());
+        break;
+      }
+      previous = k;
+    }
+    last = i;
+    line.x.push_back(x(i));
+    line.y.push_back(y(i));
+  };
+
+  const int64_t size = x.size();
+  const int64_t buckets =
+      size <= int64_t{2} * num_buckets ? size : int64_t{num_buckets};
+  int final_sample = -1;
+  for (int64_t bucket = 0; bucket < buckets; ++bucket) {
+    const int begin = static_cast<int>(bucket * size / buckets);
+    const int end = static_cast<int>((bucket + 1) * size / buckets);
+    int lowest = -1, highest = -1;
+    for (int i = begin; i < end; ++i) {
+      if (!std::isfinite(y(i))) continue;
+      if (lowest < 0 || y(i) < y(lowest)) lowest = i;
+      if (highest < 0 || y(i) > y(highest)) highest = i;
+      final_sample = i;
+    }
+    if (lowest < 0) continue;
+    if (last < 0) {
+      for (int i = begin; i < end && last < 0; ++i) {
+        if (std::isfinite(y(i))) take(i);
+      }
+    }
+    take(std::min(lowest, highest));
+    take(std::max(lowest, highest));
+  }
+  if (final_sample >= 0) take(final_sample);
+  return line;
+}
+
+}  // namespace pinode

@@ -1,0 +1,64 @@
+// The figures of a report, drawn by gnuplot as SVG.
+//
+// Measured is a broad grey line, the updated model blue, the prior model orange
+// and dashed: colours of M. Okabe and K. Ito, "Color Universal Design" (2008),
+// which readers with any colour vision tell apart, with line styles that
+// survive a black-and-white printer.
+
+#ifndef PINODE_REPORT_FIGURE_H_
+#define PINODE_REPORT_FIGURE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/report/gnuplot.h"
+#include "pinode/report/report.h"
+#include "pinode/report/restoring_force.h"
+
+namespace pinode {
+
+// What to draw, and what to write below it. An empty script: there is nothing
+// to draw.
+struct Figure {
+  // Letters, digits and underscores; unique within a document.
+  std::string id;
+  std::string caption;
+  std::string script;
+  // Two of these fit side by side.
+  bool half_width = false;
+
+  bool empty() const { return script.empty(); }
+};
+
+// A measured channel with its free runs: the whole record, the strongest few
+// periods, and the residual of the updated model with plus and minus two sigma.
+// Empty where the summary holds no prediction of it.
+Figure MakeChannelFigure(const ReportInput& input, int record, int channel);
+
+// Force against deformation and, where the law is not a mere spring, against
+// the rate;
+// of a long record the part around the largest deformation.
+Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
+                      int number);
+
+// Changes of the named free parameters in per cent with 95 % bars. Parameters
+// that start at zero and are not group factors have no such change; the caption
+// names them.
+Figure MakeParameterFigure(const ReportInput& input);
+
+// The first modes (at most six), initial against updated.
+Figure MakeModeShapeFigure(const ReportInput& input);
+
+// Cost over the iterations, free-run error over the stages.
+Figure MakeConvergenceFigure(const ReportInput& input);
+
+// The figure as an <svg> element to be put into HTML: no prolog, no references
+// to anything outside, ids that begin with the figure's. False, with the reason
+// in *error, where gnuplot does not do its part.
+[[nodiscard]] bool DrawFigure(const Figure& figure,
+                              const GnuplotOptions& options, std::string* svg,
+                              std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_FIGURE_H_

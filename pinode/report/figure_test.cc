@@ -1,0 +1,160 @@
+#include "pinode/report/figure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "pinode/report/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr size_t kMaxBytes = 150 * 1024;
+
+class FigureTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    example_ = testing::MakeReportExample();
+    std::string output, error;
+    if (!RunGnuplot("set print '-'\nprint 1\n", GnuplotOptions(), &output,
+                    &error)) {
+      GTEST_SKIP() << error;
+    }
+  }
+
+  // Draws the figure and checks what holds for all of them.
+  std::string Draw(const Figure& figure) {
+    std::string svg, error;
+    EXPECT_FALSE(figure.empty());
+    EXPECT_TRUE(DrawFigure(figure, GnuplotOptions(), &svg, &error)) << error;
+    EXPECT_EQ(svg.find("<svg"), 0u);
+    EXPECT_EQ(testing::FindHtmlFault(svg), "");
+    EXPECT_LT(svg.size(), kMaxBytes);
+    EXPECT_THAT(svg, Not(HasSubstr("http")));
+    EXPECT_THAT(svg, Not(HasSubstr("id='gp")));
+    EXPECT_THAT(svg, HasSubstr("<path"));
+    return svg;
+  }
+
+  std::unique_ptr<testing::ReportExample> example_;
+};
+
+TEST_F(FigureTest, ShowsAChannelWithLabelsAndLegend) {
+  const Figure figure = MakeChannelFigure(example_->input, 1, 2);
+  const std::string svg = Draw(figure);
+  for (const char* text : {"a3, m/s\u00b2", "time, s", "residual, m/s\u00b2",
+                           "measured", "updated model", "prior model"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_THAT(figure.caption,
+              HasSubstr("a3 in record 'south_quake' (hold-out)"));
+}
+
+TEST_F(FigureTest, DrawsAChannelThatThePriorAndTheUpdatedModelMiss) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  example_->input.records[0].prior_prediction *= 1e30;
+  example_->summary.records[0].prediction.rightCols(1500).setConstant(nan);
+  example_->problem.records[0].channels[0].values.head(200).setConstant(nan);
+  Draw(MakeChannelFigure(example_->input, 0, 0));
+  example_->summary.records[0].prediction.setConstant(nan);
+  example_->input.records.clear();
+  Draw(MakeChannelFigure(example_->input, 0, 0));
+  example_->problem.records[0].channels[0].values.setZero();
+  Draw(MakeChannelFigure(example_->input, 0, 0));
+}
+
+TEST_F(FigureTest, MarksWhereScoringBegins) {
+  EXPECT_THAT(MakeChannelFigure(example_->input, 0, 0).script,
+              Not(HasSubstr("scored from here")));
+  example_->summary.records[0].first_scored_sample = 150;
+  const Figure figure = MakeChannelFigure(example_->input, 0, 0);
+  EXPECT_THAT(figure.script, HasSubstr("set arrow 1 from 1.5, graph 0"));
+  EXPECT_THAT(Draw(figure), HasSubstr("scored from here"));
+}
+
+TEST_F(FigureTest, StaysSmallForLongRecords) {
+  const int samples = 200000;
+  IdentificationRecord& record = example_->problem.records[0];
+  const Vector time = Vector::LinSpaced(samples, 0.0, 2000.0);
+  const Vector values =
+      (20.0 * time.array()).sin() * (0.3 * time.array()).cos();
+  record.excitation.emplace(0.0, 0.01, Matrix::Zero(1, samples),
+                            Interpolation::kLinear);
+  record.channels[0].values = values;
+  example_->summary.records[0].prediction =
+      Matrix(values.transpose()).replicate(3, 1) * 0.9;
+  example_->input.records[0].prior_prediction =
+      Matrix(values.transpose()).replicate(3, 1) * 1.2;
+  Draw(MakeChannelFigure(example_->input, 0, 0));
+}
+
+TEST_F(FigureTest, ShowsLoopsOfLawsAndNetworks) {
+  const auto loops = ComputeRestoringForceLoops(example_->input);
+  ASSERT_EQ(loops.size(), 3u);
+  const Figure cubic = MakeLoopFigure(example_->input, loops[0], 0);
+  EXPECT_TRUE(cubic.half_width);
+  std::string svg = Draw(cubic);
+  EXPECT_THAT(svg, HasSubstr("d[ground,u1], m<"));
+  EXPECT_THAT(svg, HasSubstr("force, N<"));
+  const Figure network = MakeLoopFigure(example_->input, loops[2], 2);
+  EXPECT_FALSE(network.half_width);
+  svg = Draw(network);
+  EXPECT_THAT(svg, HasSubstr("acceleration, m/s\u00b2<"));
+  EXPECT_THAT(svg, HasSubstr("v[u3], m/s<"));
+}
+
+TEST_F(FigureTest, ShowsParameterChangesInPerCent) {
+  const Figure figure = MakeParameterFigure(example_->input);
+  // Groups in per cent of their matrix, elements of their initial value.
+  EXPECT_THAT(figure.script, ContainsRegex("\n19\\.94 5 19\\.[0-9]+ 20\\."));
+  EXPECT_THAT(figure.script, ContainsRegex("\n100\\.6 1 "));
+  EXPECT_THAT(figure.caption, HasSubstr("zero initially: spring1.k3."));
+  EXPECT_THAT(Draw(figure), HasSubstr("change, %"));
+  for (ParameterEstimate& parameter : example_->summary.parameters) {
+    parameter.lower95 = -std::numeric_limits<double>::infinity();
+    parameter.upper95 = std::numeric_limits<double>::infinity();
+  }
+  Draw(MakeParameterFigure(example_->input));
+  example_->summary.parameters.clear();
+  EXPECT_TRUE(MakeParameterFigure(example_->input).empty());
+}
+
+TEST_F(FigureTest, ShowsModeShapesThatAgreeInSign) {
+  const std::string before = MakeModeShapeFigure(example_->input).script;
+  for (ReportMode& mode : example_->input.modes) mode.initial_shape *= -3.0;
+  const Figure figure = MakeModeShapeFigure(example_->input);
+  EXPECT_EQ(figure.script, before);
+  EXPECT_THAT(Draw(figure), HasSubstr("mode 3:"));
+  for (ReportMode& mode : example_->input.modes) mode.initial_shape.resize(0);
+  EXPECT_TRUE(MakeModeShapeFigure(example_->input).empty());
+}
+
+TEST_F(FigureTest, ShowsConvergenceByStages) {
+  const std::string svg = Draw(MakeConvergenceFigure(example_->input));
+  for (const char* text : {"cost", "free-run error, %", "iteration", "rejected",
+                           ">25<", ">2.07<"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  example_->summary.stages.clear();
+  EXPECT_THAT(Draw(MakeConvergenceFigure(example_->input)),
+              Not(HasSubstr("free-run")));
+  example_->summary.iterations.clear();
+  EXPECT_TRUE(MakeConvergenceFigure(example_->input).empty());
+}
+
+TEST_F(FigureTest, TakesAnyName) {
+  Observation& observation =
+      example_->problem.records[0].channels[0].observation;
+  observation.name = "a'1 `id` \"x\" <b> & $d0 \u03b1_2^3";
+  const std::string svg = Draw(MakeChannelFigure(example_->input, 0, 0));
+  EXPECT_THAT(svg,
+              HasSubstr("a\u20191 `id` \"x\" &lt;b> &amp; $d0 \u03b1_2^3"));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,238 @@
+#include "pinode/report/gnuplot.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <string_view>
+
+extern char** environ;
+
+namespace pinode {
+namespace {
+
+// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  ~Descriptor() { Close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  void Reset(int descriptor) {
+    Close();
+    descriptor_ = descriptor;
+  }
+  void Close() {
+    if (descriptor_ >= 0) close(descriptor_);
+    descriptor_ = -1;
+  }
+  int get() const { return descriptor_; }
+  bool is_open() const { return descriptor_ >= 0; }
+
+ private:
+  int descriptor_ = -1;
+};
+
+bool MakePipe(Descriptor* read_end, Descriptor* write_end) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return false;
+  read_end->Reset(ends[0]);
+  write_end->Reset(ends[1]);
+  return fcntl(ends[0], F_SETFL, O_NONBLOCK) == 0;
+}
+
+// A socket rather than a pipe: writing to a process that is gone then gives an
+// error instead of a signal to the caller's program.
+bool MakeInput(Descriptor* ours, Descriptor* theirs) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    return false;
+  }
+  ours->Reset(ends[0]);
+  theirs->Reset(ends[1]);
+  return fcntl(ends[0], F_SETFL, O_NONBLOCK) == 0;
+}
+
+std::string SystemError(int code) { return std::strerror(code); }
+
+// Starts the program in a process group of its own, so that Ctrl-C at the
+// terminal stops a fit and not its figures.
+int Start(const std::string& program, int input, int output, int complaints,
+          pid_t* process) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, complaints, STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK |
+                                            POSIX_SPAWN_SETSIGDEF |
+                                            POSIX_SPAWN_SETPGROUP);
+  // posix_spawnp takes char*, and changes nothing.
+  std::string name = program;
+  std::string defaults = "--default-settings";
+  char* const arguments[] = {name.data(), defaults.data(), nullptr};
+  const int code = posix_spawnp(process, name.c_str(), &actions, &attributes,
+                                arguments, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return code;
+}
+
+// Reads what there is; closes *from at its end.
+void Drain(Descriptor* from, std::string* to) {
+  std::array<char, 65536> buffer;
+  while (from->is_open()) {
+    const ssize_t count = read(from->get(), buffer.data(), buffer.size());
+    if (count > 0) {
+      to->append(buffer.data(), static_cast<size_t>(count));
+    } else if (count < 0 && errno == EINTR) {
+      continue;
+    } else {
+      if (count == 0 || errno != EAGAIN) from->Close();
+      return;
+    }
+  }
+}
+
+// Sends what fits; closes *to when all is sent or nobody listens.
+void Feed(std::string_view* rest, Descriptor* to) {
+  while (to->is_open() && !rest->empty()) {
+    const ssize_t count =
+        send(to->get(), rest->data(), rest->size(), MSG_NOSIGNAL);
+    if (count >= 0) {
+      rest->remove_prefix(static_cast<size_t>(count));
+    } else if (errno != EINTR) {
+      if (errno != EAGAIN) to->Close();
+      return;
+    }
+  }
+  to->Close();
+}
+
+// The first few lines that say something, on one line.
+std::string Condense(const std::string& complaint) {
+  std::string line;
+  for (const char byte : complaint) {
+    const bool blank = byte == ' ' || byte == '\n' || byte == '\t';
+    if (blank && (line.empty() || line.back() == ' ')) continue;
+    line += blank ? ' ' : byte;
+    if (line.size() >= 300) break;
+  }
+  while (!line.empty() && line.back() == ' ') line.pop_back();
+  return line;
+}
+
+}  // namespace
+
+bool RunGnuplot(const std::string& script, const GnuplotOptions& options,
+                std::string* output, std::string* error) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline =
+      Clock::now() +
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+          std::clamp(options.timeout_seconds, 0.0, 86400.0)));
+
+  Descriptor input, their_input, answer, their_answer, complaints,
+      their_complaints;
+  if (!MakeInput(&input, &their_input) || !MakePipe(&answer, &their_answer) ||
+      !MakePipe(&complaints, &their_complaints)) {
+    *error = "no pipe to gnuplot: " + SystemError(errno);
+    return false;
+  }
+  pid_t process = -1;
+  const int code = Start(options.program, their_input.get(), their_answer.get(),
+                         their_complaints.get(), &process);
+  if (code != 0) {
+    *error =
+        "'" + options.program + "' could not be started: " + SystemError(code);
+    return false;
+  }
+  their_input.Close();
+  their_answer.Close();
+  their_complaints.Close();
+
+  std::string_view rest = script;
+  std::string svg, complaint;
+  bool timed_out = false;
+  while (answer.is_open() || complaints.is_open()) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+                          deadline - Clock::now())
+                          .count();
+    if (left <= 0) {
+      timed_out = true;
+      break;
+    }
+    // Descriptors that are closed are -1, which poll() passes over.
+    pollfd events[3] = {{input.get(), POLLOUT, 0},
+                        {answer.get(), POLLIN, 0},
+                        {complaints.get(), POLLIN, 0}};
+    if (poll(events, 3, static_cast<int>(left)) < 0 && errno != EINTR) break;
+    if (events[0].revents != 0) Feed(&rest, &input);
+    if (events[1].revents != 0) Drain(&answer, &svg);
+    if (events[2].revents != 0) Drain(&complaints, &complaint);
+  }
+  input.Close();
+  int status = 0;
+  pid_t ended = 0;
+  for (;;) {
+    if (timed_out) kill(process, SIGKILL);
+    ended = waitpid(process, &status, timed_out ? 0 : WNOHANG);
+    if (ended > 0 || (ended < 0 && errno != EINTR)) break;
+    // It closed its outputs and still runs: rare, so a plain wait will do.
+    if (ended == 0) {
+      timed_out = Clock::now() >= deadline;
+      usleep(1000);
+    }
+  }
+
+  if (timed_out) {
+    *error = "gnuplot did not finish in time";
+    return false;
+  }
+  // Where the host program ignores SIGCHLD there is no status to be had.
+  const bool failed =
+      ended == process && (!WIFEXITED(status) || WEXITSTATUS(status) != 0);
+  if (failed || svg.empty()) {
+    *error = "gnuplot failed";
+    const std::string reason = Condense(complaint);
+    if (!reason.empty()) *error += ": " + reason;
+    return false;
+  }
+  *output = std::move(svg);
+  return true;
+}
+
+std::string GnuplotString(const std::string& text) {
+  std::string quoted = "'";
+  for (const char byte : text) {
+    const unsigned char code = static_cast<unsigned char>(byte);
+    if (byte == '\'') {
+      // Doubling is how gnuplot wants them, but not at the beginning of a
+      // string, where it takes the two for an empty one.
+      quoted += "\u2019";
+    } else {
+      quoted += code < 0x20 || code == 0x7F ? ' ' : byte;
+    }
+  }
+  return quoted + "'";
+}
+
+}  // namespace pinode

@@ -1,0 +1,33 @@
+// gnuplot as a subprocess.
+
+#ifndef PINODE_REPORT_GNUPLOT_H_
+#define PINODE_REPORT_GNUPLOT_H_
+
+#include <string>
+
+namespace pinode {
+
+struct GnuplotOptions {
+  // Looked for in PATH unless it holds a slash.
+  std::string program = "gnuplot";
+  // It is killed after that.
+  double timeout_seconds = 20.0;
+};
+
+// Runs gnuplot on `script` (its standard input) and returns what it writes to
+// standard output. No shell takes part, user settings (~/.gnuplot) are not
+// read, and the caller's signals are left alone. False if it cannot be started,
+// takes too long, ends with an error (*error then holds the first lines of its
+// complaint) or writes nothing.
+[[nodiscard]] bool RunGnuplot(const std::string& script,
+                              const GnuplotOptions& options,
+                              std::string* output, std::string* error);
+
+// `text` as a gnuplot string: in single quotes, where gnuplot expands nothing,
+// with control characters turned into blanks and the apostrophe into its
+// typographic form. Safe for text from anywhere.
+std::string GnuplotString(const std::string& text);
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_GNUPLOT_H_

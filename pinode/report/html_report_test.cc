@@ -1,0 +1,223 @@
+#include "pinode/report/html_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <set>
+
+#include "pinode/base/file.h"
+#include "pinode/report/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+HtmlReportOptions WithoutGnuplot() {
+  HtmlReportOptions options;
+  options.gnuplot.program = "/nowhere/gnuplot";
+  return options;
+}
+
+int CountOf(const std::string& part, const std::string& text) {
+  int count = 0;
+  for (size_t at = text.find(part); at != std::string::npos;
+       at = text.find(part, at + part.size())) {
+    ++count;
+  }
+  return count;
+}
+
+void ExpectSelfContained(const std::string& html) {
+  EXPECT_EQ(testing::FindHtmlFault(html), "");
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  EXPECT_THAT(html, Not(HasSubstr("src=")));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("<link")));
+  EXPECT_THAT(html, Not(HasSubstr("url(")));
+  EXPECT_THAT(html, Not(HasSubstr("@import")));
+  // No tag of the template is left over.
+  EXPECT_THAT(html, Not(HasSubstr("{{")));
+  EXPECT_THAT(html, Not(HasSubstr("}}")));
+}
+
+TEST(FindHtmlFault, FindsFaults) {
+  EXPECT_EQ(testing::FindHtmlFault("<p class=\"a>b\">x<br>y</p>"), "");
+  EXPECT_THAT(testing::FindHtmlFault("<p><b></p></b>"),
+              HasSubstr("closes <b>"));
+  EXPECT_THAT(testing::FindHtmlFault("<p>"), HasSubstr("never closed"));
+  EXPECT_THAT(testing::FindHtmlFault("a < b"), HasSubstr("bare"));
+  EXPECT_THAT(testing::FindHtmlFault("<p class=a></p>"), HasSubstr("unquoted"));
+}
+
+TEST(HtmlReport, IsOneWellFormedPageWithFigures) {
+  const auto example = testing::MakeReportExample();
+  std::string output, error;
+  if (!RunGnuplot("set print '-'\nprint 1\n", GnuplotOptions(), &output,
+                  &error)) {
+    GTEST_SKIP() << error;
+  }
+  HtmlReportOptions options;
+  options.num_threads = 2;
+  const std::string html = RenderHtmlReport(example->input, options);
+  ExpectSelfContained(html);
+  // Parameters, modes, six channels, three loops, convergence.
+  EXPECT_EQ(CountOf("<svg", html), 12);
+  EXPECT_EQ(CountOf("<figure", html), 12);
+  EXPECT_THAT(html, Not(HasSubstr("could not be drawn")));
+  // No id is used twice.
+  std::set<std::string> ids;
+  for (const char* quote : {"\"", "'"}) {
+    const std::string key = std::string(" id=") + quote;
+    for (size_t at = html.find(key); at != std::string::npos;
+         at = html.find(key, at + 1)) {
+      const size_t begin = at + key.size();
+      const std::string id =
+          html.substr(begin, html.find(quote, begin) - begin);
+      EXPECT_TRUE(ids.insert(id).second) << id;
+    }
+  }
+  EXPECT_GT(ids.size(), 12u);
+  // Drawing in parallel does not change a byte.
+  EXPECT_EQ(html, RenderHtmlReport(example->input, HtmlReportOptions()));
+}
+
+TEST(HtmlReport, ComesInTheOrderOfImportance) {
+  const auto example = testing::MakeReportExample();
+  example->summary.records[1].nrmse = 0.0312;
+  const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  size_t at = 0;
+  for (const char* part :
+       {"Three-storey frame", "Usable. The updated model", "3.12",
+        "How well the model predicts", "What changed", "Modes before and after",
+        ">Records<", "Restoring forces", "How it was solved",
+        "What the data cannot tell", "Remarks about the data", "To reproduce",
+        "pinode_update --case="}) {
+    const size_t found = html.find(part, at);
+    ASSERT_NE(found, std::string::npos) << part;
+    at = found;
+  }
+}
+
+TEST(HtmlReport, HoldsTheNumbers) {
+  const auto example = testing::MakeReportExample();
+  IdentificationSummary& summary = example->summary;
+  summary.parameters[0].value = 0.1994;
+  summary.parameters[0].lower95 = 0.1974;
+  summary.parameters[0].upper95 = 0.2014;
+  summary.seconds = 3.217;
+  summary.undetermined = {"k2 - 0.98 k3"};
+  summary.parameters[3].at_bound = true;
+  const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  for (const char* part :
+       {"0.1994", "0.0020", "3.22 s", "block sandwich", "linear",
+        "Not determined by these records: k2 - 0.98 k3.",
+        "c stopped at its bound", "k1 and spring1.k3 are known together",
+        "correlation -0.970", "0.01 s is used", "24 iterations", "19 weights",
+        "2.7433"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+}
+
+TEST(HtmlReport, KeepsEverythingElseWithoutGnuplot) {
+  const auto example = testing::MakeReportExample();
+  const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(html);
+  EXPECT_EQ(CountOf("<svg", html), 0);
+  EXPECT_EQ(
+      CountOf("This figure could not be drawn: &#39;/nowhere/gnuplot&#39;",
+              html) +
+          CountOf("This figure could not be drawn: "
+                  "&apos;/nowhere/gnuplot&apos;",
+                  html),
+      12);
+  EXPECT_EQ(CountOf("<figcaption>", html), 12);
+}
+
+TEST(HtmlReport, EscapesWhatTheUserWrote) {
+  const auto example = testing::MakeReportExample();
+  const std::string evil = "<script>alert(\"x\")</script> & {{title}}";
+  example->input.title = evil;
+  example->input.case_path = evil;
+  example->input.command_line = evil;
+  example->input.remarks = {evil};
+  example->problem.records[0].name = evil;
+  example->problem.records[0].channels[0].observation.name = evil;
+  example->summary.records[0].name = evil;
+  example->summary.records[0].channels[0].name = evil;
+  example->summary.parameters[0].name = evil;
+  example->summary.undetermined = {evil};
+  example->summary.usable = false;
+  example->summary.termination = Termination::kFailure;
+  example->summary.message = evil;
+  const std::string html =
+      RenderHtmlReport(example->input, HtmlReportOptions());
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, HasSubstr("&lt;script"));
+  // A user's braces are text.
+  EXPECT_THAT(html, HasSubstr("{{title}}"));
+  EXPECT_EQ(testing::FindHtmlFault(html), "");
+}
+
+TEST(HtmlReport, LimitsTheNumberOfFiguresAndSaysSo) {
+  const auto example = testing::MakeReportExample();
+  // The worst channel is the one to see.
+  example->summary.records[0].channels[1].nrmse = 0.9;
+  example->summary.records[1].channels[2].nrmse =
+      std::numeric_limits<double>::quiet_NaN();
+  HtmlReportOptions options = WithoutGnuplot();
+  options.max_channels_per_record = 1;
+  options.max_loops = 2;
+  const std::string html = RenderHtmlReport(example->input, options);
+  EXPECT_EQ(CountOf("<figure", html), 7);
+  EXPECT_THAT(html, ContainsRegex("a2 in record .{1,6}north_quake"));
+  EXPECT_THAT(html, ContainsRegex("a3 in record .{1,6}south_quake"));
+  EXPECT_EQ(CountOf("The 2 channels with smaller errors are not drawn", html),
+            2);
+  EXPECT_THAT(html, HasSubstr("Not drawn: 1 more term."));
+}
+
+TEST(HtmlReport, OfAFailureSaysWhy) {
+  const auto example = testing::MakeReportExample();
+  example->summary = IdentificationSummary();
+  example->input.summary = &example->summary;
+  example->input.model = nullptr;
+  example->input.modes.clear();
+  example->input.remarks.clear();
+  example->input.records.clear();
+  const std::string html =
+      RenderHtmlReport(example->input, HtmlReportOptions());
+  ExpectSelfContained(html);
+  EXPECT_THAT(html, HasSubstr("class=\"verdict bad\""));
+  EXPECT_THAT(html, HasSubstr("the identification has not been started"));
+  EXPECT_THAT(html, HasSubstr("There is no covariance"));
+  EXPECT_EQ(CountOf("<figure", html), 0);
+  for (const char* heading : {"What changed", "Modes before", ">Records<",
+                              "Restoring", "Remarks about"}) {
+    EXPECT_THAT(html, Not(HasSubstr(heading)));
+  }
+}
+
+TEST(HtmlReport, IsWrittenAllOrNothing) {
+  const auto example = testing::MakeReportExample();
+  const std::string path = ::testing::TempDir() + "pinode_report_" +
+                           std::to_string(getpid()) + ".html";
+  std::string error, content;
+  ASSERT_TRUE(WriteHtmlReport(example->input, WithoutGnuplot(), path, &error))
+      << error;
+  ASSERT_TRUE(ReadTextFile(path, &content, &error)) << error;
+  EXPECT_EQ(content, RenderHtmlReport(example->input, WithoutGnuplot()));
+  std::remove(path.c_str());
+  EXPECT_FALSE(WriteHtmlReport(example->input, WithoutGnuplot(),
+                               "/nowhere/report.html", &error));
+  EXPECT_THAT(error, HasSubstr("/nowhere/report.html"));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,155 @@
+#include "pinode/report/report.h"
+
+#include <cmath>
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/report/number_text.h"
+
+namespace pinode {
+namespace {
+
+using Role = IdentificationRecord::Role;
+
+std::string Quoted(const std::string& name) { return "'" + name + "'"; }
+
+std::string PercentOf(double fraction) {
+  return ReadableNumber(100.0 * fraction, 3) + " %";
+}
+
+const IdentificationRecord& RecordAt(const ReportInput& input, int record) {
+  CHECK(input.problem != nullptr) << "a report needs the problem";
+  return input.problem->records.at(static_cast<size_t>(record));
+}
+
+// Why a result is not usable: every record that speaks against it, else what
+// the solver says.
+std::vector<std::string> Objections(const IdentificationSummary& summary) {
+  if (summary.termination == Termination::kFailure) return {summary.message};
+  std::vector<std::string> objections;
+  for (const RecordScore& record : summary.records) {
+    const bool train = record.role == Role::kTrain;
+    if (!record.finite) {
+      objections.push_back("the free run of record " + Quoted(record.name) +
+                           " does not stay finite");
+    } else if (train ? record.nrmse >= record.prior_nrmse
+                     : record.nrmse > record.prior_nrmse) {
+      objections.push_back(
+          std::string("on the ") + (train ? "training" : "hold-out") +
+          " record " + Quoted(record.name) + " the error of the free run is " +
+          PercentOf(record.nrmse) + ", the prior model's " +
+          PercentOf(record.prior_nrmse));
+    }
+  }
+  if (objections.empty()) {
+    objections.push_back(summary.message);
+  } else if (summary.termination == Termination::kNoConvergence) {
+    objections.push_back("the fit did not converge");
+  } else if (summary.termination == Termination::kInterrupted) {
+    objections.push_back("the fit was interrupted");
+  }
+  return objections;
+}
+
+}  // namespace
+
+std::string Verdict(const ReportInput& input) {
+  CHECK(input.summary != nullptr) << "a report needs the summary";
+  const IdentificationSummary& summary = *input.summary;
+  if (!summary.usable) {
+    return "Not usable: " + Join(Objections(summary), "; ") + ".";
+  }
+  std::vector<std::string> holdouts;
+  const RecordScore* worst_training = nullptr;
+  for (const RecordScore& record : summary.records) {
+    if (record.role == Role::kHoldout) {
+      holdouts.push_back(
+          Quoted(record.name) + " with an error of " + PercentOf(record.nrmse) +
+          " (prior model: " + PercentOf(record.prior_nrmse) + ")");
+    } else if (worst_training == nullptr ||
+               record.nrmse > worst_training->nrmse) {
+      worst_training = &record;
+    }
+  }
+  if (!holdouts.empty()) {
+    return std::string("Usable. The updated model predicts the hold-out ") +
+           (holdouts.size() == 1 ? "record " : "records ") +
+           Join(holdouts, ", ") + ".";
+  }
+  std::string verdict =
+      "Usable, but untested: no record was held out, so nothing here shows how "
+      "the model does on data that it has not seen.";
+  if (worst_training != nullptr) {
+    verdict += " Error on the training record " + Quoted(worst_training->name) +
+               ": " + PercentOf(worst_training->nrmse) +
+               " (prior model: " + PercentOf(worst_training->prior_nrmse) +
+               ").";
+  }
+  return verdict;
+}
+
+std::string ChannelPlace(const ReportInput& input, int record, int channel) {
+  const Vector& weights = RecordAt(input, record)
+                              .channels.at(static_cast<size_t>(channel))
+                              .observation.weights;
+  const std::vector<std::string>& dofs =
+      input.problem->dynamics->model().dof_names;
+  std::string place;
+  for (int i = 0; i < weights.size(); ++i) {
+    const double weight = weights(i);
+    if (weight == 0.0) continue;
+    if (!place.empty()) {
+      place += weight < 0.0 ? " - " : " + ";
+    } else if (weight < 0.0) {
+      place += "-";
+    }
+    if (std::abs(weight) != 1.0) {
+      place += FormatNumber(std::abs(weight), 4) + " ";
+    }
+    place += dofs.at(static_cast<size_t>(i));
+  }
+  return place;
+}
+
+std::string ChannelUnit(const ReportInput& input, int record, int channel) {
+  const size_t r = static_cast<size_t>(record);
+  const size_t c = static_cast<size_t>(channel);
+  if (r < input.records.size() && c < input.records[r].channel_units.size()) {
+    return input.records[r].channel_units[c];
+  }
+  switch (RecordAt(input, record).channels.at(c).observation.quantity) {
+    case Quantity::kDisplacement:
+    case Quantity::kAbsoluteDisplacement:
+      return UnitName(Dimension::kLength, input.units);
+    case Quantity::kVelocity:
+      return UnitName(Dimension::kVelocity, input.units);
+    case Quantity::kRelativeAcceleration:
+    case Quantity::kAbsoluteAcceleration:
+      return UnitName(Dimension::kAcceleration, input.units);
+  }
+  return "";
+}
+
+double NoiseShare(const ReportInput& input, int record, int channel) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const size_t r = static_cast<size_t>(record);
+  const size_t c = static_cast<size_t>(channel);
+  if (r >= input.summary->records.size() ||
+      c >= input.summary->records[r].channels.size()) {
+    return nan;
+  }
+  double count = 0.0, mean = 0.0, squares = 0.0;
+  for (double y : RecordAt(input, record).channels.at(c).values) {
+    if (!std::isfinite(y)) continue;
+    // Welford's update.
+    count += 1.0;
+    const double difference = y - mean;
+    mean += difference / count;
+    squares += difference * (y - mean);
+  }
+  const double sigma = input.summary->records[r].channels[c].sigma;
+  if (!(squares > 0.0) || !(sigma > 0.0)) return nan;
+  return sigma / std::sqrt(squares / count);
+}
+
+}  // namespace pinode

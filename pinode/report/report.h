@@ -1,0 +1,75 @@
+// What a report is made from, and the sentence it begins with.
+
+#ifndef PINODE_REPORT_REPORT_H_
+#define PINODE_REPORT_REPORT_H_
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/base/units.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+
+// One mode before and after, paired by MAC. NaN, or an empty shape, where there
+// is nothing to say (overdamped, rigid body, no partner).
+struct ReportMode {
+  double initial_hz = std::numeric_limits<double>::quiet_NaN();
+  double updated_hz = std::numeric_limits<double>::quiet_NaN();
+  // Fractions of critical damping.
+  double initial_damping = std::numeric_limits<double>::quiet_NaN();
+  double updated_damping = std::numeric_limits<double>::quiet_NaN();
+  double mac = std::numeric_limits<double>::quiet_NaN();
+  Vector initial_shape;  // num_dofs, at any scale and sign
+  Vector updated_shape;
+};
+
+// What a report knows of a record beyond the problem and the summary.
+struct ReportRecord {
+  // Free run of the model before the identification, channels x samples; empty:
+  // it is not drawn.
+  Matrix prior_prediction;
+  // Unit of each channel's values. Empty: the model's own unit of the channel's
+  // quantity, which is right for all but combinations that carry a length.
+  std::vector<std::string> channel_units;
+};
+
+// Filled by a program; the objects pointed to outlive it. The summary may be
+// that of a failure: what it lacks is left out of the report.
+struct ReportInput {
+  std::string title;
+  std::string case_path;
+  std::string command_line;
+  std::string version;
+  UnitSystem units;
+  double wall_seconds = 0.0;  // of the whole program
+  const IdentificationProblem* problem = nullptr;
+  const IdentificationSummary* summary = nullptr;
+  const IdentifiedModel* model = nullptr;
+  std::vector<ReportRecord> records;  // in the problem's order, or empty
+  std::vector<ReportMode> modes;
+  // About the data as they were read, a sentence each.
+  std::vector<std::string> remarks;
+};
+
+// Whether the result may be used, and why, in a sentence or two:
+//   "Usable. ..." or "Not usable: ...".
+std::string Verdict(const ReportInput& input);
+
+// Name of the DOF at which channel `channel` measures, or the combination of
+// them, "u2 - u1".
+std::string ChannelPlace(const ReportInput& input, int record, int channel);
+
+// "m/s^2": the unit of a channel's values.
+std::string ChannelUnit(const ReportInput& input, int record, int channel);
+
+// Noise of the channel as a fraction of its fluctuation, sigma / rms(y -
+// mean(y)): the nrmse of a perfect model. NaN where it is not known.
+double NoiseShare(const ReportInput& input, int record, int channel);
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_REPORT_H_

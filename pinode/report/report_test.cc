@@ -1,0 +1,84 @@
+#include "pinode/report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pinode/report/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+TEST(Verdict, PutsTheHoldoutScoreFirst) {
+  const auto example = testing::MakeReportExample();
+  example->summary.records[1].nrmse = 0.0312;
+  example->summary.records[1].prior_nrmse = 0.45;
+  EXPECT_EQ(Verdict(example->input),
+            "Usable. The updated model predicts the hold-out record "
+            "'south_quake' with an error of 3.12 % (prior model: 45.0 %).");
+}
+
+TEST(Verdict, SaysThatNothingWasHeldOut) {
+  const auto example = testing::MakeReportExample();
+  example->summary.records.pop_back();
+  EXPECT_THAT(Verdict(example->input), StartsWith("Usable, but untested"));
+}
+
+TEST(Verdict, NamesEveryObjection) {
+  const auto example = testing::MakeReportExample();
+  IdentificationSummary& summary = example->summary;
+  summary.usable = false;
+  summary.termination = Termination::kNoConvergence;
+  summary.message = "not converged after 200 iterations";
+  EXPECT_EQ(Verdict(example->input),
+            "Not usable: not converged after 200 iterations.");
+  summary.records[0].finite = false;
+  summary.records[1].nrmse = 0.5;
+  summary.records[1].prior_nrmse = 0.4;
+  EXPECT_EQ(Verdict(example->input),
+            "Not usable: the free run of record 'north_quake' does not stay "
+            "finite; on the hold-out record 'south_quake' the error of the "
+            "free run is 50.0 %, the prior model's 40.0 %; the fit did not "
+            "converge.");
+}
+
+TEST(Verdict, OfAFailureIsItsMessage) {
+  const auto example = testing::MakeReportExample();
+  example->summary = IdentificationSummary();
+  EXPECT_EQ(Verdict(example->input),
+            "Not usable: the identification has not been started.");
+}
+
+TEST(Report, NamesPlacesAndUnitsOfChannels) {
+  const auto example = testing::MakeReportExample();
+  EXPECT_EQ(ChannelPlace(example->input, 0, 1), "u2");
+  EXPECT_EQ(ChannelUnit(example->input, 0, 1), "m/s^2");
+  Observation& observation =
+      example->problem.records[0].channels[1].observation;
+  observation.weights << -1.0, 2.5, 0.0;
+  observation.quantity = Quantity::kDisplacement;
+  EXPECT_EQ(ChannelPlace(example->input, 0, 1), "-u1 + 2.5 u2");
+  EXPECT_EQ(ChannelUnit(example->input, 0, 1), "m");
+  example->input.records[0].channel_units = {"", "1", ""};
+  EXPECT_EQ(ChannelUnit(example->input, 0, 1), "1");
+}
+
+TEST(Report, NoiseShareIgnoresOffsetsAndMissingSamples) {
+  const auto example = testing::MakeReportExample();
+  Vector& values = example->problem.records[0].channels[0].values;
+  for (int i = 0; i < values.size(); ++i)
+    values(i) = 7.0 + (i % 2 ? 2.0 : -2.0);
+  values.head(100).setConstant(std::nan(""));
+  example->summary.records[0].channels[0].sigma = 0.1;
+  EXPECT_NEAR(NoiseShare(example->input, 0, 0), 0.05, 1e-12);
+  values.setConstant(1.0);
+  EXPECT_TRUE(std::isnan(NoiseShare(example->input, 0, 0)));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,208 @@
+#include "pinode/report/restoring_force.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "pinode/base/logging.h"
+#include "pinode/dynamics/feature.h"
+#include "pinode/network/network.h"
+
+namespace pinode {
+namespace {
+
+// Value of a feature at one sample.
+double FeatureAt(const Feature& feature, const Excitation& excitation,
+                 const Matrix& states, int num_dofs, int sample) {
+  const auto at = [&](int dof, int offset) {
+    return dof == Feature::kGround ? 0.0 : states(offset + dof, sample);
+  };
+  switch (feature.kind) {
+    case Feature::Kind::kDisplacement:
+      return at(feature.a, 0);
+    case Feature::Kind::kVelocity:
+      return at(feature.a, num_dofs);
+    case Feature::Kind::kDeformation:
+      return at(feature.b, 0) - at(feature.a, 0);
+    case Feature::Kind::kDeformationRate:
+      return at(feature.b, num_dofs) - at(feature.a, num_dofs);
+    case Feature::Kind::kTime:
+      return excitation.time(sample);
+    case Feature::Kind::kInput:
+      return excitation.samples()(feature.input, sample);
+  }
+  return 0.0;
+}
+
+std::string FeatureUnit(const Feature& feature, const UnitSystem& units) {
+  if (feature.OnDisplacement()) return UnitName(Dimension::kLength, units);
+  if (feature.OnVelocity()) return UnitName(Dimension::kVelocity, units);
+  if (feature.kind == Feature::Kind::kTime) return units.time;
+  return "";
+}
+
+// What a law and a network have in common.
+struct Term {
+  std::string name, type;
+  const std::vector<Feature>* features;
+  int num_outputs;
+  std::vector<std::string> output_names;
+  bool is_acceleration;
+  // Outputs from features and the whole state at one sample.
+  std::function<void(const Vector& features, const Vector& state, Vector*)>
+      evaluate;
+};
+
+class LoopMaker {
+ public:
+  explicit LoopMaker(const ReportInput& input)
+      : input_(input), dynamics_(*input.problem->dynamics) {}
+
+  void Add(const Term& term, std::vector<RestoringForceLoop>* loops) const {
+    const std::vector<Feature>& features = *term.features;
+    int abscissa = 0, rate = -1;
+    for (int i = static_cast<int>(features.size()) - 1; i >= 0; --i) {
+      const Feature& feature = features[static_cast<size_t>(i)];
+      if (feature.OnDisplacement()) abscissa = i;
+      if (feature.OnVelocity()) rate = i;
+    }
+    if (rate == abscissa) rate = -1;
+    const int record = WidestRecord(features[static_cast<size_t>(abscissa)]);
+    if (record < 0) return;
+
+    const Excitation& excitation =
+        *input_.problem->records[static_cast<size_t>(record)].excitation;
+    const Matrix& states =
+        input_.summary->records[static_cast<size_t>(record)].states;
+    const int samples = static_cast<int>(states.cols());
+    Matrix values(features.size(), samples);
+    Matrix outputs(term.num_outputs, samples);
+    Vector time(samples);
+    Vector result(term.num_outputs);
+    for (int i = 0; i < samples; ++i) {
+      for (size_t f = 0; f < features.size(); ++f) {
+        values(f, i) =
+            FeatureAt(features[f], excitation, states, dynamics_.num_dofs(), i);
+      }
+      term.evaluate(values.col(i), states.col(i), &result);
+      outputs.col(i) = result;
+      time(i) = excitation.time(i);
+    }
+
+    RestoringForceLoop loop;
+    loop.term = term.name;
+    loop.type = term.type;
+    loop.record = record;
+    loop.is_acceleration = term.is_acceleration;
+    loop.force_unit = UnitName(
+        term.is_acceleration ? Dimension::kAcceleration : Dimension::kForce,
+        input_.units);
+    loop.time = time;
+    loop.deformation = values.row(abscissa);
+    Name(features[static_cast<size_t>(abscissa)], &loop.deformation_name,
+         &loop.deformation_unit);
+    if (rate >= 0) {
+      loop.rate = values.row(rate);
+      Name(features[static_cast<size_t>(rate)], &loop.rate_name,
+           &loop.rate_unit);
+    }
+    for (int o = 0; o < term.num_outputs; ++o) {
+      loop.output.clear();
+      if (static_cast<size_t>(o) < term.output_names.size()) {
+        loop.output = term.output_names[static_cast<size_t>(o)];
+      }
+      loop.force = outputs.row(o);
+      loops->push_back(loop);
+    }
+  }
+
+ private:
+  void Name(const Feature& feature, std::string* name,
+            std::string* unit) const {
+    std::vector<std::string> input_names;
+    for (const InputSpec& spec : dynamics_.inputs()) {
+      input_names.push_back(spec.name);
+    }
+    *name = feature.Name(dynamics_.model().dof_names, input_names);
+    *unit = FeatureUnit(feature, input_.units);
+  }
+
+  int WidestRecord(const Feature& feature) const {
+    int widest = -1;
+    double widest_range = -1.0;
+    const std::vector<RecordScore>& scores = input_.summary->records;
+    for (size_t r = 0; r < scores.size(); ++r) {
+      const Matrix& states = scores[r].states;
+      const Excitation& excitation = *input_.problem->records.at(r).excitation;
+      if (!scores[r].finite || states.cols() != excitation.num_samples() ||
+          states.rows() != dynamics_.num_states() || !states.allFinite()) {
+        continue;
+      }
+      double lowest = 0.0, highest = 0.0;
+      for (int i = 0; i < states.cols(); ++i) {
+        const double value =
+            FeatureAt(feature, excitation, states, dynamics_.num_dofs(), i);
+        lowest = i == 0 ? value : std::min(lowest, value);
+        highest = i == 0 ? value : std::max(highest, value);
+      }
+      if (highest - lowest > widest_range) {
+        widest = static_cast<int>(r);
+        widest_range = highest - lowest;
+      }
+    }
+    return widest;
+  }
+
+  const ReportInput& input_;
+  const StructuralDynamics& dynamics_;
+};
+
+}  // namespace
+
+std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
+    const ReportInput& input) {
+  std::vector<RestoringForceLoop> loops;
+  const StructuralDynamics& dynamics = *input.problem->dynamics;
+  if (input.model == nullptr ||
+      input.model->parameters.size() < dynamics.num_parameters()) {
+    return loops;
+  }
+  const Vector& theta = input.model->parameters;
+  const LoopMaker maker(input);
+  // The blocks of theta: the groups', if any, then one per law and network.
+  int block = dynamics.groups().empty() ? 0 : 1;
+  int internal = 2 * dynamics.num_dofs();
+  for (const LawTerm& term : dynamics.laws()) {
+    const double* parameters = theta.data() + dynamics.block_offset(block++);
+    const int internal_offset = internal;
+    internal += term.law->num_internal();
+    Vector result(term.law->num_results());
+    maker.Add({term.name,
+               term.type,
+               &term.features,
+               term.law->num_outputs(),
+               {},
+               false,
+               [&](const Vector& features, const Vector& state, Vector* force) {
+                 term.law->Evaluate(features.data(),
+                                    state.data() + internal_offset, parameters,
+                                    result.data());
+                 *force = result.head(force->size());
+               }},
+              &loops);
+  }
+  for (const NetworkTerm& term : dynamics.networks()) {
+    const double* weights = theta.data() + dynamics.block_offset(block++);
+    NetworkWorkspace workspace(*term.network);
+    maker.Add(
+        {term.name, "network", &term.features, term.network->num_outputs(),
+         term.output_names, term.acts_as == NetworkTerm::ActsAs::kAcceleration,
+         [&](const Vector& features, const Vector&, Vector* output) {
+           term.network->Evaluate(features.data(), weights, output->data(),
+                                  &workspace);
+         }},
+        &loops);
+  }
+  return loops;
+}
+
+}  // namespace pinode

@@ -1,0 +1,39 @@
+// A result to report on, made without identifying anything.
+
+#ifndef PINODE_REPORT_TESTING_H_
+#define PINODE_REPORT_TESTING_H_
+
+#include <memory>
+#include <string>
+
+#include "pinode/report/report.h"
+
+namespace pinode {
+namespace testing {
+
+// What a ReportInput points to, kept together.
+struct ReportExample {
+  IdentificationProblem problem;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  ReportInput input;
+};
+
+// A three-storey shear frame under ground motion, with stiffness groups k1..k3,
+// a Rayleigh-like damping group, a cubic spring in the first storey, a
+// hysteretic one in the second and a small network; one training and one
+// hold-out record with the absolute accelerations of the floors. "Measured" are
+// free runs with known parameters plus noise of a seeded generator,
+// "identified" are nearly those parameters; scores, modes, stages and
+// covariance agree with that.
+std::unique_ptr<ReportExample> MakeReportExample();
+
+// Checks that every element opened in `html` is closed in its order (void
+// elements excepted) and that attribute values are quoted. Returns "" or what
+// is wrong, with the offset.
+std::string FindHtmlFault(const std::string& html);
+
+}  // namespace testing
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_TESTING_H_

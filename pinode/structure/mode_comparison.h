@@ -1,0 +1,34 @@
+// Modes before and after a change of the structure.
+
+#ifndef PINODE_STRUCTURE_MODE_COMPARISON_H_
+#define PINODE_STRUCTURE_MODE_COMPARISON_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/structure/structural_model.h"
+
+namespace pinode {
+
+// One mode of the first model and its partner in the second. Frequencies are
+// in cycles per unit of the models' time; NaN, and an empty shape, where the
+// mode has none (see ModalProperties) or no partner.
+struct ModePair {
+  double initial_frequency, updated_frequency;
+  double initial_damping, updated_damping;  // fractions of critical
+  double mac;
+  Vector initial_shape, updated_shape;  // num_dofs, mass-normalised
+};
+
+// Modes of `initial` in ascending order with their partners in `updated` by
+// PairModes (largest total MAC). False where the modes of either cannot be
+// computed.
+[[nodiscard]] bool CompareModes(const StructuralModel& initial,
+                                const StructuralModel& updated,
+                                std::vector<ModePair>* pairs,
+                                std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_STRUCTURE_MODE_COMPARISON_H_

@@ -1,0 +1,426 @@
+// One Levenberg-Marquardt iteration of a fit with estimated segment starts,
+// split into its parts, beside the plain way.
+//
+// Records of 240, 400 and 4000 samples, the whole state of 8 or 24 states
+// measured, segments of 20 samples. An iteration is what lies between two of
+// Ceres' iteration callbacks: the linear solve, the cost at the trial point (in
+// pinode with the search for the best starts) and the Jacobian there.
+// Iterations that Ceres rejects are not counted: they lack the Jacobian.
+//
+//   starts    cost at the trial point
+//   jacobian  tangents of all segments
+//   normal    normal equations of all segments, starts eliminated
+//   solve     the rest: square root of the normal equations, Ceres' solve
+//
+// Ceres forms and solves dense normal equations in one call: for the plain way
+// `normal` holds both.
+
+#include <benchmark/benchmark.h>
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/logging.h"
+#include "pinode/estimate/condensed_cost.h"
+#include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "tests/benchmarks/chain_problem.h"
+#include "tests/benchmarks/measure.h"
+#include "tests/benchmarks/plain_chain.h"
+#include "tests/benchmarks/plain_fit.h"
+
+namespace pinode {
+namespace benchmarks {
+namespace {
+
+constexpr int kSegmentSamples = 20;
+constexpr double kDecay = 0.1;
+constexpr int kRepetitions = 5;
+constexpr int kIterations = 6;
+constexpr int kPlainIterations = 2;
+// The plain way is not run where an iteration would take longer.
+constexpr double kPlainLimitSeconds = 30.0;
+constexpr double kRequiredGrowth = 12.0;
+
+struct IterationTimes {
+  double starts = 0.0;
+  double jacobian = 0.0;
+  double normal = 0.0;
+  double solve = 0.0;
+  double Total() const { return starts + jacobian + normal + solve; }
+};
+
+// Reads the clock after each iteration.
+class Clock final : public ceres::IterationCallback {
+ public:
+  explicit Clock(const EvaluationTimes* times) : times_(times) {}
+
+  ceres::CallbackReturnType operator()(
+      const ceres::IterationSummary& iteration) override {
+    const double now = CpuSeconds();
+    if (iteration.iteration > 0 && iteration.step_is_successful) {
+      IterationTimes times;
+      times.starts = times_->cost_seconds - before_.cost_seconds;
+      times.jacobian = times_->jacobian_seconds - before_.jacobian_seconds;
+      times.solve = now - last_ - times.starts - times.jacobian;
+      iterations_.push_back(times);
+    }
+    before_ = *times_;
+    last_ = CpuSeconds();
+    return ceres::SOLVER_CONTINUE;
+  }
+
+  const std::vector<IterationTimes>& iterations() const { return iterations_; }
+
+ private:
+  const EvaluationTimes* times_;
+  EvaluationTimes before_;
+  double last_ = 0.0;
+  std::vector<IterationTimes> iterations_;
+};
+
+std::vector<IterationTimes> RunIterations(int num_iterations,
+                                          const EvaluationTimes& times,
+                                          ceres::Problem* problem) {
+  ceres::Solver::Options options;
+  options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = num_iterations;
+  options.function_tolerance = 0.0;
+  options.gradient_tolerance = 0.0;
+  options.parameter_tolerance = 0.0;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  Clock clock(&times);
+  options.callbacks.push_back(&clock);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, problem, &summary);
+  CHECK(!clock.iterations().empty()) << summary.FullReport();
+  return clock.iterations();
+}
+
+template <typename Member>
+double MedianOf(const std::vector<IterationTimes>& iterations, Member member) {
+  std::vector<double> values;
+  for (const IterationTimes& times : iterations) {
+    values.push_back(times.*member);
+  }
+  return Median(values);
+}
+
+IterationTimes MedianTimes(const std::vector<IterationTimes>& iterations) {
+  IterationTimes median;
+  median.starts = MedianOf(iterations, &IterationTimes::starts);
+  median.jacobian = MedianOf(iterations, &IterationTimes::jacobian);
+  median.normal = MedianOf(iterations, &IterationTimes::normal);
+  median.solve = MedianOf(iterations, &IterationTimes::solve);
+  return median;
+}
+
+// The fit of one chain in both ways.
+template <int kDofs, bool kGroups>
+class Fit {
+ public:
+  using Chain = PlainChain<kDofs, kGroups, false>;
+
+  explicit Fit(int num_samples)
+      : problem_(MakeChainProblem(kDofs, kGroups, num_samples)),
+        layout_(problem_),
+        shooting_(problem_, layout_, MultipleShooting::Options()),
+        boundaries_(CutSegments(num_samples, kSegmentSamples)),
+        grid_(*record().excitation, record().substeps),
+        chain_(kStiffness, kDamping, Vector(), &grid_) {
+    CHECK_EQ(layout_.num_free(), Chain::kParameters);
+    initial_ = layout_.Free(layout_.InitialValues());
+    sigma_.resize(Chain::kStates);
+    for (int c = 0; c < Chain::kStates; ++c) {
+      sigma_[c] = record().channels[static_cast<size_t>(c)].sigma;
+    }
+    shooting_.SetSigmas({sigma_});
+    shooting_.SetDecays(Vector::Constant(layout_.num_decay_groups(), kDecay));
+    CHECK(InitialTrajectories(problem_, kSegmentSamples, initial_, &shooting_,
+                              &trajectories_));
+    scales_ = StateScales(problem_, trajectories_[0]);
+    Restart();
+    CHECK_EQ(shooting_.num_segments(0), num_segments());
+    CondensedSystem system;
+    CHECK(shooting_.Linearize(initial_, &system));
+    // As at the beginning of a stage of Identify.
+    shooting_.SetGapPenalty(std::max(1.0, 0.1 * shooting_.DataCurvature()));
+    CheckSameCost();
+  }
+
+  // Iterations of pinode from the same beginning.
+  std::vector<IterationTimes> RunPinode() {
+    Restart();
+    Vector x = initial_;
+    EvaluationTimes times;
+    ceres::Problem ceres_problem;
+    ceres_problem.AddResidualBlock(
+        new TimedCost(
+            std::make_unique<CondensedCost>(&shooting_, layout_.num_free()),
+            &times),
+        nullptr, x.data());
+    std::vector<IterationTimes> iterations =
+        RunIterations(kIterations, times, &ceres_problem);
+    SplitJacobian(x, &iterations);
+    return iterations;
+  }
+
+  std::vector<IterationTimes> RunPlain() {
+    Restart();
+    Vector x = initial_;
+    Matrix starts = shooting_.starts()[0];
+    EvaluationTimes times;
+    ceres::Problem ceres_problem;
+    AddPlain(&starts, &x, &times, &ceres_problem);
+    std::vector<IterationTimes> iterations =
+        RunIterations(kPlainIterations, times, &ceres_problem);
+    for (IterationTimes& iteration : iterations) {
+      std::swap(iteration.normal, iteration.solve);
+    }
+    return iterations;
+  }
+
+  int num_segments() const { return static_cast<int>(boundaries_.size()) - 1; }
+  // Of the plain way.
+  double num_residuals() const {
+    return static_cast<double>(Chain::kStates) *
+               (record().num_samples() + num_segments() - 1) +
+           Chain::kParameters;
+  }
+  double num_unknowns() const {
+    return static_cast<double>(Chain::kStates) * num_segments() +
+           Chain::kParameters;
+  }
+
+ private:
+  const IdentificationRecord& record() const { return problem_.records[0]; }
+
+  void Restart() {
+    shooting_.SetSegments(kSegmentSamples, trajectories_);
+    shooting_.SetStateScales({scales_});
+  }
+
+  void AddPlain(Matrix* starts, Vector* x, EvaluationTimes* times,
+                ceres::Problem* ceres_problem) {
+    AddPlainSegments(chain_, record(), boundaries_, sigma_,
+                     scales_ / std::sqrt(shooting_.gap_penalty()), starts,
+                     x->data(), times, ceres_problem);
+    ceres_problem->AddResidualBlock(
+        new WeightedZeroPrior(DecayWeights(layout_, kDecay)), nullptr,
+        x->data());
+  }
+
+  // Both ways pose the same problem: at the starts that pinode finds, their
+  // costs agree but for pinode's faint prior on the first start.
+  void CheckSameCost() {
+    double cost = 0.0;
+    CHECK(shooting_.Evaluate(initial_, &cost));
+    Vector x = initial_;
+    Matrix starts = shooting_.starts()[0];
+    EvaluationTimes times;
+    ceres::Problem ceres_problem;
+    AddPlain(&starts, &x, &times, &ceres_problem);
+    double plain_cost = 0.0;
+    CHECK(ceres_problem.Evaluate(ceres::Problem::EvaluateOptions(), &plain_cost,
+                                 nullptr, nullptr, nullptr));
+    CHECK_LE(std::abs(cost - plain_cost), 1e-5 * cost)
+        << cost << " against " << plain_cost;
+  }
+
+  // CondensedCost computes tangents, condenses and takes a square root in one
+  // evaluation. The parts are timed one by one at the last iterate and taken in
+  // proportion.
+  void SplitJacobian(const Vector& x, std::vector<IterationTimes>* iterations) {
+    CondensedSystem system;
+    CHECK(shooting_.Linearize(x, &system));
+    std::vector<double> linearize, tangents, root;
+    Matrix square_root;
+    StructuralDynamics::Prepared prepared;
+    std::string error;
+    CHECK(problem_.dynamics->Prepare(x, &prepared, &error)) << error;
+    std::vector<Observation> observations;
+    for (const MeasuredChannel& channel : record().channels) {
+      observations.push_back(channel.observation);
+    }
+    const ObservationMap observation(*problem_.dynamics, observations);
+    SegmentPropagator propagator(*problem_.dynamics,
+                                 DerivativeMethod::kTangents);
+    SegmentTangents segment;
+    const Matrix starts = shooting_.starts()[0];
+    for (int i = 0; i < 3; ++i) {
+      double begin = CpuSeconds();
+      CHECK(shooting_.Linearize(x, &system));
+      linearize.push_back(CpuSeconds() - begin);
+      begin = CpuSeconds();
+      CHECK(SquareRoot(system.hessian, &square_root));
+      root.push_back(CpuSeconds() - begin);
+      begin = CpuSeconds();
+      for (int k = 0; k < num_segments(); ++k) {
+        CHECK(propagator.Propagate(prepared, observation, grid_, starts.col(k),
+                                   boundaries_[static_cast<size_t>(k)],
+                                   boundaries_[static_cast<size_t>(k) + 1],
+                                   k + 1 == num_segments(), true, &segment));
+      }
+      tangents.push_back(CpuSeconds() - begin);
+    }
+    const double all = Median(linearize) + Median(root);
+    for (IterationTimes& iteration : *iterations) {
+      const double evaluation = iteration.jacobian;
+      iteration.jacobian = evaluation * Median(tangents) / all;
+      iteration.normal =
+          evaluation * (Median(linearize) - Median(tangents)) / all;
+      iteration.solve += evaluation * Median(root) / all;
+    }
+  }
+
+  IdentificationProblem problem_;
+  ParameterLayout layout_;
+  MultipleShooting shooting_;
+  std::vector<int> boundaries_;
+  IntegrationGrid grid_;
+  Chain chain_;
+  Vector initial_;
+  Vector sigma_;
+  Vector scales_;
+  std::vector<Matrix> trajectories_;
+};
+
+void SetCounters(const std::string& prefix, const IterationTimes& times,
+                 benchmark::State* state) {
+  state->counters[prefix + "starts_ms"] = 1e3 * times.starts;
+  state->counters[prefix + "jacobian_ms"] = 1e3 * times.jacobian;
+  state->counters[prefix + "normal_ms"] = 1e3 * times.normal;
+  state->counters[prefix + "solve_ms"] = 1e3 * times.solve;
+}
+
+std::string SizeName(int states, int64_t samples) {
+  return std::to_string(states) + " states, " + std::to_string(samples) +
+         " samples";
+}
+
+template <int kDofs, bool kGroups>
+void BM_Iteration(benchmark::State& state) {
+  const int num_samples = static_cast<int>(state.range(0));
+  Fit<kDofs, kGroups> fit(num_samples);
+
+  // What the plain way's parts cost per residual, segment and so on, from the
+  // shortest record: where it would take too long, it is extrapolated.
+  static IterationTimes short_plain;
+  static double short_products = 0.0;
+  static int short_segments = 0;
+  const double products =
+      fit.num_residuals() * fit.num_unknowns() * fit.num_unknowns();
+  IterationTimes extrapolated;
+  if (short_segments > 0) {
+    const double more_segments =
+        static_cast<double>(fit.num_segments()) / short_segments;
+    extrapolated.starts = short_plain.starts * more_segments;
+    extrapolated.jacobian = short_plain.jacobian * more_segments;
+    extrapolated.normal = short_plain.normal * products / short_products;
+  }
+  const bool run_plain = extrapolated.Total() <= kPlainLimitSeconds;
+
+  std::vector<IterationTimes> pinode_iterations, plain_iterations;
+  for (auto _ : state) {
+    const std::vector<IterationTimes> iterations = fit.RunPinode();
+    pinode_iterations.insert(pinode_iterations.end(), iterations.begin(),
+                             iterations.end());
+    state.SetIterationTime(MedianTimes(iterations).Total());
+    // One run of the plain way is enough where it takes seconds.
+    if (!run_plain ||
+        (!plain_iterations.empty() && extrapolated.Total() > 3.0)) {
+      continue;
+    }
+    const std::vector<IterationTimes> plain = fit.RunPlain();
+    plain_iterations.insert(plain_iterations.end(), plain.begin(), plain.end());
+  }
+  const IterationTimes pinode = MedianTimes(pinode_iterations);
+  const IterationTimes plain =
+      run_plain ? MedianTimes(plain_iterations) : extrapolated;
+  if (short_segments == 0) {
+    short_plain = plain;
+    short_products = products;
+    short_segments = fit.num_segments();
+  }
+
+  SetCounters("", pinode, &state);
+  SetCounters("plain_", plain, &state);
+  const std::string size =
+      SizeName(Fit<kDofs, kGroups>::Chain::kStates, num_samples);
+  if (!run_plain) {
+    state.SetLabel("plain way over " +
+                   std::to_string(static_cast<int>(kPlainLimitSeconds)) +
+                   " s an iteration: extrapolated, not run");
+  }
+  const auto compare = [&](const std::string& part, double reference,
+                           double seconds) {
+    Comparison comparison;
+    comparison.name = part + ", " + size + " / plain";
+    comparison.reference_seconds = reference;
+    comparison.pinode_seconds = seconds;
+    if (!run_plain) {
+      comparison.reference = Comparison::Reference::kExtrapolated;
+    }
+    AddComparison(comparison);
+  };
+  compare("iteration", plain.Total(), pinode.Total());
+  compare("  Jacobian", plain.jacobian, pinode.jacobian);
+  compare("  normal equations and solve", plain.normal + plain.solve,
+          pinode.normal + pinode.solve);
+}
+BENCHMARK_TEMPLATE(BM_Iteration, 4, false)
+    ->Arg(240)
+    ->Arg(4000)
+    ->Iterations(kRepetitions)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(BM_Iteration, 12, true)
+    ->Arg(240)
+    ->Arg(4000)
+    ->Iterations(kRepetitions)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+// An iteration on a record ten times as long, both in turns.
+void BM_IterationGrowth(benchmark::State& state) {
+  Fit<4, false> short_fit(400);
+  Fit<4, false> long_fit(4000);
+  std::vector<double> short_seconds, long_seconds;
+  for (auto _ : state) {
+    for (const IterationTimes& times : short_fit.RunPinode()) {
+      short_seconds.push_back(times.Total());
+    }
+    const std::vector<IterationTimes> iterations = long_fit.RunPinode();
+    for (const IterationTimes& times : iterations) {
+      long_seconds.push_back(times.Total());
+    }
+    state.SetIterationTime(MedianTimes(iterations).Total());
+  }
+  Comparison comparison;
+  comparison.name = "iteration, 8 states, 400 -> 4000 samples";
+  comparison.reference_seconds = Median(long_seconds);
+  comparison.pinode_seconds = Median(short_seconds);
+  comparison.requirement = Comparison::Requirement::kAtMost;
+  comparison.limit = kRequiredGrowth;
+  AddComparison(comparison);
+  state.counters["short_ms"] = 1e3 * comparison.pinode_seconds;
+  state.counters["long_ms"] = 1e3 * comparison.reference_seconds;
+  state.counters["growth"] = comparison.Ratio();
+}
+BENCHMARK(BM_IterationGrowth)
+    ->Iterations(kRepetitions)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace benchmarks
+}  // namespace pinode
