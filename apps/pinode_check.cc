@@ -25,11 +25,9 @@ namespace {
 void PrintModel(const Case& c) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   std::printf("Model: %d DOFs, %d states, units %s, %s, %s\n",
-              dynamics.num_dofs(), dynamics.num_states(),
-              c.units.force.c_str(), c.units.length.c_str(),
-              c.units.time.c_str());
-  const StructuralModel model =
-      dynamics.CorrectedModel(dynamics.Parameters());
+              dynamics.num_dofs(), dynamics.num_states(), c.units.force.c_str(),
+              c.units.length.c_str(), c.units.time.c_str());
+  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
   ModalProperties modes;
   std::string error;
   if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
@@ -41,8 +39,12 @@ void PrintModel(const Case& c) {
   std::printf("\nMode      Hz   damping %%   expected Hz   error %%\n");
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
-    std::printf("%4d %8.4g %10.3g", i + 1, hz,
-                100.0 * modes.damping_ratio[i]);
+    // A negative stiffness has no frequency.
+    if (!std::isfinite(hz)) {
+      std::printf("%4d %8s %10s\n", i + 1, "-", "-");
+      continue;
+    }
+    std::printf("%4d %8.4g %10.3g", i + 1, hz, 100.0 * modes.damping_ratio[i]);
     const size_t index = static_cast<size_t>(i);
     if (index < c.expected_hz.size()) {
       std::printf("   %11.4g %9.2f", c.expected_hz[index],
@@ -61,8 +63,7 @@ void PrintRecords(const Case& c) {
         "  %s (%s): %d samples, step %.6g s, %.4g s, %zu channels, "
         "excitation %s\n",
         record.name.c_str(),
-        record.role == IdentificationRecord::Role::kTrain ? "train"
-                                                          : "holdout",
+        record.role == IdentificationRecord::Role::kTrain ? "train" : "holdout",
         record.num_samples(), record.sampling_step(),
         record.sampling_step() * (record.num_samples() - 1),
         record.channels.size(),
@@ -73,8 +74,7 @@ void PrintRecords(const Case& c) {
         record.substeps, info.substeps_given ? " (given)" : " (chosen)",
         info.substeps.stability.largest_eigenvalue,
         info.substeps.stability.growth);
-    if (std::isfinite(info.substeps.error) &&
-        !info.substeps.channel.empty()) {
+    if (std::isfinite(info.substeps.error) && !info.substeps.channel.empty()) {
       std::printf("; halving the step moves %s by %.2g (limit %.2g)",
                   info.substeps.channel.c_str(), info.substeps.error,
                   info.substeps.error_limit);
@@ -142,5 +142,5 @@ int main(int argc, char** argv) {
   for (const std::string& remark : c.remarks) {
     std::printf("  %s\n", remark.c_str());
   }
-  return PrintAssessment(c) ? kDone : kNotUsable;
+  return PrintAssessment(c) ? kExitDone : kExitNotUsable;
 }

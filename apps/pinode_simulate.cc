@@ -40,8 +40,9 @@ class Gaussian {
   double operator()() {
     // Box-Muller; the second number is not kept.
     constexpr double kTwoPi = 6.283185307179586;
-    return std::sqrt(-2.0 * std::log(Uniform())) *
-           std::cos(kTwoPi * Uniform());
+    // Two statements: compilers may evaluate factors in either order.
+    const double radius = std::sqrt(-2.0 * std::log(Uniform()));
+    return radius * std::cos(kTwoPi * Uniform());
   }
 
  private:
@@ -50,6 +51,13 @@ class Gaussian {
   }
   std::mt19937_64 random_;
 };
+
+// The first sample at which a channel (row) is not finite, else the last one.
+Eigen::Index FirstNotFinite(const Matrix& channels) {
+  Eigen::Index i = 0;
+  while (i + 1 < channels.cols() && channels.col(i).allFinite()) ++i;
+  return i;
+}
 
 }  // namespace
 }  // namespace pinode
@@ -68,6 +76,9 @@ int main(int argc, char** argv) {
   if (FLAGS_output_dir.empty()) {
     return Refuse("--output_dir=FOLDER is missing; see --help");
   }
+  if (!std::isfinite(FLAGS_noise_percent)) {
+    return Refuse("--noise_percent must be finite");
+  }
   std::string error;
   if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
@@ -76,8 +87,12 @@ int main(int argc, char** argv) {
   if (!ReadCaseForSimulation(FLAGS_case, &c, &error)) return Refuse(error);
   const double noise =
       FLAGS_noise_percent >= 0.0 ? FLAGS_noise_percent : c.noise_percent;
-  Gaussian gaussian(FLAGS_seed >= 0 ? static_cast<uint64_t>(FLAGS_seed)
-                                    : c.noise_seed);
+  SimulationSummary summary;
+  summary.case_path = c.path;
+  summary.noise_percent = noise;
+  summary.seed =
+      FLAGS_seed >= 0 ? static_cast<uint64_t>(FLAGS_seed) : c.noise_seed;
+  Gaussian gaussian(summary.seed);
   ResultFolder folder;
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
@@ -85,7 +100,7 @@ int main(int argc, char** argv) {
 
   const ParameterLayout layout(c.problem);
   const Vector parameters = layout.InitialValues();
-  int exit_status = kDone;
+  int exit_status = kExitDone;
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
     const IdentificationRecord& record = c.problem.records[r];
     const Vector start =
@@ -98,20 +113,24 @@ int main(int argc, char** argv) {
     }
     RecordScore score;
     ScoreRecord(c.problem, static_cast<int>(r), parameters, start, 0, &score);
+    const Vector times = FileTimes(c, r);
     if (!score.finite) {
-      std::fprintf(stderr, "record %s: the response is not finite\n",
-                   record.name.c_str());
-      exit_status = kNotUsable;
+      std::fprintf(stderr,
+                   "record %s: the response is not finite from t = %g %s on\n",
+                   record.name.c_str(), times[FirstNotFinite(score.prediction)],
+                   c.records[r].time_unit.c_str());
+      exit_status = kExitNotUsable;
     }
+    summary.records.push_back(
+        {record.name, record.num_samples(), score.finite});
     std::vector<CsvColumn> columns;
-    columns.push_back({"t", FileTimes(c, r)});
+    columns.push_back({"t", times});
     std::printf("record %s: %d samples\n", record.name.c_str(),
                 record.num_samples());
     for (size_t i = 0; i < record.channels.size(); ++i) {
       const CaseChannel& channel = c.records[r].channels[i];
-      Vector values =
-          score.prediction.row(static_cast<int>(i)).transpose() /
-          channel.factor;
+      Vector values = score.prediction.row(static_cast<int>(i)).transpose() /
+                      channel.factor;
       const double spread = StandardDeviationOfPresent(values);
       for (double& value : values) value += 0.01 * noise * spread * gaussian();
       std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
@@ -124,7 +143,11 @@ int main(int argc, char** argv) {
       return Refuse(error);
     }
   }
-  if (!folder.Commit(&error)) return Refuse(error);
+  if (!WriteSimulationSummary(folder.working_path() + "/simulate.json", summary,
+                              &error) ||
+      !folder.Commit(&error)) {
+    return Refuse(error);
+  }
   std::printf("Responses: %s\n", folder.final_path().c_str());
   return exit_status;
 }

@@ -8,12 +8,12 @@
 //   pinode_update --case=... --output_dir=out --resume
 
 #include <gflags/gflags.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <string>
-#include <unistd.h>
 
 #include "apps/program.h"
 #include "apps/reporting.h"
@@ -47,8 +47,7 @@ class ProgressLine {
     const bool terminal = isatty(STDERR_FILENO) != 0;
     const auto now = std::chrono::steady_clock::now();
     const double wait = terminal ? 0.2 : 5.0;
-    if (shown_ &&
-        std::chrono::duration<double>(now - last_).count() < wait) {
+    if (shown_ && std::chrono::duration<double>(now - last_).count() < wait) {
       return;
     }
     last_ = now;
@@ -107,8 +106,8 @@ int main(int argc, char** argv) {
   }
   Checkpoint checkpoint;
   const bool resumed = !folder.resume_path().empty();
-  if (resumed && !ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint,
-                                 &error)) {
+  if (resumed &&
+      !ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint, &error)) {
     return Refuse(error);
   }
 
@@ -136,8 +135,8 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  const ReportInput report = MakeReportInput(
-      c, summary, model, CommandLine(argc, argv), seconds);
+  const ReportInput report =
+      MakeReportInput(c, summary, model, CommandLine(argc, argv), seconds);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteResultFiles(c, summary, model, folder, &error) ||
@@ -150,7 +149,7 @@ int main(int argc, char** argv) {
               folder.final_path().c_str());
   if (summary.termination == Termination::kInterrupted) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
-    return kInterrupted;
+    return kExitInterrupted;
   }
-  return summary.usable ? kDone : kNotUsable;
+  return summary.usable ? kExitDone : kExitNotUsable;
 }

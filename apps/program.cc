@@ -73,7 +73,7 @@ std::string FlagName(const std::string& argument, std::string* value,
 }  // namespace
 
 bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
-  *status = kBadInput;
+  *status = kExitBadInput;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.size() < 2 || argument[0] != '-') {
@@ -85,7 +85,7 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
     std::string name = FlagName(argument, &value, &has_value);
     if (name == "help" || name == "h") {
       PrintHelp(usage);
-      *status = kDone;
+      *status = kExitDone;
       return false;
     }
     gflags::CommandLineFlagInfo info;
@@ -132,7 +132,7 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
 
 int Refuse(const std::string& message) {
   std::fprintf(stderr, "%s\n", message.c_str());
-  return kBadInput;
+  return kExitBadInput;
 }
 
 std::string CommandLine(int argc, char** argv) {

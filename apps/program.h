@@ -8,20 +8,21 @@
 namespace pinode {
 
 // Exit statuses of every program.
-inline constexpr int kDone = 0;
-inline constexpr int kNotUsable = 1;   // ran; files are written and say so
-inline constexpr int kBadInput = 2;    // one line on standard error
-inline constexpr int kInterrupted = 3; // best so far written
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitNotUsable = 1;    // ran; files are written and say so
+inline constexpr int kExitBadInput = 2;     // one line on standard error
+inline constexpr int kExitInterrupted = 3;  // best so far written
 
 // Sets the flags from the command line and starts logging to standard error.
 // gflags' own parser leaves with status 1 on help and on mistakes alike, so
 // names and values are checked here. Returns true where the program is to go
-// on; otherwise *status is what it is to exit with: kDone after --help (its own
-// flags are printed first), kBadInput after one line about what is wrong.
+// on; otherwise *status is what it is to exit with: kExitDone after --help (its
+// own flags are printed first), kExitBadInput after one line about what is
+// wrong.
 [[nodiscard]] bool ParseFlags(int argc, char** argv, const std::string& usage,
                               int* status);
 
-// Prints `message` as the one line of an error and returns kBadInput.
+// Prints `message` as the one line of an error and returns kExitBadInput.
 int Refuse(const std::string& message);
 
 // The command line as it could be typed again.

@@ -37,8 +37,7 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
               ? model.sigmas[r]
               : Vector::Ones(
                     static_cast<int>(c.problem.records[r].channels.size()));
-      const int first =
-          FreeRunStart(c.problem, index, prior, sigmas, &start);
+      const int first = FreeRunStart(c.problem, index, prior, sigmas, &start);
       RecordScore score;
       ScoreRecord(c.problem, index, prior, start, first, &score);
       if (score.finite) record.prior_prediction = std::move(score.prediction);
@@ -54,10 +53,10 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
   std::vector<ModePair> pairs;
   std::string error;
   if (model.parameters.size() == layout.num_parameters() &&
-      CompareModes(dynamics.CorrectedModel(prior.head(layout.num_dynamics())),
-                   dynamics.CorrectedModel(
-                       model.parameters.head(layout.num_dynamics())),
-                   &pairs, &error)) {
+      CompareModes(
+          dynamics.CorrectedModel(prior.head(layout.num_dynamics())),
+          dynamics.CorrectedModel(model.parameters.head(layout.num_dynamics())),
+          &pairs, &error)) {
     const double to_hz = c.HzPerModelFrequency();
     for (ModePair& pair : pairs) {
       ReportMode mode;

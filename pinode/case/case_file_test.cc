@@ -618,7 +618,7 @@ const BadCase kBadCases[] = {
      "t,ag,a1,d2\n0,0,", "t,ag,a1,d2\n0,,"},
     {"UnknownColumn", "column = \"d2\"", "column = \"d3\"", "quake.csv:1: "},
     {"UnitMismatch", "unit = \"mm\"", "unit = \"mm/s\"",
-     "case.toml:35: record 'quake', channel 'd2': channel d2: unit 'mm/s' is "
+     "case.toml:35: record 'quake', channel 'd2': unit 'mm/s' is "
      "that of a velocity, expected that of a length"},
     {"UnitMismatchOfGround", "unit = \"gal\"", "unit = \"kN\"",
      "case.toml:25: "},
@@ -637,7 +637,8 @@ const BadCase kBadCases[] = {
      "case.toml:22: record 'quake': its sampling is too coarse for the model's "
      "highest mode"},
     {"WindowOutside", "start = \"rest\"",
-     "start = \"rest\"\nwindow = [0.0, 99.0]", "case.toml:22: "},
+     "start = \"rest\"\nwindow = [0.0, 99.0]",
+     "case.toml:22: record 'quake': window [0, 99] reaches beyond"},
     {"FilterAboveNyquist", "start = \"rest\"",
      "start = \"rest\"\nfilter = {type = \"lowpass\", corner_hz = 80.0}",
      "case.toml:22: "},

@@ -315,7 +315,8 @@ class NetworkReader {
         !dynamics_.groups().empty() || !dynamics_.laws().empty();
     const Vector weights =
         has_file_ ? saved_.weights
-                  : InitializeWeights(architecture_, seed, physics);
+                  : InitializeWeights(architecture_, seed,
+                                      physics || architecture_.HasSkipPath());
     term->network = std::make_shared<Network>(architecture_);
     term->weights.name = term->name;
     term->weights.named = false;

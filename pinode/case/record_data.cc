@@ -194,9 +194,9 @@ class RecordDataReader {
     const double offset = (base_start_ - file.start_time) / base_step_;
     const double shift = std::round(offset);
     if (std::abs(offset - shift) > 1e-3) {
-      return signal.table.Fail(
-          "file", signal.label + ": its samples lie between those of '" +
-                      section_.file + "', expected the same times");
+      return signal.table.Fail("file", "its samples lie between those of '" +
+                                           section_.file +
+                                           "', expected the same times");
     }
     Vector aligned = Vector::Constant(num_samples_, kNaN);
     int missing = 0;
@@ -209,9 +209,8 @@ class RecordDataReader {
       aligned[i] = (*values)[static_cast<Eigen::Index>(source)];
     }
     if (missing == num_samples_) {
-      return signal.table.Fail("file", signal.label +
-                                           " has no sample in common with '" +
-                                           section_.file + "'");
+      return signal.table.Fail(
+          "file", "it has no sample in common with '" + section_.file + "'");
     }
     // Whether an excitation is complete is asked within the window only.
     if (missing > 0 && !is_input) {

@@ -136,9 +136,9 @@ class RecordReader {
       if (!Exists(table, signal->file)) return false;
     }
     if (signal->file.empty()) {
-      return table.Fail("file", signal->label +
-                                    " has no file, expected 'file' here or in "
-                                    "its record");
+      return table.Fail("file",
+                        "it has no file, expected 'file' here or in its "
+                        "record");
     }
     if (IsAt2File(signal->file)) {
       if (table.Has("column")) {
@@ -170,7 +170,7 @@ class RecordReader {
     double factor = 1.0;
     std::string error;
     if (!UnitFactor(signal->unit, signal->dimension, units_, &factor, &error)) {
-      return table.Fail("unit", signal->label + ": " + error);
+      return table.Fail("unit", error);
     }
     signal->factor = factor * signal->scale * signal->sign;
     if (table.Has("sigma") && table.Has("sigma_percent")) {

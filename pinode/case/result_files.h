@@ -3,6 +3,7 @@
 #ifndef PINODE_CASE_RESULT_FILES_H_
 #define PINODE_CASE_RESULT_FILES_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,25 @@ Vector FileTimes(const Case& c, size_t r);
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
                                     std::string* text, std::string* error);
+
+// What a simulation has to say beside its responses.
+struct SimulationSummary {
+  struct Record {
+    std::string name;
+    int num_samples = 0;
+    bool finite = false;
+  };
+  std::string case_path;
+  double noise_percent = 0.0;  // of each channel's standard deviation
+  std::uint64_t seed = 0;      // of the noise
+  std::vector<Record> records;
+};
+
+// Writes {"schema": "pinode-simulate-1", "case", "noise_percent", "seed",
+// "records": [{"name", "samples", "finite"}]}.
+[[nodiscard]] bool WriteSimulationSummary(const std::string& path,
+                                          const SimulationSummary& summary,
+                                          std::string* error);
 
 }  // namespace pinode
 

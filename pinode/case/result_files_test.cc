@@ -237,6 +237,33 @@ TEST(ResultFilesTest, FailedFit) {
 
 // Folding against the Jacobian of the dynamics: a linear network leaves nothing
 // else in it.
+TEST(SimulationSummaryTest, ReadsBack) {
+  const TemporaryFolder folder;
+  SimulationSummary summary;
+  summary.case_path = "frame.toml";
+  summary.noise_percent = 2.5;
+  summary.seed = 18446744073709551615u;
+  summary.records = {{"north", 300, true}, {"south", 200, false}};
+  std::string error;
+  ASSERT_TRUE(
+      WriteSimulationSummary(folder.Path("simulate.json"), summary, &error))
+      << error;
+  const Json json = Json::parse(folder.Read("simulate.json"));
+  EXPECT_EQ(json["schema"], "pinode-simulate-1");
+  EXPECT_EQ(json["case"], "frame.toml");
+  EXPECT_EQ(json["noise_percent"], 2.5);
+  EXPECT_EQ(json["seed"], 18446744073709551615u);
+  ASSERT_EQ(json["records"].size(), 2u);
+  EXPECT_EQ(json["records"][1]["name"], "south");
+  EXPECT_EQ(json["records"][1]["samples"], 200);
+  EXPECT_EQ(json["records"][0]["finite"], true);
+  EXPECT_EQ(json["records"][1]["finite"], false);
+
+  EXPECT_FALSE(WriteSimulationSummary(folder.Path("no/such/simulate.json"),
+                                      summary, &error));
+  EXPECT_THAT(error, HasSubstr("simulate.json"));
+}
+
 TEST(FoldedMatricesTest, AreTheJacobianOfALinearNetwork) {
   for (const auto acts_as :
        {NetworkTerm::ActsAs::kAcceleration, NetworkTerm::ActsAs::kForce}) {

@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/file.h"
 #include "pinode/case/checkpoint.h"
 #include "pinode/case/result_files.h"
-#include "pinode/structure/modal_analysis.h"
+#include "pinode/structure/mode_comparison.h"
 
 namespace pinode {
 namespace {
@@ -68,30 +69,21 @@ Json Parameters(const IdentificationSummary& summary) {
 bool Modes(const Case& c, const IdentifiedModel& model, Json* json,
            std::string* error) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
-  const StructuralModel before = dynamics.CorrectedModel(dynamics.Parameters());
-  const StructuralModel after =
-      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
-  ModalProperties initial;
-  ModalProperties updated;
-  if (!ComputeModes(before.mass, before.damping, before.stiffness, &initial,
-                    error) ||
-      !ComputeModes(after.mass, after.damping, after.stiffness, &updated,
-                    error)) {
+  std::vector<ModePair> pairs;
+  if (!CompareModes(dynamics.CorrectedModel(dynamics.Parameters()),
+                    dynamics.CorrectedModel(
+                        model.parameters.head(dynamics.num_parameters())),
+                    &pairs, error)) {
     return false;
   }
   const double hz = c.HzPerModelFrequency();
-  const std::vector<int> pairs =
-      PairModes(initial.mode_shapes, updated.mode_shapes);
   *json = Json::array();
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    const auto a = static_cast<Eigen::Index>(i);
-    const auto b = static_cast<Eigen::Index>(pairs[i]);
-    json->push_back(
-        {{"initial_hz", initial.frequency_hz[a] * hz},
-         {"updated_hz", updated.frequency_hz[b] * hz},
-         {"initial_damping", initial.damping_ratio[a]},
-         {"updated_damping", updated.damping_ratio[b]},
-         {"mac", Mac(initial.mode_shapes.col(a), updated.mode_shapes.col(b))}});
+  for (const ModePair& pair : pairs) {
+    json->push_back({{"initial_hz", pair.initial_frequency * hz},
+                     {"updated_hz", pair.updated_frequency * hz},
+                     {"initial_damping", pair.initial_damping},
+                     {"updated_damping", pair.updated_damping},
+                     {"mac", pair.mac}});
   }
   return true;
 }
@@ -141,6 +133,25 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
   json["remarks"] = c.remarks;
   *text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return true;
+}
+
+bool WriteSimulationSummary(const std::string& path,
+                            const SimulationSummary& summary,
+                            std::string* error) {
+  Json json;
+  json["schema"] = "pinode-simulate-1";
+  json["case"] = summary.case_path;
+  json["noise_percent"] = summary.noise_percent;
+  json["seed"] = summary.seed;
+  json["records"] = Json::array();
+  for (const SimulationSummary::Record& record : summary.records) {
+    json["records"].push_back({{"name", record.name},
+                               {"samples", record.num_samples},
+                               {"finite", record.finite}});
+  }
+  return WriteFileAtomically(
+      path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+      error);
 }
 
 }  // namespace pinode

@@ -33,16 +33,16 @@ struct SubstepChoice {
 Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
                          const IdentificationRecord& record);
 
-// The smallest number of steps per sample, doubled from the smallest stable
-// one, at which halving the step changes the free run of the model as it is by
-// less than a tenth of sigma in every fitted channel, or by less than 1e-4 of
-// its RMS where sigma is to be estimated.
+// The number of steps per sample at which halving the step changes the free run
+// of the model as it is by less than a tenth of sigma in every fitted channel,
+// or by less than 1e-4 of its RMS where sigma is to be estimated: doubled from
+// the smallest stable number, then reduced as the fourth order of RK4 allows.
 //
-// The free run starts at rest or from the known start; from the first sample
-// where the start is free and displacement and velocity channels determine it.
-// Where there is no start, or the model diverges, the rule is
-// step * max|lambda| <= 0.35: then RK4 errs by less than 5e-5 of the amplitude
-// in a radian.
+// The free run starts at rest or from the known start. Where the start is free
+// it is taken from the first sample if displacement and velocity channels
+// determine it, and at rest otherwise. Where that would be no motion at all, or
+// the model diverges, the rule is step * max|lambda| <= 0.35: then RK4 errs by
+// less than 5e-5 of the amplitude in a radian.
 //
 // `record.substeps` is not read. Fails where more than kMaxSubsteps would be
 // needed, or where the dynamics cannot be prepared.

@@ -116,6 +116,28 @@ TEST(SubstepsTest, FreeStart) {
   EXPECT_NEAR(from_state.error, known.error, 1e-12);
 }
 
+// A free start that nothing determines: at rest, where there is an excitation.
+TEST(SubstepsTest, FreeStartUnderAnExcitation) {
+  const StructuralModel model =
+      MakeStructuralModel(Matrix::Ones(1, 1), Matrix::Constant(1, 1, 0.2),
+                          Matrix::Constant(1, 1, kOmega * kOmega));
+  const StructuralDynamics dynamics(model,
+                                    {{InputSpec::Kind::kForce, 0, "force_u1"}});
+  IdentificationRecord record = FreeVibration(0.05, 400);
+  Matrix force(1, 400);
+  for (int i = 0; i < 400; ++i) force(0, i) = std::sin(0.3 * i);
+  record.excitation.emplace(0.0, 0.05, force, Interpolation::kLinear);
+  SubstepChoice choices[2];
+  std::string error;
+  record.start = IdentificationRecord::Start::kFree;
+  ASSERT_TRUE(ChooseSubsteps(dynamics, record, &choices[0], &error)) << error;
+  record.start = IdentificationRecord::Start::kRest;
+  ASSERT_TRUE(ChooseSubsteps(dynamics, record, &choices[1], &error)) << error;
+  EXPECT_EQ(choices[0].substeps, choices[1].substeps);
+  EXPECT_GT(choices[0].error, 0.0);
+  EXPECT_EQ(choices[0].error, choices[1].error);
+}
+
 TEST(SubstepsTest, StiffElementCounts) {
   StructuralDynamics dynamics = Oscillator();
   std::string error;

@@ -52,8 +52,9 @@ int TomlTable::Line(const std::string& key) const {
 }
 
 bool TomlTable::Fail(const std::string& key, const std::string& message) const {
-  return errors_->Fail(Line(key),
-                       (name_.empty() ? "" : name_ + ": ") + message);
+  // What lower floors have to say may begin with the name already.
+  const bool named = message.compare(0, name_.size(), name_) == 0;
+  return errors_->Fail(Line(key), (named ? "" : name_ + ": ") + message);
 }
 
 bool TomlTable::RequireKey(const std::string& key,

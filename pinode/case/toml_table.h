@@ -63,7 +63,8 @@ class TomlTable {
   int Line(const std::string& key) const;
   int line() const { return table_->line; }
 
-  // `file:line: [table] message`, at the key's line.
+  // `file:line: name: message`, at the key's line; a message that begins with
+  // the table's name does not get it twice.
   bool Fail(const std::string& key, const std::string& message) const;
   bool RequireKey(const std::string& key, const std::string& expected) const;
 

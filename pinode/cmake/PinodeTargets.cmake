@@ -29,7 +29,7 @@ function(pinode_private_flags target)
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
        CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
       target_compile_options(${target} PRIVATE
-        -Wno-uninitialized -Wno-maybe-uninitialized)
+        -Wno-uninitialized -Wno-maybe-uninitialized -Wno-array-bounds)
     endif()
   endif()
 endfunction()

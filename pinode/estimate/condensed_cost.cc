@@ -40,8 +40,8 @@ CondensedCost::CondensedCost(MultipleShooting* shooting, int num_free)
   set_num_residuals(num_free + 1);
 }
 
-bool CondensedCost::Evaluate(double const* const* parameters,
-                             double* residuals, double** jacobians) const {
+bool CondensedCost::Evaluate(double const* const* parameters, double* residuals,
+                             double** jacobians) const {
   const int n = parameter_block_sizes()[0];
   const Vector free = Eigen::Map<const Vector>(parameters[0], n);
   Eigen::Map<Vector> r(residuals, n + 1);
@@ -63,8 +63,8 @@ bool CondensedCost::Evaluate(double const* const* parameters,
       const double total = 2.0 * system_.cost;
       r.head(n) = projected;
       r[n] = std::sqrt(std::max(0.0, total - projected.squaredNorm()));
-      Eigen::Map<
-          Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
+                               Eigen::RowMajor>>
           jacobian(jacobians[0], n + 1, n);
       jacobian.topRows(n) = root;
       jacobian.bottomRows(1).setZero();

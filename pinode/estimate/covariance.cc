@@ -120,8 +120,8 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   // Unit diagonal: what is small then is small in every unit.
   Vector scale(n);
   for (int i = 0; i < n; ++i) {
-    scale[i] = system.hessian(i, i) > 0.0 ? std::sqrt(system.hessian(i, i))
-                                          : 1.0;
+    scale[i] =
+        system.hessian(i, i) > 0.0 ? std::sqrt(system.hessian(i, i)) : 1.0;
   }
   const Vector inverse_scale = scale.cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
@@ -143,8 +143,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
 
   bool noisy_input = false;
   for (int r : shooting->train_records()) {
-    const Vector& sigma =
-        problem.records[static_cast<size_t>(r)].input_sigma;
+    const Vector& sigma = problem.records[static_cast<size_t>(r)].input_sigma;
     noisy_input = noisy_input || (sigma.size() > 0 && sigma.maxCoeff() > 0.0);
   }
   using Covariance = IdentificationOptions::Covariance;
@@ -208,10 +207,9 @@ bool EstimateCovariance(const IdentificationProblem& problem,
         const double sigma = data.input_sigma[input];
         if (!(sigma > 0.0)) continue;
         const Matrix effect =
-            sigma * InputSensitivity(problem, layout, record, input,
-                                     parameters, states[t], weights);
-        middle.noalias() +=
-            effect.topRows(n) * effect.topRows(n).transpose();
+            sigma * InputSensitivity(problem, layout, record, input, parameters,
+                                     states[t], weights);
+        middle.noalias() += effect.topRows(n) * effect.topRows(n).transpose();
         for (int c = 0; c < nc; ++c) {
           induced[c] +=
               effect.middleRows(n + c * kProbes, kProbes).squaredNorm() /
@@ -228,8 +226,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
         for (int i = 0; i < samples; ++i) {
           rows.row(i) = jacobians[t].row(i * nc + c);
         }
-        middle.noalias() +=
-            share * scale_to_one * rows.transpose() * rows;
+        middle.noalias() += share * scale_to_one * rows.transpose() * rows;
       }
     }
   } else {

@@ -20,10 +20,10 @@ struct IdentificationProgress {
   int segment_samples = 0;  // longest segment of the stage
   int iteration = 0;        // Levenberg-Marquardt iterations so far
   double cost = 0.0;
-  double largest_gap = 0.0;       // in units of the state's RMS
-  double free_run_error = 0.0;    // of the last stage, nrmse over all channels
+  double largest_gap = 0.0;     // in units of the state's RMS
+  double free_run_error = 0.0;  // of the last stage, nrmse over all channels
   double elapsed_seconds = 0.0;
-  double expected_seconds = 0.0;  // in all, at this pace; an upper bound
+  double expected_seconds = 0.0;       // in all, at this pace; an upper bound
   const Vector* parameters = nullptr;  // all of them, at this iteration
 };
 

@@ -83,9 +83,9 @@ bool IdentificationProblem::IsValid(std::string* error) const {
         *error = where + "its standard deviation is negative";
         return false;
       }
-      any_fitted = any_fitted ||
-                   (channel.fit &&
-                    record.role == IdentificationRecord::Role::kTrain);
+      any_fitted =
+          any_fitted ||
+          (channel.fit && record.role == IdentificationRecord::Role::kTrain);
     }
   }
   if (!any_fitted) {

@@ -25,7 +25,7 @@ std::string IdentificationSummary::BriefReport() const {
   for (const RecordScore& record : records) {
     text << "; " << record.name
          << (record.role == IdentificationRecord::Role::kTrain ? " (train)"
-                                                                : " (holdout)")
+                                                               : " (holdout)")
          << " nrmse " << record.nrmse;
   }
   return text.str();

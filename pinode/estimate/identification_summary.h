@@ -13,20 +13,20 @@
 namespace pinode {
 
 enum class Termination {
-  kFailure,       // not started, or no finite trajectory to start from
-  kConverged,     // changes fell below the tolerances
-  kNoConvergence, // the iterations ran out
-  kInterrupted,   // the callback said stop
+  kFailure,        // not started, or no finite trajectory to start from
+  kConverged,      // changes fell below the tolerances
+  kNoConvergence,  // the iterations ran out
+  kInterrupted,    // the callback said stop
 };
 const char* TerminationName(Termination termination);
 
 // Free run of one channel over a whole record against its measurement.
 struct ChannelScore {
   std::string name;
-  double rmse = 0.0;   // model units
-  double nrmse = 0.0;  // |y - yhat| / |y - mean(y)|
+  double rmse = 0.0;         // model units
+  double nrmse = 0.0;        // |y - yhat| / |y - mean(y)|
   double prior_nrmse = 0.0;  // of the model before the identification
-  double sigma = 0.0;  // estimated or given noise
+  double sigma = 0.0;        // estimated or given noise
 };
 
 struct RecordScore {
@@ -35,10 +35,10 @@ struct RecordScore {
   bool finite = false;
   // First sample that is scored; later than 0 where the start was smoothed.
   int first_scored_sample = 0;
-  double nrmse = 0.0;        // over all channels, each in units of its scale
+  double nrmse = 0.0;  // over all channels, each in units of its scale
   double prior_nrmse = 0.0;
   std::vector<ChannelScore> channels;
-  Vector start;      // num_states
+  Vector start;       // num_states
   Matrix prediction;  // channels x samples, of the sensors as they are
   Matrix states;      // num_states x samples
 };
@@ -82,7 +82,7 @@ struct IdentificationSummary {
   std::string message = "the identification has not been started";
   bool usable = false;
 
-  std::vector<RecordScore> records;  // in the problem's order
+  std::vector<RecordScore> records;           // in the problem's order
   std::vector<ParameterEstimate> parameters;  // named ones
   // Covariance of the free named parameters, in the order of `parameters`.
   std::vector<std::string> covariance_names;
@@ -95,7 +95,7 @@ struct IdentificationSummary {
   std::vector<IterationRecord> iterations;
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  double largest_gap = 0.0;  // in units of the state's RMS
+  double largest_gap = 0.0;      // in units of the state's RMS
   bool single_shooting = false;  // the last stage was one segment a record
   int num_iterations = 0;
   int rejected_steps = 0;
@@ -114,7 +114,7 @@ struct IdentificationSummary {
 // The outcome as a model: values of all parameters, noise levels and starts,
 // from which the next identification, damage detection or discovery begins.
 struct IdentifiedModel {
-  Vector parameters;  // dynamics first, then sensors
+  Vector parameters;           // dynamics first, then sensors
   std::vector<Vector> sigmas;  // per record of the problem (training ones)
   std::vector<Vector> starts;  // per record
   Vector decays;               // per decay group of the parameter layout

@@ -264,8 +264,8 @@ std::vector<int> Trainer::StageLengths() const {
   }
   int longest = 0;
   for (int r : shooting_->train_records()) {
-    longest = std::max(
-        longest, problem_.records[static_cast<size_t>(r)].num_samples());
+    longest = std::max(longest,
+                       problem_.records[static_cast<size_t>(r)].num_samples());
   }
   std::vector<int> lengths;
   const int first = options_.segment_samples > 0
@@ -284,8 +284,9 @@ std::string Trainer::DescribeDivergence(const Divergence& divergence) const {
       problem_.records[static_cast<size_t>(divergence.record)];
   std::ostringstream text;
   text << "the trajectory of record '" << record.name
-       << "' is not finite in segment " << divergence.segment + 1 << " at t = "
-       << record.excitation->time(divergence.sample) << " s, state "
+       << "' is not finite in segment " << divergence.segment + 1
+       << " at t = " << record.excitation->time(divergence.sample)
+       << " s, state "
        << problem_.dynamics->StateNames()[static_cast<size_t>(
               std::max(0, divergence.state))];
   return text.str();
@@ -327,9 +328,8 @@ bool Trainer::SolveRound(int max_iterations, double function_tolerance,
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
   options.linear_solver_type =
       n <= 100 ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations =
-      std::min(max_iterations,
-               options_.max_num_iterations - summary_->num_iterations);
+  options.max_num_iterations = std::min(
+      max_iterations, options_.max_num_iterations - summary_->num_iterations);
   options.function_tolerance = function_tolerance;
   options.parameter_tolerance = 1e-14;
   options.gradient_tolerance = 0.0;
@@ -458,17 +458,17 @@ bool Trainer::UpdateNoiseAndDecay() {
       double& sigma = current_.sigmas[r][c];
       // Never much at once: early residuals mislead, and a network needs time
       // to find out what it can do without.
-      const double shrink = layout_.num_decay_groups() > 0 ? kNetworkShrink : 0.1;
+      const double shrink =
+          layout_.num_decay_groups() > 0 ? kNetworkShrink : 0.1;
       sigma = std::max(
           floor, sigma * std::clamp(std::sqrt(mean_square), shrink, 10.0));
     }
   }
   shooting_->SetSigmas(current_.sigmas);
-  const double noise_change =
-      (StackSigmas(current_.sigmas) - sigmas_before)
-          .cwiseQuotient(sigmas_before)
-          .cwiseAbs()
-          .maxCoeff();
+  const double noise_change = (StackSigmas(current_.sigmas) - sigmas_before)
+                                  .cwiseQuotient(sigmas_before)
+                                  .cwiseAbs()
+                                  .maxCoeff();
   VLOG(1) << "noise changed by " << noise_change << ", well-determined "
           << "parameters " << effective_before << " -> " << effective;
   noise_is_quiet_ = noise_change < 0.02;
@@ -541,7 +541,8 @@ bool Trainer::RunStage(int samples, bool last) {
         settled = true;
         if (quiet) break;
       }
-      fine = fine || quiet || evidence_rounds >= kEvidenceRounds;
+      fine = fine || quiet || evidence_rounds >= kEvidenceRounds ||
+             round + 1 >= kMaxRounds / 2;
       continue;
     }
     // The multipliers belong to the noise levels at hand: close gaps first.
@@ -555,8 +556,8 @@ bool Trainer::RunStage(int samples, bool last) {
     firmness = std::min(1e4, 10.0 * firmness);
     CondensedSystem updated;
     if (!shooting_->Linearize(current_.free, &updated)) break;
-    const double after = std::max(
-        before, firmness * std::max(1.0, shooting_->DataCurvature()));
+    const double after =
+        std::max(before, firmness * std::max(1.0, shooting_->DataCurvature()));
     shooting_->SetGapPenalty(after);
     shooting_->RescaleMultipliers(before / after);
   }
@@ -594,8 +595,8 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   shooting_->SetDecays(current_.decays);
   const std::vector<int> lengths = StageLengths();
   num_stages_ = static_cast<int>(lengths.size());
-  if (!InitialTrajectories(problem_, lengths[0], current_.free,
-                           shooting_.get(), &current_.trajectories)) {
+  if (!InitialTrajectories(problem_, lengths[0], current_.free, shooting_.get(),
+                           &current_.trajectories)) {
     summary_->message = DescribeDivergence(shooting_->divergence());
     return false;
   }
@@ -662,7 +663,26 @@ void ScoreEverything(const IdentificationProblem& problem,
                       ? channel.sigma
                       : std::max(kFirstNoise * Spread(channel.values), 1e-290);
     }
-    if (is_train) sigmas = train_sigmas[t];
+    if (is_train) {
+      sigmas = train_sigmas[t];
+    } else {
+      // A sensor of a training record is the same sensor here.
+      for (int c = 0; c < sigmas.size(); ++c) {
+        const MeasuredChannel& channel =
+            record.channels[static_cast<size_t>(c)];
+        if (channel.sigma > 0.0) continue;
+        for (size_t k = 0; k < train.size(); ++k) {
+          const auto& others =
+              problem.records[static_cast<size_t>(train[k])].channels;
+          for (size_t o = 0; o < others.size(); ++o) {
+            if (others[o].fit &&
+                others[o].observation.name == channel.observation.name) {
+              sigmas[c] = train_sigmas[k][static_cast<int>(o)];
+            }
+          }
+        }
+      }
+    }
     model->sigmas[r] = sigmas;
 
     RecordScore prior;
@@ -790,8 +810,8 @@ void Identify(const IdentificationProblem& problem,
     const bool interrupted = trainer->interrupted();
     if (!ok) {
       if (best == nullptr) best_summary = attempt;
-    } else if (best == nullptr || trainer->best().free_run_error <
-                                      best->best().free_run_error) {
+    } else if (best == nullptr ||
+               trainer->best().free_run_error < best->best().free_run_error) {
       best = std::move(trainer);
       best_summary = attempt;
     }

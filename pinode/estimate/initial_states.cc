@@ -45,8 +45,7 @@ Vector GuessScales(const IdentificationProblem& problem,
   const StructuralDynamics& dynamics = *problem.dynamics;
   double x = 0.0, v = 0.0, a = 0.0;
   for (const MeasuredChannel& channel : record.channels) {
-    const double weight =
-        channel.observation.weights.cwiseAbs().maxCoeff();
+    const double weight = channel.observation.weights.cwiseAbs().maxCoeff();
     if (!(weight > 0.0)) continue;
     const double size = StandardDeviationOfPresent(channel.values) / weight;
     switch (channel.observation.quantity) {
@@ -89,14 +88,13 @@ int FirstSegmentSamples(const IdentificationProblem& problem) {
   const std::vector<double> frequencies = ModelFrequencies(problem);
   if (!frequencies.empty()) {
     constexpr double kQuarterTurn = 1.5707963267948966;
-    samples = static_cast<int>(std::min(
-        1e6, std::ceil(kQuarterTurn / frequencies.front() / step)));
+    samples = static_cast<int>(
+        std::min(1e6, std::ceil(kQuarterTurn / frequencies.front() / step)));
   }
   return std::clamp(samples, 10, std::max(10, shortest / 4));
 }
 
-Vector StateScales(const IdentificationProblem& problem,
-                   const Matrix& states) {
+Vector StateScales(const IdentificationProblem& problem, const Matrix& states) {
   const int n = problem.dynamics->num_dofs();
   Vector scales =
       (states.rowwise().squaredNorm() / static_cast<double>(states.cols()))

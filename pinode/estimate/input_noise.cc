@@ -41,16 +41,14 @@ Matrix InputSensitivity(const IdentificationProblem& problem,
   }
   const ObservationMap observation(dynamics, observations);
   const IntegrationGrid grid(*data.excitation, data.substeps);
-  const bool held =
-      data.excitation->interpolation() == Interpolation::kHeld;
+  const bool held = data.excitation->interpolation() == Interpolation::kHeld;
 
   // The dynamics is affine in its ground accelerations and forces, and smooth
   // in covariates: differences over a small part of the input's own size.
   const double delta =
-      1e-4 * std::max(1e-12, data.excitation->samples()
-                                 .row(input)
-                                 .cwiseAbs()
-                                 .maxCoeff());
+      1e-4 *
+      std::max(1e-12,
+               data.excitation->samples().row(input).cwiseAbs().maxCoeff());
   auto stage = dynamics.MakeStage();
   Rk4Scratch<double> scratch(ns);
   std::vector<double> inputs(static_cast<size_t>(dynamics.num_inputs()));

@@ -54,7 +54,7 @@ struct SegmentResult {
   double cost = 0.0;
   Matrix start_hessian;  // A_k: J_s' J_s
   Vector start_gradient;
-  Matrix cross;          // J_s' J_theta, num_states x num_free
+  Matrix cross;  // J_s' J_theta, num_states x num_free
   Vector end_state;
   Matrix end_sensitivity;  // num_states x (num_states [+ num_free])
   int failed_sample = -1;
@@ -78,9 +78,7 @@ struct MultipleShooting::Record {
   // linearisation.
   Matrix start_sensitivity;
 
-  int num_segments() const {
-    return static_cast<int>(boundaries.size()) - 1;
-  }
+  int num_segments() const { return static_cast<int>(boundaries.size()) - 1; }
   bool HasFreeStarts() const { return start_is_free || num_segments() > 1; }
 };
 
@@ -206,8 +204,7 @@ bool MultipleShooting::PrepareDynamics(const Vector& free) {
   std::string error;
   return full_parameters_.allFinite() &&
          problem_.dynamics->Prepare(
-             full_parameters_.head(layout_.num_dynamics()), &prepared_,
-             &error);
+             full_parameters_.head(layout_.num_dynamics()), &prepared_, &error);
 }
 
 void MultipleShooting::WeightRows(const Record& record, int segment,
@@ -368,10 +365,10 @@ void MultipleShooting::AddPriors(const Vector& free,
 Vector MultipleShooting::GapForce(const Record& record, const Matrix& starts,
                                   int gap) const {
   const SegmentResult& result = record.results[static_cast<size_t>(gap)];
-  return gap_penalty_ *
-         ((result.end_state - starts.col(gap + 1)).cwiseQuotient(record.scales) +
-          record.multipliers.col(gap))
-             .cwiseQuotient(record.scales);
+  return gap_penalty_ * ((result.end_state - starts.col(gap + 1))
+                             .cwiseQuotient(record.scales) +
+                         record.multipliers.col(gap))
+                            .cwiseQuotient(record.scales);
 }
 
 void MultipleShooting::AssembleStarts(Record* record, const Matrix& starts,
@@ -438,10 +435,9 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
     const Record& record = *records_[r];
     if (linearized_free_.size() == free.size() &&
         record.start_sensitivity.cols() == free.size()) {
-      const Vector move =
-          record.start_sensitivity * (free - linearized_free_);
-      search.trial += Eigen::Map<const Matrix>(move.data(), ns,
-                                               search.trial.cols());
+      const Vector move = record.start_sensitivity * (free - linearized_free_);
+      search.trial +=
+          Eigen::Map<const Matrix>(move.data(), ns, search.trial.cols());
     }
   }
   divergence_ = Divergence();
@@ -458,8 +454,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
                 static_cast<int>(threads_.size()), [&](int t, int thread) {
                   const auto& [r, k] = tasks[static_cast<size_t>(t)];
                   EvaluateSegment(records_[static_cast<size_t>(r)].get(), k,
-                                  searches[static_cast<size_t>(r)].trial,
-                                  false,
+                                  searches[static_cast<size_t>(r)].trial, false,
                                   threads_[static_cast<size_t>(thread)].get());
                 });
     for (size_t r = 0; r < records_.size(); ++r) {
@@ -492,9 +487,9 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
           trial_cost += 0.5 * gap_penalty_ * gap.squaredNorm();
         }
         if (record.start_is_free) {
-          trial_cost += 0.5 * kStartPrecision *
-                        inverse_scales.cwiseProduct(search.trial.col(0))
-                            .squaredNorm();
+          trial_cost +=
+              0.5 * kStartPrecision *
+              inverse_scales.cwiseProduct(search.trial.col(0)).squaredNorm();
         }
         finite = std::isfinite(trial_cost);
       }
@@ -582,8 +577,8 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
     }
   }
   std::vector<char> ok(tasks.size(), 0);
-  ParallelFor(static_cast<int>(tasks.size()),
-              static_cast<int>(threads_.size()), [&](int t, int thread) {
+  ParallelFor(static_cast<int>(tasks.size()), static_cast<int>(threads_.size()),
+              [&](int t, int thread) {
                 const auto& [r, k] = tasks[static_cast<size_t>(t)];
                 ok[static_cast<size_t>(t)] = EvaluateSegment(
                     records_[static_cast<size_t>(r)].get(), k,
@@ -733,8 +728,7 @@ bool MultipleShooting::WeightedResiduals(const Vector& free, bool with_jacobian,
       residual.middleCols(first, count) =
           Eigen::Map<const Matrix>(thread.residual.data(), nc, count);
       if (with_jacobian) {
-        jacobian.middleRows(first * nc, count * nc) =
-            thread.rows.rightCols(nf);
+        jacobian.middleRows(first * nc, count * nc) = thread.rows.rightCols(nf);
         if (record.HasFreeStarts()) {
           jacobian.middleRows(first * nc, count * nc).noalias() +=
               thread.rows.leftCols(ns) *

@@ -11,8 +11,8 @@
 #include "pinode/estimate/block_tridiagonal.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/parameter_layout.h"
-#include "pinode/integrate/segment.h"
 #include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/segment.h"
 
 namespace pinode {
 
@@ -84,8 +84,14 @@ class MultipleShooting {
   // sigma, one per channel and record.
   void SetSigmas(const std::vector<Vector>& sigmas);
   // Precision of the decay prior per decay group of the layout.
-  void SetDecays(const Vector& decays) { decays_ = decays; }
-  void SetGapPenalty(double mu) { gap_penalty_ = mu; }
+  void SetDecays(const Vector& decays) {
+    decays_ = decays;
+    last_free_.resize(0);
+  }
+  void SetGapPenalty(double mu) {
+    gap_penalty_ = mu;
+    last_free_.resize(0);
+  }
   double gap_penalty() const { return gap_penalty_; }
   // lambda_k += D^-1 gap_k, at the parameters of the last evaluation.
   void UpdateMultipliers();

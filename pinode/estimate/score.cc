@@ -48,9 +48,9 @@ int FreeRunStart(const IdentificationProblem& problem, int record,
     return 0;
   }
   // A problem of its own: the record's beginning, its start the only unknown.
-  const int samples = std::clamp(
-      static_cast<int>(std::ceil(kStartShare * data.num_samples())),
-      std::min(data.num_samples(), 8), data.num_samples());
+  const int samples =
+      std::clamp(static_cast<int>(std::ceil(kStartShare * data.num_samples())),
+                 std::min(data.num_samples(), 8), data.num_samples());
   IdentificationProblem beginning = problem;
   IdentificationRecord shortened = data;
   shortened.role = IdentificationRecord::Role::kTrain;
@@ -104,8 +104,8 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                             samples - 1, &trajectory);
   }
   if (!score->finite) {
-    score->prediction = Matrix::Constant(
-        nc, samples, std::numeric_limits<double>::quiet_NaN());
+    score->prediction =
+        Matrix::Constant(nc, samples, std::numeric_limits<double>::quiet_NaN());
     if (trajectory.channels.cols() == samples) {
       score->prediction = trajectory.channels;
       score->states = trajectory.states;
@@ -125,8 +125,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
   std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
   ApplySensors(problem, layout, parameters, data, false, &prediction, &no_rows,
                &valid);
-  score->prediction =
-      Eigen::Map<const Matrix>(prediction.data(), nc, samples);
+  score->prediction = Eigen::Map<const Matrix>(prediction.data(), nc, samples);
   if (data.filter != nullptr) {
     Matrix history = score->prediction.transpose();
     data.filter->Apply(&history);

@@ -16,8 +16,7 @@ namespace pinode {
 // the first sample that may be scored: 0, or the first one after those used.
 // sigmas: noise per channel.
 int FreeRunStart(const IdentificationProblem& problem, int record,
-                 const Vector& parameters, const Vector& sigmas,
-                 Vector* start);
+                 const Vector& parameters, const Vector& sigmas, Vector* start);
 
 // Runs the record from `start` and compares every channel with what was
 // measured: sensors and filter applied. Fills *score but for its prior_nrmse.

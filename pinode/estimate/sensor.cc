@@ -42,8 +42,8 @@ void DelayChannel(int channel, int channels, double delay, double dt,
       (*valid)[static_cast<size_t>(row)] = false;
       continue;
     }
-    const int first = std::clamp(static_cast<int>(std::floor(position)) - 1, 0,
-                                 samples - 4);
+    const int first =
+        std::clamp(static_cast<int>(std::floor(position)) - 1, 0, samples - 4);
     double weight[4], slope[4];
     CubicWeights(position - first, weight, slope);
     double value = 0.0;

@@ -7,8 +7,8 @@
 namespace pinode {
 
 bool CompareModes(const StructuralModel& initial,
-                  const StructuralModel& updated,
-                  std::vector<ModePair>* pairs, std::string* error) {
+                  const StructuralModel& updated, std::vector<ModePair>* pairs,
+                  std::string* error) {
   ModalProperties before, after;
   if (!ComputeModes(initial.mass, initial.damping, initial.stiffness, &before,
                     error) ||

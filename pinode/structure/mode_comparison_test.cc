@@ -18,8 +18,8 @@ TEST(ModeComparison, FollowsModesThatChangePlaces) {
   // Two separate masses: the softer one is stiffened beyond the other.
   std::vector<ModePair> pairs;
   std::string error;
-  ASSERT_TRUE(CompareModes(TwoMasses(1.0, 4.0), TwoMasses(9.0, 4.0), &pairs,
-                           &error))
+  ASSERT_TRUE(
+      CompareModes(TwoMasses(1.0, 4.0), TwoMasses(9.0, 4.0), &pairs, &error))
       << error;
   ASSERT_EQ(pairs.size(), 2u);
   constexpr double kTwoPi = 6.283185307179586;

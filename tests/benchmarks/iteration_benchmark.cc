@@ -43,8 +43,10 @@ namespace {
 constexpr int kSegmentSamples = 20;
 constexpr double kDecay = 0.1;
 constexpr int kRepetitions = 5;
-constexpr int kIterations = 6;
+// Accepted iterations of a run, and the most that may be tried for them.
+constexpr int kIterations = 5;
 constexpr int kPlainIterations = 2;
+constexpr int kMaxTrials = 30;
 // The plain way is not run where an iteration would take longer.
 constexpr double kPlainLimitSeconds = 30.0;
 constexpr double kRequiredGrowth = 12.0;
@@ -57,10 +59,11 @@ struct IterationTimes {
   double Total() const { return starts + jacobian + normal + solve; }
 };
 
-// Reads the clock after each iteration.
+// Reads the clock after each iteration, until `num_wanted` were accepted.
 class Clock final : public ceres::IterationCallback {
  public:
-  explicit Clock(const EvaluationTimes* times) : times_(times) {}
+  Clock(int num_wanted, const EvaluationTimes* times)
+      : num_wanted_(num_wanted), times_(times) {}
 
   ceres::CallbackReturnType operator()(
       const ceres::IterationSummary& iteration) override {
@@ -74,12 +77,15 @@ class Clock final : public ceres::IterationCallback {
     }
     before_ = *times_;
     last_ = CpuSeconds();
-    return ceres::SOLVER_CONTINUE;
+    return static_cast<int>(iterations_.size()) < num_wanted_
+               ? ceres::SOLVER_CONTINUE
+               : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
   const std::vector<IterationTimes>& iterations() const { return iterations_; }
 
  private:
+  int num_wanted_;
   const EvaluationTimes* times_;
   EvaluationTimes before_;
   double last_ = 0.0;
@@ -92,13 +98,13 @@ std::vector<IterationTimes> RunIterations(int num_iterations,
   ceres::Solver::Options options;
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = num_iterations;
+  options.max_num_iterations = kMaxTrials;
   options.function_tolerance = 0.0;
   options.gradient_tolerance = 0.0;
   options.parameter_tolerance = 0.0;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  Clock clock(&times);
+  Clock clock(num_iterations, &times);
   options.callbacks.push_back(&clock);
   ceres::Solver::Summary summary;
   ceres::Solve(options, problem, &summary);
@@ -154,6 +160,7 @@ class Fit {
     CHECK(shooting_.Linearize(initial_, &system));
     // As at the beginning of a stage of Identify.
     shooting_.SetGapPenalty(std::max(1.0, 0.1 * shooting_.DataCurvature()));
+    Restart();
     CheckSameCost();
   }
 

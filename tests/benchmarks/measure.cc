@@ -68,7 +68,7 @@ void AddComparison(const Comparison& comparison) {
 
 int PrintComparisons() {
   if (Comparisons().empty()) return 0;
-  std::printf("\n%-52s %12s %12s %10s  %s\n", "CPU time", "reference", "pinode",
+  std::printf("\n%-58s %12s %12s %10s  %s\n", "CPU time", "reference", "pinode",
               "ratio", "required");
   int missed = 0;
   for (const Comparison& c : Comparisons()) {
@@ -76,7 +76,7 @@ int PrintComparisons() {
                        : c.reference == Comparison::Reference::kExtrapolated
                            ? "~"
                            : "";
-    std::printf("%-52s %1s%9.4g s  %9.4g s  %1s%8.1f", c.name.c_str(), mark,
+    std::printf("%-58s %1s%9.4g s  %9.4g s  %1s%8.1f", c.name.c_str(), mark,
                 c.reference_seconds, c.pinode_seconds, mark, c.Ratio());
     if (c.requirement != Comparison::Requirement::kNone) {
       std::printf(

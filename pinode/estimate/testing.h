@@ -1,0 +1,85 @@
+// Structures, records and noise for the tests of the trainer.
+
+#ifndef PINODE_ESTIMATE_TESTING_H_
+#define PINODE_ESTIMATE_TESTING_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+namespace testing {
+
+// Independent normal numbers of unit variance, the same on every machine.
+class Gaussian {
+ public:
+  explicit Gaussian(uint64_t seed) : random_(seed) {}
+  double Next();
+  Vector Draw(int count);
+
+ private:
+  std::mt19937_64 random_;
+};
+
+// A chain under ground motion (input 0) with one stiffness group a spring: k1
+// ... kn, the fractional change of each.
+std::shared_ptr<StructuralDynamics> MakeGroupedChain(int n, double k, double c);
+
+// Two masses under ground motion with groups for stiffness, damping and mass
+// (`m2`, fixed), a cubic spring, a Bouc-Wen element with its exponent fixed,
+// and a small network with skip path: something of every kind, and smooth
+// enough for finite differences.
+std::shared_ptr<StructuralDynamics> MakeSmallNonlinear();
+
+// A record without channels: samples of several sines of about unit size for
+// every input, `step` apart.
+IdentificationRecord MakeExcitedRecord(
+    const StructuralDynamics& dynamics, int samples, double step,
+    Interpolation interpolation = Interpolation::kLinear);
+
+// One channel at DOF `dof`, its values still to come.
+MeasuredChannel MakeChannel(const std::string& name, Quantity quantity,
+                            int num_dofs, int dof);
+
+// Fills the values of all channels from a free run: ideal sensors, plus noise
+// of `noise` times each channel's spread. Returns the states, num_states x
+// samples.
+Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
+                const Vector& start, double noise, uint64_t seed,
+                IdentificationRecord* record);
+
+// Derivative of a function of one variable at zero: central differences at h,
+// h/2 and h/4, extrapolated twice (C. J. F. Ridders, Adv. Eng. Software 4
+// (1982) 75-76).
+Vector Differentiate(const std::function<Vector(double)>& function, double h);
+
+// The nonlinear structure with two training records of 31 and 24 samples, four
+// channels each, sensors with gain, offset and delay, missing samples, one
+// channel that is not fitted, and parameters away from the best ones.
+struct SmallFit {
+  SmallFit(IdentificationRecord::Start start);
+
+  // Shooting with scales, sigmas and decays set, cut into segments.
+  std::unique_ptr<MultipleShooting> Shoot(
+      int segment_samples, const MultipleShooting::Options& options) const;
+
+  IdentificationProblem problem;
+  std::unique_ptr<ParameterLayout> layout;
+  Vector free;
+  std::vector<Matrix> states;  // of the truth
+  std::vector<Vector> sigmas, scales;
+  Vector decays;
+};
+
+}  // namespace testing
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_TESTING_H_

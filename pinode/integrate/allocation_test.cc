@@ -1,0 +1,126 @@
+// One step with its derivatives allocates nothing once its workspace exists.
+//
+// Counts every call of the C allocation functions in this program: Eigen,
+// operator new and the standard library all end there. The sanitizers bring
+// their own functions, so that the test is skipped under them.
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/testing.h"
+#include "pinode/integrate/tangent_step.h"
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define PINODE_COUNTS_ALLOCATIONS 1
+#endif
+
+namespace {
+std::size_t allocation_count = 0;
+}  // namespace
+
+#ifdef PINODE_COUNTS_ALLOCATIONS
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  ++allocation_count;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++allocation_count;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* block, std::size_t size) {
+  ++allocation_count;
+  return __libc_realloc(block, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++allocation_count;
+  return __libc_memalign(alignment, size);
+}
+}  // extern "C"
+#endif
+
+namespace pinode {
+namespace {
+
+class AllocationTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+#ifndef PINODE_COUNTS_ALLOCATIONS
+    GTEST_SKIP() << "Allocations are counted with glibc, without sanitizers.";
+#endif
+    dynamics_ = testing::MakeEverything();
+    std::string error;
+    ASSERT_TRUE(
+        dynamics_->Prepare(dynamics_->Parameters(), &prepared_, &error));
+    grid_ = IntegrationGrid(
+        Excitation(0.0, 0.05, Matrix::Random(3, 12), Interpolation::kLinear),
+        2);
+    state_ = Vector::LinSpaced(dynamics_->num_states(), -0.5, 0.6);
+  }
+
+  std::unique_ptr<StructuralDynamics> dynamics_;
+  StructuralDynamics::Prepared prepared_;
+  IntegrationGrid grid_;
+  Vector state_;
+};
+
+TEST_F(AllocationTest, IsCounted) {
+  const std::size_t before = allocation_count;
+  const Matrix matrix = Matrix::Random(20, 20);
+  EXPECT_GT(allocation_count, before);
+  EXPECT_TRUE(matrix.allFinite());
+}
+
+TEST_F(AllocationTest, StepAllocatesNothing) {
+  const int ns = dynamics_->num_states();
+  for (bool with_parameters : {false, true}) {
+    TangentStep step(*dynamics_);
+    Vector state = state_;
+    Matrix sensitivity = Matrix::Zero(
+        ns, ns + (with_parameters ? dynamics_->num_tangent_columns() : 0));
+    sensitivity.leftCols(ns).setIdentity();
+    // The first step may still size its workspace.
+    step.Step(prepared_, grid_, 0, 0, with_parameters, &state, &sensitivity);
+    const std::size_t before = allocation_count;
+    for (int i = 0; i < 11; ++i) {
+      for (int s = 0; s < 2; ++s) {
+        step.Step(prepared_, grid_, i, s, with_parameters, &state,
+                  &sensitivity);
+      }
+    }
+    const std::size_t after = allocation_count;
+    EXPECT_EQ(after, before) << "with parameters: " << with_parameters;
+    EXPECT_TRUE(state.allFinite() && sensitivity.allFinite());
+    EXPECT_GT(sensitivity.norm(), 0.0);
+  }
+}
+
+TEST_F(AllocationTest, LinearizationAtASampleAllocatesNothing) {
+  TangentStep step(*dynamics_);
+  const int ns = dynamics_->num_states();
+  const Matrix left = Matrix::Random(2, ns);
+  Matrix result = Matrix::Zero(2, dynamics_->num_tangent_columns());
+  step.LinearizeAt(prepared_, 0.0, grid_.AtSample(0), state_.data());
+  step.AddParameterTangents(prepared_, left, &result);
+  const std::size_t before = allocation_count;
+  for (int i = 0; i < 12; ++i) {
+    step.LinearizeAt(prepared_, grid_.time(i), grid_.AtSample(i),
+                     state_.data());
+    step.AddParameterTangents(prepared_, left, &result);
+  }
+  const std::size_t after = allocation_count;
+  EXPECT_EQ(after, before);
+  EXPECT_GT(result.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,101 @@
+#include "tests/cases/measure.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "gtest/gtest.h"
+#include "pinode/estimate/identify.h"
+#include "pinode/network/initialize_weights.h"
+
+namespace pinode {
+namespace testing {
+namespace {
+
+std::string FromRoot(const std::string& path) {
+  return path[0] == '/' ? path : std::string(PINODE_SOURCE_DIR) + "/" + path;
+}
+
+}  // namespace
+
+const RecordScore& CaseRun::Record(const std::string& name) const {
+  for (const RecordScore& record : summary.records) {
+    if (record.name == name) return record;
+  }
+  ADD_FAILURE() << "no record " << name;
+  static const RecordScore nothing;
+  return nothing;
+}
+
+const ParameterEstimate& CaseRun::Parameter(const std::string& name) const {
+  for (const ParameterEstimate& parameter : summary.parameters) {
+    if (parameter.name == name) return parameter;
+  }
+  ADD_FAILURE() << "no parameter " << name;
+  static const ParameterEstimate nothing;
+  return nothing;
+}
+
+double CaseRun::MeanSquaredError(const std::string& record) const {
+  const RecordScore& score = Record(record);
+  double sum = 0.0;
+  for (const ChannelScore& channel : score.channels) {
+    sum += channel.rmse * channel.rmse;
+  }
+  return sum / static_cast<double>(score.channels.size());
+}
+
+double CaseRun::Nrmse(const std::string& record,
+                      const std::string& channel) const {
+  for (const ChannelScore& score : Record(record).channels) {
+    if (score.name == channel) return score.nrmse;
+  }
+  ADD_FAILURE() << "no channel " << channel;
+  return 1.0;
+}
+
+Case ReadCaseOrFail(const std::string& path) {
+  Case c;
+  std::string error;
+  EXPECT_TRUE(ReadCase(FromRoot(path), &c, &error)) << error;
+  return c;
+}
+
+CaseRun RunCase(Case c) {
+  CaseRun run;
+  run.c = std::move(c);
+  Identify(run.c.problem, run.c.options, nullptr, &run.summary, &run.model);
+  return run;
+}
+
+double Truth(const std::string& path, const std::string& pointer) {
+  std::ifstream file(FromRoot(path));
+  const nlohmann::json truth = nlohmann::json::parse(file);
+  return truth.at(nlohmann::json::json_pointer(pointer)).get<double>();
+}
+
+std::string MeasuredData() {
+  const char* variable = std::getenv("PINODE_MEASURED_DATA");
+  const std::string folder =
+      variable != nullptr ? variable : FromRoot("../shared/data");
+  return std::filesystem::is_directory(folder) ? folder : "";
+}
+
+void SeedNetworks(uint64_t seed, Case* c) {
+  auto dynamics = std::make_shared<StructuralDynamics>(*c->problem.dynamics);
+  Vector theta = dynamics->Parameters();
+  const int first = static_cast<int>(dynamics->blocks().size()) -
+                    static_cast<int>(dynamics->networks().size());
+  for (size_t j = 0; j < dynamics->networks().size(); ++j) {
+    const Vector weights = InitializeWeights(
+        dynamics->networks()[j].network->architecture(), seed + j, true);
+    theta.segment(dynamics->block_offset(first + static_cast<int>(j)),
+                  weights.size()) = weights;
+  }
+  dynamics->SetParameters(theta);
+  c->problem.dynamics = dynamics;
+}
+
+}  // namespace testing
+}  // namespace pinode

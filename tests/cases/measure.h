@@ -1,0 +1,45 @@
+// Runs a case of data/ and measures what its test holds it to.
+
+#ifndef PINODE_TESTS_CASES_MEASURE_H_
+#define PINODE_TESTS_CASES_MEASURE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/case/case_file.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+namespace testing {
+
+struct CaseRun {
+  Case c;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+
+  const RecordScore& Record(const std::string& name) const;
+  const ParameterEstimate& Parameter(const std::string& name) const;
+  // Mean squared error over all channels and samples of a record.
+  double MeanSquaredError(const std::string& record) const;
+  // nrmse of one channel.
+  double Nrmse(const std::string& record, const std::string& channel) const;
+};
+
+// `path` relative to the project's root, or absolute. A case that cannot be
+// read fails the test.
+Case ReadCaseOrFail(const std::string& path);
+CaseRun RunCase(Case c);
+
+// Number from a case's truth.json: "elements/spring1/k3".
+double Truth(const std::string& path, const std::string& pointer);
+
+// The measured data of other institutes; empty where they are not at hand.
+std::string MeasuredData();
+
+// Seeds the networks of a case anew.
+void SeedNetworks(uint64_t seed, Case* c);
+
+}  // namespace testing
+}  // namespace pinode
+
+#endif  // PINODE_TESTS_CASES_MEASURE_H_
