@@ -70,7 +70,13 @@ bool IdentificationProblem::IsValid(std::string* error) const {
         return false;
       }
       int finite = 0;
-      for (double value : channel.values) finite += std::isfinite(value);
+      for (double value : channel.values) {
+        if (std::isinf(value)) {
+          *error = where + "it holds an infinite value";
+          return false;
+        }
+        finite += std::isfinite(value);
+      }
       if (finite == 0) {
         *error = where + "it holds no value";
         return false;

@@ -42,10 +42,10 @@ constexpr double kFirstNetworkNoise = 0.01;
 constexpr double kSmallestMisfit = 0.003;
 
 // Rounds for the decay of networks after the noise levels have settled.
-constexpr int kEvidenceRounds = 6;
+constexpr int kEvidenceRounds = 12;
 
 // Change of the cost in one iteration at which such a fit has converged.
-constexpr double kSmallestChange = 0.02;
+constexpr double kSmallestChange = 0.1;
 
 // Largest step down of a noise level between rounds of such a fit.
 constexpr double kNetworkShrink = 0.75;
@@ -502,7 +502,7 @@ bool Trainer::RunStage(int samples, bool last) {
     return false;
   }
   // Gaps begin softer than the data hold the starts, and end much firmer.
-  double firmness = single ? 0.0 : 0.1;
+  double firmness = single ? 0.0 : 0.01;
   if (!single) {
     shooting_->SetGapPenalty(
         std::max(1.0, firmness * shooting_->DataCurvature()));

@@ -39,9 +39,10 @@ double TypicalFrequency(const IdentificationProblem& problem, double x,
   return frequencies.empty() ? 1.0 : frequencies.front();
 }
 
-// First guess of the states' scales from what the channels show.
-Vector GuessScales(const IdentificationProblem& problem,
-                   const IdentificationRecord& record) {
+}  // namespace
+
+Vector GuessStateScales(const IdentificationProblem& problem,
+                        const IdentificationRecord& record) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   double x = 0.0, v = 0.0, a = 0.0;
   for (const MeasuredChannel& channel : record.channels) {
@@ -72,8 +73,6 @@ Vector GuessScales(const IdentificationProblem& problem,
   scales.tail(dynamics.num_internal()).setConstant(std::max(x, 1e-290));
   return scales;
 }
-
-}  // namespace
 
 int FirstSegmentSamples(const IdentificationProblem& problem) {
   int shortest = 0;
@@ -122,7 +121,7 @@ bool InitialTrajectories(const IdentificationProblem& problem,
     const IdentificationRecord& record =
         problem.records[static_cast<size_t>(r)];
     trajectories->push_back(Matrix::Zero(ns, record.num_samples()));
-    scales.push_back(GuessScales(problem, record));
+    scales.push_back(GuessStateScales(problem, record));
   }
   // Two passes: the second knows the scales of the unmeasured states.
   for (int pass = 0; pass < 2; ++pass) {

@@ -15,6 +15,11 @@ namespace pinode {
 // a quarter of the shortest record.
 int FirstSegmentSamples(const IdentificationProblem& problem);
 
+// First guess of the states' scales (num_states) from what a record's channels
+// show and the model's lowest frequency.
+Vector GuessStateScales(const IdentificationProblem& problem,
+                        const IdentificationRecord& record);
+
 // RMS of each state over a trajectory (num_states x samples), never below a
 // thousandth of the largest of its kind (displacements, velocities, internal).
 Vector StateScales(const IdentificationProblem& problem, const Matrix& states);

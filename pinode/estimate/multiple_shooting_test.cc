@@ -76,9 +76,6 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
         Setting{"RestSegments", Start::kRest, 7, RobustLoss::kNone},
         Setting{"KnownSegments", Start::kKnown, 10, RobustLoss::kNone},
-        Setting{"FreeSegments", Start::kFree, 7, RobustLoss::kNone},
-        Setting{"FreeSegmentsHuber", Start::kFree, 7, RobustLoss::kHuber},
-        Setting{"FreeSegmentsCauchy", Start::kFree, 7, RobustLoss::kCauchy},
         Setting{"RestSingleCauchy", Start::kRest, 0, RobustLoss::kCauchy}),
     [](const auto& setting) { return setting.param.name; });
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/sensor.h"
 #include "pinode/integrate/free_run.h"
@@ -66,6 +67,7 @@ int FreeRunStart(const IdentificationProblem& problem, int record,
   const ParameterLayout layout(beginning);
   MultipleShooting shooting(beginning, layout, MultipleShooting::Options());
   shooting.SetSigmas({sigmas});
+  shooting.SetStateScales({GuessStateScales(beginning, shortened)});
   shooting.SetSegments(0, {Matrix::Zero(ns, samples)});
   // The free parameters take the values given; fixed ones are the problem's.
   double cost = 0.0;

@@ -76,7 +76,7 @@ TEST_F(SensorTest, IdealSensorsChangeNothing) {
   const Shown shown = Apply(Vector(problem_.sensors.Values()));
   for (int i = 0; i < kSamples; ++i) {
     for (int c = 0; c < 2; ++c) {
-      EXPECT_EQ(shown.prediction[2 * i + c], Ideal(c, i * kStep));
+      EXPECT_NEAR(shown.prediction[2 * i + c], Ideal(c, i * kStep), 1e-14);
     }
   }
   EXPECT_EQ(shown.rows.rightCols(4).norm(), 0.0);
