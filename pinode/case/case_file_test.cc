@@ -481,6 +481,11 @@ TEST(CaseFileTest, LastLayerIsZeroWherePhysicsIsPresent) {
   bare = Replaced(bare, "{ratios = [0.02]}", "\"none\"");
   const size_t begin = bare.find("[[group]]");
   bare.erase(begin, bare.find("[[record]]") - begin);
+  // Nor a linear path, which stands in for physics.
+  const size_t network = bare.find("[[network]]\n");
+  ASSERT_NE(network, std::string::npos);
+  bare.insert(network + std::string("[[network]]\n").size(),
+              "skip = false\n");
   EXPECT_GT(last_weight(ReadOrFail(folder.Write("case.toml", bare))), 0.0);
 }
 

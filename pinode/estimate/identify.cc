@@ -711,7 +711,11 @@ void ScoreEverything(const IdentificationProblem& problem,
 void Judge(IdentificationSummary* summary) {
   std::ostringstream reason;
   summary->usable = false;
-  if (summary->termination == Termination::kFailure) return;
+  // Both have said why already.
+  if (summary->termination == Termination::kFailure ||
+      summary->termination == Termination::kInterrupted) {
+    return;
+  }
   for (const RecordScore& score : summary->records) {
     const bool train = score.role == IdentificationRecord::Role::kTrain;
     if (!score.finite) {
@@ -739,7 +743,6 @@ void Judge(IdentificationSummary* summary) {
     summary->message = reason.str();
     return;
   }
-  if (summary->termination == Termination::kInterrupted) return;
   summary->usable = true;
 }
 
