@@ -484,8 +484,7 @@ TEST(CaseFileTest, LastLayerIsZeroWherePhysicsIsPresent) {
   // Nor a linear path, which stands in for physics.
   const size_t network = bare.find("[[network]]\n");
   ASSERT_NE(network, std::string::npos);
-  bare.insert(network + std::string("[[network]]\n").size(),
-              "skip = false\n");
+  bare.insert(network + std::string("[[network]]\n").size(), "skip = false\n");
   EXPECT_GT(last_weight(ReadOrFail(folder.Write("case.toml", bare))), 0.0);
 }
 
