@@ -90,9 +90,8 @@ class HoldoutStart : public ::testing::TestWithParam<double> {
     IdentificationRecord record =
         testing::MakeExcitedRecord(*dynamics, 1000, 0.02);
     // The structure is linear: another unit of length changes no ratio.
-    record.excitation.emplace(0.0, 0.02,
-                              GetParam() * record.excitation->samples(),
-                              Interpolation::kLinear);
+    const Matrix scaled = GetParam() * record.excitation->samples();
+    record.excitation.emplace(0.0, 0.02, scaled, Interpolation::kLinear);
     record.name = "holdout";
     record.role = Role::kHoldout;
     record.channels = {
