@@ -16,25 +16,17 @@ namespace {
 // from drifting where no channel sees it.
 constexpr double kStartPrecision = 1e-4;
 
-// The smoother stops when the next step would lower the cost by less than this
-// fraction.
-constexpr double kSmootherTolerance = 1e-10;
-constexpr int kSmootherIterations = 30;
-
 // rho(s) and its derivative for s = (r / sigma)^2; see ceres/loss_function.h.
 void EvaluateLoss(RobustLoss loss, double scale, double s, double* rho,
                   double* slope) {
   const double b = scale * scale;
+  *rho = s;
+  *slope = 1.0;
   switch (loss) {
     case RobustLoss::kNone:
-      *rho = s;
-      *slope = 1.0;
       return;
     case RobustLoss::kHuber:
-      if (s <= b) {
-        *rho = s;
-        *slope = 1.0;
-      } else {
+      if (s > b) {
         *rho = 2.0 * scale * std::sqrt(s) - b;
         *slope = scale / std::sqrt(s);
       }
@@ -441,7 +433,8 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
     }
   }
   divergence_ = Divergence();
-  for (int iteration = 0; iteration < kSmootherIterations; ++iteration) {
+  for (int iteration = 0; iteration < options_.max_start_iterations;
+       ++iteration) {
     std::vector<std::pair<int, int>> tasks;
     for (size_t r = 0; r < records_.size(); ++r) {
       if (searches[r].done) continue;
@@ -527,7 +520,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
       Matrix step = search.gradient;
       record.system->SolveLower(&step);
       const double decrease = 0.5 * step.squaredNorm();
-      if (improved && decrease <= kSmootherTolerance * search.best_cost) {
+      if (improved && decrease <= options_.start_tolerance * search.best_cost) {
         search.done = true;
         continue;
       }

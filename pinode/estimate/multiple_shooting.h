@@ -59,6 +59,12 @@ class MultipleShooting {
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
     RobustLoss loss = RobustLoss::kNone;
     double loss_scale = 3.0;  // in units of sigma
+    // The search for the best starts ends when its next step promises to lower
+    // the cost by less than this fraction, or after so many steps. Starts that
+    // are short of the best ones leave in the gradient an error of the order
+    // of the square root of what they cost.
+    double start_tolerance = 1e-10;
+    int max_start_iterations = 30;
     int num_threads = 1;
   };
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "pinode/estimate/sensor.h"
@@ -29,26 +30,49 @@ struct Setting {
   RobustLoss loss;
 };
 
-class ProjectedGradient : public ::testing::TestWithParam<Setting> {};
-
-// d f / d theta along random directions and along single parameters, with
-// multipliers that are not zero: the derivative of the projected cost is exact
-// although the starts are not moved by it.
-TEST_P(ProjectedGradient, EqualsDifferencesOfTheCost) {
-  const Setting& setting = GetParam();
-  const SmallFit fit(setting.start);
-  auto shooting = fit.Shoot(setting.segment_samples, WithLoss(setting.loss));
-  CondensedSystem system;
-  ASSERT_TRUE(shooting->Linearize(fit.free, &system));
-  if (setting.segment_samples > 0) {
-    ASSERT_GT(shooting->LargestGap(), 1e-3);
-    shooting->UpdateMultipliers();
-    ASSERT_TRUE(shooting->Linearize(fit.free, &system));
+class ProjectedGradient : public ::testing::TestWithParam<Setting> {
+ protected:
+  // A shooting at its second linearisation, with multipliers that are not zero.
+  static std::unique_ptr<MultipleShooting> LinearizeTwice(
+      const SmallFit& fit, const MultipleShooting::Options& options,
+      CondensedSystem* system) {
+    const int samples = GetParam().segment_samples;
+    auto shooting = fit.Shoot(samples, options);
+    EXPECT_TRUE(shooting->Linearize(fit.free, system));
+    if (samples > 0) {
+      EXPECT_GT(shooting->LargestGap(), 1e-3);
+      shooting->UpdateMultipliers();
+      EXPECT_TRUE(shooting->Linearize(fit.free, system));
+    }
+    return shooting;
   }
+
+  // Starts as good as rounding allows.
+  static MultipleShooting::Options WithBestStarts() {
+    MultipleShooting::Options options = WithLoss(GetParam().loss);
+    options.start_tolerance = 1e-14;
+    options.max_start_iterations = 300;
+    return options;
+  }
+};
+
+// d f / d theta along random directions and along single parameters: the
+// derivative of the projected cost is exact although the starts are not moved
+// by it.
+TEST_P(ProjectedGradient, EqualsDifferencesOfTheCost) {
+  const SmallFit fit(GetParam().start);
+  CondensedSystem system;
+  auto shooting = LinearizeTwice(fit, WithBestStarts(), &system);
   double cost = 0.0;
   ASSERT_TRUE(shooting->Evaluate(fit.free, &cost));
   EXPECT_DOUBLE_EQ(cost, system.cost);
 
+  // The rate of the hysteresis has a kink where the slip changes its
+  // direction. Free starts can come to rest on it for a whole range of
+  // parameters, in which the cost bends more and the gradient belongs to one
+  // side of the kink. One such range begins where the offset of x1 is smaller
+  // by 1e-4; the steps must not reach it.
+  constexpr double kStep = 2e-5;
   const int n = static_cast<int>(fit.free.size());
   ASSERT_EQ(system.gradient.size(), n);
   testing::Gaussian random(8);
@@ -60,12 +84,26 @@ TEST_P(ProjectedGradient, EqualsDifferencesOfTheCost) {
       EXPECT_TRUE(shooting->Evaluate(fit.free + h * direction, &value));
       return Vector::Constant(1, value);
     };
-    const double h = j + 1 == n ? 2e-3 : 0.02;  // a delay is small
-    const double expected = testing::Differentiate(moved, h)[0];
+    const double expected = testing::Differentiate(moved, kStep)[0];
     EXPECT_NEAR(direction.dot(system.gradient), expected,
-                1e-5 * system.gradient.norm() + 1e-5 * std::abs(expected))
-        << "direction " << j;
+                1e-6 * system.gradient.norm() + 1e-6 * std::abs(expected))
+        << (j < n ? fit.layout
+                        ->parameter(fit.layout->free()[static_cast<size_t>(j)])
+                        .name
+                  : "a random direction");
   }
+}
+
+// Starts are solved for no better than the outer iteration needs. The
+// reweighted least squares of a loss as strong as this one use up their steps.
+TEST_P(ProjectedGradient, IsCloseWithStartsSolvedAsUsual) {
+  const SmallFit fit(GetParam().start);
+  CondensedSystem best, usual;
+  LinearizeTwice(fit, WithBestStarts(), &best);
+  LinearizeTwice(fit, WithLoss(GetParam().loss), &usual);
+  const double limit = GetParam().loss == RobustLoss::kCauchy ? 1e-3 : 1e-5;
+  EXPECT_LT((usual.gradient - best.gradient).norm(),
+            limit * best.gradient.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -76,6 +114,9 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
         Setting{"RestSegments", Start::kRest, 7, RobustLoss::kNone},
         Setting{"KnownSegments", Start::kKnown, 10, RobustLoss::kNone},
+        Setting{"FreeSegments", Start::kFree, 7, RobustLoss::kNone},
+        Setting{"FreeSegmentsHuber", Start::kFree, 7, RobustLoss::kHuber},
+        Setting{"FreeSegmentsCauchy", Start::kFree, 7, RobustLoss::kCauchy},
         Setting{"RestSingleCauchy", Start::kRest, 0, RobustLoss::kCauchy}),
     [](const auto& setting) { return setting.param.name; });
 
