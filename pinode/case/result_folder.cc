@@ -1,10 +1,10 @@
 #include "pinode/case/result_folder.h"
 
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <system_error>
 #include <vector>

@@ -84,7 +84,7 @@ std::string TomlTable::String(const std::string& key,
 
 std::string TomlTable::RequiredString(const std::string& key) const {
   if (!RequireKey(key, "a text")) return "";
-  const std::string text = String(key);
+  std::string text = String(key);
   if (errors_->ok() && text.empty()) {
     Fail(key, "'" + key + "' is empty, expected a text");
   }
@@ -94,7 +94,7 @@ std::string TomlTable::RequiredString(const std::string& key) const {
 std::string TomlTable::Choice(const std::string& key,
                               const std::vector<std::string>& choices,
                               const std::string& absent) const {
-  const std::string text = String(key, absent);
+  std::string text = String(key, absent);
   if (!Has(key) ||
       std::find(choices.begin(), choices.end(), text) != choices.end()) {
     return text;

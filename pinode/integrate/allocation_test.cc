@@ -6,10 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "pinode/base/figure_testing.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/integrate/tangent_step.h"
 
@@ -51,10 +53,13 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
 namespace pinode {
 namespace {
 
+const char kWhat[] = "memory allocations in the inner loop";
+
 class AllocationTest : public ::testing::Test {
  protected:
   void SetUp() override {
 #ifndef PINODE_COUNTS_ALLOCATIONS
+    testing::ReportSkipped(kWhat);
     GTEST_SKIP() << "Allocations are counted with glibc, without sanitizers.";
 #endif
     dynamics_ = testing::MakeEverything();
@@ -82,6 +87,7 @@ TEST_F(AllocationTest, IsCounted) {
 
 TEST_F(AllocationTest, StepAllocatesNothing) {
   const int ns = dynamics_->num_states();
+  std::size_t worst = 0;
   for (bool with_parameters : {false, true}) {
     TangentStep step(*dynamics_);
     Vector state = state_;
@@ -99,9 +105,12 @@ TEST_F(AllocationTest, StepAllocatesNothing) {
     }
     const std::size_t after = allocation_count;
     EXPECT_EQ(after, before) << "with parameters: " << with_parameters;
+    worst = std::max(worst, after - before);
     EXPECT_TRUE(state.allFinite() && sensitivity.allFinite());
     EXPECT_GT(sensitivity.norm(), 0.0);
   }
+  testing::ReportFigure(std::string(kWhat) + ": 22 steps", testing::AtMost(0),
+                        static_cast<double>(worst));
 }
 
 TEST_F(AllocationTest, LinearizationAtASampleAllocatesNothing) {
@@ -118,6 +127,9 @@ TEST_F(AllocationTest, LinearizationAtASampleAllocatesNothing) {
     step.AddParameterTangents(prepared_, left, &result);
   }
   const std::size_t after = allocation_count;
+  testing::ReportFigure(std::string(kWhat) + ": 12 linearizations",
+                        testing::AtMost(0),
+                        static_cast<double>(after - before));
   EXPECT_EQ(after, before);
   EXPECT_GT(result.norm(), 0.0);
 }

@@ -59,7 +59,7 @@ class Script {
 
   // One data block per line drawn; returns its name.
   std::string Data(const std::vector<std::vector<double>>& columns) {
-    const std::string name = "$d" + std::to_string(num_data_++);
+    std::string name = "$d" + std::to_string(num_data_++);
     text_ += name + " << EOD\n";
     for (size_t i = 0; i < columns[0].size(); ++i) {
       bool finite = true;

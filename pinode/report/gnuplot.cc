@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -12,10 +11,12 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <string_view>
 
-extern char** environ;
+// POSIX leaves the declaration to the program; glibc has one as an extension.
+extern char** environ;  // NOLINT(readability-redundant-declaration)
 
 namespace pinode {
 namespace {

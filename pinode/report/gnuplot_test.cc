@@ -22,7 +22,7 @@ bool GnuplotIsThere() {
 
 // A program of our own in place of gnuplot.
 std::string WriteProgram(const std::string& name, const std::string& body) {
-  const std::string path =
+  std::string path =
       ::testing::TempDir() + "pinode_" + name + "_" + std::to_string(getpid());
   std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
   chmod(path.c_str(), 0755);

@@ -396,11 +396,10 @@ TEST_F(MeasuredMatricesTest, LowestEigenvaluesAgreeWithTheReference) {
     const std::string key =
         std::string(stiffness_name) + "/" + std::string(mass_name);
     SCOPED_TRACE(key);
-    const StructuralModel model = [&] {
-      const Matrix stiffness = Read(std::string(stiffness_name) + ".mtx");
-      const Matrix mass = Read(std::string(mass_name) + ".mtx");
-      return MakeStructuralModel(mass, 0.0 * mass, stiffness);
-    }();
+    const Matrix stiffness = Read(std::string(stiffness_name) + ".mtx");
+    const Matrix mass = Read(std::string(mass_name) + ".mtx");
+    const StructuralModel model =
+        MakeStructuralModel(mass, 0.0 * mass, stiffness);
     std::string error;
     ASSERT_TRUE(model.IsValid(&error)) << error;
     const nlohmann::json& reference = reference_.at(key);

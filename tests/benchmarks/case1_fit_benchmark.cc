@@ -128,8 +128,13 @@ FitTimes FitWithPinode(const Case& c) {
   options.num_threads = 1;
   Watch watch(c.problem);
   options.callback = [&watch](const IdentificationProgress& progress) {
-    return watch.times().reached ||
-           !watch.Check(*progress.parameters, progress.iteration);
+    if (watch.times().reached) return true;
+    const bool reached = watch.Check(*progress.parameters, progress.iteration);
+    VLOG(1) << "pinode stage " << progress.stage << " iteration "
+            << progress.iteration << " gap " << progress.largest_gap
+            << " free-run error " << watch.times().error << " after "
+            << watch.times().seconds << " s";
+    return !reached;
   };
   IdentificationSummary summary;
   IdentifiedModel model;

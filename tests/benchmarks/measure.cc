@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <string>
 #include <utility>
 
+#include "pinode/base/figure_testing.h"
 #include "pinode/base/logging.h"
 
 namespace pinode {
@@ -14,6 +16,19 @@ namespace {
 std::vector<Comparison>& Comparisons() {
   static auto* comparisons = new std::vector<Comparison>;
   return *comparisons;
+}
+
+// A line of the table that tests/figures.sh makes.
+void AppendRatio(const Comparison& c) {
+  std::string what = "CPU time: " + c.name + ", " + PINODE_ARCHITECTURE;
+  if (c.reference == Comparison::Reference::kLowerBound) {
+    what += " (or more: the plain way was stopped)";
+  }
+  testing::AppendFigure(what,
+                        c.requirement == Comparison::Requirement::kAtLeast
+                            ? testing::AtLeast(c.limit)
+                            : testing::AtMost(c.limit),
+                        c.Ratio());
 }
 
 }  // namespace
@@ -83,6 +98,7 @@ int PrintComparisons() {
           "  %s %g, %s",
           c.requirement == Comparison::Requirement::kAtLeast ? ">=" : "<=",
           c.limit, c.IsMet() ? "met" : "MISSED");
+      AppendRatio(c);
     }
     std::printf("\n");
     missed += c.IsMet() ? 0 : 1;

@@ -24,8 +24,8 @@ const RecordScore& CaseRun::Record(const std::string& name) const {
     if (record.name == name) return record;
   }
   ADD_FAILURE() << "no record " << name;
-  static const RecordScore nothing;
-  return nothing;
+  static const RecordScore kNothing;
+  return kNothing;
 }
 
 const ParameterEstimate& CaseRun::Parameter(const std::string& name) const {
@@ -33,8 +33,8 @@ const ParameterEstimate& CaseRun::Parameter(const std::string& name) const {
     if (parameter.name == name) return parameter;
   }
   ADD_FAILURE() << "no parameter " << name;
-  static const ParameterEstimate nothing;
-  return nothing;
+  static const ParameterEstimate kNothing;
+  return kNothing;
 }
 
 double CaseRun::MeanSquaredError(const std::string& record) const {

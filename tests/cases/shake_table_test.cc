@@ -10,6 +10,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
+#include "pinode/base/figure_testing.h"
 #include "pinode/structure/modal_analysis.h"
 #include "tests/cases/measure.h"
 
@@ -25,22 +26,33 @@ struct Frame {
   double storey;         // N/m, a guess
   // Floor masses: blocks of 0.124 kg and the walls' share, kg.
   const char* masses;
+  double wall;  // a storey's walls, kg
 };
 
 constexpr Frame kStiff = {"stiff",       104.98, 69.9,
-                          "[0.8, 50.0]", 1600.0, "[0.2335, 0.2335, 0.1788]"};
+                          "[0.8, 50.0]", 1600.0, "[0.2335, 0.2335, 0.1788]",
+                          0.1095};
 constexpr Frame kFlexible = {"flexible",    100.95, 60.8,
-                             "[0.8, 30.0]", 370.0,  "[0.1602, 0.1602, 0.1421]"};
+                             "[0.8, 30.0]", 370.0,  "[0.1602, 0.1602, 0.1421]",
+                             0.0362};
 
 // Symmetric stiffness and damping: springs and dampers between all pairs of
-// points.
+// points, with weak priors; without, a mode of which the record says little can
+// be damped away for good early in the fit. With elements, the walls' mass is
+// spread instead of lumped and the sensors need not share one clock.
 std::string CaseText(const Frame& frame, bool elements) {
   const char* points[] = {"ground", "u1", "u2", "u3"};
   std::ostringstream text;
   text << "[units]\nforce = \"N\"\nlength = \"m\"\ntime = \"s\"\n"
        << "[model]\ndofs = [\"u1\", \"u2\", \"u3\"]\n"
-       << "damping = {ratios = [0.01]}\n"
-       << "[model.shear_building]\nmasses = " << frame.masses
+       << "damping = {ratios = [0.01]}\n";
+  if (elements) {
+    // Of a clamped wall's mass the consistent mass matrix couples 9/70 to the
+    // other end.
+    text << "support_mass_coupling = {x = [" << 9.0 / 70.0 * frame.wall
+         << ", 0, 0]}\n";
+  }
+  text << "[model.shear_building]\nmasses = " << frame.masses
        << "\nstiffnesses = [" << frame.storey << ", " << frame.storey << ", "
        << frame.storey << "]\n";
   for (int a = 0; a < 4; ++a) {
@@ -50,12 +62,12 @@ std::string CaseText(const Frame& frame, bool elements) {
         text << "[[group]]\nname = \"" << (stiffness ? "k" : "c") << a << b
              << "\"\nadds_to = \"" << target << "\"\nbetween = [\"" << points[a]
              << "\", \"" << points[b]
-             << "\"]\nscale = " << (stiffness ? frame.storey : 1.0) << "\n";
+             << "\"]\nscale = " << (stiffness ? frame.storey : 1.0)
+             << "\nprior_sigma = " << (stiffness ? 1.0 : 3.0) << "\n";
       }
     }
   }
   if (elements) {
-    // The walls' mass is spread, not lumped.
     text << "[[group]]\nname = \"m1\"\nadds_to = \"mass\"\n"
          << "between = [\"ground\", \"u1\"]\nscale = 0.2\n"
          << "[[group]]\nname = \"m2\"\nadds_to = \"mass\"\n"
@@ -90,6 +102,9 @@ std::string CaseText(const Frame& frame, bool elements) {
       text << "[[record.channel]]\nname = \"a" << s << "\"\ncolumn = \"floor"
            << s << "_ax\"\nquantity = \"absolute_acceleration\"\ndof = \"u" << s
            << "\"\nunit = \"m/s^2\"\nremove_offset = true\n";
+      if (elements) {
+        text << "delay = {initial = 0.0, prior_sigma = 0.002, free = true}\n";
+      }
     }
     text << "[record.filter]\ntype = \"bandpass\"\ncorner_hz = " << frame.band
          << "\norder = 4\n";
@@ -110,19 +125,37 @@ CaseRun RunFrame(const Frame& frame, bool elements) {
   return RunCase(std::move(c));
 }
 
-void ExpectNrmse(const CaseRun& run, const char* record,
-                 const double (&limits)[3]) {
+void ExpectNrmse(const CaseRun& run, const std::string& what,
+                 const char* record, const double (&limits)[3]) {
   for (int c = 0; c < 3; ++c) {
     const ChannelScore& channel =
         run.Record(record).channels[static_cast<size_t>(c)];
-    std::printf("%s %s: nrmse %.3f (limit %.3f)\n", record,
-                channel.name.c_str(), channel.nrmse, limits[c]);
+    ReportFigure(what + ": nrmse, " + record + ", " + channel.name,
+                 AtMost(limits[c]), channel.nrmse);
     EXPECT_LT(channel.nrmse, limits[c]) << record << " " << channel.name;
   }
 }
 
-void ExpectFrequencies(const CaseRun& run, const double (&lower)[3],
-                       const double (&upper)[3]) {
+// The second half beside the residual of an independent modal fit in the same
+// band.
+void ExpectNrmseBesideOtherFit(const CaseRun& run, const std::string& what,
+                               const double (&other)[3]) {
+  constexpr double kLimit = 1.1;
+  double worst = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const ChannelScore& channel =
+        run.Record("second").channels[static_cast<size_t>(c)];
+    std::printf("second %s: nrmse %.3f, the other fit's %.3f\n",
+                channel.name.c_str(), channel.nrmse, other[c]);
+    worst = Worse(worst, channel.nrmse / other[c]);
+    EXPECT_LT(channel.nrmse, kLimit * other[c]) << channel.name;
+  }
+  ReportFigure(what + ": nrmse, second, worst floor, in those of another fit",
+               AtMost(kLimit), worst);
+}
+
+void ExpectFrequencies(const CaseRun& run, const std::string& what,
+                       const double (&lower)[3], const double (&upper)[3]) {
   const StructuralModel model = run.c.problem.dynamics->CorrectedModel(
       run.model.parameters.head(run.c.problem.dynamics->num_parameters()));
   ModalProperties modes;
@@ -133,6 +166,8 @@ void ExpectFrequencies(const CaseRun& run, const double (&lower)[3],
   for (int i = 0; i < 3; ++i) {
     std::printf("mode %d: %.3f Hz, damping %.2f %%\n", i + 1,
                 modes.frequency_hz[i], 100.0 * modes.damping_ratio[i]);
+    ReportFigure(what + ": frequency " + std::to_string(i + 1) + ", Hz",
+                 Between(lower[i], upper[i]), modes.frequency_hz[i]);
     EXPECT_GT(modes.frequency_hz[i], lower[i]);
     EXPECT_LT(modes.frequency_hz[i], upper[i]);
   }
@@ -142,6 +177,9 @@ class ShakeTable : public ::testing::Test {
  protected:
   void SetUp() override {
     if (MeasuredData().empty()) {
+      ReportSkipped(
+          std::string("case 5, ") +
+          ::testing::UnitTest::GetInstance()->current_test_info()->name());
       GTEST_SKIP() << "measured data not at hand; set PINODE_MEASURED_DATA";
     }
   }
@@ -150,30 +188,31 @@ class ShakeTable : public ::testing::Test {
 TEST_F(ShakeTable, StiffFrameLinear) {
   const CaseRun run = RunFrame(kStiff, false);
   EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  ExpectFrequencies(run, {7.75, 24.8, 39.4}, {8.05, 25.3, 40.0});
-  // 1.10 times the residual of an independent modal fit in the same band.
-  ExpectNrmse(run, "second", {1.1 * 0.4282, 1.1 * 0.4086, 1.1 * 0.4140});
+  const std::string what = "case 5, stiff, linear";
+  ExpectFrequencies(run, what, {7.75, 24.8, 39.4}, {8.05, 25.3, 40.0});
+  ExpectNrmseBesideOtherFit(run, what, {0.4282, 0.4086, 0.4140});
 }
 
 TEST_F(ShakeTable, FlexibleFrameLinear) {
   const CaseRun run = RunFrame(kFlexible, false);
   EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  ExpectFrequencies(run, {3.65, 11.0, 16.4}, {3.80, 11.3, 16.8});
-  ExpectNrmse(run, "second", {1.1 * 0.2735, 1.1 * 0.2272, 1.1 * 0.2348});
+  const std::string what = "case 5, flexible, linear";
+  ExpectFrequencies(run, what, {3.65, 11.0, 16.4}, {3.80, 11.3, 16.8});
+  ExpectNrmseBesideOtherFit(run, what, {0.2735, 0.2272, 0.2348});
 }
 
 TEST_F(ShakeTable, StiffFrameWithElements) {
   const CaseRun run = RunFrame(kStiff, true);
   EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  ExpectNrmse(run, "second", {0.22, 0.18, 0.18});
-  // The first floor misses the 0.32 that was asked for; see data/README.md.
-  ExpectNrmse(run, "sine", {0.345, 0.28, 0.28});
+  const std::string what = "case 5, stiff, elements";
+  ExpectNrmse(run, what, "second", {0.22, 0.18, 0.18});
+  ExpectNrmse(run, what, "sine", {0.32, 0.28, 0.28});
 }
 
 TEST_F(ShakeTable, FlexibleFrameWithElements) {
   const CaseRun run = RunFrame(kFlexible, true);
   EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  ExpectNrmse(run, "second", {0.29, 0.20, 0.20});
+  ExpectNrmse(run, "case 5, flexible, elements", "second", {0.29, 0.20, 0.20});
 }
 
 }  // namespace
