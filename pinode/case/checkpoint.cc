@@ -106,7 +106,7 @@ bool ParseCheckpoint(const Json& json, Checkpoint* checkpoint) {
     return false;
   }
   checkpoint->iteration = json["iteration"].get<int>();
-  checkpoint->stage = json["stage"].get<int>();
+  checkpoint->model.stage = json["stage"].get<int>();
   checkpoint->cost = json["cost"].get<double>();
   IdentifiedModel& model = checkpoint->model;
   return FromJson(json["parameters"], &model.parameters) &&
@@ -172,7 +172,7 @@ bool WriteCheckpoint(const std::string& path, const std::string& problem_hash,
   json["schema"] = kSchema;
   json["problem"] = problem_hash;
   json["iteration"] = checkpoint.iteration;
-  json["stage"] = checkpoint.stage;
+  json["stage"] = checkpoint.model.stage;
   json["cost"] = std::isfinite(checkpoint.cost) ? checkpoint.cost : 0.0;
   json["parameters"] = ToJson(checkpoint.model.parameters);
   json["sigmas"] = ToJson(checkpoint.model.sigmas);
@@ -226,16 +226,15 @@ CheckpointWriter::CheckpointWriter(const IdentificationProblem& problem,
 bool CheckpointWriter::Update(const IdentificationProgress& progress,
                               std::string* error) {
   const auto now = std::chrono::steady_clock::now();
-  if (progress.parameters == nullptr || (written_ && now - last_ < interval_)) {
+  if (progress.model == nullptr || (written_ && now - last_ < interval_)) {
     return true;
   }
   written_ = true;
   last_ = now;
   Checkpoint checkpoint;
   checkpoint.iteration = progress.iteration;
-  checkpoint.stage = progress.stage;
   checkpoint.cost = progress.cost;
-  checkpoint.model.parameters = *progress.parameters;
+  checkpoint.model = *progress.model;
   return WriteCheckpoint(path_, problem_hash_, checkpoint, error);
 }
 

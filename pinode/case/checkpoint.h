@@ -14,10 +14,9 @@ namespace pinode {
 
 struct Checkpoint {
   int iteration = 0;
-  int stage = 0;
   double cost = 0.0;
   // What Identify takes as its `initial`. Of a fit that was still running it
-  // has the parameters only.
+  // has no starts.
   IdentifiedModel model;
 };
 

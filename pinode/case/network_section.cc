@@ -317,6 +317,7 @@ class NetworkReader {
         has_file_ ? saved_.weights
                   : InitializeWeights(architecture_, seed,
                                       physics || architecture_.HasSkipPath());
+    term->drawn = !has_file_;
     term->network = std::make_shared<Network>(architecture_);
     term->weights.name = term->name;
     term->weights.named = false;

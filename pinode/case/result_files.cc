@@ -161,7 +161,6 @@ class ResultWriter {
   bool WriteFinalCheckpoint() {
     Checkpoint checkpoint;
     checkpoint.iteration = summary_.num_iterations;
-    checkpoint.stage = static_cast<int>(summary_.stages.size());
     checkpoint.cost = summary_.final_cost;
     checkpoint.model = model_;
     return WriteCheckpoint(Path("checkpoint.json"), ProblemHash(c_.problem),

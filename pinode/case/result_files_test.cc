@@ -317,9 +317,9 @@ TEST(CheckpointTest, RoundTrip) {
   const std::string path = f.folder.Path("checkpoint.json");
   Checkpoint checkpoint;
   checkpoint.iteration = 12;
-  checkpoint.stage = 3;
   checkpoint.cost = 1.0 / 3.0;
   checkpoint.model = f.model;
+  checkpoint.model.stage = 3;
   std::string error;
   ASSERT_TRUE(
       WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
@@ -327,7 +327,7 @@ TEST(CheckpointTest, RoundTrip) {
   Checkpoint read;
   ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
   EXPECT_EQ(read.iteration, 12);
-  EXPECT_EQ(read.stage, 3);
+  EXPECT_EQ(read.model.stage, 3);
   EXPECT_EQ(read.cost, 1.0 / 3.0);
   EXPECT_EQ(read.model.parameters, f.model.parameters);
   ASSERT_EQ(read.model.sigmas.size(), 1u);
@@ -363,11 +363,11 @@ TEST(CheckpointTest, WriterIsThrottled) {
   const std::string path = f.folder.Path("checkpoint.json");
   CheckpointWriter writer(f.c.problem, path, std::chrono::hours(1));
   IdentificationProgress progress;
-  Vector parameters = f.model.parameters;
-  progress.parameters = &parameters;
+  IdentifiedModel model = f.model;
+  progress.model = &model;
   std::string error;
   ASSERT_TRUE(writer.Update(progress, &error)) << error;
-  parameters[0] += 1.0;
+  model.parameters[0] += 1.0;
   ASSERT_TRUE(writer.Update(progress, &error)) << error;
   Checkpoint read;
   ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
@@ -376,7 +376,7 @@ TEST(CheckpointTest, WriterIsThrottled) {
   CheckpointWriter eager(f.c.problem, path, std::chrono::milliseconds(0));
   ASSERT_TRUE(eager.Update(progress, &error));
   ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
-  EXPECT_EQ(read.model.parameters[0], parameters[0]);
+  EXPECT_EQ(read.model.parameters[0], model.parameters[0]);
 }
 
 }  // namespace

@@ -68,6 +68,9 @@ struct NetworkTerm {
   // Weight decay: negative asks for the evidence's choice, otherwise the
   // precision of a zero-mean Gaussian prior.
   double decay = -1.0;
+  // The weights were drawn at random and may be drawn again on the way to a
+  // simpler network; false where they were learned before.
+  bool drawn = true;
 };
 
 // The equation of motion of Lai et al. (2021), eqs. (5), (13), (15), (18), in

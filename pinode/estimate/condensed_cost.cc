@@ -20,14 +20,15 @@ bool SquareRoot(const Matrix& hessian, Matrix* root) {
     scale[i] = d > 0.0 ? std::sqrt(d) : 1.0;
   }
   const Vector inverse = scale.cwiseInverse();
-  Matrix scaled = inverse.asDiagonal() * hessian * inverse.asDiagonal();
   for (double shift = 1e-15; shift < 1e-3; shift *= 10.0) {
-    Matrix shifted = scaled;
-    shifted.diagonal().array() += shift * static_cast<double>(n);
-    const Eigen::LLT<Matrix, Eigen::Upper> factor(shifted);
+    *root = inverse.asDiagonal() * hessian * inverse.asDiagonal();
+    root->diagonal().array() += shift * static_cast<double>(n);
+    const Eigen::LLT<Eigen::Ref<Matrix>, Eigen::Upper> factor(*root);
     if (factor.info() == Eigen::Success) {
-      *root = factor.matrixU();
-      *root = *root * scale.asDiagonal();
+      for (Eigen::Index j = 0; j < n; ++j) {
+        root->col(j).head(j + 1) *= scale[j];
+        root->col(j).tail(n - j - 1).setZero();
+      }
       return root->allFinite();
     }
   }
@@ -53,7 +54,7 @@ bool CondensedCost::Evaluate(double const* const* parameters, double* residuals,
     r.setZero();
     r[n] = std::sqrt(2.0 * std::max(0.0, cost));
   } else {
-    Matrix root;
+    Matrix& root = root_;
     ok = shooting_->Linearize(free, &system_) &&
          SquareRoot(system_.hessian, &root);
     if (ok) {

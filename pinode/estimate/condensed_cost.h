@@ -35,6 +35,7 @@ class CondensedCost final : public ceres::CostFunction {
  private:
   MultipleShooting* shooting_;
   mutable CondensedSystem system_;
+  mutable Matrix root_;
   mutable double jacobian_seconds_ = 0.0;
   mutable int failed_evaluations_ = 0;
 };

@@ -13,6 +13,8 @@
 
 namespace pinode {
 
+struct IdentifiedModel;
+
 // What a program shows, and saves, while a fit runs.
 struct IdentificationProgress {
   int stage = 0;  // from 1
@@ -23,8 +25,10 @@ struct IdentificationProgress {
   double largest_gap = 0.0;     // in units of the state's RMS
   double free_run_error = 0.0;  // of the last stage, nrmse over all channels
   double elapsed_seconds = 0.0;
-  double expected_seconds = 0.0;       // in all, at this pace; an upper bound
-  const Vector* parameters = nullptr;  // all of them, at this iteration
+  double expected_seconds = 0.0;  // in all, at this pace; an upper bound
+  // Parameters, noise levels and decay at this iteration and the stage; what
+  // Identify takes to go on from here. Without starts.
+  const IdentifiedModel* model = nullptr;
 };
 
 struct IdentificationOptions {
@@ -40,7 +44,7 @@ struct IdentificationOptions {
   int segment_samples = 0;
 
   // Levenberg-Marquardt iterations in all stages together.
-  int max_num_iterations = 500;
+  int max_num_iterations = 1000;
 
   // Relative change of the cost that ends a solve.
   double function_tolerance = 1e-10;

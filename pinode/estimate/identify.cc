@@ -34,12 +34,22 @@ constexpr double kClosedGap = 1e-6;
 // them.
 constexpr int kMaxRounds = 40;
 
-// With networks whose decay the evidence chooses the noise begins at the first
-// of these shares of the spread and is never taken to be below the second: what
-// a network leaves over is misfit, and trusting it further makes the evidence
-// buy weights for it that do not generalise (data/README.md has the figures).
-constexpr double kFirstNetworkNoise = 0.01;
+// With networks whose decay the evidence chooses the noise is never taken to be
+// below this share of the spread: what a network leaves over is misfit, and
+// trusting it further makes the evidence buy weights for it that do not
+// generalise (data/README.md has the figures).
 constexpr double kSmallestMisfit = 0.003;
+
+// A network is learned twice. First at the smallest noise, which finds a good
+// fit soon, but one of the many that bring in all inputs. Then it is drawn
+// anew, close to a linear map, and the noise comes down from this share of the
+// spread step by step: the evidence grants what the data ask for most before
+// the rest, and inputs that are not needed stay out.
+constexpr double kAnnealedNoise = 0.1;
+// Scale of the hidden weights drawn anew, and first decay of the output
+// weights, which then have to be large, as a share of kFirstDecay.
+constexpr double kAnnealedWeights = 0.1;
+constexpr double kAnnealedOutputDecay = 1e-4;
 
 // Rounds for the decay of networks after the noise levels have settled.
 constexpr int kEvidenceRounds = 12;
@@ -49,6 +59,19 @@ constexpr double kSmallestChange = 0.1;
 
 // Largest step down of a noise level between rounds of such a fit.
 constexpr double kNetworkShrink = 0.75;
+
+// First radii of the trust region; networks need small steps at first.
+constexpr double kFirstRadius = 1e4;
+constexpr double kFirstNetworkRadius = 30.0;
+
+// Steps that Ceres may take uphill before it goes back: a network's valleys
+// bend.
+constexpr int kUphillSteps = 5;
+
+// How firmly gaps are closed at first, as a share of how firmly the data hold
+// the starts.
+constexpr double kFirstFirmness = 0.01;
+constexpr double kFirstNetworkFirmness = 0.1;
 
 // A first guess of the noise, as a share of the channel's spread, for channels
 // whose noise is to be estimated.
@@ -111,6 +134,7 @@ class Trainer {
   bool Run(const Vector& parameters, const IdentifiedModel* initial);
 
   const Solution& best() const { return best_; }
+  int stage() const { return stage_; }
   bool interrupted() const { return interrupted_; }
   const ParameterLayout& layout() const { return layout_; }
   MultipleShooting* shooting() { return shooting_.get(); }
@@ -126,12 +150,18 @@ class Trainer {
 
   double SmallestNoise(const MeasuredChannel& channel) const;
   void SetInitialNoise(const IdentifiedModel* initial);
+  // What a fit goes on with, without starts.
+  IdentifiedModel ModelAt(const Vector& free) const;
   std::vector<int> StageLengths() const;
   bool RunStage(int samples, bool last);
+  // Draws the networks anew and raises the noise, see kAnnealedNoise.
+  void BeginAnnealing();
+  bool HasNetworks() const { return layout_.num_decay_groups() > 0; }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
-  // True where neither moves any more.
-  bool UpdateNoiseAndDecay();
+  // True where neither moves any more. The noise grows only where the fit has
+  // converged: before, the residuals tell of the way that is left.
+  bool UpdateNoiseAndDecay(bool converged);
   // What the user set for a decay group; negative: the evidence chooses.
   double GivenDecay(int group) const;
   double ScoreFreeRuns(const Vector& free);
@@ -146,6 +176,7 @@ class Trainer {
   ParameterLayout layout_;
   std::unique_ptr<MultipleShooting> shooting_;
   std::chrono::steady_clock::time_point begin_;
+  Vector first_free_;  // as the run began
   Solution current_;
   Solution best_;
   bool noise_is_quiet_ = false;
@@ -154,7 +185,7 @@ class Trainer {
   int stage_ = 0;
   int num_stages_ = 0;
   int stage_samples_ = 0;
-  double radius_ = 1e4;
+  double radius_ = kFirstRadius;
   double last_free_run_error_ = 0.0;
 };
 
@@ -202,8 +233,8 @@ class Trainer::Callback final : public ceres::IterationCallback {
                                     trainer_->options_.max_num_iterations /
                                     record.iteration;
       }
-      const Vector parameters = trainer_->Parameters(*free_);
-      progress.parameters = &parameters;
+      const IdentifiedModel model = trainer_->ModelAt(*free_);
+      progress.model = &model;
       if (!trainer_->options_.callback(progress)) {
         trainer_->interrupted_ = true;
         return ceres::SOLVER_ABORT;
@@ -221,7 +252,7 @@ class Trainer::Callback final : public ceres::IterationCallback {
 double Trainer::SmallestNoise(const MeasuredChannel& channel) const {
   const double floor =
       kSmallestNoise * std::max(RmsOfPresent(channel.values), 1e-290);
-  return layout_.num_decay_groups() > 0
+  return HasNetworks()
              ? std::max(floor, kSmallestMisfit * Spread(channel.values))
              : floor;
 }
@@ -234,8 +265,7 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
     Vector sigma(static_cast<int>(record.channels.size()));
     for (int c = 0; c < sigma.size(); ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-      const double share =
-          layout_.num_decay_groups() > 0 ? kFirstNetworkNoise : kFirstNoise;
+      const double share = HasNetworks() ? kSmallestMisfit : kFirstNoise;
       sigma[c] = channel.sigma > 0.0 ? channel.sigma
                                      : std::max(share * Spread(channel.values),
                                                 SmallestNoise(channel));
@@ -258,6 +288,41 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
   }
 }
 
+void Trainer::BeginAnnealing() {
+  bool evidence = false;
+  for (int g = 0; g < layout_.num_decay_groups(); ++g) {
+    if (GivenDecay(g) >= 0.0) continue;
+    evidence = true;
+    const bool output = layout_.decay_groups()[static_cast<size_t>(g)].kind ==
+                        ParameterLayout::DecayGroup::Kind::kOutput;
+    current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
+  }
+  if (!evidence) return;
+  for (int j = 0; j < layout_.num_free(); ++j) {
+    const int g = layout_.DecayGroupOf(layout_.free()[static_cast<size_t>(j)]);
+    if (g < 0 || GivenDecay(g) >= 0.0) continue;
+    const auto& group = layout_.decay_groups()[static_cast<size_t>(g)];
+    if (!problem_.dynamics->networks()[static_cast<size_t>(group.network)]
+             .drawn) {
+      continue;
+    }
+    const bool output =
+        group.kind == ParameterLayout::DecayGroup::Kind::kOutput;
+    current_.free[j] = (output ? 1.0 : kAnnealedWeights) * first_free_[j];
+  }
+  for (size_t r = 0; r < current_.sigmas.size(); ++r) {
+    const IdentificationRecord& record =
+        problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
+    for (int c = 0; c < current_.sigmas[r].size(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      if (channel.sigma > 0.0) continue;
+      double& sigma = current_.sigmas[r][c];
+      sigma = std::max(sigma, kAnnealedNoise * Spread(channel.values));
+    }
+  }
+  radius_ = kFirstNetworkRadius;
+}
+
 std::vector<int> Trainer::StageLengths() const {
   if (options_.shooting == IdentificationOptions::Shooting::kSingle) {
     return {0};
@@ -268,14 +333,30 @@ std::vector<int> Trainer::StageLengths() const {
                        problem_.records[static_cast<size_t>(r)].num_samples());
   }
   std::vector<int> lengths;
-  const int first = options_.segment_samples > 0
-                        ? options_.segment_samples
-                        : FirstSegmentSamples(problem_);
+  int first = options_.segment_samples;
+  if (first == 0) {
+    first = FirstSegmentSamples(problem_);
+    // A model that lacks its nonlinear part goes astray sooner.
+    if (HasNetworks()) first = std::max(10, first / 3);
+  }
   for (int length = first; 2 * length < longest; length *= 4) {
     lengths.push_back(length);
   }
   lengths.push_back(0);
   return lengths;
+}
+
+IdentifiedModel Trainer::ModelAt(const Vector& free) const {
+  IdentifiedModel model;
+  model.parameters = Parameters(free);
+  model.decays = current_.decays;
+  model.sigmas.resize(problem_.records.size());
+  for (size_t r = 0; r < current_.sigmas.size(); ++r) {
+    const int record = shooting_->train_records()[r];
+    model.sigmas[static_cast<size_t>(record)] = current_.sigmas[r];
+  }
+  model.stage = stage_;
+  return model;
 }
 
 std::string Trainer::DescribeDivergence(const Divergence& divergence) const {
@@ -338,6 +419,10 @@ bool Trainer::SolveRound(int max_iterations, double function_tolerance,
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
+  if (HasNetworks()) {
+    options.use_nonmonotonic_steps = true;
+    options.max_consecutive_nonmonotonic_steps = kUphillSteps;
+  }
   Callback callback(this, &x, summary_->num_iterations);
   options.callbacks.push_back(&callback);
   if (options.max_num_iterations <= 0) return true;
@@ -372,7 +457,7 @@ double Trainer::GivenDecay(int group) const {
   return problem_.dynamics->networks()[static_cast<size_t>(network)].decay;
 }
 
-bool Trainer::UpdateNoiseAndDecay() {
+bool Trainer::UpdateNoiseAndDecay(bool converged) {
   CondensedSystem system;
   std::vector<Matrix> residuals;
   Matrix root;
@@ -451,17 +536,17 @@ bool Trainer::UpdateNoiseAndDecay() {
       // What a network leaves over is misfit with a memory. Weighed as
       // independent samples it would buy weights that fit it; it counts as
       // one sample per autocorrelation time.
-      if (layout_.num_decay_groups() > 0) {
+      if (HasNetworks()) {
         mean_square *= AutocorrelationTime(residuals[r].row(c));
       }
       const double floor = SmallestNoise(channel);
       double& sigma = current_.sigmas[r][c];
       // Never much at once: early residuals mislead, and a network needs time
       // to find out what it can do without.
-      const double shrink =
-          layout_.num_decay_groups() > 0 ? kNetworkShrink : 0.1;
+      const double shrink = HasNetworks() ? kNetworkShrink : 0.1;
+      const double growth = HasNetworks() && !converged ? 1.0 : 10.0;
       sigma = std::max(
-          floor, sigma * std::clamp(std::sqrt(mean_square), shrink, 10.0));
+          floor, sigma * std::clamp(std::sqrt(mean_square), shrink, growth));
     }
   }
   shooting_->SetSigmas(current_.sigmas);
@@ -502,12 +587,14 @@ bool Trainer::RunStage(int samples, bool last) {
     return false;
   }
   // Gaps begin softer than the data hold the starts, and end much firmer.
-  double firmness = single ? 0.0 : 0.01;
+  const bool networks = HasNetworks();
+  double firmness = single     ? 0.0
+                    : networks ? kFirstNetworkFirmness
+                               : kFirstFirmness;
   if (!single) {
     shooting_->SetGapPenalty(
         std::max(1.0, firmness * shooting_->DataCurvature()));
   }
-  const bool networks = layout_.num_decay_groups() > 0;
   const int round_iterations = networks ? 10 : 15;
   bool settled = false;
   // The first rounds are for noise levels, decay and multipliers to find their
@@ -534,7 +621,7 @@ bool Trainer::RunStage(int samples, bool last) {
         settled = true;
         break;
       }
-      const bool quiet = UpdateNoiseAndDecay();
+      const bool quiet = UpdateNoiseAndDecay(converged);
       // Idle inputs go on fading long after that matters.
       evidence_rounds += noise_is_quiet_ ? 1 : 0;
       if (fine && converged) {
@@ -551,7 +638,7 @@ bool Trainer::RunStage(int samples, bool last) {
       break;
     }
     shooting_->UpdateMultipliers();
-    UpdateNoiseAndDecay();
+    UpdateNoiseAndDecay(converged);
     const double before = shooting_->gap_penalty();
     firmness = std::min(1e4, 10.0 * firmness);
     CondensedSystem updated;
@@ -574,8 +661,11 @@ bool Trainer::RunStage(int samples, bool last) {
   summary_->largest_gap = record.largest_gap;
   summary_->single_shooting = single;
 
-  // A stage that makes the free run worse is undone.
-  const bool worse = current_.free_run_error > best_.free_run_error * 1.02;
+  // A stage that makes the free run worse is undone. Below the misfit that
+  // networks are allowed the simpler one counts as the better.
+  const bool worse =
+      current_.free_run_error >
+      std::max(best_.free_run_error * 1.02, networks ? kSmallestMisfit : 0.0);
   record.rolled_back = worse;
   summary_->stages.push_back(record);
   if (worse) {
@@ -590,25 +680,37 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   current_ = Solution();
   best_ = Solution();
   current_.free = layout_.Free(parameters);
+  first_free_ = current_.free;
+  radius_ = HasNetworks() ? kFirstNetworkRadius : kFirstRadius;
   SetInitialNoise(initial);
   shooting_->SetSigmas(current_.sigmas);
   shooting_->SetDecays(current_.decays);
   const std::vector<int> lengths = StageLengths();
   num_stages_ = static_cast<int>(lengths.size());
-  if (!InitialTrajectories(problem_, lengths[0], current_.free, shooting_.get(),
-                           &current_.trajectories)) {
+  // A fit that was cut off goes on in its stage.
+  const size_t first = initial == nullptr
+                           ? 0
+                           : static_cast<size_t>(std::clamp(
+                                 initial->stage - 1, 0, num_stages_ - 1));
+  // What has been learned before is not drawn anew.
+  const bool anneal =
+      HasNetworks() && (initial == nullptr ||
+                        (initial->stage > 0 && first + 1 < lengths.size()));
+  if (!InitialTrajectories(problem_, lengths[first], current_.free,
+                           shooting_.get(), &current_.trajectories)) {
     summary_->message = DescribeDivergence(shooting_->divergence());
     return false;
   }
   best_ = current_;
   bool gaps_closed = false;
-  for (size_t s = 0; s < lengths.size(); ++s) {
+  for (size_t s = first; s < lengths.size(); ++s) {
     const bool last = s + 1 == lengths.size();
     // With closed gaps the trajectory is already one piece: merging a few
     // segments would change nothing.
     if (!last && gaps_closed) continue;
     stage_ = static_cast<int>(s) + 1;
     const Solution before = current_;
+    if (last && anneal) BeginAnnealing();
     if (!RunStage(lengths[s], last)) {
       // The whole record may not run freely: what the segments gave stands.
       if (summary_->stages.empty()) return false;
@@ -832,6 +934,7 @@ void Identify(const IdentificationProblem& problem,
   MultipleShooting* shooting = best->shooting();
   model->parameters = best->Parameters(solution.free);
   model->decays = solution.decays;
+  model->stage = best->converged() ? 0 : best->stage();
   summary->decays.assign(solution.decays.data(),
                          solution.decays.data() + solution.decays.size());
   summary->final_cost = solution.cost;

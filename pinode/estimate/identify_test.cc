@@ -197,8 +197,8 @@ TEST(Identify, StopsWhenTheCallbackSaysSo) {
     int calls = 0;
     IdentificationOptions options;
     options.callback = [&](const IdentificationProgress& progress) {
-      EXPECT_EQ(progress.parameters->size(), 2);
-      EXPECT_TRUE(progress.parameters->allFinite());
+      EXPECT_EQ(progress.model->parameters.size(), 2);
+      EXPECT_TRUE(progress.model->parameters.allFinite());
       EXPECT_GE(progress.stage, 1);
       EXPECT_LE(progress.stage, progress.num_stages);
       EXPECT_TRUE(std::isfinite(progress.cost));
@@ -223,7 +223,7 @@ TEST(Identify, CallbackSeesTheCurrentParameters) {
   double last = 1.0;
   IdentificationOptions options;
   options.callback = [&](const IdentificationProgress& progress) {
-    last = (*progress.parameters)[0];
+    last = progress.model->parameters[0];
     return true;
   };
   chain.Run(options);
@@ -251,8 +251,8 @@ TEST(Identify, RespectsBounds) {
                      });
   IdentificationOptions options;
   options.callback = [](const IdentificationProgress& progress) {
-    EXPECT_LE((*progress.parameters)[0], -0.1);
-    EXPECT_GE((*progress.parameters)[0], -0.5);
+    EXPECT_LE(progress.model->parameters[0], -0.1);
+    EXPECT_GE(progress.model->parameters[0], -0.5);
     return true;
   };
   chain.Run(options);

@@ -103,7 +103,7 @@ Matrix InputSensitivity(const IdentificationProblem& problem,
       transition = Matrix::Identity(ns, ns);
       Vector state = states.col(i);
       for (int s = 0; s < grid.substeps(); ++s) {
-        step.Step(prepared, grid, i, s, false, &state, &transition);
+        step.Step(prepared, grid, i, s, false, false, &state, &transition);
       }
       adjoint = adjoint * transition;
     }

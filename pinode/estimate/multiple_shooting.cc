@@ -416,6 +416,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
     Matrix trial, best;
     double best_cost = std::numeric_limits<double>::infinity();
     double damping = 0.0;
+    double promised = 0.0;  // decrease of the cost by the trial step
     bool done = false;
     bool failed_once = false;
     Matrix gradient;
@@ -495,9 +496,14 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
       }
       const bool improved = finite && trial_cost < search.best_cost;
       if (improved) {
+        const double gain = search.best_cost - trial_cost;
         search.best = search.trial;
         search.best_cost = trial_cost;
-        search.damping *= search.damping > 1e-6 ? 0.1 : 0.0;
+        if (gain < 0.25 * search.promised) {
+          search.damping = std::max(1e-3, 3.0 * search.damping);
+        } else if (gain > 0.75 * search.promised) {
+          search.damping *= search.damping > 1e-6 ? 0.1 : 0.0;
+        }
         AssembleStarts(&record, search.best, 0, &search.gradient);
       } else {
         if (search.best_cost == std::numeric_limits<double>::infinity()) {
@@ -524,6 +530,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
         search.done = true;
         continue;
       }
+      search.promised = decrease;
       record.system->SolveUpper(&step);
       search.trial =
           search.best - Eigen::Map<const Matrix>(step.data(), ns, segments);

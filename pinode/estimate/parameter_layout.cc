@@ -12,8 +12,9 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
   const WeightLayout& layout = term.network->layout();
   std::vector<int> groups(static_cast<size_t>(layout.size), -1);
   if (architecture.IsLinear()) return groups;
-  const auto add_group = [&](const std::string& name) {
-    decay_groups_.push_back({network, term.name + ", " + name});
+  using Kind = DecayGroup::Kind;
+  const auto add_group = [&](const std::string& name, Kind kind) {
+    decay_groups_.push_back({network, term.name + ", " + name, kind});
     return num_decay_groups() - 1;
   };
   const auto set = [&groups](const WeightLayout::Part& part, int row, int col,
@@ -22,23 +23,24 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
   };
   const WeightLayout::Part& first = layout.weights.front();
   for (int j = 0; j < first.cols; ++j) {
-    const int group = add_group("input " + std::to_string(j + 1));
+    const int group = add_group("input " + std::to_string(j + 1), Kind::kInput);
     for (int i = 0; i < first.rows; ++i) set(first, i, j, group);
   }
   for (int l = 1; l + 1 < layout.num_layers(); ++l) {
     const WeightLayout::Part& part = layout.weights[static_cast<size_t>(l)];
-    const int group = add_group("layer " + std::to_string(l + 1));
+    const int group = add_group("layer " + std::to_string(l + 1), Kind::kLayer);
     for (int j = 0; j < part.cols; ++j) {
       for (int i = 0; i < part.rows; ++i) set(part, i, j, group);
     }
   }
   const WeightLayout::Part& last = layout.weights.back();
   for (int i = 0; i < last.rows; ++i) {
-    const int group = add_group("output " + std::to_string(i + 1));
+    const int group =
+        add_group("output " + std::to_string(i + 1), Kind::kOutput);
     for (int j = 0; j < last.cols; ++j) set(last, i, j, group);
   }
   if (architecture.bias) {
-    const int group = add_group("biases");
+    const int group = add_group("biases", Kind::kBiases);
     for (int l = 0; l + 1 < layout.num_layers(); ++l) {
       const WeightLayout::Part& part = layout.biases[static_cast<size_t>(l)];
       for (int i = 0; i < part.rows; ++i) set(part, i, 0, group);

@@ -34,8 +34,10 @@ class ParameterLayout {
   // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,
   // 1996): inputs and outputs that nothing depends on are shrunk away.
   struct DecayGroup {
+    enum class Kind { kInput, kLayer, kOutput, kBiases };
     int network = -1;
     std::string name;
+    Kind kind = Kind::kLayer;
   };
   const std::vector<DecayGroup>& decay_groups() const { return decay_groups_; }
   int num_decay_groups() const {

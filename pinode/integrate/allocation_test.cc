@@ -95,11 +95,12 @@ TEST_F(AllocationTest, StepAllocatesNothing) {
         ns, ns + (with_parameters ? dynamics_->num_tangent_columns() : 0));
     sensitivity.leftCols(ns).setIdentity();
     // The first step may still size its workspace.
-    step.Step(prepared_, grid_, 0, 0, with_parameters, &state, &sensitivity);
+    step.Step(prepared_, grid_, 0, 0, false, with_parameters, &state,
+              &sensitivity);
     const std::size_t before = allocation_count;
     for (int i = 0; i < 11; ++i) {
       for (int s = 0; s < 2; ++s) {
-        step.Step(prepared_, grid_, i, s, with_parameters, &state,
+        step.Step(prepared_, grid_, i, s, false, with_parameters, &state,
                   &sensitivity);
       }
     }

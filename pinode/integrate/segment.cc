@@ -73,7 +73,8 @@ bool SegmentPropagator::PropagateTangents(
       result->failed_state = failed;
       return false;
     }
-    if (i < last || observe_last) {
+    const bool observed = i < last || observe_last;
+    if (observed) {
       const int row = (i - first) * channels;
       const auto& stage = step_.LinearizeAt(prepared, grid.time(i),
                                             grid.AtSample(i), state_.data());
@@ -94,7 +95,8 @@ bool SegmentPropagator::PropagateTangents(
     }
     if (i == last) break;
     for (int s = 0; s < grid.substeps(); ++s) {
-      step_.Step(prepared, grid, i, s, with_parameters, &state_, &sensitivity_);
+      step_.Step(prepared, grid, i, s, observed && s == 0, with_parameters,
+                 &state_, &sensitivity_);
     }
   }
   result->end_state = state_;

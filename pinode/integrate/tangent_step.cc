@@ -6,7 +6,6 @@ namespace pinode {
 
 TangentStep::TangentStep(const StructuralDynamics& dynamics)
     : dynamics_(dynamics),
-      sample_stage_(dynamics.MakeStage()),
       stages_{dynamics.MakeStage(), dynamics.MakeStage(), dynamics.MakeStage(),
               dynamics.MakeStage()},
       scratch_(dynamics.MakeTangentScratch(dynamics.num_states())),
@@ -22,8 +21,8 @@ TangentStep::TangentStep(const StructuralDynamics& dynamics)
 const StructuralDynamics::Stage& TangentStep::LinearizeAt(
     const StructuralDynamics::Prepared& prepared, double time,
     const double* input, const double* state) {
-  dynamics_.Linearize(prepared, time, input, state, &sample_stage_);
-  return sample_stage_;
+  dynamics_.Linearize(prepared, time, input, state, &stages_[0]);
+  return stages_[0];
 }
 
 void TangentStep::AddParameterTangents(
@@ -34,7 +33,7 @@ void TangentStep::AddParameterTangents(
     observation_scratch_ =
         dynamics_.MakeTangentScratch(static_cast<int>(left.rows()));
   }
-  const StructuralDynamics::Stage* stage = &sample_stage_;
+  const StructuralDynamics::Stage* stage = &stages_[0];
   const Matrix* lefts[] = {&left};
   dynamics_.AddParameterTangents(prepared, &stage, lefts, 1,
                                  &observation_scratch_, result->data());
@@ -42,7 +41,7 @@ void TangentStep::AddParameterTangents(
 
 void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
                        const IntegrationGrid& grid, int interval, int substep,
-                       bool with_parameters, Vector* state,
+                       bool linearized, bool with_parameters, Vector* state,
                        Matrix* sensitivity) {
   const int ns = dynamics_.num_states();
   const double dt = grid.step();
@@ -51,7 +50,9 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   const double* middle = grid.AtNode(interval, substep, 1);
   const double* end = grid.AtNode(interval, substep, 2);
 
-  dynamics_.Linearize(prepared, time, begin, state->data(), &stages_[0]);
+  if (!linearized) {
+    dynamics_.Linearize(prepared, time, begin, state->data(), &stages_[0]);
+  }
   stage_state_ = *state + 0.5 * dt * stages_[0].rate;
   dynamics_.Linearize(prepared, time + 0.5 * dt, middle, stage_state_.data(),
                       &stages_[1]);

@@ -32,21 +32,22 @@ class TangentStep {
       const StructuralDynamics::Prepared& prepared, double time,
       const double* input, const double* state);
 
-  // Advances *state (num_states) and *sensitivity by one step.
+  // Advances *state (num_states) and *sensitivity by one step. `linearized`:
+  // the last call was LinearizeAt at *state and the beginning of the step.
   // `with_parameters`: whether *sensitivity has the parameter columns, or just
   // the num_states columns of the start.
   void Step(const StructuralDynamics::Prepared& prepared,
             const IntegrationGrid& grid, int interval, int substep,
-            bool with_parameters, Vector* state, Matrix* sensitivity);
+            bool linearized, bool with_parameters, Vector* state,
+            Matrix* sensitivity);
 
   // result (rows x num_tangent_columns) += left * (df/dtheta) at the point of
-  // the last LinearizeAt; left is rows x num_states.
+  // the last LinearizeAt, before the next step; left is rows x num_states.
   void AddParameterTangents(const StructuralDynamics::Prepared& prepared,
                             const Matrix& left, Matrix* result);
 
  private:
   const StructuralDynamics& dynamics_;
-  StructuralDynamics::Stage sample_stage_;
   std::array<StructuralDynamics::Stage, 4> stages_;
   std::array<Matrix, 4> weights_;  // G_1 ... G_4
   StructuralDynamics::TangentScratch scratch_;

@@ -74,7 +74,16 @@ Vector InitializeWeights(const NetworkArchitecture& architecture,
   for (int l = 0; l < last; ++l) {
     const double deviation =
         HiddenDeviation(architecture.activation, layout.weights[l]);
-    draw(layout.weights[l], deviation);
+    if (l == 0) {
+      const WeightLayout::Part& part = layout.weights[0];
+      const double single = HiddenDeviation(architecture.activation, {0, 1, 1});
+      for (int i = 0; i < part.rows; ++i) {
+        weights[part.offset + (i % part.cols) * part.rows + i] =
+            single * normal();
+      }
+    } else {
+      draw(layout.weights[l], deviation);
+    }
     draw(layout.biases[l], deviation);
   }
   if (!zero_last_layer) {

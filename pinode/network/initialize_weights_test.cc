@@ -32,11 +32,24 @@ Vector Part(const Vector& weights, const WeightLayout::Part& part) {
   return weights.segment(part.offset, part.size());
 }
 
+// The one input that each unit of the first layer sees; the others are zero.
+Vector SingleInputs(const Vector& weights, const WeightLayout& layout) {
+  const WeightLayout::Part& part = layout.weights[0];
+  const Eigen::Map<const Matrix> first(weights.data() + part.offset, part.rows,
+                                       part.cols);
+  Vector singles(part.rows);
+  for (int i = 0; i < part.rows; ++i) {
+    singles[i] = first(i, i % part.cols);
+    EXPECT_EQ((first.row(i).array() != 0.0).count(), 1);
+  }
+  return singles;
+}
+
 TEST(InitializeWeights, HasGlorotsVariance) {
   const NetworkArchitecture architecture = WideNetwork(Activation::kTanh);
   const WeightLayout layout = architecture.Layout();
   const Vector weights = InitializeWeights(architecture, 7, false);
-  ExpectNormal(Part(weights, layout.weights[0]), std::sqrt(2.0 / 400.0));
+  ExpectNormal(SingleInputs(weights, layout), 1.0);
   ExpectNormal(Part(weights, layout.biases[0]), std::sqrt(2.0 / 400.0));
   ExpectNormal(Part(weights, layout.weights[1]), std::sqrt(2.0 / 500.0));
   ExpectNormal(Part(weights, layout.weights[2]), 0.1 * std::sqrt(2.0 / 250.0));
@@ -52,7 +65,7 @@ TEST(InitializeWeights, HasHesVarianceForRectifiers) {
     const Vector weights = InitializeWeights(architecture, 8, true);
     const double slope = activation == Activation::kRelu ? 0.0 : 0.01;
     const double gain = 2.0 / (1.0 + slope * slope);
-    ExpectNormal(Part(weights, layout.weights[0]), std::sqrt(gain / 100.0));
+    ExpectNormal(SingleInputs(weights, layout), std::sqrt(gain));
     ExpectNormal(Part(weights, layout.weights[1]), std::sqrt(gain / 300.0));
   }
 }

@@ -129,7 +129,8 @@ FitTimes FitWithPinode(const Case& c) {
   Watch watch(c.problem);
   options.callback = [&watch](const IdentificationProgress& progress) {
     if (watch.times().reached) return true;
-    const bool reached = watch.Check(*progress.parameters, progress.iteration);
+    const bool reached =
+        watch.Check(progress.model->parameters, progress.iteration);
     VLOG(1) << "pinode stage " << progress.stage << " iteration "
             << progress.iteration << " gap " << progress.largest_gap
             << " free-run error " << watch.times().error << " after "
