@@ -1,0 +1,84 @@
+// The candidates among which discovery looks for the terms of an equation.
+
+#ifndef PINODE_DISCOVER_CANDIDATE_LIBRARY_H_
+#define PINODE_DISCOVER_CANDIDATE_LIBRARY_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/library_function.h"
+
+namespace pinode {
+
+// Which candidates a library has. Features are named as in
+// Feature::Name(): "x[u1]", "v[u1]", "d[u1,u2]", "w[u1,u2]", "t",
+// "input[road]"; so are the candidates, each by the text that LibraryFunction
+// reads. The candidates come in the order of the members below, none twice.
+struct CandidateLibraryOptions {
+  // "1". A structure at rest in its origin has none.
+  bool constant = false;
+
+  // Monomials of total degree 1 up to this one, by degree: "x[u1]^3"; 0: none.
+  int polynomial_degree = 3;
+  // Also those of several features: "x[u1]^2*v[u1]".
+  bool products = true;
+  // The features that monomials are made of; empty: all.
+  std::vector<std::string> polynomial_features;
+
+  // "sin(x[u1])" and so on, one for each feature named.
+  std::vector<std::string> sine_features;
+  std::vector<std::string> cosine_features;
+  std::vector<std::string> absolute_features;       // "abs(v[u1])"
+  std::vector<std::string> sign_features;           // "sign(v[u1])"
+  std::vector<std::string> signed_square_features;  // "abs(x[u1])*x[u1]"
+
+  // Whatever else LibraryFunction reads.
+  std::vector<std::string> expressions;
+};
+
+// An ordered set of candidate functions of one feature vector q: the columns
+// of Theta in y = Theta(q) xi (Brunton, Proctor, Kutz, "Discovering governing
+// equations from data by sparse identification of nonlinear dynamical systems",
+// PNAS 113 (2016) 3932; Lai et al. (2021), eqs. (7) to (9)). Outputs that have
+// libraries of their own have one object each.
+class CandidateLibrary {
+ public:
+  static constexpr int kMaxCandidates = 2000;
+
+  // False, with *library untouched, for an unknown feature, a feature or a
+  // candidate twice, an expression that cannot be read (with its column), no
+  // candidate at all, or more than kMaxCandidates.
+  [[nodiscard]] static bool Create(
+      const std::vector<std::string>& feature_names,
+      const CandidateLibraryOptions& options, CandidateLibrary* library,
+      std::string* error);
+
+  int size() const { return static_cast<int>(functions_.size()); }
+  const std::vector<std::string>& feature_names() const {
+    return feature_names_;
+  }
+  // Each candidate's text.
+  std::vector<std::string> Names() const;
+  const LibraryFunction& function(int candidate) const {
+    return functions_[static_cast<size_t>(candidate)];
+  }
+
+  // theta (samples x size()) at `features` (samples x features). False if an
+  // entry of theta is not finite; *error names candidate and sample.
+  [[nodiscard]] bool Evaluate(const Matrix& features, Matrix* theta,
+                              std::string* error) const;
+
+  // At one sample: values (size()) and jacobian (size() x features), both set
+  // to the right size.
+  void Linearize(const Vector& features, Vector* values,
+                 Matrix* jacobian) const;
+
+ private:
+  std::vector<std::string> feature_names_;
+  std::vector<LibraryFunction> functions_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_DISCOVER_CANDIDATE_LIBRARY_H_

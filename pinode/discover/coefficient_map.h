@@ -1,0 +1,84 @@
+// Conditions on coefficients, and the free unknowns that they leave.
+
+#ifndef PINODE_DISCOVER_COEFFICIENT_MAP_H_
+#define PINODE_DISCOVER_COEFFICIENT_MAP_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+// One condition, on coefficients by their names (see
+// RegressionProblem::CoefficientNames()).
+struct CoefficientConstraint {
+  enum class Kind { kGiven, kSign, kEqual };
+
+  // The coefficient is known: it stays in the model at this value.
+  static CoefficientConstraint Given(const std::string& coefficient,
+                                     double value);
+  // The coefficient is not negative, or not positive.
+  static CoefficientConstraint Positive(const std::string& coefficient);
+  static CoefficientConstraint Negative(const std::string& coefficient);
+  // coefficients[i] = factors[i] * c with one unknown c; no factors: all
+  // equal. Symmetric coupling of two accelerations m1 a1 = ... + k x2 and
+  // m2 a2 = ... + k x1 is the pair with the factors 1/m1 and 1/m2.
+  static CoefficientConstraint Equal(
+      const std::vector<std::string>& coefficients,
+      const std::vector<double>& factors = {});
+
+  Kind kind = Kind::kGiven;
+  std::vector<std::string> coefficients;  // one, or several for kEqual
+  double value = 0.0;                     // kGiven
+  int sign = 1;                           // kSign: 1 or -1
+  std::vector<double> factors;            // kEqual
+};
+
+// The coefficients xi as a function of free unknowns g,
+//
+//   xi_j = factor_j g_{free_j}    or    xi_j = value_j (given),
+//
+// g having signs of their own: sign_i g_i >= 0 where sign_i is not 0. Every
+// solver of this floor works on g.
+class CoefficientMap {
+ public:
+  // False, with *map untouched, for an unknown name, an entry that is not
+  // finite, a zero factor, a coefficient in two equalities or given twice, or
+  // conditions that contradict each other. If all are given, num_free() is 0.
+  [[nodiscard]] static bool Create(
+      const std::vector<std::string>& names,
+      const std::vector<CoefficientConstraint>& constraints,
+      CoefficientMap* map, std::string* error);
+
+  int num_coefficients() const { return static_cast<int>(free_.size()); }
+  int num_free() const { return static_cast<int>(signs_.size()); }
+
+  // -1 where the coefficient is given.
+  int free(int coefficient) const {
+    return free_[static_cast<size_t>(coefficient)];
+  }
+  double factor(int coefficient) const { return factors_[coefficient]; }
+  // 0 where the coefficient is not given.
+  double value(int coefficient) const { return values_[coefficient]; }
+  // One an unknown: 1, -1 or 0 (either).
+  const std::vector<int>& signs() const { return signs_; }
+
+  // xi from g.
+  Vector Expand(const Vector& free) const;
+  // The coefficients that follow the free unknowns named, ascending; the given
+  // ones are never among them.
+  std::vector<int> ExpandSupport(const std::vector<int>& free_support) const;
+  // The free unknowns behind `support`, ascending, each once.
+  std::vector<int> ReduceSupport(const std::vector<int>& support) const;
+
+ private:
+  std::vector<int> free_;
+  Vector factors_;
+  Vector values_;
+  std::vector<int> signs_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_DISCOVER_COEFFICIENT_MAP_H_
