@@ -25,8 +25,11 @@ GroupTerm MakeGroup(const std::string& name, MatrixGroup::Target target,
   return term;
 }
 
-LawTerm MakeElement(const std::string& name, const std::string& type, int from,
-                    int to, const std::vector<double>& values) {
+}  // namespace
+
+LawTerm MakeElement(const std::string& name, const std::string& type,
+                    int num_dofs, int from, int to,
+                    const std::vector<double>& values) {
   std::string error;
   LawTerm term;
   term.name = name;
@@ -35,7 +38,7 @@ LawTerm MakeElement(const std::string& name, const std::string& type, int from,
   CHECK(term.law != nullptr) << error;
   term.features = {Feature::Deformation(from, to),
                    Feature::DeformationRate(from, to)};
-  term.outputs = Matrix::Zero(2, 1);
+  term.outputs = Matrix::Zero(num_dofs, 1);
   term.outputs(to, 0) = 1.0;
   if (from >= 0) term.outputs(from, 0) = -1.0;
   term.parameters.name = name;
@@ -49,8 +52,6 @@ LawTerm MakeElement(const std::string& name, const std::string& type, int from,
   }
   return term;
 }
-
-}  // namespace
 
 double Gaussian::Next() {
   constexpr double kTwoPi = 6.283185307179586;
@@ -101,11 +102,11 @@ std::shared_ptr<StructuralDynamics> MakeSmallNonlinear() {
       MakeGroup("c2", Target::kDamping, SpringMatrix(2, 0, 1), 0.2), &error))
       << error;
   CHECK(dynamics->AddLaw(
-      MakeElement("spring", "cubic", Feature::kGround, 0, {8.0}), &error))
+      MakeElement("spring", "cubic", 2, Feature::kGround, 0, {8.0}), &error))
       << error;
   // k, a, b, g, n.
   LawTerm hysteresis =
-      MakeElement("slip", "bouc_wen", 0, 1, {3.0, 1.0, 0.8, 0.4, 2.0});
+      MakeElement("slip", "bouc_wen", 2, 0, 1, {3.0, 1.0, 0.8, 0.4, 2.0});
   hysteresis.parameters.parameters.back().free = false;
   CHECK(dynamics->AddLaw(std::move(hysteresis), &error)) << error;
 

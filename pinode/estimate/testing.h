@@ -33,6 +33,11 @@ class Gaussian {
 // ... kn, the fractional change of each.
 std::shared_ptr<StructuralDynamics> MakeGroupedChain(int n, double k, double c);
 
+// An element between two DOFs, `from` Feature::kGround for the ground.
+LawTerm MakeElement(const std::string& name, const std::string& type,
+                    int num_dofs, int from, int to,
+                    const std::vector<double>& values);
+
 // Two masses under ground motion with groups for stiffness, damping and mass
 // (`m2`, fixed), a cubic spring, a Bouc-Wen element with its exponent fixed,
 // and a small network with skip path: something of every kind, and smooth

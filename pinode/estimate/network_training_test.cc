@@ -1,0 +1,157 @@
+// Networks: fitted, annealed, and gone on with.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/testing.h"
+#include "pinode/estimate/identify.h"
+#include "pinode/estimate/score.h"
+#include "pinode/estimate/testing.h"
+#include "pinode/network/initialize_weights.h"
+
+namespace pinode {
+namespace {
+
+constexpr int kSamples = 160;
+constexpr double kStep = 0.05;
+
+std::shared_ptr<StructuralDynamics> MakeOscillator() {
+  return std::make_shared<StructuralDynamics>(
+      testing::MakeChain(1, 10.0, 0.3),
+      std::vector<InputSpec>{{InputSpec::Kind::kGroundAcceleration, 0, "ag"}});
+}
+
+// One mass on a hardening spring; the model has the linear part and a network
+// of displacement and velocity for the rest.
+struct HardeningOscillator {
+  HardeningOscillator() {
+    std::string error;
+    const auto truth = MakeOscillator();
+    EXPECT_TRUE(truth->AddLaw(
+        testing::MakeElement("spring", "cubic", 1, Feature::kGround, 0, {6.0}),
+        &error))
+        << error;
+    const auto dynamics = MakeOscillator();
+    NetworkArchitecture architecture;
+    architecture.num_inputs = 2;
+    architecture.num_outputs = 1;
+    architecture.hidden_widths = {6};
+    NetworkTerm term;
+    term.name = "net";
+    term.network = std::make_shared<Network>(architecture);
+    term.features = {Feature::Displacement(0), Feature::Velocity(0)};
+    term.outputs = Matrix::Identity(1, 1);
+    term.weights.name = "net";
+    term.weights.named = false;
+    term.weights.decays = architecture.NonlinearWeights();
+    const Vector weights = InitializeWeights(architecture, 3, true);
+    for (int i = 0; i < weights.size(); ++i) {
+      Parameter weight;
+      weight.name = "net[" + std::to_string(i) + "]";
+      weight.value = weights[i];
+      term.weights.parameters.push_back(weight);
+    }
+    EXPECT_TRUE(dynamics->AddNetwork(std::move(term), &error)) << error;
+
+    IdentificationRecord record =
+        testing::MakeExcitedRecord(*truth, kSamples, kStep);
+    record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
+                       testing::MakeChannel("v", Quantity::kVelocity, 1, 0)};
+    testing::Simulate(*truth, truth->Parameters(), Vector::Zero(2), 0.0, 1,
+                      &record);
+    problem.dynamics = dynamics;
+    problem.records.push_back(record);
+    problem.sensors.name = "sensors";
+  }
+
+  // What the callback saw of one iteration.
+  struct Step {
+    int stage = 0;
+    int num_stages = 0;
+    IdentifiedModel model;
+  };
+
+  // Runs a fit that stops after `limit` iterations of the last stage.
+  void Run(const IdentifiedModel* initial, int limit = 1000000) {
+    steps.clear();
+    IdentificationOptions options;
+    int last = 0;
+    options.callback = [&](const IdentificationProgress& progress) {
+      steps.push_back({progress.stage, progress.num_stages, *progress.model});
+      if (progress.stage == progress.num_stages) ++last;
+      return last <= limit;
+    };
+    Identify(problem, options, initial, &summary, &model);
+  }
+
+  IdentificationProblem problem;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  std::vector<Step> steps;
+};
+
+// Weights of the first hidden layer come first in the block.
+Vector FirstLayer(const IdentifiedModel& model) {
+  return model.parameters.head(12);
+}
+
+TEST(NetworkTraining, LeavesOutTheInputThatIsNotNeeded) {
+  HardeningOscillator fit;
+  fit.Run(nullptr);
+  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_LT(fit.summary.records[0].nrmse, 0.003);
+  // Decay groups: inputs x and v, the output, the biases.
+  ASSERT_EQ(fit.model.decays.size(), 4);
+  EXPECT_GT(fit.model.decays[1], 100.0 * fit.model.decays[0]);
+  EXPECT_EQ(fit.model.stage, 0) << "a result is not a fit that was cut off";
+}
+
+TEST(NetworkTraining, TheLastStageBeginsNearlyLinear) {
+  HardeningOscillator fit;
+  fit.Run(nullptr, 0);
+  ASSERT_GE(fit.steps.size(), 2u);
+  const auto& annealed = fit.steps.back();
+  ASSERT_EQ(annealed.stage, annealed.num_stages);
+  const Vector drawn = fit.problem.dynamics->Parameters().head(12);
+  EXPECT_TRUE(FirstLayer(annealed.model).isApprox(0.1 * drawn, 1e-12));
+  const double spread = Spread(fit.problem.records[0].channels[0].values);
+  EXPECT_NEAR(annealed.model.sigmas[0][0], 0.1 * spread, 1e-9 * spread);
+}
+
+TEST(NetworkTraining, WhatWasLearnedBeforeIsNotDrawnAnew) {
+  HardeningOscillator first;
+  first.Run(nullptr);
+  HardeningOscillator second;
+  second.Run(&first.model, 0);
+  const auto& begin = second.steps.front();
+  EXPECT_EQ(begin.stage, 1);
+  const auto& end = second.steps.back();
+  ASSERT_EQ(end.stage, end.num_stages);
+  EXPECT_TRUE(FirstLayer(end.model).isApprox(FirstLayer(first.model), 0.2));
+}
+
+TEST(NetworkTraining, AFitThatWasCutOffGoesOnInItsStage) {
+  HardeningOscillator whole;
+  whole.Run(nullptr);
+  HardeningOscillator cut;
+  cut.Run(nullptr, 25);
+  EXPECT_EQ(cut.summary.termination, Termination::kInterrupted);
+  const auto& at = cut.steps.back();
+  EXPECT_EQ(cut.model.stage, at.num_stages);
+  // As a checkpoint of the running fit has it, without starts.
+  HardeningOscillator resumed;
+  resumed.Run(&at.model);
+  EXPECT_EQ(resumed.steps.front().stage, at.num_stages);
+  EXPECT_EQ(FirstLayer(resumed.steps.front().model), FirstLayer(at.model));
+  EXPECT_EQ(resumed.steps.front().model.sigmas[0], at.model.sigmas[0]);
+  EXPECT_TRUE(resumed.summary.usable) << resumed.summary.message;
+  EXPECT_LT(resumed.summary.records[0].nrmse,
+            1.5 * whole.summary.records[0].nrmse + 1e-3);
+}
+
+}  // namespace
+}  // namespace pinode
