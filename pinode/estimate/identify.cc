@@ -144,6 +144,7 @@ class Trainer {
   bool RunStage(int samples, bool last);
   // Draws the networks anew and raises the noise, see kAnnealedNoise.
   void BeginAnnealing();
+  void AnnealToTheFloor();
   bool HasNetworks() const { return layout_.num_decay_groups() > 0; }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
@@ -165,6 +166,9 @@ class Trainer {
   std::unique_ptr<MultipleShooting> shooting_;
   std::chrono::steady_clock::time_point begin_;
   Vector first_free_;  // as the run began
+  // Where annealed noise comes down to whatever the residuals say, per training
+  // record; empty before that.
+  std::vector<Vector> annealed_to_;
   Solution current_;
   Solution best_;
   bool noise_is_quiet_ = false;
@@ -276,6 +280,13 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
   }
 }
 
+void Trainer::AnnealToTheFloor() {
+  annealed_to_.clear();
+  for (const Vector& sigma : current_.sigmas) {
+    annealed_to_.push_back(Vector::Zero(sigma.size()));
+  }
+}
+
 void Trainer::BeginAnnealing() {
   bool evidence = false;
   for (int g = 0; g < layout_.num_decay_groups(); ++g) {
@@ -286,6 +297,15 @@ void Trainer::BeginAnnealing() {
     current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
   }
   if (!evidence) return;
+  AnnealToTheFloor();
+  // What the first fit has left over is where the noise comes down to. (Decays
+  // found on the way are of no use.)
+  if (!summary_->stages.empty()) {
+    const Vector decays = current_.decays;
+    UpdateNoiseAndDecay(true);
+    current_.decays = decays;
+    annealed_to_ = current_.sigmas;
+  }
   for (int j = 0; j < layout_.num_free(); ++j) {
     const int g = layout_.DecayGroupOf(layout_.free()[static_cast<size_t>(j)]);
     if (g < 0 || GivenDecay(g) >= 0.0) continue;
@@ -533,7 +553,10 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       // to find out what it can do without.
       const double shrink = HasNetworks() ? kNetworkShrink : 0.1;
       const double growth = HasNetworks() && !converged ? 1.0 : 10.0;
-      const double wanted = std::max(floor, sigma * std::sqrt(mean_square));
+      double wanted = std::max(floor, sigma * std::sqrt(mean_square));
+      if (!annealed_to_.empty() && sigma > annealed_to_[r][c]) {
+        wanted = std::max(floor, annealed_to_[r][c]);
+      }
       noise_change = std::max(noise_change, std::abs(wanted / sigma - 1.0));
       sigma = std::clamp(wanted, std::max(floor, shrink * sigma),
                          std::max(floor, growth * sigma));
@@ -682,6 +705,10 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   const bool anneal =
       HasNetworks() && (initial == nullptr ||
                         (initial->stage > 0 && first + 1 < lengths.size()));
+  // Cut off in the annealing, the noise goes on coming down.
+  if (HasNetworks() && initial != nullptr && initial->stage > 0 && !anneal) {
+    AnnealToTheFloor();
+  }
   if (!InitialTrajectories(problem_, lengths[first], current_.free,
                            shooting_.get(), &current_.trajectories)) {
     summary_->message = DescribeDivergence(shooting_->divergence());
