@@ -38,7 +38,7 @@ constexpr int kMaxRounds = 40;
 // below this share of the spread: what a network leaves over is misfit, and
 // trusting it further makes the evidence buy weights for it that do not
 // generalise (data/README.md has the figures).
-constexpr double kSmallestMisfit = 0.0025;
+constexpr double kSmallestMisfit = 0.002;
 
 // A network is learned twice. First at the smallest noise, which finds a good
 // fit soon, but one of the many that bring in all inputs. Then it is drawn
