@@ -17,11 +17,12 @@ namespace pinode {
 //   2 / (inputs + outputs of the layer)    (Glorot and Bengio 2010), or
 //   2 / ((1 + slope^2) inputs)             (He et al. 2015) for relu and
 //                                          leaky_relu.
-// Each unit of the first hidden layer sees one input, in turn, with the variance
-// of a layer that has one input and one output: devices mostly depend on one
-// deformation, and a network that begins by mixing all inputs goes on doing so.
-// b_l of a hidden layer has the variance that W_l would have with all inputs:
-// at zero, every kink would lie at rest and a tanh network would be odd.
+// Each unit of the first hidden layer sees one input, in turn, with the
+// variance of a layer that has one input and one output: devices mostly depend
+// on one deformation, and a network that begins by mixing all inputs goes on
+// doing so. b_l of a hidden layer has the variance that W_l would have with all
+// inputs: at zero, every kink would lie at rest and a tanh network would be
+// odd.
 //
 // With `zero_last_layer` W_L is zero, so the network is: training starts from
 // the physics alone. Without it W_L has a tenth of the Glorot deviation, small
