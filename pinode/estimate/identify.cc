@@ -57,6 +57,9 @@ constexpr int kEvidenceRounds = 12;
 // Change of the cost in one iteration at which such a fit has converged.
 constexpr double kSmallestChange = 0.1;
 
+// Iterations after which the tolerance is measured by the cost anew.
+constexpr int kFineNetworkIterations = 50;
+
 // Largest step down of a noise level between rounds of such a fit.
 constexpr double kNetworkShrink = 0.75;
 
@@ -166,8 +169,9 @@ class Trainer {
   std::unique_ptr<MultipleShooting> shooting_;
   std::chrono::steady_clock::time_point begin_;
   Vector first_free_;  // as the run began
-  // Where annealed noise comes down to whatever the residuals say, per training
-  // record; empty before that.
+  // What annealed noise comes down to and does not exceed again, per training
+  // record: what the first fit left over. Where that is not known, zero on the
+  // way down and infinity afterwards. Empty before the annealing.
   std::vector<Vector> annealed_to_;
   Solution current_;
   Solution best_;
@@ -302,7 +306,8 @@ void Trainer::BeginAnnealing() {
   // found on the way are of no use.)
   if (!summary_->stages.empty()) {
     const Vector decays = current_.decays;
-    UpdateNoiseAndDecay(true);
+    // Noise grows tenfold at most at once.
+    for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
     current_.decays = decays;
     annealed_to_ = current_.sigmas;
   }
@@ -554,8 +559,15 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       const double shrink = HasNetworks() ? kNetworkShrink : 0.1;
       const double growth = HasNetworks() && !converged ? 1.0 : 10.0;
       double wanted = std::max(floor, sigma * std::sqrt(mean_square));
-      if (!annealed_to_.empty() && sigma > annealed_to_[r][c]) {
-        wanted = std::max(floor, annealed_to_[r][c]);
+      if (!annealed_to_.empty()) {
+        double& target = annealed_to_[r][c];
+        if (target > 0.0) {
+          wanted = std::min(wanted, std::max(floor, target));
+        } else if (sigma > floor) {
+          wanted = floor;
+        } else {
+          target = kInfinity;
+        }
       }
       noise_change = std::max(noise_change, std::abs(wanted / sigma - 1.0));
       sigma = std::clamp(wanted, std::max(floor, shrink * sigma),
@@ -620,8 +632,10 @@ bool Trainer::RunStage(int samples, bool last) {
                                         options_.function_tolerance, 1e-2)
                            : options_.function_tolerance;
     }
-    if (!SolveRound(fine ? options_.max_num_iterations : round_iterations,
-                    tolerance, &converged)) {
+    const int fine_iterations =
+        networks ? kFineNetworkIterations : options_.max_num_iterations;
+    if (!SolveRound(fine ? fine_iterations : round_iterations, tolerance,
+                    &converged)) {
       return false;
     }
     if (interrupted_) break;
@@ -689,26 +703,25 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   current_ = Solution();
   best_ = Solution();
   current_.free = layout_.Free(parameters);
-  first_free_ = current_.free;
+  first_free_ = initial == nullptr ? current_.free
+                                   : layout_.Free(layout_.InitialValues());
   radius_ = HasNetworks() ? kFirstNetworkRadius : kFirstRadius;
-  SetInitialNoise(initial);
+  SetInitialNoise(HasNetworks() && initial != nullptr && initial->stage > 0
+                      ? nullptr
+                      : initial);
   shooting_->SetSigmas(current_.sigmas);
   shooting_->SetDecays(current_.decays);
   const std::vector<int> lengths = StageLengths();
   num_stages_ = static_cast<int>(lengths.size());
-  // A fit that was cut off goes on in its stage.
-  const size_t first = initial == nullptr
-                           ? 0
-                           : static_cast<size_t>(std::clamp(
-                                 initial->stage - 1, 0, num_stages_ - 1));
-  // What has been learned before is not drawn anew.
-  const bool anneal =
-      HasNetworks() && (initial == nullptr ||
-                        (initial->stage > 0 && first + 1 < lengths.size()));
-  // Cut off in the annealing, the noise goes on coming down.
-  if (HasNetworks() && initial != nullptr && initial->stage > 0 && !anneal) {
-    AnnealToTheFloor();
-  }
+  // A fit that was cut off goes on in its stage. With networks it begins at the
+  // first one, from what was learned, since annealing needs to know what the
+  // first fit leaves over. The results of an earlier fit are not drawn anew.
+  const bool cut_off = initial != nullptr && initial->stage > 0;
+  const size_t first =
+      cut_off && !HasNetworks()
+          ? static_cast<size_t>(std::min(initial->stage, num_stages_)) - 1
+          : 0;
+  const bool anneal = HasNetworks() && (initial == nullptr || cut_off);
   if (!InitialTrajectories(problem_, lengths[first], current_.free,
                            shooting_.get(), &current_.trajectories)) {
     summary_->message = DescribeDivergence(shooting_->divergence());

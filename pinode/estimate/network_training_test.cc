@@ -131,10 +131,13 @@ TEST(NetworkTraining, WhatWasLearnedBeforeIsNotDrawnAnew) {
   EXPECT_EQ(begin.stage, 1);
   const auto& end = second.steps.back();
   ASSERT_EQ(end.stage, end.num_stages);
-  EXPECT_TRUE(FirstLayer(end.model).isApprox(FirstLayer(first.model), 0.2));
+  const Vector drawn = second.problem.dynamics->Parameters().head(12);
+  EXPECT_FALSE(FirstLayer(end.model).isApprox(0.1 * drawn, 0.5));
+  const double spread = Spread(second.problem.records[0].channels[0].values);
+  EXPECT_LT(end.model.sigmas[0][0], 0.05 * spread);
 }
 
-TEST(NetworkTraining, AFitThatWasCutOffGoesOnInItsStage) {
+TEST(NetworkTraining, AFitThatWasCutOffGoesOnFromWhatItLearned) {
   HardeningOscillator whole;
   whole.Run(nullptr);
   HardeningOscillator cut;
@@ -145,12 +148,12 @@ TEST(NetworkTraining, AFitThatWasCutOffGoesOnInItsStage) {
   // As a checkpoint of the running fit has it, without starts.
   HardeningOscillator resumed;
   resumed.Run(&at.model);
-  EXPECT_EQ(resumed.steps.front().stage, at.num_stages);
+  EXPECT_EQ(resumed.steps.front().stage, 1);
   EXPECT_EQ(FirstLayer(resumed.steps.front().model), FirstLayer(at.model));
-  EXPECT_EQ(resumed.steps.front().model.sigmas[0], at.model.sigmas[0]);
   EXPECT_TRUE(resumed.summary.usable) << resumed.summary.message;
-  EXPECT_LT(resumed.summary.records[0].nrmse,
-            1.5 * whole.summary.records[0].nrmse + 1e-3);
+  // As good as the misfit that a network is allowed.
+  EXPECT_LT(whole.summary.records[0].nrmse, 0.002);
+  EXPECT_LT(resumed.summary.records[0].nrmse, 0.002);
 }
 
 }  // namespace
