@@ -54,11 +54,15 @@ class ProgressLine {
     shown_ = true;
     std::fprintf(stderr,
                  "%sstage %d/%d  iteration %d  cost %.6g  free-run error "
-                 "%.3g  %.0f s of at most %.0f s%s",
+                 "%.3g  %.0f s",
                  terminal ? "\r\033[K" : "", progress.stage,
                  progress.num_stages, progress.iteration, progress.cost,
-                 progress.free_run_error, progress.elapsed_seconds,
-                 std::ceil(progress.expected_seconds), terminal ? "" : "\n");
+                 progress.free_run_error, progress.elapsed_seconds);
+    if (progress.expected_seconds > 0.0) {
+      std::fprintf(stderr, " of at most %.0f s",
+                   std::ceil(progress.expected_seconds));
+    }
+    if (!terminal) std::fputc('\n', stderr);
     std::fflush(stderr);
   }
   void End() {

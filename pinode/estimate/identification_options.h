@@ -23,11 +23,15 @@ struct IdentificationProgress {
   int iteration = 0;        // Levenberg-Marquardt iterations so far
   double cost = 0.0;
   double largest_gap = 0.0;     // in units of the state's RMS
-  double free_run_error = 0.0;  // of the last stage, nrmse over all channels
+  // The newest one measured, nrmse over all channels: as the stage began, and
+  // while networks are annealed, at every iteration. Infinite where the free
+  // run is.
+  double free_run_error = 0.0;
   double elapsed_seconds = 0.0;
   double expected_seconds = 0.0;  // in all, at this pace; an upper bound
   // Parameters, noise levels and decay at this iteration and the stage; what
-  // Identify takes to go on from here. Without starts.
+  // Identify takes to go on from here. Without starts. While annealed networks
+  // predict worse than the first fit, it is the first fit's.
   const IdentifiedModel* model = nullptr;
 };
 

@@ -141,8 +141,15 @@ class Trainer {
 
   double SmallestNoise(const MeasuredChannel& channel) const;
   void SetInitialNoise(const IdentifiedModel* initial);
-  // What a fit goes on with, without starts.
-  IdentifiedModel ModelAt(const Vector& free) const;
+  // What a fit goes on with, without starts: these values, or, while annealed
+  // networks have not caught up, what the stages before have found.
+  IdentifiedModel ModelToKeep(const Vector& free);
+  // Below the misfit that networks are allowed, the simpler one counts as the
+  // better.
+  bool IsWorseThanBest(double free_run_error) const {
+    return free_run_error > std::max(1.02 * best_.free_run_error,
+                                     HasNetworks() ? kSmallestMisfit : 0.0);
+  }
   std::vector<int> StageLengths() const;
   bool RunStage(int samples, bool last);
   // Draws the networks anew and raises the noise, see kAnnealedNoise.
@@ -182,7 +189,7 @@ class Trainer {
   int num_stages_ = 0;
   int stage_samples_ = 0;
   double radius_ = kFirstRadius;
-  double last_free_run_error_ = 0.0;
+  double free_run_error_ = kInfinity;  // the newest one measured
 };
 
 class Trainer::Callback final : public ceres::IterationCallback {
@@ -215,22 +222,22 @@ class Trainer::Callback final : public ceres::IterationCallback {
             << " radius " << record.trust_region_radius
             << (record.accepted ? "" : " rejected");
     if (trainer_->options_.callback) {
+      const IdentifiedModel model = trainer_->ModelToKeep(*free_);
       IdentificationProgress progress;
+      progress.model = &model;
       progress.stage = record.stage;
       progress.num_stages = trainer_->num_stages_;
       progress.segment_samples = record.segment_samples;
       progress.iteration = record.iteration;
       progress.cost = record.cost;
       progress.largest_gap = record.largest_gap;
-      progress.free_run_error = trainer_->last_free_run_error_;
+      progress.free_run_error = trainer_->free_run_error_;
       progress.elapsed_seconds = record.seconds;
       if (record.iteration > 0) {
         progress.expected_seconds = record.seconds *
                                     trainer_->options_.max_num_iterations /
                                     record.iteration;
       }
-      const IdentifiedModel model = trainer_->ModelAt(*free_);
-      progress.model = &model;
       if (!trainer_->options_.callback(progress)) {
         trainer_->interrupted_ = true;
         return ceres::SOLVER_ABORT;
@@ -359,14 +366,20 @@ std::vector<int> Trainer::StageLengths() const {
   return lengths;
 }
 
-IdentifiedModel Trainer::ModelAt(const Vector& free) const {
+IdentifiedModel Trainer::ModelToKeep(const Vector& free) {
+  bool earlier = false;
+  if (!annealed_to_.empty()) {
+    free_run_error_ = ScoreFreeRuns(free);
+    earlier = IsWorseThanBest(free_run_error_);
+  }
+  const Solution& solution = earlier ? best_ : current_;
   IdentifiedModel model;
-  model.parameters = Parameters(free);
-  model.decays = current_.decays;
+  model.parameters = Parameters(earlier ? best_.free : free);
+  model.decays = solution.decays;
   model.sigmas.resize(problem_.records.size());
-  for (size_t r = 0; r < current_.sigmas.size(); ++r) {
+  for (size_t r = 0; r < solution.sigmas.size(); ++r) {
     const int record = shooting_->train_records()[r];
-    model.sigmas[static_cast<size_t>(record)] = current_.sigmas[r];
+    model.sigmas[static_cast<size_t>(record)] = solution.sigmas[r];
   }
   model.stage = stage_;
   return model;
@@ -607,6 +620,7 @@ bool Trainer::RunStage(int samples, bool last) {
     summary_->message = DescribeDivergence(shooting_->divergence());
     return false;
   }
+  free_run_error_ = ScoreFreeRuns(current_.free);
   // Gaps begin softer than the data hold the starts, and end much firmer.
   const bool networks = HasNetworks();
   double firmness = single     ? 0.0
@@ -675,7 +689,7 @@ bool Trainer::RunStage(int samples, bool last) {
   record.largest_gap = shooting_->LargestGap();
   current_.free_run_error = ScoreFreeRuns(current_.free);
   record.free_run_error = current_.free_run_error;
-  last_free_run_error_ = current_.free_run_error;
+  free_run_error_ = current_.free_run_error;
   std::vector<Matrix> trajectories;
   if (shooting_->Trajectories(current_.free, &trajectories)) {
     current_.trajectories = trajectories;
@@ -684,18 +698,14 @@ bool Trainer::RunStage(int samples, bool last) {
   summary_->largest_gap = record.largest_gap;
   summary_->single_shooting = single;
 
-  // A stage that makes the free run worse is undone. Below the misfit that
-  // networks are allowed the simpler one counts as the better.
-  const bool worse =
-      current_.free_run_error >
-      std::max(best_.free_run_error * 1.02, networks ? kSmallestMisfit : 0.0);
-  record.rolled_back = worse;
+  // A stage that makes the free run worse is undone.
+  record.rolled_back = IsWorseThanBest(current_.free_run_error);
   summary_->stages.push_back(record);
-  if (worse) {
+  if (record.rolled_back) {
     current_ = best_;
-    return true;
+  } else {
+    best_ = current_;
   }
-  best_ = current_;
   return true;
 }
 

@@ -68,8 +68,10 @@ INSTANTIATE_TEST_SUITE_P(Schemes, FourDofSeeds,
 
 class Coverage : public ::testing::TestWithParam<const char*> {};
 
-// Fresh noise on the clean columns of the case, 2 % of each channel.
-TEST_P(Coverage, HundredSeeds) {
+// Fresh noise on the clean columns of the case, 2 % of each channel.  Of 100
+// seeds even exact intervals miss more than 10 for one parameter in a hundred,
+// and there are twelve: 300 seeds tell a wrong interval from a lucky draw.
+TEST_P(Coverage, ThreeHundredSeeds) {
   const bool noisy_ground = std::string(GetParam()) == "noisy_ground";
   const std::string folder = "data/three_storey/";
   Table table;
@@ -81,7 +83,7 @@ TEST_P(Coverage, HundredSeeds) {
   const auto column = [&](const std::string& name) {
     return Vector(table.values.col(table.FindColumn(name)));
   };
-  constexpr int kSeeds = 100;
+  constexpr int kSeeds = 300;
   std::vector<std::map<std::string, bool>> covered(kSeeds);
   ParallelFor(kSeeds, DefaultThreads(), [&](int seed, int) {
     Case c = ReadCaseOrFail(folder + GetParam() + ".toml");
@@ -123,11 +125,12 @@ TEST_P(Coverage, HundredSeeds) {
   }
   ASSERT_EQ(counts.size(), 6u);
   for (const auto& [name, count] : counts) {
-    ReportFigure(std::string("case 4, ") + GetParam() + ", 100 seeds: " + name +
-                     ", 95 % intervals that hold the truth",
-                 Between(90, 99), count);
-    EXPECT_GE(count, 90) << name;
-    EXPECT_LE(count, 99) << name;
+    const double percent = 100.0 * count / kSeeds;
+    ReportFigure(std::string("case 4, ") + GetParam() + ", 300 seeds: " + name +
+                     ", % of the 95 % intervals that hold the truth",
+                 Between(90, 99), percent);
+    EXPECT_GE(percent, 90.0) << name;
+    EXPECT_LE(percent, 99.0) << name;
   }
 }
 
