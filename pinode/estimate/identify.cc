@@ -55,7 +55,7 @@ constexpr double kAnnealedOutputDecay = 1e-4;
 constexpr int kEvidenceRounds = 12;
 
 // Change of the cost in one iteration at which such a fit has converged.
-constexpr double kSmallestChange = 0.1;
+constexpr double kSmallestChange = 0.03;
 
 // Iterations after which the tolerance is measured by the cost anew.
 constexpr int kFineNetworkIterations = 50;
