@@ -1,8 +1,4 @@
 // One step with its derivatives allocates nothing once its workspace exists.
-//
-// Counts every call of the C allocation functions in this program: Eigen,
-// operator new and the standard library all end there. The sanitizers bring
-// their own functions, so that the test is skipped under them.
 
 #include <gtest/gtest.h>
 
@@ -11,44 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/allocation_testing.h"
 #include "pinode/base/figure_testing.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/integrate/tangent_step.h"
-
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define PINODE_COUNTS_ALLOCATIONS 1
-#endif
-
-namespace {
-std::size_t allocation_count = 0;
-}  // namespace
-
-#ifdef PINODE_COUNTS_ALLOCATIONS
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* block, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-  ++allocation_count;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  ++allocation_count;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) {
-  ++allocation_count;
-  return __libc_realloc(block, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocation_count;
-  return __libc_memalign(alignment, size);
-}
-}  // extern "C"
-#endif
 
 namespace pinode {
 namespace {
@@ -58,10 +20,10 @@ const char kWhat[] = "memory allocations in the inner loop";
 class AllocationTest : public ::testing::Test {
  protected:
   void SetUp() override {
-#ifndef PINODE_COUNTS_ALLOCATIONS
-    testing::ReportSkipped(kWhat);
-    GTEST_SKIP() << "Allocations are counted with glibc, without sanitizers.";
-#endif
+    if (!testing::kCountsAllocations) {
+      testing::ReportSkipped(kWhat);
+      GTEST_SKIP() << "Allocations are counted with glibc, without sanitizers.";
+    }
     dynamics_ = testing::MakeEverything();
     std::string error;
     ASSERT_TRUE(
@@ -79,9 +41,9 @@ class AllocationTest : public ::testing::Test {
 };
 
 TEST_F(AllocationTest, IsCounted) {
-  const std::size_t before = allocation_count;
+  const std::size_t before = testing::allocation_count;
   const Matrix matrix = Matrix::Random(20, 20);
-  EXPECT_GT(allocation_count, before);
+  EXPECT_GT(testing::allocation_count, before);
   EXPECT_TRUE(matrix.allFinite());
 }
 
@@ -97,14 +59,14 @@ TEST_F(AllocationTest, StepAllocatesNothing) {
     // The first step may still size its workspace.
     step.Step(prepared_, grid_, 0, 0, false, with_parameters, &state,
               &sensitivity);
-    const std::size_t before = allocation_count;
+    const std::size_t before = testing::allocation_count;
     for (int i = 0; i < 11; ++i) {
       for (int s = 0; s < 2; ++s) {
         step.Step(prepared_, grid_, i, s, false, with_parameters, &state,
                   &sensitivity);
       }
     }
-    const std::size_t after = allocation_count;
+    const std::size_t after = testing::allocation_count;
     EXPECT_EQ(after, before) << "with parameters: " << with_parameters;
     worst = std::max(worst, after - before);
     EXPECT_TRUE(state.allFinite() && sensitivity.allFinite());
@@ -121,13 +83,13 @@ TEST_F(AllocationTest, LinearizationAtASampleAllocatesNothing) {
   Matrix result = Matrix::Zero(2, dynamics_->num_tangent_columns());
   step.LinearizeAt(prepared_, 0.0, grid_.AtSample(0), state_.data());
   step.AddParameterTangents(prepared_, left, &result);
-  const std::size_t before = allocation_count;
+  const std::size_t before = testing::allocation_count;
   for (int i = 0; i < 12; ++i) {
     step.LinearizeAt(prepared_, grid_.time(i), grid_.AtSample(i),
                      state_.data());
     step.AddParameterTangents(prepared_, left, &result);
   }
-  const std::size_t after = allocation_count;
+  const std::size_t after = testing::allocation_count;
   testing::ReportFigure(std::string(kWhat) + ": 12 linearizations",
                         testing::AtMost(0),
                         static_cast<double>(after - before));

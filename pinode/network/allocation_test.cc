@@ -1,69 +1,31 @@
 // The hot functions allocate nothing once their workspace exists.
-//
-// Counts every call of the C allocation functions in this program: Eigen,
-// operator new and the standard library all end there. The sanitizers bring
-// their own functions, so that the test is skipped under them.
 
 #include <cstddef>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "pinode/base/allocation_testing.h"
 #include "pinode/network/network.h"
-
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define PINODE_COUNTS_ALLOCATIONS 1
-#endif
-
-namespace {
-std::size_t allocation_count = 0;
-}  // namespace
-
-#ifdef PINODE_COUNTS_ALLOCATIONS
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* block, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-  ++allocation_count;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  ++allocation_count;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) {
-  ++allocation_count;
-  return __libc_realloc(block, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocation_count;
-  return __libc_memalign(alignment, size);
-}
-}  // extern "C"
-#endif
 
 namespace pinode {
 namespace {
 
-class AllocationTest : public testing::Test {
+class AllocationTest : public ::testing::Test {
  protected:
   void SetUp() override {
-#ifndef PINODE_COUNTS_ALLOCATIONS
-    GTEST_SKIP() << "Allocations are counted with glibc, without sanitizers.";
-#endif
+    if (!testing::kCountsAllocations) {
+      GTEST_SKIP() << "Allocations are counted with glibc, without sanitizers.";
+    }
   }
 };
 
 TEST_F(AllocationTest, IsCounted) {
-  const std::size_t before = allocation_count;
+  const std::size_t before = testing::allocation_count;
   const Matrix matrix = Matrix::Random(20, 20);
-  EXPECT_GT(allocation_count, before);
-  const std::size_t between = allocation_count;
+  EXPECT_GT(testing::allocation_count, before);
+  const std::size_t between = testing::allocation_count;
   const std::vector<int> numbers(100, static_cast<int>(matrix.size()));
-  EXPECT_GT(allocation_count, between);
+  EXPECT_GT(testing::allocation_count, between);
   EXPECT_EQ(numbers.back(), 400);
 }
 
@@ -92,7 +54,7 @@ TEST_F(AllocationTest, HotFunctionsAllocateNothing) {
         std::vector<NetworkTangent> tangents(4, NetworkTangent(network));
         Matrix B = Matrix::Zero(24, network.num_weights());
 
-        const std::size_t before = allocation_count;
+        const std::size_t before = testing::allocation_count;
         network.Evaluate(q.data(), weights.data(), y.data(), &workspace);
         const NetworkTangent* stages[4];
         const Matrix* left_pointers[4];
@@ -104,7 +66,7 @@ TEST_F(AllocationTest, HotFunctionsAllocateNothing) {
         }
         network.AddWeightTangents(stages, left_pointers, 4, &workspace,
                                   B.data());
-        const std::size_t after = allocation_count;
+        const std::size_t after = testing::allocation_count;
         EXPECT_EQ(after, before)
             << ActivationName(activation) << ", " << hidden_widths.size()
             << " hidden layers, gauge " << gauge;
