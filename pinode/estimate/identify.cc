@@ -32,7 +32,7 @@ constexpr double kClosedGap = 1e-6;
 
 // Rounds of one stage: multipliers, noise levels and decay are updated between
 // them.
-constexpr int kMaxRounds = 40;
+constexpr int kMaxRounds = 80;
 
 // With networks whose decay the evidence chooses the noise is never taken to be
 // below this share of the spread: what a network leaves over is misfit, and
@@ -51,8 +51,15 @@ constexpr double kAnnealedNoise = 0.1;
 constexpr double kAnnealedWeights = 0.1;
 constexpr double kAnnealedOutputDecay = 1e-4;
 
-// Rounds for the decay of networks after the noise levels have settled.
+// Rounds for the decay of networks after the noise levels have settled, before
+// the fit runs to its tolerance.
 constexpr int kEvidenceRounds = 12;
+// A fit has not ended before the number of well-determined parameters changes
+// by less than the first share between rounds (or that many rounds have passed
+// again). Where it changes by more than the second the fit has found another
+// way to explain the data, which is to fade down to what is needed in turn.
+constexpr double kQuietEvidence = 0.01;
+constexpr double kNewEvidence = 0.1;
 
 // Change of the cost in one iteration at which such a fit has converged.
 constexpr double kSmallestChange = 0.03;
@@ -636,6 +643,7 @@ bool Trainer::RunStage(int samples, bool last) {
   // place, and end early; the last one runs to the tolerance asked for.
   bool fine = false;
   int evidence_rounds = 0;
+  bool quiet = false;  // noise and decay, as of the last round
   for (int round = 0; round < kMaxRounds && IterationsLeft(); ++round) {
     bool converged = false;
     double tolerance = 1e-3;
@@ -654,16 +662,28 @@ bool Trainer::RunStage(int samples, bool last) {
     }
     if (interrupted_) break;
     if (single) {
-      if (fine && converged && networks) {
+      if (networks && fine && converged &&
+          (quiet || evidence_rounds >= 2 * kEvidenceRounds)) {
         settled = true;
         break;
       }
-      const bool quiet = UpdateNoiseAndDecay(converged);
+      const double effective = summary_->effective_parameters;
+      quiet = UpdateNoiseAndDecay(converged);
+      if (networks) {
+        const double change =
+            std::abs(summary_->effective_parameters / effective - 1.0);
+        quiet = noise_is_quiet_ && change < kQuietEvidence;
+        if (fine && change > kNewEvidence) {
+          fine = false;
+          evidence_rounds = 0;
+          continue;
+        }
+      }
       // Idle inputs go on fading long after that matters.
       evidence_rounds += noise_is_quiet_ ? 1 : 0;
       if (fine && converged) {
         settled = true;
-        if (quiet) break;
+        if (quiet && !networks) break;
       }
       fine = fine || quiet || evidence_rounds >= kEvidenceRounds ||
              round + 1 >= kMaxRounds / 2;
