@@ -16,6 +16,15 @@ namespace {
 // from drifting where no channel sees it.
 constexpr double kStartPrecision = 1e-4;
 
+// A step that ruins the trajectories costs a long search for starts, only to be
+// rejected. So the search gives up, after this many iterations, where the cost
+// would stay above this multiple of the last linearisation's even if it fell by
+// this multiple of what the next step promises. (A step uphill that is not to
+// be rejected, as with networks, costs less than that.)
+constexpr int kHopelessIterations = 4;
+constexpr double kHopelessCost = 3.0;
+constexpr double kHopelessPromises = 4.0;
+
 // rho(s) and its derivative for s = (r / sigma)^2; see ceres/loss_function.h.
 void EvaluateLoss(RobustLoss loss, double scale, double s, double* rho,
                   double* slope) {
@@ -69,6 +78,9 @@ struct MultipleShooting::Record {
   // d starts / d free, (num_states * segments) x num_free, at the last
   // linearisation.
   Matrix start_sensitivity;
+  // Its share of the cost, at the last evaluation and the last linearisation.
+  double cost = 0.0;
+  double linearized_cost = 0.0;
 
   int num_segments() const { return static_cast<int>(boundaries.size()) - 1; }
   bool HasFreeStarts() const { return start_is_free || num_segments() > 1; }
@@ -156,7 +168,7 @@ void MultipleShooting::SetSegments(int samples,
   }
   linearized_starts_ = starts_;
   linearized_free_.resize(0);
-  last_free_.resize(0);
+  CostHasChanged();
 }
 
 int MultipleShooting::num_segments(int train_record) const {
@@ -177,7 +189,7 @@ void MultipleShooting::SetStateScales(const std::vector<Vector>& scales) {
     CHECK_GT(scales[r].minCoeff(), 0.0) << "state scales must be positive";
     records_[r]->scales = scales[r];
   }
-  last_free_.resize(0);
+  CostHasChanged();
 }
 
 void MultipleShooting::SetSigmas(const std::vector<Vector>& sigmas) {
@@ -187,7 +199,7 @@ void MultipleShooting::SetSigmas(const std::vector<Vector>& sigmas) {
     CHECK_GT(sigmas[r].minCoeff(), 0.0) << "sigmas must be positive";
     records_[r]->sigmas = sigmas[r];
   }
-  last_free_.resize(0);
+  CostHasChanged();
 }
 
 bool MultipleShooting::PrepareDynamics(const Vector& free) {
@@ -526,7 +538,16 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
       Matrix step = search.gradient;
       record.system->SolveLower(&step);
       const double decrease = 0.5 * step.squaredNorm();
-      if (improved && decrease <= options_.start_tolerance * search.best_cost) {
+      const bool hopeless = iteration >= kHopelessIterations &&
+                            search.best_cost - kHopelessPromises * decrease >
+                                kHopelessCost * linearized_cost_;
+      double enough = options_.start_tolerance * search.best_cost;
+      if (std::isfinite(linearized_cost_)) {
+        enough = std::max(
+            enough, options_.start_change_tolerance *
+                        std::abs(search.best_cost - record.linearized_cost));
+      }
+      if ((improved && decrease <= enough) || hopeless) {
         search.done = true;
         continue;
       }
@@ -542,6 +563,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
       return false;
     }
     starts_[r] = searches[r].best;
+    records_[r]->cost = searches[r].best_cost;
     *cost += searches[r].best_cost;
   }
   divergence_ = Divergence();
@@ -644,6 +666,8 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   AddPriors(free, system);
   linearized_free_ = free;
   linearized_starts_ = starts_;
+  linearized_cost_ = system->cost;
+  for (auto& record : records_) record->linearized_cost = record->cost;
   return system->hessian.allFinite() && system->gradient.allFinite();
 }
 
@@ -671,12 +695,12 @@ void MultipleShooting::UpdateMultipliers() {
               .cwiseQuotient(record.scales);
     }
   }
-  last_free_.resize(0);
+  CostHasChanged();
 }
 
 void MultipleShooting::RescaleMultipliers(double factor) {
   for (auto& record : records_) record->multipliers *= factor;
-  last_free_.resize(0);
+  CostHasChanged();
 }
 
 bool MultipleShooting::Trajectories(const Vector& free,

@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
 #define PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,8 +63,13 @@ class MultipleShooting {
     // The search for the best starts ends when its next step promises to lower
     // the cost by less than this fraction, or after so many steps. Starts that
     // are short of the best ones leave in the gradient an error of the order
-    // of the square root of what they cost.
+    // of the square root of what they cost. It is cut short where the
+    // parameters are so bad that no starts can make up for it.
     double start_tolerance = 1e-10;
+    // Or by less than this share of the change of the record's cost since the
+    // last linearisation: that is enough to judge a step of the parameters, and
+    // the next linearisation takes the rest into account.
+    double start_change_tolerance = 1e-3;
     int max_start_iterations = 30;
     int num_threads = 1;
   };
@@ -92,11 +98,11 @@ class MultipleShooting {
   // Precision of the decay prior per decay group of the layout.
   void SetDecays(const Vector& decays) {
     decays_ = decays;
-    last_free_.resize(0);
+    CostHasChanged();
   }
   void SetGapPenalty(double mu) {
     gap_penalty_ = mu;
-    last_free_.resize(0);
+    CostHasChanged();
   }
   double gap_penalty() const { return gap_penalty_; }
   // lambda_k += D^-1 gap_k, at the parameters of the last evaluation.
@@ -143,6 +149,10 @@ class MultipleShooting {
   void WeightRows(const Record& record, int segment, bool with_parameters,
                   const SegmentTangents& tangents, Thread* thread,
                   double* cost) const;
+  void CostHasChanged() {
+    last_free_.resize(0);
+    linearized_cost_ = std::numeric_limits<double>::infinity();
+  }
   // W (gap + D lambda): the force with which gap k pulls, num_states.
   Vector GapForce(const Record& record, const Matrix& starts, int gap) const;
   // Fills record->system with the normal equations of the starts, and *right
@@ -169,6 +179,7 @@ class MultipleShooting {
   // The point of the last evaluation, and of the last linearisation.
   Vector last_free_, linearized_free_;
   std::vector<Matrix> starts_, linearized_starts_;
+  double linearized_cost_ = std::numeric_limits<double>::infinity();
   double last_cost_ = 0.0;
   Divergence divergence_;
 };

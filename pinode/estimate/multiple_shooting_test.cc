@@ -51,6 +51,7 @@ class ProjectedGradient : public ::testing::TestWithParam<Setting> {
   static MultipleShooting::Options WithBestStarts() {
     MultipleShooting::Options options = WithLoss(GetParam().loss);
     options.start_tolerance = 1e-14;
+    options.start_change_tolerance = 0.0;
     options.max_start_iterations = 300;
     return options;
   }
