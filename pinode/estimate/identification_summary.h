@@ -87,7 +87,8 @@ struct IdentificationSummary {
   // Covariance of the free named parameters, in the order of `parameters`.
   std::vector<std::string> covariance_names;
   Matrix covariance;
-  std::string covariance_method;  // "plain", "sandwich", "input noise"
+  // "plain", "sandwich", "input noise" or "errors in variables".
+  std::string covariance_method;
   // Directions of the named parameters that the data do not determine.
   std::vector<std::string> undetermined;
 
