@@ -10,8 +10,8 @@ namespace pinode {
 // Reads the whole file at `path` into *content, byte for byte. Fails with a
 // message in *error if the file is missing, cannot be read or is not a regular
 // file. *content is untouched on failure.
-[[nodiscard]] bool ReadBinaryFile(const std::string& path,
-                                  std::string* content, std::string* error);
+[[nodiscard]] bool ReadBinaryFile(const std::string& path, std::string* content,
+                                  std::string* error);
 
 // The same for text: fails also if the file is not valid UTF-8 (`path:line:
 // ...`, the line of the first bad byte).
