@@ -146,7 +146,14 @@ class Walker {
               parts[3].data.size() % 4 == 0 && parts[4].data.size() % 4 == 0) ||
              Fail("a sparse matrix lacks its indices or numbers");
     }
-    if (kind < kClassDouble || kind > kClassUint64) return true;
+    if (kind < kClassDouble || kind > kClassUint64) {
+      // Cells and fields are parts, text has bytes: nothing to allocate for
+      // more of them than the file has.
+      size_t present = parts.size();
+      for (size_t i = 3; i < parts.size(); ++i) present += parts[i].data.size();
+      return count <= static_cast<double>(present) ||
+             Fail("a variable has not as many parts as its dimensions say");
+    }
     if (parts.size() != 3 + numeric_parts) {
       return Fail("an array lacks its numbers");
     }

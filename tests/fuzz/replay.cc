@@ -25,9 +25,9 @@ void RunWithChanges(const std::string& content) {
   constexpr size_t kStep = 11;
   for (size_t at = 0; at < content.size(); at += kStep) {
     Run(content.substr(0, at));
-    for (const unsigned char value : {0x00, 0x7f, 0xff, 0x39}) {
+    for (const char value : {'\0', '\x7f', '\xff', '9'}) {
       std::string changed = content;
-      changed[at] = static_cast<char>(value);
+      changed[at] = value;
       Run(changed);
     }
   }
