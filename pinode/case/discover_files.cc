@@ -178,6 +178,7 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
                         : "regressed, not refitted through the ODE";
   json["step_refinement"] = discovery.step_refinement;
   json["dropped"] = discovery.dropped;
+  json["added"] = discovery.added;
   json["equations"] = Json::array();
   for (size_t e = 0; e < discovery.equations.size(); ++e) {
     const DiscoveredEquation& equation = discovery.equations[e];
@@ -188,6 +189,7 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
         equation.acts_as == ActsAs::kForce ? "force" : "acceleration";
     entry["output_rms"] = Number(equation.output_rms);
     entry["residual"] = Number(equation.residual);
+    entry["uncertainty"] = Number(equation.uncertainty);
     entry["candidates"] = equation.num_candidates;
     entry["terms"] = Json::array();
     for (const EquationTerm& term : discovery.terms[e]) {

@@ -97,9 +97,12 @@ bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
   std::vector<std::string> known = LibraryKeys();
   known.insert(known.begin(), {"source", "solver", "networks", "features",
                                "tolerance", "bags", "library_fraction", "seed",
-                               "prune_fraction", "refit", "output"});
+                               "prune_fraction", "refit", "search", "output"});
   if (!root.errors()->ok() || !table.AllowKeys(known)) return false;
-  table.Choice("source", {"network"}, "network");
+  options->source = table.Choice("source", {"network", "derivatives"},
+                                 "network") == "derivatives"
+                        ? DiscoveryOptions::Source::kDerivatives
+                        : DiscoveryOptions::Source::kNetwork;
   options->solver =
       table.Choice("solver", {"lasso", "stlsq"}, "lasso") == "stlsq"
           ? DiscoveryOptions::Solver::kStlsq
@@ -113,6 +116,7 @@ bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
   options->prune_fraction =
       table.NonNegativeNumber("prune_fraction", options->prune_fraction);
   options->refit = table.Boolean("refit", options->refit);
+  options->search = table.Boolean("search", options->search);
   options->networks = table.Strings("networks");
   if (!table.errors()->ok()) return false;
   std::vector<std::string> names;

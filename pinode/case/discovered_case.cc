@@ -9,8 +9,12 @@
 #include "pinode/base/logging.h"
 #include "pinode/case/library_section.h"
 #include "pinode/case/toml_value.h"
+#include "pinode/discover/stepwise.h"
 #include "pinode/dynamics/library_function.h"
+#include "pinode/estimate/covariance.h"
 #include "pinode/estimate/identify.h"
+#include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -18,6 +22,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kLargestRefinement = 32;
+// Each search that is kept lowers the criterion; more than a few are none.
+constexpr int kMaxSearches = 20;
 
 std::string LibraryName(const DiscoveredEquation& equation) {
   // Names of DOFs are freer than those of terms.
@@ -115,19 +121,27 @@ int NumFittedValues(const IdentificationProblem& problem) {
   return count;
 }
 
+// What a term must gain in twice the log-likelihood, by the extended BIC.
+double PriceOfATerm(int num_values,
+                    const std::vector<DiscoveredEquation>& equations) {
+  int num_candidates = 0;
+  for (const DiscoveredEquation& equation : equations) {
+    num_candidates += equation.num_candidates;
+  }
+  return std::log(std::max(num_values, 3)) +
+         2.0 * std::log(std::max(num_candidates, 1));
+}
+
 // Takes out the term that is least worth its place; false where all are.
 bool DropWeakest(const DiscoveryOptions& options,
-                 const IdentificationSummary& summary, int num_values,
-                 std::vector<DiscoveredEquation>* equations,
-                 std::vector<std::string>* dropped) {
+                 const IdentificationSummary& summary, double price,
+                 std::vector<DiscoveredEquation>* equations) {
   // Below 1: to be dropped.
   double weakest = 1.0;
   DiscoveredEquation* from = nullptr;
   size_t index = 0;
+  const double needed = std::sqrt(price);
   for (DiscoveredEquation& equation : *equations) {
-    const double needed =
-        std::sqrt(std::log(std::max(num_values, 3)) +
-                  2.0 * std::log(std::max(equation.num_candidates, 1)));
     for (size_t k = 0; k < equation.terms.size(); ++k) {
       const DiscoveredTerm& term = equation.terms[k];
       const ParameterEstimate* estimate =
@@ -152,9 +166,56 @@ bool DropWeakest(const DiscoveryOptions& options,
     }
   }
   if (from == nullptr) return false;
-  dropped->push_back(from->output + ": " + from->terms[index].basis);
   from->terms.erase(from->terms.begin() + static_cast<std::ptrdiff_t>(index));
   return true;
+}
+
+bool Has(const DiscoveredEquation& equation, const std::string& basis) {
+  return std::any_of(
+      equation.terms.begin(), equation.terms.end(),
+      [&](const DiscoveredTerm& term) { return term.basis == basis; });
+}
+
+// "u1: x[u1]^2": what is in `a` and not in `b`.
+std::vector<std::string> Difference(const std::vector<DiscoveredEquation>& a,
+                                    const std::vector<DiscoveredEquation>& b) {
+  std::vector<std::string> result;
+  for (size_t e = 0; e < a.size(); ++e) {
+    for (const DiscoveredTerm& term : a[e].terms) {
+      if (!Has(b[e], term.basis)) {
+        result.push_back(a[e].output + ": " + term.basis);
+      }
+    }
+  }
+  return result;
+}
+
+bool SameTerms(const std::vector<DiscoveredEquation>& a,
+               const std::vector<DiscoveredEquation>& b) {
+  return Difference(a, b).empty() && Difference(b, a).empty();
+}
+
+// Twice the negative log-likelihood of the training records, but for what does
+// not depend on the model.
+double Deviance(const IdentificationProblem& problem,
+                const IdentificationSummary& summary) {
+  double deviance = 0.0;
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[c];
+      if (!channel.fit) continue;
+      const double present =
+          static_cast<double>(channel.values.array().isFinite().count());
+      const double mean_square =
+          std::max(std::pow(summary.records[r].channels[c].rmse, 2.0), 1e-300);
+      deviance += present * (channel.sigma > 0.0
+                                 ? mean_square / std::pow(channel.sigma, 2.0)
+                                 : std::log(mean_square));
+    }
+  }
+  return deviance;
 }
 
 int CountTerms(const std::vector<DiscoveredEquation>& equations) {
@@ -211,20 +272,13 @@ class Refitter {
            std::string* error)
       : c_(c), discovery_(*discovery), error_(error), last_model_(model) {}
 
-  bool Run(const std::vector<DiscoveredEquation>& equations) {
-    discovery_.equations = equations;
-    if (!FirstSteps() || !Fit(1)) return false;
-    const int num_values = NumFittedValues(c_.problem);
-    while (Good() && DropWeakest(c_.discover, discovery_.summary, num_values,
-                                 &discovery_.equations, &discovery_.dropped)) {
-      if (CountTerms(discovery_.equations) == 0) {
-        // The last fit is of a term that is not worth its place.
-        discovery_.refitted = false;
-        return true;
-      }
-      if (!Fit(1)) return false;
-    }
-    for (int factor = 2; factor <= kLargestRefinement && Good(); factor *= 2) {
+  bool Run(const std::vector<DiscoveredEquation>& equations,
+           const std::vector<DiscoveredEquation>& begin) {
+    discovery_.equations = begin;
+    price_ = PriceOfATerm(NumFittedValues(c_.problem), equations);
+    if (!FirstSteps() || !Fit(1) || !Prune(1) || !Search()) return false;
+    for (int factor = 2; factor <= kLargestRefinement && Good() && Left();
+         factor *= 2) {
       const std::vector<DiscoveredEquation> before = discovery_.equations;
       const Discovery coarse = discovery_;
       if (!Fit(factor)) return false;
@@ -235,8 +289,14 @@ class Refitter {
         }
         break;
       }
-      if (Agree(before)) break;
+      // Terms that made up for the integrator are not missed by a better one.
+      if (!Prune(factor)) return false;
+      if (SameTerms(before, discovery_.equations) && Agree(before)) break;
     }
+    // The last fit is of a term that is not worth its place.
+    if (!Left()) discovery_.refitted = false;
+    discovery_.dropped = Difference(equations, discovery_.equations);
+    discovery_.added = Difference(discovery_.equations, equations);
     return true;
   }
 
@@ -244,6 +304,165 @@ class Refitter {
   bool Good() const {
     return discovery_.summary.termination == Termination::kConverged ||
            discovery_.summary.termination == Termination::kNoConvergence;
+  }
+  bool Left() const { return CountTerms(discovery_.equations) > 0; }
+
+  // Drops terms one by one, each followed by a fit of the others.
+  bool Prune(int factor) {
+    while (Good() && DropWeakest(c_.discover, discovery_.summary, price_,
+                                 &discovery_.equations)) {
+      if (!Left()) return true;
+      if (!Fit(factor)) return false;
+    }
+    return true;
+  }
+
+  // Takes in and leaves out what the residuals of the trajectories ask for, as
+  // long as the extended BIC of the fits becomes smaller.
+  bool Search() {
+    if (!c_.discover.search) return true;
+    for (int search = 0; search < kMaxSearches && Good() && Left(); ++search) {
+      const Discovery before = discovery_;
+      const IdentifiedModel model_before = last_model_;
+      double memory = 1.0;
+      if (!Propose(&discovery_.equations, &memory)) return false;
+      if (SameTerms(before.equations, discovery_.equations)) return true;
+      if (!Fit(1) || !Prune(1)) return false;
+      if (discovery_.summary.termination == Termination::kInterrupted) break;
+      const bool better = Good() && Left() &&
+                          (Deviance(c_.problem, before.summary) -
+                           Deviance(c_.problem, discovery_.summary)) /
+                                  memory >
+                              price_ * (CountTerms(discovery_.equations) -
+                                        CountTerms(before.equations));
+      if (!better || SameTerms(before.equations, discovery_.equations)) {
+        discovery_ = before;
+        last_model_ = model_before;
+        return true;
+      }
+    }
+    return true;
+  }
+
+  // The terms that the cost, quadratic near the fit in the coefficients of all
+  // candidates, asks for; new ones with a coefficient of 0. *memory: by how
+  // much the samples are fewer than they look. The equations stay as they are
+  // where the trajectories are not finite.
+  bool Propose(std::vector<DiscoveredEquation>* equations, double* memory) {
+    std::vector<DiscoveredEquation> wide = *equations;
+    for (DiscoveredEquation& equation : wide) {
+      for (const DiscoveryCandidate& candidate : equation.candidates) {
+        if (Has(equation, candidate.basis)) continue;
+        DiscoveredTerm term;
+        term.basis = candidate.basis;
+        term.basis_rms = candidate.rms;
+        term.sign = candidate.sign;
+        term.inclusion_probability = kNaN;
+        equation.terms.push_back(std::move(term));
+      }
+    }
+    Case c;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredCase(discovery_.discovered, last_model_, wide, substeps_,
+                            &c, &initial, error_)) {
+      return false;
+    }
+    const ParameterLayout layout(c.problem);
+    const Vector free = layout.Free(initial.parameters);
+    CondensedSystem system;
+    if (!Linearize(c.problem, layout, initial, free, &system, memory)) {
+      return true;
+    }
+
+    // Entries of the libraries count from 0, all others from where they are.
+    QuadraticCost cost;
+    cost.hessian = system.hessian / *memory;
+    cost.gradient = system.gradient / *memory;
+    StepwiseOptions options;
+    options.price = price_;
+    options.optional.assign(static_cast<size_t>(free.size()), false);
+    options.signs.assign(static_cast<size_t>(free.size()), 0);
+    options.smallest = Vector::Zero(free.size());
+    std::map<std::string, int> entries;
+    for (int i = 0; i < layout.num_parameters(); ++i) {
+      if (layout.FreeIndex(i) >= 0) {
+        entries[layout.parameter(i).name] = layout.FreeIndex(i);
+      }
+    }
+    Vector from_zero = Vector::Zero(free.size());
+    std::vector<int> start;
+    for (size_t e = 0; e < wide.size(); ++e) {
+      for (const DiscoveredTerm& term : wide[e].terms) {
+        const auto found = entries.find(ParameterName(wide[e], term));
+        if (term.given || found == entries.end()) continue;
+        const int j = found->second;
+        from_zero[j] = free[j];
+        options.optional[static_cast<size_t>(j)] = true;
+        options.signs[static_cast<size_t>(j)] = term.sign;
+        options.smallest[j] = c_.discover.prune_fraction *
+                              c_.discover.tolerance * wide[e].scale /
+                              std::max(term.basis_rms, 1e-300);
+        if (Has((*equations)[e], term.basis)) start.push_back(j);
+      }
+    }
+    cost.gradient -= cost.hessian * from_zero;
+    const std::vector<int> support = SelectStepwise(cost, options, start);
+    for (size_t e = 0; e < wide.size(); ++e) {
+      std::vector<DiscoveredTerm> terms;
+      for (DiscoveredTerm& term : wide[e].terms) {
+        const auto found = entries.find(ParameterName(wide[e], term));
+        if (term.given || (found != entries.end() &&
+                           std::binary_search(support.begin(), support.end(),
+                                              found->second))) {
+          terms.push_back(std::move(term));
+        }
+      }
+      (*equations)[e].terms = std::move(terms);
+    }
+    return true;
+  }
+
+  // At `initial`, in one piece a record. False where that is not finite.
+  bool Linearize(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, const IdentifiedModel& initial,
+                 const Vector& free, CondensedSystem* system, double* memory) {
+    MultipleShooting::Options options;
+    options.num_threads = c_.options.num_threads;
+    MultipleShooting shooting(problem, layout, options);
+    std::vector<Vector> sigmas;
+    std::vector<Vector> scales;
+    std::vector<Matrix> trajectories;
+    for (const int record : shooting.train_records()) {
+      const size_t r = static_cast<size_t>(record);
+      const RecordScore& score = discovery_.summary.records[r];
+      if (!score.finite) return false;
+      sigmas.push_back(initial.sigmas[r]);
+      trajectories.push_back(score.states);
+      scales.push_back(StateScales(problem, score.states));
+    }
+    shooting.SetSigmas(sigmas);
+    shooting.SetDecays(last_model_.decays.size() == layout.num_decay_groups()
+                           ? last_model_.decays
+                           : Vector(Vector::Zero(layout.num_decay_groups())));
+    shooting.SetStateScales(scales);
+    shooting.SetSegments(0, trajectories);
+    std::vector<Matrix> residuals;
+    if (!shooting.Linearize(free, system) || !system->hessian.allFinite() ||
+        !shooting.WeightedResiduals(free, false, &residuals, nullptr)) {
+      return false;
+    }
+    // What a lacking term leaves over has a memory, and what no candidate
+    // explains as well.
+    double sum = 0.0;
+    int count = 0;
+    for (const Matrix& record : residuals) {
+      for (Eigen::Index k = 0; k < record.rows(); ++k) {
+        sum += AutocorrelationTime(record.row(k).transpose());
+        ++count;
+      }
+    }
+    *memory = std::max(1.0, sum / std::max(count, 1));
+    return true;
   }
 
   // The finer of the steps of the network's fit and of those that the equations
@@ -274,14 +493,36 @@ class Refitter {
     fitted_ = true;
     discovery_.refitted = true;
     discovery_.step_refinement = factor;
-    IdentificationOptions options = c_.options;
-    Identify(discovery_.discovered.problem, options, &initial,
+    Identify(discovery_.discovered.problem, Options(), &initial,
              &discovery_.summary, &discovery_.model);
     if (discovery_.model.parameters.size() == initial.parameters.size()) {
       last_model_ = discovery_.model;
       TakeOver(discovery_.summary, &discovery_.equations);
     }
     return true;
+  }
+
+  // Those of the case, and whoever asked hears of the equations as they change.
+  IdentificationOptions Options() const {
+    IdentificationOptions options = c_.options;
+    if (!c_.discover.on_equations) return options;
+    options.callback = [this](const IdentificationProgress& progress) {
+      std::vector<DiscoveredEquation> equations = discovery_.equations;
+      const ParameterLayout layout(discovery_.discovered.problem);
+      std::map<std::string, double> values;
+      for (int i = 0; i < layout.num_parameters(); ++i) {
+        values[layout.parameter(i).name] = progress.model->parameters[i];
+      }
+      for (DiscoveredEquation& equation : equations) {
+        for (DiscoveredTerm& term : equation.terms) {
+          const auto found = values.find(ParameterName(equation, term));
+          if (found != values.end()) term.coefficient = found->second;
+        }
+      }
+      c_.discover.on_equations(equations);
+      return !c_.options.callback || c_.options.callback(progress);
+    };
+    return options;
   }
 
   bool Agree(const std::vector<DiscoveredEquation>& before) const {
@@ -307,6 +548,7 @@ class Refitter {
   std::string* error_;
   IdentifiedModel last_model_;
   std::vector<int> substeps_;
+  double price_ = 0.0;
   bool fitted_ = false;
 };
 
@@ -393,9 +635,13 @@ bool MakeDiscoveredCase(const Case& c, const IdentifiedModel& model,
 
 bool RefitEquations(const Case& c, const IdentifiedModel& model,
                     const std::vector<DiscoveredEquation>& equations,
+                    const std::vector<DiscoveredEquation>* resumed,
                     Discovery* discovery, std::string* error) {
   Discovery result;
-  if (!Refitter(c, model, &result, error).Run(equations)) return false;
+  if (!Refitter(c, model, &result, error)
+           .Run(equations, resumed != nullptr ? *resumed : equations)) {
+    return false;
+  }
   result.terms = Report(c, equations, result.equations, &result.summary);
   *discovery = std::move(result);
   return true;

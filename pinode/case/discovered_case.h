@@ -30,8 +30,9 @@ struct Discovery {
   std::vector<DiscoveredEquation> equations;
   // One per equation: its terms, as DiscoveredEquation::terms.
   std::vector<std::vector<EquationTerm>> terms;
-  // What the refit took out again, in that order: "x1: x[x2]^2".
+  // What the refit took out again, "x1: x[x2]^2", and what it took in.
   std::vector<std::string> dropped;
+  std::vector<std::string> added;
 
   // Of the refit; nothing of it holds without one (`refitted` false).
   bool refitted = false;
@@ -60,14 +61,20 @@ struct Discovery {
 // Replaces the networks of `c`, trained as `model`, by `equations` and fits
 // their coefficients, with everything else that is free, to the trajectories.
 // Terms that turn out not to be worth their place are dropped one by one
-// (DiscoveryOptions::prune_fraction). At the end the Runge-Kutta steps are
-// halved until no coefficient moves by more than a tenth of its standard
-// deviation or 1e-8 of itself, at most five times: an equation should not make
-// up for its integrator. c.options hold for each fit. False where the case
-// cannot be made; a fit that fails is a summary that says so.
+// (DiscoveryOptions::prune_fraction); then candidates that the residuals of the
+// trajectories ask for are taken in (DiscoveryOptions::search), as long as they
+// lower the extended BIC of the fit. Noise on the records is noise there,
+// whatever smoothing or a network has made of it. At the end the Runge-Kutta
+// steps are halved until no coefficient moves by more than a tenth of its
+// standard deviation or 1e-8 of itself, at most five times: an equation should
+// not make up for its integrator. c.options hold for each fit. `resumed`: the
+// equations with which a refit that was cut off is to go on, nullptr for a new
+// one. False where the case cannot be made; a fit that fails is a summary that
+// says so.
 [[nodiscard]] bool RefitEquations(
     const Case& c, const IdentifiedModel& model,
-    const std::vector<DiscoveredEquation>& equations, Discovery* discovery,
+    const std::vector<DiscoveredEquation>& equations,
+    const std::vector<DiscoveredEquation>* resumed, Discovery* discovery,
     std::string* error);
 
 // The equations as selected, without a refit.

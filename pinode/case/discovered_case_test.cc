@@ -127,7 +127,8 @@ TEST_F(DiscoveredCase, RefitFindsTheCoefficientAndDropsWhatIsNotThere) {
   Add("v[u]^3", 0.01, 30.0);
   Add("x[u]", -0.2, 0.8);
   Discovery discovery;
-  ASSERT_TRUE(RefitEquations(case_, model_, {equation_}, &discovery, &error_))
+  ASSERT_TRUE(
+      RefitEquations(case_, model_, {equation_}, nullptr, &discovery, &error_))
       << error_;
   EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
   EXPECT_THAT(discovery.dropped,

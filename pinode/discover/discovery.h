@@ -4,6 +4,7 @@
 #define PINODE_DISCOVER_DISCOVERY_H_
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,13 @@
 
 namespace pinode {
 
+struct DiscoveredEquation;
+
 struct DiscoveryOptions {
+  // What is regressed: the networks along the predicted states; or, of what
+  // networks would have to supply, what smoothed records say.
+  enum class Source { kNetwork, kDerivatives };
+
   // What proposes the supports among which one is chosen: the LASSO's path or
   // that of thresholds in sequentially thresholded least squares.
   enum class Solver { kLasso, kStlsq };
@@ -33,6 +40,7 @@ struct DiscoveryOptions {
     std::vector<CoefficientConstraint> constraints;
   };
 
+  Source source = Source::kNetwork;
   Solver solver = Solver::kLasso;
 
   // Names of the networks to replace; empty: all.
@@ -45,9 +53,11 @@ struct DiscoveryOptions {
 
   // Of the RMS of the output DOF's acceleration (of the force that causes it,
   // for networks that act as forces): the fewest terms are chosen that lose
-  // less than this against the best fit of all candidates. A network's own
-  // error is no noise; it is smooth and looks significant to every test that
-  // counts samples. What it hides below this is left to the refit.
+  // less than this, or than the uncertainty of what is regressed if that is
+  // more (DiscoveredEquation::uncertainty), against the best fit of all
+  // candidates. A network's own error is no noise; it is smooth and looks
+  // significant to every test that counts samples. What it hides below this is
+  // left to the refit.
   double tolerance = 0.005;
 
   // Bags of RunEnsemble for inclusion probabilities; 0: none.
@@ -65,6 +75,14 @@ struct DiscoveryOptions {
 
   // Whether the selected terms are fitted to the trajectories.
   bool refit = true;
+
+  // Whether the refit looks among the candidates for what the regression has
+  // missed, by the same price.
+  bool search = true;
+
+  // Called in every iteration of the refit with the equations as they are: what
+  // a program saves.
+  std::function<void(const std::vector<DiscoveredEquation>&)> on_equations;
 
   const Output* Find(const std::string& output) const;
 
@@ -84,6 +102,13 @@ struct DiscoveredTerm {
   double inclusion_probability = 0.0;
   bool given = false;  // by a constraint
   int sign = 0;        // asked for by a constraint: 1, -1; 0: either
+};
+
+// What could be a term: a coefficient that is not given.
+struct DiscoveryCandidate {
+  std::string basis;
+  double rms = 0.0;  // of the basis over the samples
+  int sign = 0;      // as DiscoveredTerm::sign
 };
 
 // One point of the Pareto curve.
@@ -107,8 +132,15 @@ struct DiscoveredEquation {
   // RMS over the scale of the network's output, and of what the terms leave.
   double output_rms = 0.0;
   double residual = 0.0;
-  int num_candidates = 0;
+  // Standard deviation of what is regressed, RMS over the samples, over the
+  // scale: for a network that of its posterior. 0: not known.
+  double uncertainty = 0.0;
+  int num_candidates = 0;  // given ones included
+  std::vector<DiscoveryCandidate> candidates;
   std::vector<DiscoveryParetoPoint> pareto;
+  // What was regressed on what: samples x features, and the output.
+  Matrix sample_features;
+  Vector sample_outputs;
 };
 
 // States along the free runs of the training records, at every Runge-Kutta
@@ -119,6 +151,7 @@ struct TrajectorySamples {
   Matrix inputs;  // num_inputs x samples
   Vector times;
   std::vector<int> record_starts;
+  std::vector<int> strides;  // samples here per sample of the record
 
   int num_samples() const { return static_cast<int>(times.size()); }
 };
@@ -129,6 +162,15 @@ struct TrajectorySamples {
                                       const IdentifiedModel& model,
                                       TrajectorySamples* samples,
                                       std::string* error);
+
+// Standard deviation of the outputs of each network of `problem` along
+// `samples`, from the posterior covariance of the weights: the inverse of the
+// Gauss-Newton Hessian at `model`, with its noise levels and decay. One matrix
+// a network, outputs x samples of the records; zeros where the model does not
+// tell (no noise levels, weights that are fixed).
+std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
+                                       const IdentifiedModel& model,
+                                       const TrajectorySamples& samples);
 
 // Regresses each output of each network of `problem`, as trained in `model`, on
 // its candidates along the predicted states of the training records (Lai et al.
@@ -141,6 +183,19 @@ struct TrajectorySamples {
 [[nodiscard]] bool DiscoverFromNetworks(
     const IdentificationProblem& problem, const IdentifiedModel& model,
     const DiscoveryOptions& options, std::vector<DiscoveredEquation>* equations,
+    std::string* error);
+
+// The same without a trained network (eqs. (8) and (9) there): what the
+// networks would have to supply is the difference between the accelerations of
+// the smoothed training records (SmoothMotion) and those of the model without
+// networks, its parameters at their initial values. The networks of `problem`
+// say where terms act and what they may look at; together they must be told
+// apart by the accelerations. *model: what a refit begins with, noise levels
+// and starts from the smoothed records. False, besides, for a DOF that the
+// records do not show (see there), and for laws with internal states.
+[[nodiscard]] bool DiscoverFromDerivatives(
+    const IdentificationProblem& problem, const DiscoveryOptions& options,
+    std::vector<DiscoveredEquation>* equations, IdentifiedModel* model,
     std::string* error);
 
 }  // namespace pinode

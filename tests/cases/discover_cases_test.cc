@@ -79,7 +79,7 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
   EXPECT_LT(worst, 1e-2);
 
   Discovery discovery;
-  ASSERT_TRUE(RefitEquations(run.c, run.model, equations, &discovery, &error))
+  ASSERT_TRUE(RefitEquations(run.c, run.model, equations, nullptr, &discovery, &error))
       << error;
   EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
   EXPECT_THAT(discovery.dropped, ::testing::IsEmpty());
