@@ -1,8 +1,11 @@
 #include "pinode/case/discover_files.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
@@ -49,6 +52,29 @@ std::string Digits(const EquationTerm& term) {
     digits = std::max(4, std::min(digits, 12));
   }
   return FormatNumber(term.coefficient, digits);
+}
+
+constexpr char kCheckpointSchema[] = "pinode-discover-checkpoint-1";
+
+// The term `basis` of an equation as regressed or as a candidate; false where
+// it is neither.
+bool FindTerm(const DiscoveredEquation& equation, const std::string& basis,
+              DiscoveredTerm* term) {
+  for (const DiscoveredTerm& regressed : equation.terms) {
+    if (regressed.basis != basis) continue;
+    *term = regressed;
+    return true;
+  }
+  for (const DiscoveryCandidate& candidate : equation.candidates) {
+    if (candidate.basis != basis) continue;
+    *term = DiscoveredTerm();
+    term->basis = basis;
+    term->basis_rms = candidate.rms;
+    term->sign = candidate.sign;
+    term->inclusion_probability = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
+  return false;
 }
 
 // "2\times 10^{-3}" for "2e-3".
@@ -224,6 +250,92 @@ bool WriteDiscoverFiles(const Discovery& discovery, const std::string& folder,
                              EquationsAsText(discovery), error) &&
          WriteFileAtomically(folder + "/equations.tex",
                              EquationsAsLatex(discovery), error);
+}
+
+bool WriteDiscoverCheckpoint(const std::string& path,
+                             const std::string& problem_hash,
+                             const std::vector<DiscoveredEquation>& equations,
+                             std::string* error) {
+  Json json;
+  json["schema"] = kCheckpointSchema;
+  json["problem"] = problem_hash;
+  json["equations"] = Json::array();
+  for (const DiscoveredEquation& equation : equations) {
+    Json entry;
+    entry["network"] = equation.network;
+    entry["output"] = equation.output;
+    entry["terms"] = Json::array();
+    for (const DiscoveredTerm& term : equation.terms) {
+      entry["terms"].push_back(
+          {{"basis", term.basis}, {"coefficient", Number(term.coefficient)}});
+    }
+    json["equations"].push_back(std::move(entry));
+  }
+  return WriteFileAtomically(
+      path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+      error);
+}
+
+bool ReadDiscoverCheckpoint(const std::string& path,
+                            const std::string& problem_hash,
+                            const std::vector<DiscoveredEquation>& regressed,
+                            std::vector<DiscoveredEquation>* resumed,
+                            std::string* error) {
+  std::string text;
+  if (!ReadTextFile(path, &text, error)) return false;
+  const auto fail = [&](const std::string& message) {
+    *error = path + ": " + message;
+    return false;
+  };
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || !json.contains("schema")) {
+    return fail("is not a checkpoint of pinode_discover");
+  }
+  if (json["schema"] == "pinode-checkpoint-1") {
+    return fail(
+        "the refit there has come to its end, expected an interrupted one, or "
+        "--overwrite");
+  }
+  if (json["schema"] != kCheckpointSchema || !json.contains("problem") ||
+      !json.contains("equations") || !json["equations"].is_array()) {
+    return fail("is not a checkpoint of pinode_discover");
+  }
+  if (json["problem"] != problem_hash) {
+    return fail(
+        "belongs to another case: model, unknowns or records have changed");
+  }
+  if (json["equations"].size() != regressed.size()) {
+    return fail("its equations are not those of the section [discover]");
+  }
+  std::vector<DiscoveredEquation> result = regressed;
+  for (size_t e = 0; e < result.size(); ++e) {
+    const Json& entry = json["equations"][e];
+    if (!entry.is_object() || !entry.contains("output") ||
+        !entry.contains("network") || entry["output"] != result[e].output ||
+        entry["network"] != result[e].network || !entry.contains("terms") ||
+        !entry["terms"].is_array()) {
+      return fail("its equations are not those of the section [discover]");
+    }
+    std::vector<DiscoveredTerm> terms;
+    for (const Json& term : entry["terms"]) {
+      DiscoveredTerm found;
+      if (!term.is_object() || !term.contains("basis") ||
+          !term["basis"].is_string() || !term.contains("coefficient") ||
+          !term["coefficient"].is_number() ||
+          !FindTerm(result[e], term["basis"].get<std::string>(), &found)) {
+        return fail("output '" + result[e].output +
+                    "' has a term that is none of the candidates of the "
+                    "section [discover]");
+      }
+      found.coefficient = term["coefficient"].get<double>();
+      found.share =
+          std::abs(found.coefficient) * found.basis_rms / result[e].scale;
+      terms.push_back(std::move(found));
+    }
+    result[e].terms = std::move(terms);
+  }
+  *resumed = std::move(result);
+  return true;
 }
 
 }  // namespace pinode

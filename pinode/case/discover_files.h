@@ -4,6 +4,7 @@
 #define PINODE_CASE_DISCOVER_FILES_H_
 
 #include <string>
+#include <vector>
 
 #include "pinode/case/discovered_case.h"
 
@@ -17,9 +18,9 @@ std::string EquationsAsText(const Discovery& discovery);
 // An align environment.
 std::string EquationsAsLatex(const Discovery& discovery);
 // {"schema": "pinode-discover-1", "refitted", "usable", "message",
-//  "step_refinement", "dropped": [...],
+//  "step_refinement", "dropped": [...], "added": [...],
 //  "equations": [{"output", "network", "acts_as", "output_rms", "residual",
-//                 "candidates",
+//                 "uncertainty", "candidates",
 //                 "terms": [{"basis", "coefficient", "lower95", "upper95",
 //                            "sigma", "unit", "from_network", "share",
 //                            "inclusion_probability"}],
@@ -31,6 +32,21 @@ std::string DiscoveryAsJson(const Discovery& discovery);
 [[nodiscard]] bool WriteDiscoverFiles(const Discovery& discovery,
                                       const std::string& folder,
                                       std::string* error);
+
+// A refit on its way: {"schema": "pinode-discover-checkpoint-1", "problem":
+// hash, "equations": [{"network", "output", "terms": [{"basis",
+// "coefficient"}]}]}, written atomically.
+[[nodiscard]] bool WriteDiscoverCheckpoint(
+    const std::string& path, const std::string& problem_hash,
+    const std::vector<DiscoveredEquation>& equations, std::string* error);
+
+// *resumed: `regressed` with the terms of the checkpoint. False, with *resumed
+// untouched, for another file, another problem, or terms that are not among the
+// candidates.
+[[nodiscard]] bool ReadDiscoverCheckpoint(
+    const std::string& path, const std::string& problem_hash,
+    const std::vector<DiscoveredEquation>& regressed,
+    std::vector<DiscoveredEquation>* resumed, std::string* error);
 
 }  // namespace pinode
 

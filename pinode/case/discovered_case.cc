@@ -24,6 +24,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kLargestRefinement = 32;
 // Each search that is kept lowers the criterion; more than a few are none.
 constexpr int kMaxSearches = 20;
+// Fits of terms that may not stay need not be exact; wrong terms have long
+// valleys.
+constexpr double kSearchTolerance = 1e-7;
+constexpr int kMaxSearchIterations = 60;
 
 std::string LibraryName(const DiscoveredEquation& equation) {
   // Names of DOFs are freer than those of terms.
@@ -276,7 +280,9 @@ class Refitter {
            const std::vector<DiscoveredEquation>& begin) {
     discovery_.equations = begin;
     price_ = PriceOfATerm(NumFittedValues(c_.problem), equations);
-    if (!FirstSteps() || !Fit(1) || !Prune(1) || !Search()) return false;
+    exact_ = false;
+    if (!FirstSteps() || !Fit(1) || !Search() || !Prune(1)) return false;
+    exact_ = true;
     for (int factor = 2; factor <= kLargestRefinement && Good() && Left();
          factor *= 2) {
       const std::vector<DiscoveredEquation> before = discovery_.equations;
@@ -335,7 +341,7 @@ class Refitter {
                                   memory >
                               price_ * (CountTerms(discovery_.equations) -
                                         CountTerms(before.equations));
-      if (!better || SameTerms(before.equations, discovery_.equations)) {
+      if (!better) {
         discovery_ = before;
         last_model_ = model_before;
         return true;
@@ -505,6 +511,12 @@ class Refitter {
   // Those of the case, and whoever asked hears of the equations as they change.
   IdentificationOptions Options() const {
     IdentificationOptions options = c_.options;
+    if (!exact_) {
+      options.function_tolerance =
+          std::max(options.function_tolerance, kSearchTolerance);
+      options.max_num_iterations =
+          std::min(options.max_num_iterations, kMaxSearchIterations);
+    }
     if (!c_.discover.on_equations) return options;
     options.callback = [this](const IdentificationProgress& progress) {
       std::vector<DiscoveredEquation> equations = discovery_.equations;
@@ -550,6 +562,7 @@ class Refitter {
   std::vector<int> substeps_;
   double price_ = 0.0;
   bool fitted_ = false;
+  bool exact_ = true;
 };
 
 }  // namespace

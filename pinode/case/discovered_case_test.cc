@@ -178,6 +178,53 @@ TEST_F(DiscoveredCase, Files) {
               HasSubstr("g_{\\mathrm{u}} &= -1.8\\,x_{\\mathrm{u}}^{3}"));
 }
 
+TEST_F(DiscoveredCase, CheckpointKeepsTermsAndCoefficients) {
+  const std::string path = folder_.Path("checkpoint.json");
+  DiscoveryCandidate candidate;
+  candidate.basis = "v[u]^3";
+  candidate.rms = 30.0;
+  equation_.candidates = {candidate};
+  const std::vector<DiscoveredEquation> regressed = {equation_};
+  std::vector<DiscoveredEquation> current = {equation_};
+  current[0].terms[0].coefficient = -1.0 / 3.0;
+  current[0].terms.emplace_back();
+  current[0].terms[1].basis = "v[u]^3";
+  current[0].terms[1].coefficient = 0.25;
+  ASSERT_TRUE(WriteDiscoverCheckpoint(path, "abc", current, &error_)) << error_;
+  std::vector<DiscoveredEquation> resumed;
+  ASSERT_TRUE(ReadDiscoverCheckpoint(path, "abc", regressed, &resumed, &error_))
+      << error_;
+  ASSERT_EQ(resumed[0].terms.size(), 2u);
+  EXPECT_EQ(resumed[0].terms[0].coefficient, -1.0 / 3.0);
+  EXPECT_EQ(resumed[0].terms[0].basis_rms, 0.7);
+  EXPECT_EQ(resumed[0].terms[1].coefficient, 0.25);
+  EXPECT_EQ(resumed[0].terms[1].basis_rms, 30.0);
+
+  resumed.clear();
+  EXPECT_FALSE(
+      ReadDiscoverCheckpoint(path, "abd", regressed, &resumed, &error_));
+  EXPECT_THAT(error_, HasSubstr("another case"));
+  equation_.candidates.clear();
+  EXPECT_FALSE(
+      ReadDiscoverCheckpoint(path, "abc", {equation_}, &resumed, &error_));
+  EXPECT_THAT(error_, HasSubstr("none of the candidates"));
+  EXPECT_FALSE(ReadDiscoverCheckpoint(path, "abc", {}, &resumed, &error_));
+  for (const char* text :
+       {"", "{}", "[1]", "{\"schema\": 3}",
+        "{\"schema\": \"pinode-checkpoint-1\"}",
+        "{\"schema\": \"pinode-discover-checkpoint-1\", \"problem\": "
+        "\"abc\", \"equations\": [{\"network\": \"nn\", \"output\": "
+        "\"u\", \"terms\": [{\"basis\": \"x[u]^3\"}]}]}"}) {
+    folder_.Write("checkpoint.json", text);
+    error_.clear();
+    EXPECT_FALSE(
+        ReadDiscoverCheckpoint(path, "abc", regressed, &resumed, &error_))
+        << text;
+    EXPECT_THAT(error_, HasSubstr("checkpoint.json: ")) << text;
+  }
+  EXPECT_TRUE(resumed.empty());
+}
+
 TEST(BasisAsLatex, KnowsFeaturesPowersAndFunctions) {
   EXPECT_EQ(BasisAsLatex("x[a_1]^2*v[b]"),
             "x_{\\mathrm{a\\_1}}^{2}\\,\\dot{x}_{\\mathrm{b}}");

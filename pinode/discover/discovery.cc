@@ -77,6 +77,7 @@ class EquationFinder {
       return false;
     }
     const SelectionEntry& chosen = Choose(selection);
+    equation_.num_regressed_terms = chosen.num_terms;
     AddTerms(chosen);
     return AddInclusionProbabilities(selection, error);
   }

@@ -138,6 +138,7 @@ struct DiscoveredEquation {
   int num_candidates = 0;  // given ones included
   std::vector<DiscoveryCandidate> candidates;
   std::vector<DiscoveryParetoPoint> pareto;
+  int num_regressed_terms = 0;  // free ones, of the point that was chosen
   // What was regressed on what: samples x features, and the output.
   Matrix sample_features;
   Vector sample_outputs;

@@ -3,43 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <map>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "pinode/base/figure_testing.h"
 #include "pinode/case/discovered_case.h"
 #include "pinode/discover/discovery.h"
+#include "tests/cases/chain_terms.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {
 namespace testing {
 namespace {
-
-// The right-hand side's terms that a scheme leaves to the network, by output:
-// accelerations, of unit masses.
-using Terms = std::map<std::pair<std::string, std::string>, double>;
-
-Terms MissingTerms(double share_of_chain) {
-  Terms truth;
-  const int n = 4;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      const double unit = i == j                 ? (i + 1 < n ? -2.0 : -1.0)
-                          : std::abs(i - j) == 1 ? 1.0
-                                                 : 0.0;
-      if (unit == 0.0 || share_of_chain == 0.0) continue;
-      const std::string output = "x" + std::to_string(i + 1);
-      const std::string input = "x" + std::to_string(j + 1);
-      truth[{output, "x[" + input + "]"}] = 10.0 * share_of_chain * unit;
-      truth[{output, "v[" + input + "]"}] = 0.5 * share_of_chain * unit;
-    }
-  }
-  truth[{"x1", "x[x1]^3"}] = -2.0;
-  return truth;
-}
 
 class Discover : public ::testing::TestWithParam<const char*> {};
 
@@ -56,53 +32,142 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
                                    &equations, &error))
       << error;
   ASSERT_EQ(equations.size(), 4u);
-  const Terms truth = MissingTerms(scheme == "scheme2" ? 0.3 : 0.0);
-  Terms selected;
-  double worst = 0.0;
   for (const DiscoveredEquation& equation : equations) {
     EXPECT_EQ(equation.num_candidates, 164);
-    for (const DiscoveredTerm& term : equation.terms) {
-      const auto found = truth.find({equation.output, term.basis});
-      if (found == truth.end()) {
-        ADD_FAILURE() << equation.output << ": " << term.basis
-                      << " is not a term of the chain";
-        continue;
-      }
-      selected[found->first] = term.coefficient;
-      worst = Worse(worst, std::abs(term.coefficient / found->second - 1.0));
-    }
   }
-  EXPECT_EQ(selected.size(), truth.size());
+  const Terms truth = MissingTerms(scheme);
+  const double share = ShareOfChain(scheme);
+  TermsFound found = Compare(WithoutRefit(run.c, equations), truth, share);
+  EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
   ReportFigure(
       "case 1, " + scheme + ", from the network: worst coefficient, relative",
-      AtMost(1e-2), worst);
-  EXPECT_LT(worst, 1e-2);
+      AtMost(1e-2), found.worst);
+  EXPECT_LT(found.worst, 1e-2);
 
   Discovery discovery;
-  ASSERT_TRUE(RefitEquations(run.c, run.model, equations, nullptr, &discovery, &error))
+  ASSERT_TRUE(
+      RefitEquations(run.c, run.model, equations, nullptr, &discovery, &error))
       << error;
   EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
   EXPECT_THAT(discovery.dropped, ::testing::IsEmpty());
-  worst = 0.0;
-  int count = 0;
-  for (size_t e = 0; e < discovery.equations.size(); ++e) {
-    for (const EquationTerm& term : discovery.terms[e]) {
-      const auto found =
-          truth.find({discovery.equations[e].output, term.basis});
-      ASSERT_TRUE(found != truth.end()) << term.basis;
-      worst = Worse(worst, std::abs(term.coefficient / found->second - 1.0));
-      ++count;
-    }
-  }
-  EXPECT_EQ(count, static_cast<int>(truth.size()));
+  EXPECT_THAT(discovery.added, ::testing::IsEmpty());
+  found = Compare(discovery, truth, share);
+  EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
   ReportFigure("case 1, " + scheme +
                    ", refit through the ODE: worst coefficient, relative",
-               AtMost(1e-6), worst);
-  EXPECT_LT(worst, 1e-6);
+               AtMost(1e-6), found.worst);
+  EXPECT_LT(found.worst, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(FourDofFree, Discover,
                          ::testing::Values("scheme2", "scheme3"));
+
+// Noise in per cent; what the stiffness terms may be off.
+class DiscoverFromNoisyRecords
+    : public ::testing::TestWithParam<
+          std::tuple<const char*, std::pair<double, double>>> {};
+
+// What smoothing makes of the noise decides where the search begins, not where
+// it ends.
+TEST_P(DiscoverFromNoisyRecords, FindsExactlyTheTrueTerms) {
+  const std::string scheme = std::get<0>(GetParam());
+  const auto [percent, limit] = std::get<1>(GetParam());
+  Case c = ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml");
+  AddNoise(percent, 1, &c);
+  c.discover.source = DiscoveryOptions::Source::kDerivatives;
+  std::string error;
+  std::vector<DiscoveredEquation> equations;
+  IdentifiedModel begin;
+  ASSERT_TRUE(DiscoverFromDerivatives(c.problem, c.discover, &equations, &begin,
+                                      &error))
+      << error;
+  Discovery discovery;
+  ASSERT_TRUE(RefitEquations(c, begin, equations, nullptr, &discovery, &error))
+      << error;
+  const TermsFound found =
+      Compare(discovery, MissingTerms(scheme), ShareOfChain(scheme));
+  const std::string what = "case 1, " + scheme + ", derivatives, " +
+                           std::to_string(static_cast<int>(percent)) +
+                           " % noise, ";
+  ReportFigure(what + "terms missing or wrong", AtMost(0),
+               found.num_missing + found.num_spurious);
+  EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
+  ReportFigure(what + "worst stiffness term, of the chain's own", AtMost(limit),
+               found.worst_stiffness);
+  EXPECT_LT(found.worst_stiffness, limit);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    FourDofFree, DiscoverFromNoisyRecords,
+    ::testing::Combine(::testing::Values("scheme2", "scheme3"),
+                       ::testing::Values(std::make_pair(1.0, 0.005),
+                                         std::make_pair(5.0, 0.03))));
+
+// Nine terms between two masses and a road, 1 % noise.
+TEST(DiscoverQuarterCar, FindsExactlyTheTrueTerms) {
+  const Case c = ReadCaseOrFail("data/quarter_car/quarter_car.toml");
+  std::string error;
+  std::vector<DiscoveredEquation> equations;
+  IdentifiedModel begin;
+  ASSERT_TRUE(DiscoverFromDerivatives(c.problem, c.discover, &equations, &begin,
+                                      &error))
+      << error;
+  Discovery discovery;
+  ASSERT_TRUE(RefitEquations(c, begin, equations, nullptr, &discovery, &error))
+      << error;
+  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  Terms truth;
+  const std::string file = "data/quarter_car/truth.json";
+  for (const char* basis : {"x[s]", "x[u]", "v[s]", "v[u]"}) {
+    truth[{"s", basis}] = Truth(file, std::string("/sprung/") + basis);
+    truth[{"u", basis}] = Truth(file, std::string("/unsprung/") + basis);
+  }
+  truth[{"u", "input[road]"}] = Truth(file, "/unsprung/input[road]");
+  const TermsFound found = Compare(discovery, truth, 1.0);
+  ReportFigure("quarter_car: terms missing or wrong", AtMost(0),
+               found.num_missing + found.num_spurious);
+  EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
+  ReportFigure("quarter_car: worst coefficient, relative", AtMost(0.02),
+               found.worst);
+  EXPECT_LT(found.worst, 0.02);
+}
+
+// Three hardening storeys among twenty, and a free run of ten times the record.
+TEST(DiscoverChain20, FindsTheStoreysThatHarden) {
+  const Case c = ReadCaseOrFail("data/chain20/chain20.toml");
+  std::string error;
+  std::vector<DiscoveredEquation> equations;
+  IdentifiedModel begin;
+  ASSERT_TRUE(DiscoverFromDerivatives(c.problem, c.discover, &equations, &begin,
+                                      &error))
+      << error;
+  ASSERT_EQ(equations.size(), 20u);
+  Discovery discovery;
+  ASSERT_TRUE(RefitEquations(c, begin, equations, nullptr, &discovery, &error))
+      << error;
+  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  Terms truth;
+  for (const int storey : {4, 11, 17}) {
+    const std::string here = "u" + std::to_string(storey);
+    const std::string below = "u" + std::to_string(storey - 1);
+    truth[{here + "-" + below, "d[" + below + "," + here + "]^3"}] =
+        Truth("data/chain20/truth.json", "/cubic/" + std::to_string(storey));
+  }
+  const TermsFound found = Compare(discovery, truth, 1.0);
+  ReportFigure("chain20: terms missing or wrong", AtMost(0),
+               found.num_missing + found.num_spurious);
+  EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
+  ReportFigure("chain20: worst coefficient, relative", AtMost(0.02),
+               found.worst);
+  EXPECT_LT(found.worst, 0.02);
+  for (const RecordScore& record : discovery.summary.records) {
+    if (record.name != "long") continue;
+    EXPECT_TRUE(record.finite);
+    ReportFigure("chain20: nrmse of ten times the record", AtMost(0.01),
+                 record.nrmse);
+    EXPECT_LT(record.nrmse, 0.01);
+  }
+}
 
 }  // namespace
 }  // namespace testing
