@@ -164,7 +164,7 @@ std::string EquationsAsText(const Discovery& discovery) {
         text += "    95 %: +- " +
                 FormatNumber(0.5 * (term.upper95 - term.lower95), 3);
       }
-      text += "    unit " + term.unit + ", from the network " +
+      text += "    unit " + term.unit + ", regressed " +
               FormatNumber(term.from_network, 5) + "\n";
     }
   }

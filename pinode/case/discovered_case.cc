@@ -620,6 +620,16 @@ bool MakeDiscoveredCase(const Case& c, const IdentifiedModel& model,
   const ParameterLayout before(c.problem);
   if (!ReadCaseTree(tree, c.path, &result, error)) return false;
   result.options = c.options;
+  // What was read is what counts, not what the files say by now.
+  for (size_t r = 0; r < c.problem.records.size(); ++r) {
+    const IdentificationRecord& from = c.problem.records[r];
+    IdentificationRecord& to = result.problem.records[r];
+    CHECK_EQ(from.channels.size(), to.channels.size());
+    to.excitation = from.excitation;
+    for (size_t k = 0; k < from.channels.size(); ++k) {
+      to.channels[k].values = from.channels[k].values;
+    }
+  }
 
   CHECK_EQ(model.parameters.size(), before.num_parameters());
   std::map<std::string, double> values;

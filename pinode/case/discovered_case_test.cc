@@ -123,6 +123,19 @@ TEST_F(DiscoveredCase, HasTheLibraryInPlaceOfTheNetwork) {
   EXPECT_EQ(law.parameters.parameters[0].value, 0.0);
 }
 
+TEST_F(DiscoveredCase, HasTheRecordsAsTheyAreInMemory) {
+  case_.problem.records[0].channels[0].values[3] = 7.0;
+  folder_.Write("free.csv", OscillatorRecord());
+  Case found;
+  IdentifiedModel initial;
+  ASSERT_TRUE(MakeDiscoveredCase(case_, model_, {equation_}, {}, &found,
+                                 &initial, &error_))
+      << error_;
+  EXPECT_EQ(found.problem.records[0].channels[0].values[3], 7.0);
+  EXPECT_EQ(found.problem.records[0].channels[1].values,
+            case_.problem.records[0].channels[1].values);
+}
+
 TEST_F(DiscoveredCase, RefitFindsTheCoefficientAndDropsWhatIsNotThere) {
   Add("v[u]^3", 0.01, 30.0);
   Add("x[u]", -0.2, 0.8);

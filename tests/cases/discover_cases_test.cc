@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "pinode/base/figure_testing.h"
@@ -61,47 +60,6 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
 
 INSTANTIATE_TEST_SUITE_P(FourDofFree, Discover,
                          ::testing::Values("scheme2", "scheme3"));
-
-// Noise in per cent; what the stiffness terms may be off.
-class DiscoverFromNoisyRecords
-    : public ::testing::TestWithParam<
-          std::tuple<const char*, std::pair<double, double>>> {};
-
-// What smoothing makes of the noise decides where the search begins, not where
-// it ends.
-TEST_P(DiscoverFromNoisyRecords, FindsExactlyTheTrueTerms) {
-  const std::string scheme = std::get<0>(GetParam());
-  const auto [percent, limit] = std::get<1>(GetParam());
-  Case c = ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml");
-  AddNoise(percent, 1, &c);
-  c.discover.source = DiscoveryOptions::Source::kDerivatives;
-  std::string error;
-  std::vector<DiscoveredEquation> equations;
-  IdentifiedModel begin;
-  ASSERT_TRUE(DiscoverFromDerivatives(c.problem, c.discover, &equations, &begin,
-                                      &error))
-      << error;
-  Discovery discovery;
-  ASSERT_TRUE(RefitEquations(c, begin, equations, nullptr, &discovery, &error))
-      << error;
-  const TermsFound found =
-      Compare(discovery, MissingTerms(scheme), ShareOfChain(scheme));
-  const std::string what = "case 1, " + scheme + ", derivatives, " +
-                           std::to_string(static_cast<int>(percent)) +
-                           " % noise, ";
-  ReportFigure(what + "terms missing or wrong", AtMost(0),
-               found.num_missing + found.num_spurious);
-  EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
-  ReportFigure(what + "worst stiffness term, of the chain's own", AtMost(limit),
-               found.worst_stiffness);
-  EXPECT_LT(found.worst_stiffness, limit);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    FourDofFree, DiscoverFromNoisyRecords,
-    ::testing::Combine(::testing::Values("scheme2", "scheme3"),
-                       ::testing::Values(std::make_pair(1.0, 0.005),
-                                         std::make_pair(5.0, 0.03))));
 
 // Nine terms between two masses and a road, 1 % noise.
 TEST(DiscoverQuarterCar, FindsExactlyTheTrueTerms) {
