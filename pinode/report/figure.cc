@@ -24,7 +24,8 @@ constexpr int kMaxLoopSamples = 2000;
 constexpr int kMaxModes = 6;
 constexpr int kMaxParameters = 40;
 constexpr int kMaxPanels = 4;
-constexpr int kMaxDots = 500;
+// A dot takes ten times the bytes of a point on a line.
+constexpr int kMaxDots = 900;
 
 constexpr char kMeasuredLine[] = "lc rgb '#aaaaaa' lw 3.6 dt 1";
 constexpr char kUpdatedLine[] = "lc rgb '#0072B2' lw 1.3 dt 1";
@@ -422,7 +423,9 @@ Figure MakeEquationFigure(const ReportEquation& equation, int number) {
               (rows == 1 ? "0.2" : "0.11") + ",0.96 spacing 0.12,0.16");
   script.Line("set ylabel " +
               GnuplotString(AxisLabel(equation.output, equation.unit)));
-  const int stride = (samples + kMaxDots - 1) / kMaxDots;
+  // Two dots a sample and panel.
+  const int most = kMaxDots / (2 * panels);
+  const int stride = (samples + most - 1) / most;
   for (int k = 0; k < panels; ++k) {
     const ReportEquation::Axis& axis =
         equation.features[static_cast<size_t>(k)];

@@ -52,9 +52,10 @@ struct TermsFound {
   int num_spurious = 0;
   std::string wrong;   // which they are, for people
   double worst = 0.0;  // largest relative error of a coefficient
-  // The same of the stiffness terms, as fractions of the chain's own stiffness
-  // or cubic coefficient, of which a scheme leaves a part to be found.
+  // The same of the linear stiffness terms, as fractions of the chain's own
+  // stiffness, of which a scheme leaves a part to be found; and of the cubic.
   double worst_stiffness = 0.0;
+  double worst_cubic = 0.0;
 };
 
 inline TermsFound Compare(const Discovery& discovery, Terms truth,
@@ -71,10 +72,11 @@ inline TermsFound Compare(const Discovery& discovery, Terms truth,
       }
       const double error = std::abs(term.coefficient / expected->second - 1.0);
       found.worst = std::max(found.worst, error);
-      if (term.basis[0] == 'x') {
-        const bool cubic = term.basis.back() == '3';
-        found.worst_stiffness = std::max(
-            found.worst_stiffness, cubic ? error : error * share_of_chain);
+      if (term.basis.back() == '3') {
+        found.worst_cubic = std::max(found.worst_cubic, error);
+      } else if (term.basis[0] == 'x') {
+        found.worst_stiffness =
+            std::max(found.worst_stiffness, error * share_of_chain);
       }
       truth.erase(expected);
     }
