@@ -11,6 +11,7 @@
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
 #include "pinode/case/substeps.h"
+#include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
 
@@ -66,6 +67,9 @@ struct Case {
   double noise_percent = 0.0;
   std::uint64_t noise_seed = 1;
 
+  // [discover]: where pinode_discover looks for equations.
+  DiscoveryOptions discover;
+
   // Decisions that were taken for the user, one sentence each.
   std::vector<std::string> remarks;
 
@@ -85,6 +89,11 @@ struct Case {
 // *c is untouched then.
 [[nodiscard]] bool ReadCase(const std::string& path, Case* c,
                             std::string* error);
+
+// As ReadCase, of a case that is a tree already; `path`, which need not exist,
+// is where it stands for messages and relative paths.
+[[nodiscard]] bool ReadCaseTree(const TomlValue& tree, const std::string& path,
+                                Case* c, std::string* error);
 
 // As ReadCase, for a simulation: measured responses are not read (their values
 // are NaN), a record may do without a file, and nothing need be free.

@@ -55,6 +55,17 @@ struct ParameterEstimate {
   bool at_bound = false;
 };
 
+// An unknown force over the record in which it acts (the first training record
+// where it acts in all), at every integration step.
+struct ForceEstimate {
+  std::string name;
+  int record = -1;  // index into the problem's records
+  Vector times;
+  Vector value;
+  Vector sigma;  // infinite where there is no covariance
+  Vector lower95, upper95;
+};
+
 struct IterationRecord {
   int stage = 0;
   int segment_samples = 0;
@@ -84,6 +95,7 @@ struct IdentificationSummary {
 
   std::vector<RecordScore> records;           // in the problem's order
   std::vector<ParameterEstimate> parameters;  // named ones
+  std::vector<ForceEstimate> forces;          // in the dynamics' order
   // Covariance of the free named parameters, in the order of `parameters`.
   std::vector<std::string> covariance_names;
   Matrix covariance;

@@ -162,14 +162,16 @@ class Trainer {
   // Draws the networks anew and raises the noise, see kAnnealedNoise.
   void BeginAnnealing();
   void AnnealToTheFloor();
-  bool HasNetworks() const { return layout_.num_decay_groups() > 0; }
+  bool HasNetworks() const { return layout_.HasNetworkDecay(); }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
   // True where neither moves any more. The noise grows only where the fit has
   // converged: before, the residuals tell of the way that is left.
   bool UpdateNoiseAndDecay(bool converged);
   // What the user set for a decay group; negative: the evidence chooses.
-  double GivenDecay(int group) const;
+  double GivenDecay(int group) const {
+    return layout_.decay_groups()[static_cast<size_t>(group)].given;
+  }
   double ScoreFreeRuns(const Vector& free);
   std::string DescribeDivergence(const Divergence& divergence) const;
   bool IterationsLeft() const {
@@ -308,10 +310,11 @@ void Trainer::AnnealToTheFloor() {
 void Trainer::BeginAnnealing() {
   bool evidence = false;
   for (int g = 0; g < layout_.num_decay_groups(); ++g) {
-    if (GivenDecay(g) >= 0.0) continue;
+    const auto& group = layout_.decay_groups()[static_cast<size_t>(g)];
+    if (group.given >= 0.0 || group.network < 0) continue;
     evidence = true;
-    const bool output = layout_.decay_groups()[static_cast<size_t>(g)].kind ==
-                        ParameterLayout::DecayGroup::Kind::kOutput;
+    const bool output =
+        group.kind == ParameterLayout::DecayGroup::Kind::kOutput;
     current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
   }
   if (!evidence) return;
@@ -484,19 +487,16 @@ bool Trainer::SolveRound(int max_iterations, double function_tolerance,
   return true;
 }
 
-double Trainer::GivenDecay(int group) const {
-  const int network =
-      layout_.decay_groups()[static_cast<size_t>(group)].network;
-  return problem_.dynamics->networks()[static_cast<size_t>(network)].decay;
-}
-
 bool Trainer::UpdateNoiseAndDecay(bool converged) {
   CondensedSystem system;
-  std::vector<Matrix> residuals;
+  std::vector<Matrix> residuals, jacobians;
   Matrix root;
+  // A force acts on some channels directly and can follow their noise: what it
+  // has used up of each channel must be counted for that channel.
+  const bool by_channel = !problem_.dynamics->unknown_forces().empty();
   if (!shooting_->Linearize(current_.free, &system) ||
-      !shooting_->WeightedResiduals(current_.free, false, &residuals,
-                                    nullptr) ||
+      !shooting_->WeightedResiduals(current_.free, by_channel, &residuals,
+                                    &jacobians) ||
       !SquareRoot(system.hessian, &root)) {
     return false;
   }
@@ -509,25 +509,29 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   const Vector variance = inverse_root.rowwise().squaredNorm();
 
   // MacKay's rule (Neural Computation 4 (1992) 415-447) with the Gauss-Newton
-  // Hessian (F. D. Foresee and M. T. Hagan, ICNN 1997), per decay group.
+  // Hessian (F. D. Foresee and M. T. Hagan, ICNN 1997), per decay group. For
+  // combinations of parameters it holds as CombinationPrior says.
   double effective = n;
   Vector determined = Vector::Zero(current_.decays.size());
   Vector squares = Vector::Zero(current_.decays.size());
   for (int j = 0; j < n; ++j) {
     const int index = layout_.free()[static_cast<size_t>(j)];
     const Parameter& parameter = layout_.parameter(index);
-    double precision = 0.0;
-    if (parameter.HasPrior()) {
-      precision = 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
-    }
-    const int group = layout_.DecayGroupOf(index);
-    if (group >= 0) {
-      const double decay = current_.decays[group];
-      determined[group] += 1.0 - std::min(1.0, decay * variance[j]);
-      squares[group] += current_.free[j] * current_.free[j];
-      precision += decay;
-    }
+    if (!parameter.HasPrior()) continue;
+    const double precision =
+        1.0 / (parameter.prior_sigma * parameter.prior_sigma);
     effective -= std::min(1.0, precision * variance[j]);
+  }
+  for (const ParameterLayout::DecayRow& row : layout_.decay_rows()) {
+    const double known =
+        current_.decays[row.group] *
+        (inverse_root.middleRows(row.first, row.weights.size()).transpose() *
+         row.weights)
+            .squaredNorm();
+    const double value = row.Value(current_.free);
+    determined[row.group] += 1.0 - std::min(1.0, known);
+    squares[row.group] += value * value;
+    effective -= std::min(1.0, known);
   }
   summary_->effective_parameters = effective;
   for (int g = 0; g < current_.decays.size(); ++g) {
@@ -561,11 +565,25 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
-    for (int c = 0; c < residuals[r].rows(); ++c) {
+    const int channels = static_cast<int>(residuals[r].rows());
+    Vector leverages;  // of each residual, channels fastest
+    if (by_channel) {
+      leverages = (jacobians[r] * inverse_root).rowwise().squaredNorm();
+    }
+    for (int c = 0; c < channels; ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       if (channel.sigma > 0.0 || !channel.fit) continue;
-      double mean_square = residuals[r].row(c).squaredNorm() /
-                           std::max(1, CountPresent(channel.values)) / share;
+      const int present = CountPresent(channel.values);
+      double left = share;
+      if (by_channel) {
+        double leverage = 0.0;
+        for (Eigen::Index i = c; i < leverages.size(); i += channels) {
+          leverage += leverages[i];
+        }
+        left = std::max(0.01, 1.0 - leverage / std::max(1, present));
+      }
+      double mean_square =
+          residuals[r].row(c).squaredNorm() / std::max(1, present) / left;
       // What a network leaves over is misfit with a memory. Weighed as
       // independent samples it would buy weights that fit it; it counts as
       // one sample per autocorrelation time.
@@ -796,6 +814,61 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
   const double span = 1e-9 * std::max(1.0, std::abs(value));
   estimate.at_bound = parameter.free && (value <= parameter.lower + span ||
                                          value >= parameter.upper - span);
+  return estimate;
+}
+
+// The record in which an unknown force acts.
+int RecordOf(const IdentificationProblem& problem, const UnknownForceTerm& term,
+             const std::vector<int>& train) {
+  if (term.input < 0) return train.front();
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    if (problem.records[r].excitation->samples()(term.input, 0) != 0.0) {
+      return static_cast<int>(r);
+    }
+  }
+  return train.front();
+}
+
+// `covariance` of all free parameters; empty: there is none.
+ForceEstimate EstimateForce(const IdentificationProblem& problem,
+                            const ParameterLayout& layout, int force,
+                            int record, const Vector& parameters,
+                            const Matrix& covariance, double quantile) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const UnknownForceTerm& term =
+      dynamics.unknown_forces()[static_cast<size_t>(force)];
+  const int offset = dynamics.block_offset(dynamics.unknown_force_block(force));
+  const IdentificationRecord& data =
+      problem.records[static_cast<size_t>(record)];
+  ForceEstimate estimate;
+  estimate.name = term.name;
+  estimate.record = record;
+  const int count = (data.num_samples() - 1) * data.substeps + 1;
+  estimate.times.resize(count);
+  estimate.value.resize(count);
+  estimate.sigma = Vector::Zero(count);
+  for (int i = 0; i < count; ++i) {
+    const double time =
+        data.excitation->time(0) + i * data.sampling_step() / data.substeps;
+    const ForceHistory::Local local =
+        term.history->Evaluate(time, parameters.data() + offset);
+    estimate.times[i] = time;
+    estimate.value[i] = local.value;
+    double variance = 0.0;
+    for (int a = 0; a < local.count; ++a) {
+      const int row = layout.FreeIndex(offset + local.first + a);
+      for (int b = 0; row >= 0 && b < local.count; ++b) {
+        const int col = layout.FreeIndex(offset + local.first + b);
+        if (col < 0) continue;
+        variance += local.derivatives[a] * local.derivatives[b] *
+                    (covariance.size() > 0 ? covariance(row, col) : kInfinity);
+      }
+    }
+    estimate.sigma[i] =
+        std::isnan(variance) ? kInfinity : std::sqrt(std::max(0.0, variance));
+  }
+  estimate.lower95 = estimate.value - quantile * estimate.sigma;
+  estimate.upper95 = estimate.value + quantile * estimate.sigma;
   return estimate;
 }
 
@@ -1036,6 +1109,14 @@ void Identify(const IdentificationProblem& problem,
       named.push_back(j);
       summary->covariance_names.push_back(layout.parameter(i).name);
     }
+  }
+  for (size_t f = 0; f < problem.dynamics->unknown_forces().size(); ++f) {
+    summary->forces.push_back(EstimateForce(
+        problem, layout, static_cast<int>(f),
+        RecordOf(problem, problem.dynamics->unknown_forces()[f],
+                 shooting->train_records()),
+        model->parameters, has_covariance ? covariance.covariance : Matrix(),
+        covariance.quantile));
   }
   if (has_covariance) {
     summary->covariance_method = covariance.method;

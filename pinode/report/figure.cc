@@ -23,6 +23,9 @@ constexpr int kCloseUpBuckets = 200;
 constexpr int kMaxLoopSamples = 2000;
 constexpr int kMaxModes = 6;
 constexpr int kMaxParameters = 40;
+constexpr int kMaxPanels = 4;
+// A dot takes ten times the bytes of a point on a line.
+constexpr int kMaxDots = 900;
 
 constexpr char kMeasuredLine[] = "lc rgb '#aaaaaa' lw 3.6 dt 1";
 constexpr char kUpdatedLine[] = "lc rgb '#0072B2' lw 1.3 dt 1";
@@ -396,6 +399,102 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
                       input.units.time;
   }
   figure.caption += ".";
+  return figure;
+}
+
+Figure MakeEquationFigure(const ReportEquation& equation, int number) {
+  Figure figure;
+  const int samples = static_cast<int>(equation.source_values.size());
+  const int panels =
+      std::min(static_cast<int>(equation.features.size()), kMaxPanels);
+  if (samples < 2 || panels == 0 ||
+      equation.equation_values.size() != samples) {
+    return figure;
+  }
+  figure.id = "equation_" + std::to_string(number);
+  const int columns = std::min(panels, 2);
+  const int rows = (panels + 1) / 2;
+  figure.half_width = columns == 1;
+  Script script(figure.id, columns == 1 ? 440 : 900, 280 * rows);
+  script.Line("unset key");
+  script.Line("set multiplot layout " + std::to_string(rows) + "," +
+              std::to_string(columns) + " margins " +
+              (columns == 1 ? "0.19,0.96" : "0.1,0.975") + "," +
+              (rows == 1 ? "0.2" : "0.11") + ",0.96 spacing 0.12,0.16");
+  script.Line("set ylabel " +
+              GnuplotString(AxisLabel(equation.output, equation.unit)));
+  // Two dots a sample and panel.
+  const int most = kMaxDots / (2 * panels);
+  const int stride = (samples + most - 1) / most;
+  for (int k = 0; k < panels; ++k) {
+    const ReportEquation::Axis& axis =
+        equation.features[static_cast<size_t>(k)];
+    std::vector<double> x, regressed, said;
+    for (int i = 0; i < samples; i += stride) {
+      x.push_back(axis.values[i]);
+      regressed.push_back(equation.source_values[i]);
+      said.push_back(equation.equation_values[i]);
+    }
+    script.Line("set xlabel " + GnuplotString(AxisLabel(axis.name, axis.unit)));
+    const std::string below = script.Data({x, regressed});
+    const std::string above = script.Data({x, said});
+    script.Line(
+        "plot " + below +
+        " using 1:2 with points pt 7 ps 0.55 lc rgb '#aaaaaa' notitle, " +
+        above + " using 1:2 with points pt 7 ps 0.25 lc rgb '#0072B2' notitle");
+  }
+  script.Line("unset multiplot");
+  figure.script = script.text();
+  figure.caption = equation.output + ": " + equation.source +
+                   " (grey) and the equation in its place (blue) along the "
+                   "training records";
+  const int left_out = static_cast<int>(equation.features.size()) - panels;
+  if (left_out > 0) {
+    figure.caption +=
+        "; " + std::to_string(left_out) + " more features are not drawn";
+  }
+  figure.caption += ".";
+  return figure;
+}
+
+Figure MakeParetoFigure(const ReportEquation& equation, int number) {
+  Figure figure;
+  std::vector<double> terms, residuals, chosen, chosen_residual;
+  for (const ReportEquation::ParetoPoint& point : equation.pareto) {
+    // The axis is logarithmic.
+    if (!(point.residual > 0.0) || !std::isfinite(point.residual)) continue;
+    terms.push_back(point.num_terms);
+    residuals.push_back(point.residual);
+    if (point.num_terms == equation.num_regressed_terms) {
+      chosen.push_back(point.num_terms);
+      chosen_residual.push_back(point.residual);
+    }
+  }
+  if (terms.size() < 2) return figure;
+  figure.id = "pareto_" + std::to_string(number);
+  figure.half_width = true;
+  Script script(figure.id, 440, 280);
+  script.Line("unset key");
+  script.Line("set margins 10,2,3.5,1");
+  script.Line("set logscale y");
+  script.Line("set format y '%.0e'");
+  script.Line("set xlabel 'number of terms'");
+  script.Line("set ylabel 'residual, share of the acceleration'");
+  const std::string data = script.Data({terms, residuals});
+  std::string plot = "plot " + data +
+                     " using 1:2 with linespoints pt 7 ps 0.5 " + kUpdatedLine +
+                     " notitle";
+  if (!chosen.empty()) {
+    const std::string mark = script.Data({chosen, chosen_residual});
+    plot += ", " + mark + " using 1:2 with points pt 6 ps 1.6 lw 2 " + kMark +
+            " notitle";
+  }
+  script.Line(plot);
+  figure.script = script.text();
+  figure.caption = equation.output + ": what the best sets of so many of the " +
+                   std::to_string(equation.num_candidates) +
+                   " candidates leave over of " + equation.source +
+                   (chosen.empty() ? "" : "; circled, what was chosen") + ".";
   return figure;
 }
 

@@ -49,6 +49,14 @@ Figure MakeParameterFigure(const ReportInput& input);
 // The first modes (at most six), initial against updated.
 Figure MakeModeShapeFigure(const ReportInput& input);
 
+// What was regressed and what the equation says, against each feature that its
+// terms depend on (at most four), along the training records. Fig. 6 of Lai et
+// al. (2021).
+Figure MakeEquationFigure(const ReportEquation& equation, int number);
+
+// Residual over the number of terms, and the number that was chosen.
+Figure MakeParetoFigure(const ReportEquation& equation, int number);
+
 // Cost over the iterations, free-run error over the stages.
 Figure MakeConvergenceFigure(const ReportInput& input);
 

@@ -156,5 +156,44 @@ TEST_F(FigureTest, TakesAnyName) {
               HasSubstr("a\u20191 `id` \"x\" &lt;b> &amp; $d0 \u03b1_2^3"));
 }
 
+ReportEquation CubicEquation() {
+  ReportEquation equation;
+  equation.output = "u1";
+  equation.source = "network nn1";
+  equation.unit = "m/s^2";
+  equation.num_candidates = 34;
+  equation.num_regressed_terms = 1;
+  equation.pareto = {{0, 0.5}, {1, 0.01}, {2, 0.009}};
+  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.0, -2.1, -1.9, -1.8,
+                     std::numeric_limits<double>::quiet_NaN()}};
+  const Vector x = Vector::LinSpaced(1500, -1.0, 1.0);
+  equation.features = {{"x[u1]", "m", x}, {"v[u1]", "m/s", x.reverse()}};
+  equation.equation_values = -2.0 * x.array().cube();
+  equation.source_values = equation.equation_values.array() + 0.01;
+  return equation;
+}
+
+TEST_F(FigureTest, ShowsAnEquationOverEachFeature) {
+  const Figure figure = MakeEquationFigure(CubicEquation(), 3);
+  const std::string svg = Draw(figure);
+  for (const char* text : {"x[u1], m", "v[u1], m/s", "u1, m/s\u00b2"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_THAT(figure.caption, HasSubstr("u1: network nn1"));
+  ReportEquation nothing = CubicEquation();
+  nothing.features.clear();
+  EXPECT_TRUE(MakeEquationFigure(nothing, 0).empty());
+}
+
+TEST_F(FigureTest, ShowsTheParetoCurve) {
+  const Figure figure = MakeParetoFigure(CubicEquation(), 0);
+  EXPECT_THAT(Draw(figure), HasSubstr("number of terms"));
+  EXPECT_THAT(figure.caption, HasSubstr("34 candidates"));
+  EXPECT_THAT(figure.caption, HasSubstr("circled"));
+  ReportEquation nothing = CubicEquation();
+  nothing.pareto.resize(1);
+  EXPECT_TRUE(MakeParetoFigure(nothing, 0).empty());
+}
+
 }  // namespace
 }  // namespace pinode

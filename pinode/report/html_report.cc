@@ -248,6 +248,7 @@ class PageMaker {
     gallery_.Draw(options_);
     AddHead();
     AddScores();
+    AddEquations();
     AddParameters();
     AddModes();
     AddHistories();
@@ -297,6 +298,16 @@ class PageMaker {
       const int figure =
           gallery_.Add(MakeLoopFigure(input_, loops[i], static_cast<int>(i)));
       if (figure >= 0) loop_figures_.push_back(figure);
+    }
+    for (size_t e = 0; e < input_.equations.size(); ++e) {
+      const int number = static_cast<int>(e);
+      std::vector<int> figures;
+      for (const int figure :
+           {gallery_.Add(MakeEquationFigure(input_.equations[e], number)),
+            gallery_.Add(MakeParetoFigure(input_.equations[e], number))}) {
+        if (figure >= 0) figures.push_back(figure);
+      }
+      equation_figures_.push_back(figures);
     }
   }
 
@@ -380,6 +391,56 @@ class PageMaker {
                "others."));
     }
     page_.set("networks", networks);
+  }
+
+  void AddEquations() {
+    Data equations = List();
+    for (size_t e = 0; e < input_.equations.size(); ++e) {
+      const ReportEquation& equation = input_.equations[e];
+      bool any_probability = false;
+      for (const ReportEquation::Term& term : equation.terms) {
+        any_probability =
+            any_probability || std::isfinite(term.inclusion_probability);
+      }
+      std::vector<TextTable::Column> columns = {
+          {"term", TextTable::Align::kLeft},
+          {"coefficient", TextTable::Align::kDecimal},
+          {"95 %, from", TextTable::Align::kDecimal},
+          {"to", TextTable::Align::kDecimal},
+          {"regressed", TextTable::Align::kDecimal}};
+      if (any_probability) {
+        columns.push_back(
+            {"inclusion probability", TextTable::Align::kDecimal});
+      }
+      columns.push_back({"unit", TextTable::Align::kLeft});
+      TextTable table(std::move(columns));
+      const auto number = [](double value, int digits) {
+        return std::isfinite(value) ? ReadableNumber(value, digits)
+                                    : std::string("-");
+      };
+      for (const ReportEquation::Term& term : equation.terms) {
+        std::vector<std::string> row = {
+            term.basis, number(term.coefficient, 5), number(term.lower95, 5),
+            number(term.upper95, 5), number(term.regressed, 5)};
+        if (any_probability) {
+          row.push_back(number(term.inclusion_probability, 2));
+        }
+        row.push_back(UnitText(term.unit));
+        table.AddRow(std::move(row));
+      }
+      Data data;
+      data.set("name", equation.output);
+      data.set("text", equation.terms.empty()
+                           ? "No term in place of " + equation.source + "."
+                           : "In place of " + equation.source + ", of " +
+                                 Count(equation.num_candidates, "candidate") +
+                                 ":");
+      SetIf("terms", !table.empty(), TableData(table), &data);
+      data.set("figures", FigureList(equation_figures_[e]));
+      equations.push_back(data);
+    }
+    page_.set("has_equations", !input_.equations.empty());
+    page_.set("equations", equations);
   }
 
   void AddModes() {
@@ -520,6 +581,7 @@ class PageMaker {
   std::vector<History> histories_;
   std::vector<int> loop_figures_;
   int loops_left_out_ = 0;
+  std::vector<std::vector<int>> equation_figures_;  // per equation
   Data page_;
 };
 

@@ -181,7 +181,7 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
                &term.features,
                term.law->num_outputs(),
                {},
-               false,
+               term.acts_as == ActsAs::kAcceleration,
                [&](const Vector& features, const Vector& state, Vector* force) {
                  term.law->Evaluate(features.data(),
                                     state.data() + internal_offset, parameters,

@@ -1,0 +1,347 @@
+#include "pinode/case/unknown_force_section.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/parameter_keys.h"
+
+namespace pinode {
+namespace {
+
+// The coefficients of a spline are solved for together.
+constexpr int kMostKnots = 2000;
+
+// Standard deviation of what lies outside the band, as a share of `scale`.
+constexpr double kOutsideBand = 0.02;
+
+std::vector<std::string> RecordNames(
+    const std::vector<RecordSection>& sections) {
+  std::vector<std::string> names;
+  for (const RecordSection& section : sections) names.push_back(section.name);
+  return names;
+}
+
+class UnknownForceReader {
+ public:
+  UnknownForceReader(const TomlTable& table, const TermsContext& context,
+                     const std::vector<RecordSection>& sections)
+      : table_(table), context_(context), sections_(sections) {}
+
+  bool Read(StructuralDynamics* dynamics) {
+    const StructuralModel& model = context_.model->model;
+    if (!CheckName(table_, "name", table_.String("name"))) return false;
+    term_.name = table_.String("name");
+    term_.parameters.name = term_.name;
+    std::string error;
+    if (!UnitFactor("s", Dimension::kTime, *context_.units, &seconds_,
+                    &error)) {
+      return table_.Fail("name", error);
+    }
+    if (!table_.RequireKey("dof", "the DOF at which the force acts")) {
+      return false;
+    }
+    const std::string dof = table_.String("dof");
+    if (!table_.errors()->ok()) return false;
+    const int index = model.DofIndex(dof);
+    if (index < 0) {
+      return table_.Fail("dof", "'" + dof + "' is not a DOF of the model" +
+                                    NameHint(dof, model.dof_names));
+    }
+    term_.outputs = Vector::Unit(model.num_dofs(), index);
+    if (sections_.size() > 1) {
+      const std::string name = RecordSwitchName(table_.String("record"));
+      for (int i = 0; i < dynamics->num_inputs(); ++i) {
+        if (dynamics->inputs()[static_cast<size_t>(i)].name == name) {
+          term_.input = i;
+        }
+      }
+    }
+    const std::string shape =
+        table_.Choice("shape", {"cubic", "linear", "half_sine"}, "cubic");
+    if (!table_.errors()->ok()) return false;
+    if (!(shape == "half_sine" ? ReadPulse() : ReadSpline(shape))) return false;
+    if (!dynamics->AddUnknownForce(std::move(term_), &error)) {
+      return table_.Fail("name", error);
+    }
+    return table_.errors()->ok();
+  }
+
+ private:
+  bool Refuse(const std::vector<std::string>& keys, const std::string& why) {
+    for (const std::string& key : keys) {
+      if (table_.Has(key)) {
+        return table_.Fail(key, "'" + key + "' does not go with " + why);
+      }
+    }
+    return true;
+  }
+
+  bool ReadSpline(const std::string& shape) {
+    if (!Refuse({"parameters"},
+                "a spline, expected 'window', 'knot_spacing' "
+                "and 'scale'")) {
+      return false;
+    }
+    for (const char* key : {"window", "knot_spacing", "scale"}) {
+      if (!table_.RequireKey(
+              key, key == std::string("window")
+                       ? "[first, last] time at which the force may act, in "
+                         "seconds"
+                   : key == std::string("scale")
+                       ? "about the size of the force, in the model's unit"
+                       : "the time between knots, in seconds")) {
+        return false;
+      }
+    }
+    const std::vector<double> window =
+        table_.Numbers("window", 2, "end of the window");
+    const double spacing = table_.PositiveNumber("knot_spacing", 1.0);
+    SplineForce::Options options;
+    options.scale = table_.PositiveNumber("scale", 1.0);
+    if (!table_.errors()->ok()) return false;
+    const double intervals = std::round((window[1] - window[0]) / spacing);
+    if (!(intervals >= 2.0)) {
+      return table_.Fail("window",
+                         "expected a window of at least two 'knot_spacing'");
+    }
+    if (intervals >= kMostKnots) {
+      return table_.Fail("knot_spacing", "the window would have " +
+                                             FormatNumber(intervals + 1.0, 6) +
+                                             " knots, expected at most " +
+                                             std::to_string(kMostKnots));
+    }
+    options.degree = shape == "cubic" ? 3 : 1;
+    options.start = window[0] * seconds_;
+    options.spacing = spacing * seconds_;
+    options.num_knots = static_cast<int>(intervals) + 1;
+    if (!ReadPrior(options, spacing)) return false;
+
+    const std::vector<double> values =
+        table_.Numbers("values", options.num_knots, "knot");
+    const bool free = table_.Boolean("free", true);
+    if (!table_.errors()->ok()) return false;
+    term_.parameters.named = false;
+    for (int k = 0; k < options.num_knots; ++k) {
+      Parameter parameter;
+      parameter.name = term_.name + "[" + std::to_string(k) + "]";
+      parameter.free = free;
+      if (!values.empty()) {
+        parameter.value = values[static_cast<size_t>(k)] / options.scale;
+      }
+      term_.parameters.parameters.push_back(parameter);
+    }
+    term_.history = std::make_shared<SplineForce>(options);
+    if (free) {
+      AddRemark();
+      if (!table_.Has("band_hz")) AddNoiseRemark();
+    }
+    return true;
+  }
+
+  bool ReadPrior(const SplineForce::Options& options, double spacing) {
+    if (!table_.Has("band_hz")) {
+      const int neighbourhood = table_.Integer("neighbourhood", 1, 1);
+      const double relaxation =
+          table_.Has("relaxation")
+              ? spacing / table_.PositiveNumber("relaxation", 1.0)
+              : 0.0;
+      if (!table_.errors()->ok()) return false;
+      term_.prior =
+          SmoothnessPrior(options.num_knots, neighbourhood, relaxation);
+      return true;
+    }
+    if (!Refuse({"neighbourhood", "relaxation"},
+                "'band_hz', which is a prior of its own")) {
+      return false;
+    }
+    const std::vector<double> band = table_.Numbers("band_hz", 2, "corner");
+    if (!table_.errors()->ok()) return false;
+    const double highest = 0.5 / spacing;
+    if (!(band[0] >= 0.0) || !(band[0] < band[1]) || !(band[1] <= highest)) {
+      return table_.Fail("band_hz", "expected 0 <= lowest < highest <= " +
+                                        FormatNumber(highest, 6) +
+                                        " Hz, half the rate of the knots");
+    }
+    term_.prior = BandPrior(options.num_knots, spacing, band[0], band[1],
+                            1.0 / (kOutsideBand * kOutsideBand));
+    return true;
+  }
+
+  bool ReadPulse() {
+    if (!Refuse({"window", "knot_spacing", "scale", "neighbourhood",
+                 "relaxation", "band_hz", "values", "free"},
+                "a half-sine pulse, expected parameters.start, "
+                "parameters.duration and parameters.amplitude")) {
+      return false;
+    }
+    const std::vector<std::string> names = {"start", "duration", "amplitude"};
+    const TomlTable parameters =
+        table_.Table("parameters", table_.name() + ", parameters");
+    if (!table_.errors()->ok() || !parameters.AllowKeys(names)) return false;
+    for (const std::string& name : names) {
+      const bool is_force = name == "amplitude";
+      const double factor = is_force ? 1.0 : seconds_;
+      Parameter parameter;
+      parameter.name = term_.name + "." + name;
+      parameter.unit = UnitName(is_force ? Dimension::kForce : Dimension::kTime,
+                                *context_.units);
+      if (name == "duration") parameter.lower = 0.0;
+      const TomlValue* value = parameters.Find(name);
+      if (value == nullptr || !(value->IsNumber() || value->Find("initial"))) {
+        return (value != nullptr ? parameters : table_)
+            .Fail(value != nullptr ? name : "shape",
+                  "parameter '" + name +
+                      "' needs a value, expected parameters." + name +
+                      " = {initial = ...}, or a number that stays fixed");
+      }
+      if (value->IsNumber()) {
+        parameter.free = false;
+        parameter.value = factor * parameters.Number(name, 0.0);
+        parameter.prior_mean = parameter.value;
+      } else {
+        const TomlTable keys =
+            parameters.Table(name, table_.name() + ", parameter " + name);
+        if (!table_.errors()->ok() || !keys.AllowKeys(ParameterKeys()) ||
+            !ReadParameterKeys(keys, factor, &parameter)) {
+          return false;
+        }
+      }
+      if (!table_.errors()->ok()) return false;
+      if (name == "duration" && !(parameter.value > 0.0)) {
+        return parameters.Fail(name, "expected a positive duration");
+      }
+      term_.parameters.parameters.push_back(parameter);
+    }
+    term_.history = std::make_shared<HalfSinePulse>();
+    return true;
+  }
+
+  // What no prior can put right.
+  void AddRemark() const {
+    for (const RecordSection& section : sections_) {
+      if (!ActsIn(section)) continue;
+      const bool sees = std::any_of(
+          section.channels.begin(), section.channels.end(),
+          [](const ChannelSection& channel) {
+            return channel.fit &&
+                   (channel.quantity == Quantity::kDisplacement ||
+                    channel.quantity == Quantity::kAbsoluteDisplacement);
+          });
+      if (sees) continue;
+      context_.remarks->push_back(
+          "The static part of the unknown force " + term_.name +
+          " is not observable: record " + section.name +
+          " has no displacement channel. What is found of it well below the "
+          "first natural frequency is the prior's (" +
+          (table_.Has("band_hz")      ? "band_hz"
+           : table_.Has("relaxation") ? "relaxation"
+                                      : "smoothness alone, which lets it "
+                                        "drift: give band_hz or relaxation") +
+          "), and its band grows there.");
+    }
+  }
+
+  // A sensor that the force reaches at once can be followed sample by sample.
+  void AddNoiseRemark() const {
+    int dof = 0;
+    term_.outputs.maxCoeff(&dof);
+    for (const RecordSection& section : sections_) {
+      if (!ActsIn(section)) continue;
+      for (const ChannelSection& channel : section.channels) {
+        if (!channel.fit || channel.weights[dof] == 0.0 ||
+            channel.signal.sigma > 0.0 || channel.signal.sigma_percent > 0.0 ||
+            (channel.quantity != Quantity::kRelativeAcceleration &&
+             channel.quantity != Quantity::kAbsoluteAcceleration)) {
+          continue;
+        }
+        context_.remarks->push_back(
+            "Record " + section.name + ": the noise of " + channel.name +
+            ", an acceleration where the unknown force " + term_.name +
+            " acts, can hardly be told from a force that is as rough: give its "
+            "sigma.");
+      }
+    }
+  }
+
+  bool ActsIn(const RecordSection& section) const {
+    return section.role == IdentificationRecord::Role::kTrain &&
+           (sections_.size() == 1 || section.name == table_.String("record"));
+  }
+
+  const TomlTable& table_;
+  const TermsContext& context_;
+  const std::vector<RecordSection>& sections_;
+  double seconds_ = 1.0;
+  UnknownForceTerm term_;
+};
+
+}  // namespace
+
+std::string RecordSwitchName(const std::string& record) {
+  return "record_" + record;
+}
+
+bool AddRecordSwitches(const TomlTable& root,
+                       const std::vector<RecordSection>& sections,
+                       std::vector<InputSpec>* inputs) {
+  const std::vector<std::string> names = RecordNames(sections);
+  for (TomlTable& table : root.Tables("unknown_force")) {
+    const std::string name = table.RequiredString("name");
+    if (!root.errors()->ok()) return false;
+    table.set_name("unknown force '" + name + "'");
+    if (sections.size() > 1 &&
+        !table.RequireKey("record", "the record in which it acts")) {
+      return false;
+    }
+    if (!table.Has("record")) continue;
+    const std::string record = table.String("record");
+    if (!root.errors()->ok()) return false;
+    const auto found = std::find(names.begin(), names.end(), record);
+    if (found == names.end()) {
+      return table.Fail("record", "there is no record '" + record + "'" +
+                                      NameHint(record, names));
+    }
+    if (sections.size() == 1) continue;
+    const InputSpec spec = {InputSpec::Kind::kRecordSwitch,
+                            static_cast<int>(found - names.begin()),
+                            RecordSwitchName(record)};
+    if (std::none_of(inputs->begin(), inputs->end(),
+                     [&spec](const InputSpec& other) {
+                       return other.name == spec.name;
+                     })) {
+      inputs->push_back(spec);
+    }
+  }
+  return root.errors()->ok();
+}
+
+bool ReadUnknownForces(const TomlTable& root, const TermsContext& context,
+                       const std::vector<RecordSection>& sections,
+                       StructuralDynamics* dynamics) {
+  std::set<std::string> seen;
+  for (TomlTable& table : root.Tables("unknown_force")) {
+    if (!table.AllowKeys({"name", "dof", "record", "shape", "window",
+                          "knot_spacing", "scale", "neighbourhood",
+                          "relaxation", "band_hz", "values", "free",
+                          "parameters"})) {
+      return false;
+    }
+    const std::string name = table.RequiredString("name");
+    if (!root.errors()->ok()) return false;
+    table.set_name("unknown force '" + name + "'");
+    if (!seen.insert(name).second) {
+      return table.Fail("name", "its name is used twice");
+    }
+    if (!UnknownForceReader(table, context, sections).Read(dynamics)) {
+      return false;
+    }
+  }
+  return root.errors()->ok();
+}
+
+}  // namespace pinode
