@@ -157,6 +157,11 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
     return false;
   }
   if (!simulation &&
+      (!CheckUnknownForces(root, sections, c.problem, &c.options) ||
+       !ReadForceTruths(root, c.units, sections, &c.force_truths))) {
+    return false;
+  }
+  if (!simulation &&
       (!c.problem.IsValid(&message) || !c.options.IsValid(&message))) {
     return errors.Fail(0, message);
   }

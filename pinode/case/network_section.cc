@@ -307,7 +307,7 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
   for (TomlTable& table : root.Tables("network")) {
     if (!table.AllowKeys({"name", "inputs", "input_scale", "outputs", "acts_as",
                           "layers", "activation", "bias", "skip", "gauge",
-                          "decay", "seed", "weights", "free"})) {
+                          "decay", "seed", "weights", "free", "truth"})) {
       return false;
     }
     NetworkTerm term;

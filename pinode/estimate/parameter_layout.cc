@@ -77,6 +77,13 @@ bool ParameterLayout::HasNetworkDecay() const {
       [](const DecayGroup& group) { return group.network >= 0; });
 }
 
+bool ParameterLayout::HasForceDecay() const {
+  return std::any_of(decay_groups_.begin(), decay_groups_.end(),
+                     [](const DecayGroup& group) {
+                       return group.kind == DecayGroup::Kind::kForce;
+                     });
+}
+
 ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   const auto add = [&](const ParameterBlock& block, int network) {

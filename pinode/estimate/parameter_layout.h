@@ -45,8 +45,9 @@ class ParameterLayout {
   int num_decay_groups() const {
     return static_cast<int>(decay_groups_.size());
   }
-  // Whether any of the groups are a network's.
+  // Whether any of the groups are a network's; an unknown force's.
   bool HasNetworkDecay() const;
+  bool HasForceDecay() const;
 
   // What decays: weights . (free parameters from `first` on) is normally
   // distributed around zero with the precision of its group. A network's

@@ -37,6 +37,13 @@ struct ReportRecord {
   std::vector<std::string> channel_units;
 };
 
+// What an unknown force was in truth, where a case gives it.
+struct ReportForceTruth {
+  std::string name;
+  Vector times;
+  Vector values;
+};
+
 // Filled by a program; the objects pointed to outlive it. The summary may be
 // that of a failure: what it lacks is left out of the report.
 struct ReportInput {
@@ -51,6 +58,7 @@ struct ReportInput {
   const IdentifiedModel* model = nullptr;
   std::vector<ReportRecord> records;  // in the problem's order, or empty
   std::vector<ReportMode> modes;
+  std::vector<ReportForceTruth> force_truths;
   // About the data as they were read, a sentence each.
   std::vector<std::string> remarks;
 };
