@@ -152,6 +152,7 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
     c.problem.records.push_back(std::move(record));
     c.records.push_back(std::move(info));
   }
+  SpreadNetworksOfTime(root, c.problem, dynamics.get());
   if (!ReadSensors(sections, c.units, &c.problem) ||
       !CheckNames(c.problem, &errors)) {
     return false;

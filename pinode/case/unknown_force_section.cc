@@ -371,6 +371,48 @@ bool ReadForceTruths(const TomlTable& root, const UnitSystem& units,
   return true;
 }
 
+void SpreadNetworksOfTime(const TomlTable& root,
+                          const IdentificationProblem& problem,
+                          StructuralDynamics* dynamics) {
+  double begin = std::numeric_limits<double>::infinity();
+  double end = -begin;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    begin = std::min(begin, record.excitation->time(0));
+    end = std::max(end, record.excitation->time(record.num_samples() - 1));
+  }
+  const std::vector<TomlTable> tables = root.Tables("network");
+  Vector theta = dynamics->Parameters();
+  for (size_t j = 0; j < dynamics->networks().size(); ++j) {
+    const NetworkTerm& term = dynamics->networks()[j];
+    const NetworkArchitecture& architecture = term.network->architecture();
+    const bool of_time = std::all_of(
+        term.features.begin(), term.features.end(), [](const Feature& feature) {
+          return feature.kind == Feature::Kind::kTime;
+        });
+    if (!of_time || tables[j].Has("weights") || architecture.IsLinear() ||
+        !architecture.bias || architecture.activation == Activation::kSine) {
+      continue;
+    }
+    const WeightLayout& layout = term.network->layout();
+    const WeightLayout::Part& weights = layout.weights.front();
+    const WeightLayout::Part& biases = layout.biases.front();
+    const int offset =
+        dynamics->block_offset(dynamics->network_block(static_cast<int>(j)));
+    const double scale =
+        architecture.input_scale.size() > 0 ? architecture.input_scale[0] : 1.0;
+    for (int i = 0; i < weights.rows; ++i) {
+      const double middle = begin + (end - begin) * (i + 0.5) / weights.rows;
+      for (int k = 0; k < weights.cols; ++k) {
+        theta[offset + weights.offset + k * weights.rows + i] =
+            k == 0 ? 1.0 : 0.0;
+      }
+      theta[offset + biases.offset + i] = -middle / scale;
+    }
+  }
+  dynamics->SetParameters(theta);
+}
+
 bool CheckUnknownForces(const TomlTable& root,
                         const std::vector<RecordSection>& sections,
                         const IdentificationProblem& problem,

@@ -39,6 +39,14 @@ std::string RecordSwitchName(const std::string& record);
                                    const std::vector<RecordSection>& sections,
                                    std::vector<ForceTruth>* truths);
 
+// Networks of time alone whose weights were not given: each unit of the first
+// layer has its middle at another time of the training records, evenly spread.
+// Drawn at random, all middles would lie within an input's scale of t = 0, and
+// a fit does not carry them to the other end of the record.
+void SpreadNetworksOfTime(const TomlTable& root,
+                          const IdentificationProblem& problem,
+                          StructuralDynamics* dynamics);
+
 // What can be said only when the records are read, and what unknown forces ask
 // of the options: noise levels that cannot be told from a force, single
 // shooting, intervals.

@@ -92,6 +92,9 @@ constexpr double kSmallestNoise = 1e-8;
 // with no noise and a force that follows every sample.
 constexpr double kLeastLeft = 0.1;
 
+// See BandDecays.
+constexpr double kPooledSamples = 2.0;
+
 // First precision of a weight decay that the evidence is to choose.
 constexpr double kFirstDecay = 0.1;
 constexpr double kLargestDecay = 1e8;
@@ -99,6 +102,16 @@ constexpr double kLargestDecay = 1e8;
 double Seconds(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
       .count();
+}
+
+// Networks that depend on time alone and act as a force are forces that nobody
+// measured.
+bool IsForceOfTime(const NetworkTerm& term) {
+  return term.acts_as == ActsAs::kForce &&
+         std::all_of(term.features.begin(), term.features.end(),
+                     [](const Feature& feature) {
+                       return feature.kind == Feature::Kind::kTime;
+                     });
 }
 
 // Everything that a stage changes, to be kept or rolled back.
@@ -165,6 +178,15 @@ class Trainer {
   void BeginAnnealing();
   void AnnealToTheFloor();
   bool HasNetworks() const { return layout_.HasNetworkDecay(); }
+  // The hidden units of a network of time hardly move: its first step is that
+  // of a linear fit.
+  double FirstRadius() const {
+    const auto& networks = problem_.dynamics->networks();
+    return !HasNetworks() ||
+                   std::all_of(networks.begin(), networks.end(), IsForceOfTime)
+               ? kFirstRadius
+               : kFirstNetworkRadius;
+  }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
   // True where neither moves any more. The noise grows only where the fit has
@@ -352,7 +374,7 @@ void Trainer::BeginAnnealing() {
       sigma = std::max(sigma, kAnnealedNoise * Spread(channel.values));
     }
   }
-  radius_ = kFirstNetworkRadius;
+  radius_ = FirstRadius();
 }
 
 std::vector<int> Trainer::StageLengths() const {
@@ -748,7 +770,7 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   current_.free = layout_.Free(parameters);
   first_free_ = initial == nullptr ? current_.free
                                    : layout_.Free(layout_.InitialValues());
-  radius_ = HasNetworks() ? kFirstNetworkRadius : kFirstRadius;
+  radius_ = FirstRadius();
   SetInitialNoise(HasNetworks() && initial != nullptr && initial->stage > 0
                       ? nullptr
                       : initial);
@@ -824,6 +846,50 @@ int RecordOf(const IdentificationProblem& problem, const UnknownForceTerm& term,
   return train.front();
 }
 
+// Precisions for the bands of forces with a smoothness of its own for each
+// neighbourhood of knots. The evidence takes each second difference as known to
+// be about as large as it came out, and many as none at all: a band from that
+// is far too narrow where a force strikes, between the samples above all. So
+// there every variance is the mean of those within kPooledSamples samples.
+Vector BandDecays(const IdentificationProblem& problem,
+                  const ParameterLayout& layout, const std::vector<int>& train,
+                  const Vector& decays) {
+  Vector pooled = decays;
+  int first = 0;
+  for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
+    if (term.prior.combinations.empty() ||
+        !term.parameters.parameters[0].free) {
+      continue;
+    }
+    while (layout.decay_groups()[static_cast<size_t>(first)].kind !=
+           ParameterLayout::DecayGroup::Kind::kForce) {
+      ++first;
+    }
+    const int groups = term.prior.num_groups();
+    const auto* spline = dynamic_cast<const SplineForce*>(term.history.get());
+    if (spline != nullptr && term.prior.ShareToBeChosen() == 1.0) {
+      const double width = spline->options().spacing *
+                           static_cast<double>(term.prior.combinations.size()) /
+                           groups;
+      const double step =
+          problem.records[static_cast<size_t>(RecordOf(problem, term, train))]
+              .sampling_step();
+      const int reach =
+          static_cast<int>(std::ceil(kPooledSamples * step / width - 1e-9));
+      for (int g = 0; g < groups; ++g) {
+        const int from = std::max(0, g - reach);
+        const int to = std::min(groups - 1, g + reach);
+        pooled[first + g] = 1.0 / decays.segment(first + from, to - from + 1)
+                                      .cwiseMax(1e-300)
+                                      .cwiseInverse()
+                                      .mean();
+      }
+    }
+    first += groups;
+  }
+  return pooled;
+}
+
 // A force of time alone: its value and its derivatives by the parameters from
 // index `first` on.
 struct ForceAt {
@@ -874,16 +940,6 @@ ForceEstimate EstimateForce(const std::string& name,
   estimate.lower95 = estimate.value - quantile * estimate.sigma;
   estimate.upper95 = estimate.value + quantile * estimate.sigma;
   return estimate;
-}
-
-// Networks that depend on time alone and act as a force are forces that nobody
-// measured.
-bool IsForceOfTime(const NetworkTerm& term) {
-  return term.acts_as == ActsAs::kForce &&
-         std::all_of(term.features.begin(), term.features.end(),
-                     [](const Feature& feature) {
-                       return feature.kind == Feature::Kind::kTime;
-                     });
 }
 
 std::vector<ForceEstimate> EstimateForces(const IdentificationProblem& problem,
@@ -1156,6 +1212,8 @@ void Identify(const IdentificationProblem& problem,
   CovarianceEstimate covariance;
   const bool evaluated = shooting->Evaluate(solution.free, &cost);
   const std::vector<Matrix> starts = shooting->starts();
+  shooting->SetDecays(
+      BandDecays(problem, layout, shooting->train_records(), solution.decays));
   const bool has_covariance =
       evaluated &&
       EstimateCovariance(problem, layout, options.covariance, solution.free,
