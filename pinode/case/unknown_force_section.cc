@@ -20,7 +20,7 @@ namespace {
 constexpr int kMostKnots = 2000;
 
 // Standard deviation of what lies outside the band, as a share of `scale`.
-constexpr double kOutsideBand = 0.02;
+constexpr double kOutsideBand = 0.06;
 
 std::vector<std::string> RecordNames(
     const std::vector<RecordSection>& sections) {
@@ -435,7 +435,7 @@ bool CheckUnknownForces(const TomlTable& root,
       if (term.input >= 0 && acts_in(r) &&
           sections[r].role == IdentificationRecord::Role::kHoldout) {
         return sections[r].table.Fail(
-            "role", "the unknown force '" + term.name +
+            "role", "role = \"holdout\": the unknown force '" + term.name +
                         "' acts in a record that is held out, where nothing "
                         "says how large it is, expected a training record, or "
                         "free = false");
@@ -481,18 +481,22 @@ bool CheckUnknownForces(const TomlTable& root,
   if (!any_free) return true;
   const TomlTable table = root.Table("options", "[options]");
   if (table.String("shooting") == "multiple") {
-    return table.Fail("shooting",
-                      "free starts of segments would take up what unknown "
-                      "forces do, expected \"single\", which is the default "
-                      "with them");
+    return table.Fail(
+        "shooting",
+        "shooting = \"multiple\" does not go with unknown forces: "
+        "free starts of segments would take up what the "
+        "forces do, expected \"single\", which is the default "
+        "with them");
   }
   options->shooting = IdentificationOptions::Shooting::kSingle;
   if (any_spline &&
       options->covariance == IdentificationOptions::Covariance::kSandwich) {
-    return table.Fail("covariance",
-                      "a spline has more knots than there are blocks of "
-                      "samples to say how sure each of them is, expected "
-                      "\"auto\" or \"plain\"");
+    return table.Fail(
+        "covariance",
+        "covariance = \"sandwich\" does not go with a spline: it has "
+        "more knots than there are blocks of "
+        "samples to say how sure each of them is, expected "
+        "\"auto\" or \"plain\"");
   }
   return true;
 }

@@ -14,6 +14,11 @@ namespace {
 // Positions of one duration.
 constexpr int kMostStarts = 400;
 
+// From one position to the next. Coarser, a pulse that is too short but well
+// placed looks better than one as long as the true one, and the fit stays
+// there.
+constexpr double kStepInDurations = 0.15;
+
 // Integration steps in a pulse: enough to find it.
 constexpr double kStepsPerPulse = 8.0;
 
@@ -76,7 +81,8 @@ class Scanner {
       if (!Predict(trial, &base_)) continue;
       const double first = std::max(start.lower, first_ - 0.5 * length);
       const double last = std::min(start.upper, last_);
-      const double step = std::max(0.5 * length, (last - first) / kMostStarts);
+      const double step =
+          std::max(kStepInDurations * length, (last - first) / kMostStarts);
       for (double at = first; at <= last; at += step) consider(at, length);
     }
     VLOG(1) << term.name << ": begins at " << best[offset_] << ", lasts "

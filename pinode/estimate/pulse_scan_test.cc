@@ -98,7 +98,9 @@ TEST(PulseScan, FindsAPulseFarFromWhereItBegins) {
 
     IdentificationSummary summary;
     IdentifiedModel model;
-    Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+    IdentificationOptions options;
+    options.shooting = IdentificationOptions::Shooting::kSingle;
+    Identify(problem, options, nullptr, &summary, &model);
     EXPECT_TRUE(summary.usable) << summary.message;
     EXPECT_NEAR(model.parameters[0], truth.start, 0.004);
     EXPECT_NEAR(model.parameters[1] * model.parameters[2], 1.8, 0.02);

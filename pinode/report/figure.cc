@@ -804,6 +804,9 @@ bool DrawFigure(const Figure& figure, const GnuplotOptions& options,
   RemoveSpans("<desc>", "</desc>", &text);
   RemoveSpans("<filter", "</filter>", &text);
   RemoveSpans("<!--", "-->", &text);
+  // Blanks in tags, where no reader of HTML expects them.
+  ReplaceAll("<polygon fill = '", "<polygon fill='", &text);
+  ReplaceAll("' points = '", "' points='", &text);
   // Every figure of a document defines the same marks.
   ReplaceAll("xlink:href='#gp", "href='#" + figure.id + "_gp", &text);
   ReplaceAll(" id='gp", " id='" + figure.id + "_gp", &text);
