@@ -22,7 +22,7 @@ struct IdentificationProgress {
   int segment_samples = 0;  // longest segment of the stage
   int iteration = 0;        // Levenberg-Marquardt iterations so far
   double cost = 0.0;
-  double largest_gap = 0.0;     // in units of the state's RMS
+  double largest_gap = 0.0;  // in units of the state's RMS
   // The newest one measured, nrmse over all channels: as the stage began, and
   // while networks are annealed, at every iteration. Infinite where the free
   // run is.

@@ -80,27 +80,31 @@ TEST(ForceCases, ABlowIsFoundAsAPulse) {
   }
 }
 
-void ExpectForce(const std::string& name, const Asked& asked) {
+// The errors of neighbouring instants are nearly the same, so that the share of
+// one draw of the noise scatters, the more the smoother the force: that bands
+// are neither too narrow nor too wide is what force_study_test.cc measures.
+void ExpectForce(const std::string& name, const Asked& asked,
+                 double least_coverage) {
   const CaseRun run = RunCase(ForceCase(name));
   ASSERT_TRUE(run.summary.usable) << run.summary.message;
   EXPECT_EQ(run.summary.covariance_method, "plain");
   const ForceScore score = ScoreForce(run);
   Expect(name + ": force, nrmse", asked, score.nrmse);
-  Expect(name + ": force, share within its 95 % band", AtLeast(0.85),
+  Expect(name + ": force, share within its 95 % band", AtLeast(least_coverage),
          score.coverage);
 }
 
 TEST(ForceCases, ASweptSineIsFoundFromAccelerations) {
-  ExpectForce("sweep", AtMost(0.06));
-  ExpectForce("sweep_high", AtMost(0.06));
+  ExpectForce("sweep", AtMost(0.06), 0.85);
+  ExpectForce("sweep_high", AtMost(0.06), 0.85);
 }
 
 TEST(ForceCases, ASweptSineIsFoundWithOneDisplacement) {
-  ExpectForce("sweep_displacement", AtMost(0.05));
+  ExpectForce("sweep_displacement", AtMost(0.05), 0.85);
 }
 
 TEST(ForceCases, AGustIsFoundAsANetworkOfTime) {
-  ExpectForce("gust", AtMost(0.05));
+  ExpectForce("gust", AtMost(0.05), 0.75);
 }
 
 TEST(ForceCases, TheStaticPartIsSaidToBeUnseen) {
