@@ -31,10 +31,10 @@ class ParameterLayout {
   // What shares one decay precision. Network weights: per network the weights
   // of each input, those of each output, the hidden biases, and each layer in
   // between; of a network of time alone, the weights of each output. With
-  // precisions chosen by the evidence this is automatic
-  // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,
-  // 1996): inputs and outputs that nothing depends on are shrunk away. Unknown
-  // forces: the groups of their CombinationPrior.
+  // precisions chosen by the evidence this is automatic relevance determination
+  // (R. M. Neal, Bayesian Learning for Neural Networks, 1996): inputs and
+  // outputs that nothing depends on are shrunk away. Unknown forces: the groups
+  // of their CombinationPrior.
   struct DecayGroup {
     enum class Kind { kInput, kLayer, kOutput, kBiases, kForce };
     int network = -1;  // -1: of an unknown force
