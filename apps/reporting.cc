@@ -27,6 +27,10 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
   input.model = &model;
   input.remarks = c.remarks;
 
+  for (const ForceTruth& truth : c.force_truths) {
+    input.force_truths.push_back({truth.name, truth.times, truth.values});
+  }
+
   const ParameterLayout layout(c.problem);
   const Vector prior = layout.InitialValues();
   for (size_t r = 0; r < c.problem.records.size(); ++r) {

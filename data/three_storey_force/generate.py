@@ -2,13 +2,15 @@
 """The three-storey frame of ../three_storey under forces that nobody measured.
 
 Writes impact.csv (a blow on the top floor, a half-sine of 20 ms that begins
-between two samples), sweep.csv and sweep_wide.csv (a shaker on the second floor
-from 2 to 8 Hz and from 1 to 12 Hz), degrading.csv (ground motion; the first
-storey loses a fifth of its stiffness during the record), C.csv (damping matrix)
-and truth.json.  Columns: a1 a2 a3 are
-the floors' absolute accelerations as read, x2 the second floor's displacement
-as read, F the force that acted.  The model, cubic spring included, is that of
-../three_storey and is known.
+between two samples), sweep.csv, sweep_wide.csv and sweep_high.csv (a shaker on
+the second floor from 2 to 8 Hz, from 1 to 12 Hz and from 3 to 12 Hz), gust.csv
+(wind on the top floor), degrading.csv (ground motion; the first storey loses a
+fifth of its stiffness during the record), temperature.csv and
+temperature_holdout.csv (ground motion; all stiffnesses follow the temperature
+in column T), C.csv and K.csv (damping and stiffness matrix) and truth.json.
+Columns: a1 a2 a3 are the floors' absolute accelerations as read, x2 x3 the
+second and third floor's displacement as read, F the force that acted.  The
+model, cubic spring included, is that of ../three_storey and is known.
 """
 
 import argparse
@@ -39,11 +41,24 @@ NOISE = 0.01  # of each channel's standard deviation
 PULSE = {"dof": 2, "start": 0.5037, "duration": 0.02, "amplitude": 20000.0}
 PULSE_RECORD = 2.0  # s
 SHAKER = 1  # DOF
-SWEEPS = {"sweep": (2.0, 8.0), "sweep_wide": (1.0, 12.0)}
+SWEEPS = {  # Hz, and the number of the noise
+    "sweep": (2.0, 8.0, 1),
+    "sweep_wide": (1.0, 12.0, 2),
+    "sweep_high": (3.0, 12.0, 4),
+}
 SWEEP_RECORD = 8.0  # s
 SWEEP_FORCE = 2000.0  # N
 SWEEP_TAPER = 0.5  # s, at both ends
+GUST = {"dof": 2, "peaks": [3000.0, -1800.0, 2400.0, 1200.0],
+        "times": [1.2, 2.2, 3.4, 4.3], "widths": [0.3, 0.35, 0.25, 0.4]}
+GUST_RECORD = 6.0  # s
 LOSS = 0.20  # of the first storey's stiffness, over the record
+REFERENCE_TEMPERATURE = 20.0  # deg C
+PER_DEGREE = -0.004  # change of all stiffnesses
+TEMPERATURES = {  # deg C, at the record's beginning and end
+    "temperature": (30.0, -10.0),
+    "temperature_holdout": (8.0, 12.0),
+}
 
 
 def half_sine(t):
@@ -57,6 +72,13 @@ def swept_sine(t, first, last):
                          (2 * SWEEP_RECORD))
     edge = np.clip(np.minimum(t, SWEEP_RECORD - t) / SWEEP_TAPER, 0, 1)
     return SWEEP_FORCE * np.sin(phase) * 0.5 * (1 - np.cos(np.pi * edge))
+
+
+def gust(t):
+    """Gaussian humps, peak exp(-((t - time) / width)^2)."""
+    return sum(peak * np.exp(-((t - time) / width) ** 2)
+               for peak, time, width in zip(GUST["peaks"], GUST["times"],
+                                            GUST["widths"]))
 
 
 def response(times, dof, force, breaks=()):
@@ -79,16 +101,15 @@ def response(times, dof, force, breaks=()):
         [acceleration(t, h) for t, h in zip(times, states)])
 
 
-def degrading(times, ground):
-    """Accelerations; k1(t) = k1 (1 - LOSS t / duration)."""
+def shaken(times, ground, storeys):
+    """Accelerations under a ground motion, the storeys' stiffness at t given by
+    storeys(t)."""
     damping = frame.damping_matrix()
     ag = reference.linear_between(times, ground)
 
     def restoring(t, h):
-        storey = frame.STOREY.copy()
-        storey[0] *= 1 - LOSS * t / times[-1]
-        return frame.restoring_acceleration(h, reference.chain(storey), damping,
-                                            frame.CUBIC)
+        return frame.restoring_acceleration(h, reference.chain(storeys(t)),
+                                            damping, frame.CUBIC)
 
     states = reference.trajectory(
         lambda i, t, h: np.concatenate([h[3:], restoring(t, h) - ag(i, t)]),
@@ -109,6 +130,11 @@ def main():
         "noise_seed": arguments.seed,
         "pulse": dict(PULSE, impulse=PULSE["amplitude"] * PULSE["duration"] *
                       2 / np.pi),
+        "sweeps": dict({name: {"first": band[0], "last": band[1]}
+                        for name, band in SWEEPS.items()},
+                       duration=SWEEP_RECORD, force=SWEEP_FORCE,
+                       taper=SWEEP_TAPER),
+        "gust": GUST,
         "sigma": {},
     }
 
@@ -127,10 +153,11 @@ def main():
         ["%.4g"] + ["%.6f"] * 3 + ["%.10g"])
 
     times = np.arange(int(SWEEP_RECORD * RATE) + 1) / RATE
-    for number, (name, band) in enumerate(SWEEPS.items()):
+    for name, (first, last, number) in SWEEPS.items():
+        band = (first, last)
         states, clean = response(times, SHAKER,
                                  lambda t, band=band: swept_sine(t, *band))
-        channels = read(name, 1 + number,
+        channels = read(name, number,
                         np.column_stack([clean, states[:, SHAKER]]))
         reference.write_csv(
             os.path.join(output, name + ".csv"),
@@ -138,13 +165,50 @@ def main():
             [times, *channels.T, swept_sine(times, *band)],
             ["%.4g"] + ["%.6f"] * 3 + ["%.5e", "%.10g"])
 
+    times = np.arange(int(GUST_RECORD * RATE) + 1) / RATE
+    states, clean = response(times, GUST["dof"], gust)
+    channels = read("gust", 5,
+                    np.column_stack([clean, states[:, GUST["dof"]]]))
+    reference.write_csv(
+        os.path.join(output, "gust.csv"),
+        ["t", "a1", "a2", "a3", "x3", "F"], [times, *channels.T, gust(times)],
+        ["%.4g"] + ["%.6f"] * 3 + ["%.5e", "%.10g"])
+
     times, ground = frame.ground_motion("train")
-    clean = degrading(times, ground)
+
+    def degrading(t):
+        storey = frame.STOREY.copy()
+        storey[0] *= 1 - LOSS * t / times[-1]
+        return storey
+
+    clean = shaken(times, ground, degrading)
     truth["degrading"] = {"initial": 0.0, "rate": -LOSS / times[-1]}
     reference.write_csv(
         os.path.join(output, "degrading.csv"), ["t", "ag", "a1", "a2", "a3"],
         [times, ground, *read("degrading", 3, clean).T],
         ["%.4g", "%.5f"] + ["%.6f"] * 3)
+
+    for number, name in enumerate(TEMPERATURES):
+        motion = "train" if name == "temperature" else "holdout"
+        times, ground = frame.ground_motion(motion)
+        first, last = TEMPERATURES[name]
+        temperature = first + (last - first) * times / times[-1]
+
+        def warm(t, first=first, last=last, end=times[-1]):
+            at = first + (last - first) * t / end
+            return frame.STOREY * (1 + PER_DEGREE *
+                                   (at - REFERENCE_TEMPERATURE))
+
+        clean = shaken(times, ground, warm)
+        reference.write_csv(
+            os.path.join(output, name + ".csv"),
+            ["t", "ag", "T", "a1", "a2", "a3"],
+            [times, ground, temperature, *read(name, 6 + number, clean).T],
+            ["%.4g", "%.5f", "%.6g"] + ["%.6f"] * 3)
+    truth["temperature"] = {"per_degree": PER_DEGREE,
+                            "reference": REFERENCE_TEMPERATURE}
+    reference.write_matrix(os.path.join(output, "K.csv"),
+                           reference.chain(frame.STOREY))
     reference.write_matrix(os.path.join(output, "C.csv"),
                            frame.damping_matrix())
     reference.write_json(os.path.join(output, "truth.json"), truth)

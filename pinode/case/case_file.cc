@@ -152,8 +152,14 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
     c.problem.records.push_back(std::move(record));
     c.records.push_back(std::move(info));
   }
+  SpreadNetworksOfTime(root, c.problem, dynamics.get());
   if (!ReadSensors(sections, c.units, &c.problem) ||
       !CheckNames(c.problem, &errors)) {
+    return false;
+  }
+  if (!simulation &&
+      (!CheckUnknownForces(root, sections, c.problem, &c.options) ||
+       !ReadForceTruths(root, c.units, sections, &c.force_truths))) {
     return false;
   }
   if (!simulation &&

@@ -48,6 +48,14 @@ struct CaseRecord {
   std::vector<std::string> remarks;
 };
 
+// What a force that is to be found was in truth, to be compared with it and for
+// nothing else.
+struct ForceTruth {
+  std::string name;  // of the unknown force, or the network
+  Vector times;
+  Vector values;
+};
+
 // A case file, read and checked. Everything in `problem` is in the model's
 // units.
 struct Case {
@@ -62,6 +70,9 @@ struct Case {
 
   // Frequencies that the user expects of the model (Hz); may be empty.
   std::vector<double> expected_hz;
+
+  // As far as the case file names any.
+  std::vector<ForceTruth> force_truths;
 
   // [simulate]: noise in per cent of each channel's standard deviation.
   double noise_percent = 0.0;

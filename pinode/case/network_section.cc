@@ -235,7 +235,13 @@ class NetworkReader {
         has_file_ ? saved_.weights
                   : InitializeWeights(architecture_, seed,
                                       physics || architecture_.HasSkipPath());
-    term->drawn = !has_file_;
+    // Those of time alone are spread over the record, see
+    // SpreadNetworksOfTime, and stay so.
+    term->drawn =
+        !has_file_ && std::any_of(term->features.begin(), term->features.end(),
+                                  [](const Feature& feature) {
+                                    return feature.kind != Feature::Kind::kTime;
+                                  });
     term->network = std::make_shared<Network>(architecture_);
     term->weights.name = term->name;
     term->weights.named = false;
@@ -307,7 +313,7 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
   for (TomlTable& table : root.Tables("network")) {
     if (!table.AllowKeys({"name", "inputs", "input_scale", "outputs", "acts_as",
                           "layers", "activation", "bias", "skip", "gauge",
-                          "decay", "seed", "weights", "free"})) {
+                          "decay", "seed", "weights", "free", "truth"})) {
       return false;
     }
     NetworkTerm term;

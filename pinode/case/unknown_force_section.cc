@@ -1,5 +1,6 @@
 #include "pinode/case/unknown_force_section.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +10,8 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/parameter_keys.h"
+#include "pinode/record/table.h"
+#include "pinode/record/time_column.h"
 
 namespace pinode {
 namespace {
@@ -17,7 +20,7 @@ namespace {
 constexpr int kMostKnots = 2000;
 
 // Standard deviation of what lies outside the band, as a share of `scale`.
-constexpr double kOutsideBand = 0.02;
+constexpr double kOutsideBand = 0.06;
 
 std::vector<std::string> RecordNames(
     const std::vector<RecordSection>& sections) {
@@ -136,10 +139,7 @@ class UnknownForceReader {
       term_.parameters.parameters.push_back(parameter);
     }
     term_.history = std::make_shared<SplineForce>(options);
-    if (free) {
-      AddRemark();
-      if (!table_.Has("band_hz")) AddNoiseRemark();
-    }
+    if (free) AddRemark();
     return true;
   }
 
@@ -246,31 +246,8 @@ class UnknownForceReader {
     }
   }
 
-  // A sensor that the force reaches at once can be followed sample by sample.
-  void AddNoiseRemark() const {
-    int dof = 0;
-    term_.outputs.maxCoeff(&dof);
-    for (const RecordSection& section : sections_) {
-      if (!ActsIn(section)) continue;
-      for (const ChannelSection& channel : section.channels) {
-        if (!channel.fit || channel.weights[dof] == 0.0 ||
-            channel.signal.sigma > 0.0 || channel.signal.sigma_percent > 0.0 ||
-            (channel.quantity != Quantity::kRelativeAcceleration &&
-             channel.quantity != Quantity::kAbsoluteAcceleration)) {
-          continue;
-        }
-        context_.remarks->push_back(
-            "Record " + section.name + ": the noise of " + channel.name +
-            ", an acceleration where the unknown force " + term_.name +
-            " acts, can hardly be told from a force that is as rough: give its "
-            "sigma.");
-      }
-    }
-  }
-
   bool ActsIn(const RecordSection& section) const {
-    return section.role == IdentificationRecord::Role::kTrain &&
-           (sections_.size() == 1 || section.name == table_.String("record"));
+    return sections_.size() == 1 || section.name == table_.String("record");
   }
 
   const TomlTable& table_;
@@ -328,7 +305,7 @@ bool ReadUnknownForces(const TomlTable& root, const TermsContext& context,
     if (!table.AllowKeys({"name", "dof", "record", "shape", "window",
                           "knot_spacing", "scale", "neighbourhood",
                           "relaxation", "band_hz", "values", "free",
-                          "parameters"})) {
+                          "parameters", "truth"})) {
       return false;
     }
     const std::string name = table.RequiredString("name");
@@ -342,6 +319,186 @@ bool ReadUnknownForces(const TomlTable& root, const TermsContext& context,
     }
   }
   return root.errors()->ok();
+}
+
+bool ReadForceTruths(const TomlTable& root, const UnitSystem& units,
+                     const std::vector<RecordSection>& sections,
+                     std::vector<ForceTruth>* truths) {
+  for (const char* kind : {"unknown_force", "network"}) {
+    for (const TomlTable& table : root.Tables(kind)) {
+      if (!table.Has("truth")) continue;
+      ForceTruth truth;
+      truth.name = table.RequiredString("name");
+      const std::string column = table.RequiredString("truth");
+      const std::string record = table.String("record");
+      if (!root.errors()->ok()) return false;
+      const auto section = std::find_if(
+          sections.begin(), sections.end(), [&](const RecordSection& s) {
+            return record.empty() ? s.role == IdentificationRecord::Role::kTrain
+                                  : s.name == record;
+          });
+      if (section == sections.end() || section->file.empty() ||
+          IsAt2File(section->file)) {
+        return table.Fail("truth", "its record has no file with columns");
+      }
+      std::vector<std::string> columns = {column};
+      if (!section->time_column.empty()) {
+        columns.insert(columns.begin(), section->time_column);
+      }
+      Table values;
+      TimeGrid grid;
+      TimeColumnOptions options;
+      options.factor = section->time_factor;
+      options.unit = units.time;
+      options.interpolate_irregular = true;
+      std::string error;
+      if (!ReadCsvTable(section->file, columns, &values, &error) ||
+          !(section->time_column.empty()
+                ? TimeGridFromStep(values, section->sampling_step, &grid,
+                                   &error)
+                : FindTimeGrid(values, section->time_column, options, &grid,
+                               &error))) {
+        return table.errors()->FailAsIs(error);
+      }
+      truth.values = OnTimeGrid(values, values.FindColumn(column), grid);
+      truth.times.resize(truth.values.size());
+      for (Eigen::Index i = 0; i < truth.times.size(); ++i) {
+        truth.times[i] = grid.start_time + static_cast<double>(i) * grid.step;
+      }
+      truths->push_back(std::move(truth));
+    }
+  }
+  return true;
+}
+
+void SpreadNetworksOfTime(const TomlTable& root,
+                          const IdentificationProblem& problem,
+                          StructuralDynamics* dynamics) {
+  double begin = std::numeric_limits<double>::infinity();
+  double end = -begin;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    begin = std::min(begin, record.excitation->time(0));
+    end = std::max(end, record.excitation->time(record.num_samples() - 1));
+  }
+  const std::vector<TomlTable> tables = root.Tables("network");
+  Vector theta = dynamics->Parameters();
+  for (size_t j = 0; j < dynamics->networks().size(); ++j) {
+    const NetworkTerm& term = dynamics->networks()[j];
+    const NetworkArchitecture& architecture = term.network->architecture();
+    const bool of_time = std::all_of(
+        term.features.begin(), term.features.end(), [](const Feature& feature) {
+          return feature.kind == Feature::Kind::kTime;
+        });
+    if (!of_time || tables[j].Has("weights") || architecture.IsLinear() ||
+        !architecture.bias || architecture.activation == Activation::kSine) {
+      continue;
+    }
+    const WeightLayout& layout = term.network->layout();
+    const WeightLayout::Part& weights = layout.weights.front();
+    const WeightLayout::Part& biases = layout.biases.front();
+    const int offset =
+        dynamics->block_offset(dynamics->network_block(static_cast<int>(j)));
+    const double scale =
+        architecture.input_scale.size() > 0 ? architecture.input_scale[0] : 1.0;
+    for (int i = 0; i < weights.rows; ++i) {
+      const double middle = begin + (end - begin) * (i + 0.5) / weights.rows;
+      for (int k = 0; k < weights.cols; ++k) {
+        theta[offset + weights.offset + k * weights.rows + i] =
+            k == 0 ? 1.0 : 0.0;
+      }
+      theta[offset + biases.offset + i] = -middle / scale;
+    }
+  }
+  dynamics->SetParameters(theta);
+}
+
+bool CheckUnknownForces(const TomlTable& root,
+                        const std::vector<RecordSection>& sections,
+                        const IdentificationProblem& problem,
+                        IdentificationOptions* options) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  bool any_free = false;
+  bool any_spline = false;
+  for (const UnknownForceTerm& term : dynamics.unknown_forces()) {
+    const auto& parameters = term.parameters.parameters;
+    if (std::none_of(parameters.begin(), parameters.end(),
+                     [](const Parameter& p) { return p.free; })) {
+      continue;
+    }
+    any_free = true;
+    const auto acts_in = [&](size_t r) {
+      return term.input < 0 ||
+             problem.records[r].excitation->samples()(term.input, 0) != 0.0;
+    };
+    for (size_t r = 0; r < sections.size(); ++r) {
+      if (term.input >= 0 && acts_in(r) &&
+          sections[r].role == IdentificationRecord::Role::kHoldout) {
+        return sections[r].table.Fail(
+            "role", "role = \"holdout\": the unknown force '" + term.name +
+                        "' acts in a record that is held out, where nothing "
+                        "says how large it is, expected a training record, or "
+                        "free = false");
+      }
+    }
+    const auto* spline = dynamic_cast<const SplineForce*>(term.history.get());
+    if (spline == nullptr) continue;
+    any_spline = true;
+    const Vector acceleration =
+        dynamics.model().mass.ldlt().solve(term.outputs);
+    for (size_t r = 0; r < sections.size(); ++r) {
+      const IdentificationRecord& record = problem.records[r];
+      if (record.role != IdentificationRecord::Role::kTrain || !acts_in(r)) {
+        continue;
+      }
+      // With as many unknowns as samples the force can follow each of them.
+      // What lies outside a band is no unknown.
+      const double per_sample = term.prior.ShareToBeChosen() *
+                                record.sampling_step() /
+                                spline->options().spacing;
+      if (per_sample < 1.0 - 1e-9) continue;
+      for (size_t c = 0; c < record.channels.size(); ++c) {
+        const MeasuredChannel& channel = record.channels[c];
+        const Quantity quantity = channel.observation.quantity;
+        const double direct = channel.observation.weights.dot(acceleration);
+        if (!channel.fit || channel.sigma > 0.0 ||
+            (quantity != Quantity::kRelativeAcceleration &&
+             quantity != Quantity::kAbsoluteAcceleration) ||
+            std::abs(direct) < 1e-9 * acceleration.norm() *
+                                   channel.observation.weights.norm()) {
+          continue;
+        }
+        return sections[r].channels[c].signal.table.Fail(
+            "column",
+            "the noise of an acceleration where the unknown force '" +
+                term.name +
+                "' acts cannot be told from a force with as many knots as "
+                "samples, expected 'sigma' or 'sigma_percent' (or wider knots, "
+                "or band_hz)");
+      }
+    }
+  }
+  if (!any_free) return true;
+  const TomlTable table = root.Table("options", "[options]");
+  if (table.String("shooting") == "multiple") {
+    return table.Fail(
+        "shooting",
+        "shooting = \"multiple\" does not go with unknown forces: "
+        "free starts of segments would take up what the "
+        "forces do, expected \"single\", which is the default "
+        "with them");
+  }
+  options->shooting = IdentificationOptions::Shooting::kSingle;
+  if (any_spline &&
+      options->covariance == IdentificationOptions::Covariance::kSandwich) {
+    return table.Fail(
+        "covariance",
+        "covariance = \"sandwich\" does not go with a spline: it has "
+        "more knots than there are blocks of "
+        "samples to say how sure each of them is, expected "
+        "\"auto\" or \"plain\"");
+  }
+  return true;
 }
 
 }  // namespace pinode

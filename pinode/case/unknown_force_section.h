@@ -6,10 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "pinode/case/case_file.h"
 #include "pinode/case/record_section.h"
 #include "pinode/case/terms_section.h"
 #include "pinode/case/toml_table.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/identification_options.h"
+#include "pinode/estimate/identification_problem.h"
 
 namespace pinode {
 
@@ -29,6 +32,27 @@ std::string RecordSwitchName(const std::string& record);
                                      const TermsContext& context,
                                      const std::vector<RecordSection>& sections,
                                      StructuralDynamics* dynamics);
+
+// The columns that `truth` keys of unknown forces and networks name.
+[[nodiscard]] bool ReadForceTruths(const TomlTable& root,
+                                   const UnitSystem& units,
+                                   const std::vector<RecordSection>& sections,
+                                   std::vector<ForceTruth>* truths);
+
+// Networks of time alone whose weights were not given: each unit of the first
+// layer has its middle at another time of the training records, evenly spread.
+// Drawn at random, all middles would lie within an input's scale of t = 0, and
+// a fit does not carry them to the other end of the record.
+void SpreadNetworksOfTime(const TomlTable& root,
+                          const IdentificationProblem& problem,
+                          StructuralDynamics* dynamics);
+
+// What can be said only when the records are read, and what unknown forces ask
+// of the options: noise levels that cannot be told from a force, single
+// shooting, intervals.
+[[nodiscard]] bool CheckUnknownForces(
+    const TomlTable& root, const std::vector<RecordSection>& sections,
+    const IdentificationProblem& problem, IdentificationOptions* options);
 
 }  // namespace pinode
 

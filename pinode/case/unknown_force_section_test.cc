@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -134,21 +135,62 @@ TEST_F(UnknownForceSection, ActsInItsRecordAlone) {
 
 TEST_F(UnknownForceSection, SaysWhatTheSensorsDoNotSee) {
   const auto is_static = HasSubstr("The static part of the unknown force blow");
-  const auto is_noise = AllOf(HasSubstr("noise of a1"), HasSubstr("sigma"));
   Case c;
   ASSERT_TRUE(Read(kSpline, &c)) << error_;
   EXPECT_THAT(c.remarks, Not(Contains(is_static)));
-  EXPECT_THAT(c.remarks, Contains(is_noise));
 
   const std::string with_force = Replaced(
       SmallCase(), "[[record]]\n", std::string(kSpline) + "[[record]]\n");
   // Without the displacement.
   ASSERT_TRUE(ReadText(with_force + "  fit = false\n", &c)) << error_;
   EXPECT_THAT(c.remarks, Contains(AllOf(is_static, HasSubstr("relaxation"))));
-  ASSERT_TRUE(ReadText(
-      Replaced(with_force, "unit = \"g\"", "unit = \"g\"\n  sigma = 0.01"), &c))
+}
+
+// As many knots as samples, and the noise of the sensor beside them unknown.
+TEST_F(UnknownForceSection, AsksForTheNoiseThatAForceCanFollow) {
+  const std::string fine = Replaced(kSpline, "= 0.05", "= 0.01");
+  const std::string text =
+      Replaced(SmallCase(), "[[record]]\n", fine + "[[record]]\n");
+  Case c;
+  EXPECT_FALSE(ReadText(text, &c));
+  EXPECT_THAT(error_, AllOf(HasSubstr("'sigma'"), HasSubstr("'blow'")));
+  EXPECT_TRUE(ReadText(
+      Replaced(text, "unit = \"g\"", "unit = \"g\"\n  sigma = 0.01"), &c))
       << error_;
-  EXPECT_THAT(c.remarks, Not(Contains(is_noise)));
+  // Elsewhere the force reaches the sensor through the structure.
+  EXPECT_TRUE(ReadText(
+      Replaced(text, "dof = \"u1\"\nshape", "dof = \"u2\"\nshape"), &c))
+      << error_;
+  // A band leaves unknowns enough to tell the noise by.
+  EXPECT_TRUE(ReadText(Replaced(text, "neighbourhood = 5\nrelaxation = 0.2",
+                                "band_hz = [2, 30]"),
+                       &c))
+      << error_;
+}
+
+TEST_F(UnknownForceSection, IsFoundBySingleShooting) {
+  Case c;
+  ASSERT_TRUE(Read(kSpline, &c)) << error_;
+  EXPECT_EQ(c.options.shooting, IdentificationOptions::Shooting::kSingle);
+  const std::string text = Replaced(SmallCase(), "[[record]]\n",
+                                    std::string(kSpline) + "[[record]]\n");
+  EXPECT_FALSE(ReadText(text + "[options]\nshooting = \"multiple\"\n", &c));
+  EXPECT_THAT(error_, AllOf(HasSubstr("shooting"), HasSubstr("single")));
+  EXPECT_FALSE(ReadText(text + "[options]\ncovariance = \"sandwich\"\n", &c));
+  EXPECT_THAT(error_, HasSubstr("covariance"));
+  // What is known asks for nothing.
+  ASSERT_TRUE(Read(Replaced(kSpline, "scale", "free = false\nscale"), &c))
+      << error_;
+  EXPECT_EQ(c.options.shooting, IdentificationOptions::Shooting::kMultiple);
+}
+
+TEST_F(UnknownForceSection, ActsInATrainingRecord) {
+  Case c;
+  EXPECT_FALSE(ReadText(
+      Replaced(TwoRecords(std::string(kSpline) + "record = \"again\"\n"),
+               "name = \"again\"", "name = \"again\"\nrole = \"holdout\""),
+      &c));
+  EXPECT_THAT(error_, AllOf(HasSubstr("role"), HasSubstr("held out")));
 }
 
 TEST_F(UnknownForceSection, RefusesWhatDoesNotFit) {
@@ -185,6 +227,25 @@ TEST_F(UnknownForceSection, RefusesWhatDoesNotFit) {
   Case c;
   EXPECT_FALSE(Read(std::string(kSpline) + kSpline, &c));
   EXPECT_THAT(error_, HasSubstr("used twice"));
+}
+
+TEST_F(UnknownForceSection, ReadsWhatTheForceWas) {
+  folder_.Write("quake.csv",
+                Replaced(SmallRecord(), "t,ag,a1,d2\n0,", "t,ag,F,d2\n0,"));
+  std::string text = SmallCase();
+  text = Replaced(text, "[[record]]\n",
+                  std::string(kSpline) + "truth = \"F\"\n[[record]]\n");
+  text = Replaced(text, "column = \"a1\"", "column = \"F\"\n  name = \"a1\"");
+  Case c;
+  ASSERT_TRUE(ReadText(text, &c)) << error_;
+  ASSERT_EQ(c.force_truths.size(), 1u);
+  EXPECT_EQ(c.force_truths[0].name, "blow");
+  ASSERT_EQ(c.force_truths[0].values.size(), 200);
+  EXPECT_NEAR(c.force_truths[0].times[150], 1.5, 1e-12);
+  // As it stands in the file: the model's unit.
+  EXPECT_NEAR(c.force_truths[0].values[150], 0.1 * std::sin(13.2), 1e-7);
+  EXPECT_FALSE(ReadText(Replaced(text, "truth = \"F\"", "truth = \"G\""), &c));
+  EXPECT_THAT(error_, AllOf(HasSubstr("quake.csv"), HasSubstr("'G'")));
 }
 
 // What an identification found is read back from model.toml.

@@ -105,6 +105,16 @@ WideJet HalfSinePulse::Evaluate(double time, const WideJet* parameters) const {
   return HalfSine(time, parameters);
 }
 
+double CombinationPrior::ShareToBeChosen() const {
+  const auto chosen = std::count_if(
+      combinations.begin(), combinations.end(), [this](const Combination& c) {
+        return precisions[static_cast<size_t>(c.group)] < 0.0;
+      });
+  return combinations.empty() ? 1.0
+                              : static_cast<double>(chosen) /
+                                    static_cast<double>(combinations.size());
+}
+
 CombinationPrior SmoothnessPrior(int num_knots, int neighbourhood,
                                  double relaxation) {
   CHECK_GT(num_knots, 0);

@@ -100,6 +100,8 @@ struct CombinationPrior {
   std::vector<double> precisions;
 
   int num_groups() const { return static_cast<int>(precisions.size()); }
+  // Share of the combinations whose precision the evidence chooses.
+  double ShareToBeChosen() const;
 };
 
 // Local smoothness: second differences

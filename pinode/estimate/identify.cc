@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <random>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/condensed_cost.h"
@@ -18,6 +21,7 @@
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/pulse_scan.h"
 #include "pinode/estimate/score.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/record/prepare.h"
@@ -90,6 +94,14 @@ constexpr double kFirstNoise = 0.05;
 // No noise estimate goes below this share of the channel's RMS.
 constexpr double kSmallestNoise = 1e-8;
 
+// A noise level is estimated from what an unknown force leaves of a channel.
+// Below this share of its samples there is a second maximum of the likelihood,
+// with no noise and a force that follows every sample.
+constexpr double kLeastLeft = 0.1;
+
+// See BandDecays.
+constexpr double kPooledSamples = 2.0;
+
 // First precision of a weight decay that the evidence is to choose.
 constexpr double kFirstDecay = 0.1;
 constexpr double kLargestDecay = 1e8;
@@ -97,6 +109,16 @@ constexpr double kLargestDecay = 1e8;
 double Seconds(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
       .count();
+}
+
+// Networks that depend on time alone and act as a force are forces that nobody
+// measured.
+bool IsForceOfTime(const NetworkTerm& term) {
+  return term.acts_as == ActsAs::kForce &&
+         std::all_of(term.features.begin(), term.features.end(),
+                     [](const Feature& feature) {
+                       return feature.kind == Feature::Kind::kTime;
+                     });
 }
 
 // Everything that a stage changes, to be kept or rolled back.
@@ -163,6 +185,15 @@ class Trainer {
   void BeginAnnealing();
   void AnnealToTheFloor();
   bool HasNetworks() const { return layout_.HasNetworkDecay(); }
+  // The hidden units of a network of time hardly move: its first step is that
+  // of a linear fit.
+  double FirstRadius() const {
+    const auto& networks = problem_.dynamics->networks();
+    return !HasNetworks() ||
+                   std::all_of(networks.begin(), networks.end(), IsForceOfTime)
+               ? kFirstRadius
+               : kFirstNetworkRadius;
+  }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
   // True where neither moves any more. The noise grows only where the fit has
@@ -350,7 +381,7 @@ void Trainer::BeginAnnealing() {
       sigma = std::max(sigma, kAnnealedNoise * Spread(channel.values));
     }
   }
-  radius_ = kFirstNetworkRadius;
+  radius_ = FirstRadius();
 }
 
 std::vector<int> Trainer::StageLengths() const {
@@ -549,6 +580,7 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   // Noise per channel with the degrees of freedom that the fit has used up.
   double samples = 0.0;
   double used = effective;
+  summary_->followed_channel.clear();
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
@@ -581,6 +613,11 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
           leverage += leverages[i];
         }
         left = std::max(0.01, 1.0 - leverage / std::max(1, present));
+        if (left < kLeastLeft && summary_->followed_channel.empty()) {
+          summary_->followed_channel =
+              record.channels[static_cast<size_t>(c)].observation.name;
+          summary_->followed_record = record.name;
+        }
       }
       double mean_square =
           residuals[r].row(c).squaredNorm() / std::max(1, present) / left;
@@ -753,7 +790,7 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   current_.free = layout_.Free(parameters);
   first_free_ = initial == nullptr ? current_.free
                                    : layout_.Free(layout_.InitialValues());
-  radius_ = HasNetworks() ? kFirstNetworkRadius : kFirstRadius;
+  radius_ = FirstRadius();
   SetInitialNoise(HasNetworks() && initial != nullptr && initial->stage > 0
                       ? nullptr
                       : initial);
@@ -829,47 +866,147 @@ int RecordOf(const IdentificationProblem& problem, const UnknownForceTerm& term,
   return train.front();
 }
 
+// Precisions for the bands of forces with a smoothness of its own for each
+// neighbourhood of knots. The evidence takes each second difference as known to
+// be about as large as it came out, and many as none at all: a band from that
+// is far too narrow where a force strikes, between the samples above all. So
+// there every variance is the mean of those within kPooledSamples samples.
+Vector BandDecays(const IdentificationProblem& problem,
+                  const ParameterLayout& layout, const std::vector<int>& train,
+                  const Vector& decays) {
+  Vector pooled = decays;
+  int first = 0;
+  for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
+    if (term.prior.combinations.empty() ||
+        !term.parameters.parameters[0].free) {
+      continue;
+    }
+    while (layout.decay_groups()[static_cast<size_t>(first)].kind !=
+           ParameterLayout::DecayGroup::Kind::kForce) {
+      ++first;
+    }
+    const int groups = term.prior.num_groups();
+    const auto* spline = dynamic_cast<const SplineForce*>(term.history.get());
+    if (spline != nullptr && term.prior.ShareToBeChosen() == 1.0) {
+      const double width = spline->options().spacing *
+                           static_cast<double>(term.prior.combinations.size()) /
+                           groups;
+      const double step =
+          problem.records[static_cast<size_t>(RecordOf(problem, term, train))]
+              .sampling_step();
+      const int reach =
+          static_cast<int>(std::ceil(kPooledSamples * step / width - 1e-9));
+      for (int g = 0; g < groups; ++g) {
+        const int from = std::max(0, g - reach);
+        const int to = std::min(groups - 1, g + reach);
+        pooled[first + g] = 1.0 / decays.segment(first + from, to - from + 1)
+                                      .cwiseMax(1e-300)
+                                      .cwiseInverse()
+                                      .mean();
+      }
+    }
+    first += groups;
+  }
+  return pooled;
+}
+
+// A force of time alone: its value and its derivatives by the parameters from
+// index `first` on.
+struct ForceAt {
+  double value = 0.0;
+  int first = 0;
+  Vector derivatives;
+};
+
 // `covariance` of all free parameters; empty: there is none.
-ForceEstimate EstimateForce(const IdentificationProblem& problem,
-                            const ParameterLayout& layout, int force,
-                            int record, const Vector& parameters,
-                            const Matrix& covariance, double quantile) {
-  const StructuralDynamics& dynamics = *problem.dynamics;
-  const UnknownForceTerm& term =
-      dynamics.unknown_forces()[static_cast<size_t>(force)];
-  const int offset = dynamics.block_offset(dynamics.unknown_force_block(force));
+ForceEstimate EstimateForce(const std::string& name,
+                            const IdentificationProblem& problem,
+                            const ParameterLayout& layout, int record,
+                            const Matrix& covariance, double quantile,
+                            const std::function<ForceAt(double)>& force) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   ForceEstimate estimate;
-  estimate.name = term.name;
+  estimate.name = name;
   estimate.record = record;
   const int count = (data.num_samples() - 1) * data.substeps + 1;
   estimate.times.resize(count);
   estimate.value.resize(count);
   estimate.sigma = Vector::Zero(count);
   for (int i = 0; i < count; ++i) {
-    const double time =
+    estimate.times[i] =
         data.excitation->time(0) + i * data.sampling_step() / data.substeps;
-    const ForceHistory::Local local =
-        term.history->Evaluate(time, parameters.data() + offset);
-    estimate.times[i] = time;
-    estimate.value[i] = local.value;
-    double variance = 0.0;
-    for (int a = 0; a < local.count; ++a) {
-      const int row = layout.FreeIndex(offset + local.first + a);
-      for (int b = 0; row >= 0 && b < local.count; ++b) {
-        const int col = layout.FreeIndex(offset + local.first + b);
-        if (col < 0) continue;
-        variance += local.derivatives[a] * local.derivatives[b] *
-                    (covariance.size() > 0 ? covariance(row, col) : kInfinity);
-      }
+    const ForceAt at = force(estimate.times[i]);
+    estimate.value[i] = at.value;
+    std::vector<int> indices;
+    std::vector<double> slopes;
+    for (int a = 0; a < at.derivatives.size(); ++a) {
+      const int index = layout.FreeIndex(at.first + a);
+      if (index < 0) continue;
+      indices.push_back(index);
+      slopes.push_back(at.derivatives[a]);
     }
+    if (indices.empty()) continue;
+    if (covariance.size() == 0) {
+      estimate.sigma[i] = kInfinity;
+      continue;
+    }
+    const Eigen::Map<const Vector> slope(slopes.data(),
+                                         static_cast<int>(slopes.size()));
+    const double variance = slope.dot(covariance(indices, indices) * slope);
     estimate.sigma[i] =
         std::isnan(variance) ? kInfinity : std::sqrt(std::max(0.0, variance));
   }
   estimate.lower95 = estimate.value - quantile * estimate.sigma;
   estimate.upper95 = estimate.value + quantile * estimate.sigma;
   return estimate;
+}
+
+std::vector<ForceEstimate> EstimateForces(const IdentificationProblem& problem,
+                                          const ParameterLayout& layout,
+                                          const std::vector<int>& train,
+                                          const Vector& parameters,
+                                          const Matrix& covariance,
+                                          double quantile) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  std::vector<ForceEstimate> forces;
+  for (size_t j = 0; j < dynamics.unknown_forces().size(); ++j) {
+    const UnknownForceTerm& term = dynamics.unknown_forces()[j];
+    const int offset = dynamics.block_offset(
+        dynamics.unknown_force_block(static_cast<int>(j)));
+    forces.push_back(EstimateForce(
+        term.name, problem, layout, RecordOf(problem, term, train), covariance,
+        quantile, [&](double time) {
+          const ForceHistory::Local local =
+              term.history->Evaluate(time, parameters.data() + offset);
+          return ForceAt{
+              local.value, offset + local.first,
+              Eigen::Map<const Vector>(local.derivatives, local.count)};
+        }));
+  }
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    const NetworkTerm& term = dynamics.networks()[j];
+    if (!IsForceOfTime(term)) continue;
+    const int offset =
+        dynamics.block_offset(dynamics.network_block(static_cast<int>(j)));
+    const Network& network = *term.network;
+    NetworkTangent tangent(network);
+    for (int o = 0; o < network.num_outputs(); ++o) {
+      const std::string name = network.num_outputs() == 1
+                                   ? term.name
+                                   : term.name + "_" + std::to_string(o + 1);
+      forces.push_back(EstimateForce(
+          name, problem, layout, train.front(), covariance, quantile,
+          [&](double time) {
+            const Vector q = Vector::Constant(network.num_inputs(), time);
+            network.Linearize(q.data(), parameters.data() + offset, &tangent);
+            // A network resists; the force pushes.
+            return ForceAt{-tangent.value()[o], offset,
+                           -network.WeightJacobian(tangent).row(o)};
+          }));
+    }
+  }
+  return forces;
 }
 
 void ScoreEverything(const IdentificationProblem& problem,
@@ -974,6 +1111,14 @@ void Judge(IdentificationSummary* summary) {
     summary->message = reason.str();
     return;
   }
+  if (!summary->followed_channel.empty()) {
+    reason << "an unknown force follows channel '" << summary->followed_channel
+           << "' of record '" << summary->followed_record
+           << "' nearly sample by sample, so that the channel's noise cannot "
+              "be estimated; give its sigma";
+    summary->message = reason.str();
+    return;
+  }
   summary->usable = true;
 }
 
@@ -998,10 +1143,8 @@ Vector DrawStart(const IdentificationProblem& problem,
     values[index] = low + (high - low) * uniform();
   }
   const StructuralDynamics& dynamics = *problem.dynamics;
-  const int first = static_cast<int>(dynamics.blocks().size()) -
-                    static_cast<int>(dynamics.networks().size());
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
-    const int block = first + static_cast<int>(j);
+    const int block = dynamics.network_block(static_cast<int>(j));
     const Vector weights = InitializeWeights(
         dynamics.networks()[j].network->architecture(), random(), true);
     for (int i = 0; i < weights.size(); ++i) {
@@ -1039,6 +1182,8 @@ void Identify(const IdentificationProblem& problem,
       CHECK_EQ(initial->parameters.size(), parameters.size())
           << "the initial model belongs to another problem";
       parameters = initial->parameters;
+    } else {
+      ScanPulses(problem, &parameters);
     }
     const bool ok = trainer->Run(parameters, start == 0 ? initial : nullptr);
     const bool interrupted = trainer->interrupted();
@@ -1087,6 +1232,8 @@ void Identify(const IdentificationProblem& problem,
   CovarianceEstimate covariance;
   const bool evaluated = shooting->Evaluate(solution.free, &cost);
   const std::vector<Matrix> starts = shooting->starts();
+  shooting->SetDecays(
+      BandDecays(problem, layout, shooting->train_records(), solution.decays));
   const bool has_covariance =
       evaluated &&
       EstimateCovariance(problem, layout, options.covariance, solution.free,
@@ -1110,14 +1257,9 @@ void Identify(const IdentificationProblem& problem,
       summary->covariance_names.push_back(layout.parameter(i).name);
     }
   }
-  for (size_t f = 0; f < problem.dynamics->unknown_forces().size(); ++f) {
-    summary->forces.push_back(EstimateForce(
-        problem, layout, static_cast<int>(f),
-        RecordOf(problem, problem.dynamics->unknown_forces()[f],
-                 shooting->train_records()),
-        model->parameters, has_covariance ? covariance.covariance : Matrix(),
-        covariance.quantile));
-  }
+  summary->forces = EstimateForces(
+      problem, layout, shooting->train_records(), model->parameters,
+      has_covariance ? covariance.covariance : Matrix(), covariance.quantile);
   if (has_covariance) {
     summary->covariance_method = covariance.method;
     const int count = static_cast<int>(named.size());

@@ -23,6 +23,21 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
                              int group) {
     groups[static_cast<size_t>(part.offset + col * part.rows + row)] = group;
   };
+  // Of a network of time the hidden units are a basis, spread over the record;
+  // a prior that draws them to t = 0 would take them away from where they are.
+  const bool of_time = std::all_of(
+      term.features.begin(), term.features.end(), [](const Feature& feature) {
+        return feature.kind == Feature::Kind::kTime;
+      });
+  if (of_time) {
+    const WeightLayout::Part& outputs = layout.weights.back();
+    for (int i = 0; i < outputs.rows; ++i) {
+      const int group =
+          add_group("output " + std::to_string(i + 1), Kind::kOutput);
+      for (int j = 0; j < outputs.cols; ++j) set(outputs, i, j, group);
+    }
+    return groups;
+  }
   const WeightLayout::Part& first = layout.weights.front();
   for (int j = 0; j < first.cols; ++j) {
     const int group = add_group("input " + std::to_string(j + 1), Kind::kInput);
@@ -75,6 +90,13 @@ bool ParameterLayout::HasNetworkDecay() const {
   return std::any_of(
       decay_groups_.begin(), decay_groups_.end(),
       [](const DecayGroup& group) { return group.network >= 0; });
+}
+
+bool ParameterLayout::HasForceDecay() const {
+  return std::any_of(decay_groups_.begin(), decay_groups_.end(),
+                     [](const DecayGroup& group) {
+                       return group.kind == DecayGroup::Kind::kForce;
+                     });
 }
 
 ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {

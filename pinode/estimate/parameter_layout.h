@@ -30,10 +30,11 @@ class ParameterLayout {
 
   // What shares one decay precision. Network weights: per network the weights
   // of each input, those of each output, the hidden biases, and each layer in
-  // between. With precisions chosen by the evidence this is automatic
-  // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,
-  // 1996): inputs and outputs that nothing depends on are shrunk away. Unknown
-  // forces: the groups of their CombinationPrior.
+  // between; of a network of time alone, the weights of each output. With
+  // precisions chosen by the evidence this is automatic relevance determination
+  // (R. M. Neal, Bayesian Learning for Neural Networks, 1996): inputs and
+  // outputs that nothing depends on are shrunk away. Unknown forces: the groups
+  // of their CombinationPrior.
   struct DecayGroup {
     enum class Kind { kInput, kLayer, kOutput, kBiases, kForce };
     int network = -1;  // -1: of an unknown force
@@ -45,8 +46,9 @@ class ParameterLayout {
   int num_decay_groups() const {
     return static_cast<int>(decay_groups_.size());
   }
-  // Whether any of the groups are a network's.
+  // Whether any of the groups are a network's; an unknown force's.
   bool HasNetworkDecay() const;
+  bool HasForceDecay() const;
 
   // What decays: weights . (free parameters from `first` on) is normally
   // distributed around zero with the precision of its group. A network's

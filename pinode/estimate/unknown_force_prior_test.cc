@@ -2,14 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pinode/dynamics/testing.h"
+#include "pinode/estimate/covariance.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/testing.h"
 
 namespace pinode {
 namespace {
@@ -109,6 +112,80 @@ TEST(UnknownForcePrior, CostGradientAndHessianBelongTogether) {
   ASSERT_TRUE(shooting.Evaluate(free, &without));
   EXPECT_GT(share, 0.1);
   EXPECT_NEAR(system.cost - without, share, 1e-10 * system.cost);
+}
+
+// A force that follows part of the noise leaves residuals that are not white,
+// which says nothing against the noise; noise with a memory does.
+TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
+  constexpr int kSamples = 600;
+  constexpr int kMany = 200;
+  constexpr double kSigma = 0.02;
+  for (const double memory : {0.0, 0.9}) {
+    IdentificationProblem problem;
+    auto dynamics = std::make_shared<StructuralDynamics>(
+        testing::MakeChain(1, 10.0, 0.5), std::vector<InputSpec>{});
+    UnknownForceTerm term;
+    term.name = "f";
+    term.history = std::make_shared<SplineForce>(
+        SplineForce::Options{3, 0, 0.15, kMany, 1});
+    term.outputs = Vector::Ones(1);
+    term.parameters.name = "f";
+    term.parameters.named = false;
+    for (int k = 0; k < kMany; ++k) {
+      Parameter parameter;
+      parameter.name = "f[" + std::to_string(k) + "]";
+      term.parameters.parameters.push_back(parameter);
+    }
+    term.prior = SmoothnessPrior(kMany, kMany, 0.3);
+    std::string error;
+    ASSERT_TRUE(dynamics->AddUnknownForce(term, &error)) << error;
+    problem.dynamics = dynamics;
+    IdentificationRecord record;
+    record.name = "r";
+    record.start = IdentificationRecord::Start::kRest;
+    record.excitation.emplace(0.0, 0.05, Matrix(0, kSamples),
+                              Interpolation::kLinear);
+    MeasuredChannel channel;
+    channel.observation = {"a", Quantity::kAbsoluteAcceleration,
+                           Vector::Ones(1)};
+    channel.values.resize(kSamples);
+    testing::Gaussian random(5);
+    double noise = 0.0;
+    for (double& value : channel.values) {
+      noise = memory * noise + std::sqrt(1.0 - memory * memory) * random.Next();
+      value = kSigma * noise;
+    }
+    record.channels.push_back(channel);
+    problem.records.push_back(record);
+
+    const ParameterLayout layout(problem);
+    MultipleShooting shooting(problem, layout, MultipleShooting::Options());
+    shooting.SetSegments(0, {Matrix::Zero(2, kSamples)});
+    const std::vector<Vector> sigmas = {Vector::Constant(1, kSigma)};
+    shooting.SetSigmas(sigmas);
+    shooting.SetDecays(Vector::Constant(1, 500.0));
+    // Linear: one step leads to the minimum.
+    CondensedSystem system;
+    ASSERT_TRUE(shooting.Linearize(Vector::Zero(kMany), &system));
+    const Vector free = -system.hessian.ldlt().solve(system.gradient);
+    std::vector<Matrix> residuals;
+    ASSERT_TRUE(shooting.WeightedResiduals(free, false, &residuals, nullptr));
+    EXPECT_GT(LjungBoxExcess(residuals[0].row(0), 20), 3.5);
+
+    CovarianceEstimate plain, automatic;
+    ASSERT_TRUE(EstimateCovariance(problem, layout,
+                                   IdentificationOptions::Covariance::kPlain,
+                                   free, sigmas, &shooting, &plain));
+    ASSERT_TRUE(EstimateCovariance(problem, layout,
+                                   IdentificationOptions::Covariance::kAuto,
+                                   free, sigmas, &shooting, &automatic));
+    if (memory == 0.0) {
+      EXPECT_EQ(automatic.method, "plain");
+    } else {
+      EXPECT_EQ(automatic.method, "inflated");
+      EXPECT_GT(automatic.covariance.trace(), 2.0 * plain.covariance.trace());
+    }
+  }
 }
 
 }  // namespace

@@ -29,7 +29,9 @@ constexpr int kMaxDots = 900;
 
 constexpr char kMeasuredLine[] = "lc rgb '#aaaaaa' lw 3.6 dt 1";
 constexpr char kUpdatedLine[] = "lc rgb '#0072B2' lw 1.3 dt 1";
+constexpr char kBandFill[] = "fc rgb '#A6CEE3' fs solid 1.0 noborder";
 constexpr char kPriorLine[] = "lc rgb '#E69F00' lw 1.2 dt (6,3)";
+constexpr char kTrueLine[] = "lc rgb '#333333' lw 2.6 dt (2,2)";
 constexpr char kFaintLine[] = "lc rgb '#999999' lw 0.8 dt 1";
 constexpr char kMark[] = "lc rgb '#D55E00'";
 
@@ -168,6 +170,27 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
   *count = std::min(*count, size);
   // A free decay is seen best after its peak.
   *first = std::clamp(peak - *count / 3, 0, size - *count);
+}
+
+// Where a force acts: the middle nine tenths of its energy with as much again
+// on both sides, or, of one that goes on for most of the record, an eighth of
+// the record around its peak.
+void LargestPart(const Vector& force, int* first, int* count) {
+  const int size = static_cast<int>(force.size());
+  const double energy = force.squaredNorm();
+  int from = 0, to = size - 1, peak = 0;
+  double sum = 0.0;
+  for (int i = 0; i < size; ++i) {
+    if (std::abs(force[i]) > std::abs(force[peak])) peak = i;
+    if (sum < 0.05 * energy) from = i;
+    if (sum < 0.95 * energy) to = i;
+    sum += force[i] * force[i];
+  }
+  const int length = to - from + 1;
+  const bool short_one = length < size / 3;
+  *count = std::min(size, std::max(short_one ? 3 * length : size / 8, 40));
+  const int middle = short_one ? (from + to) / 2 : peak;
+  *first = std::clamp(middle - *count / 2, 0, size - *count);
 }
 
 // "record 'quake' (hold-out)".
@@ -498,6 +521,77 @@ Figure MakeParetoFigure(const ReportEquation& equation, int number) {
   return figure;
 }
 
+Figure MakeForceFigure(const ReportInput& input, int force) {
+  Figure figure;
+  const ForceEstimate& estimate =
+      input.summary->forces.at(static_cast<size_t>(force));
+  const int count = static_cast<int>(estimate.value.size());
+  if (count < 2 || !estimate.value.allFinite()) return figure;
+  const ReportForceTruth* truth = nullptr;
+  for (const ReportForceTruth& other : input.force_truths) {
+    if (other.name == estimate.name && other.times.size() > 0) truth = &other;
+  }
+  int first, part;
+  LargestPart(estimate.value, &first, &part);
+
+  figure.id = "force_" + std::to_string(force);
+  Script script(figure.id, 900, 300);
+  script.Line(
+      "set multiplot layout 1,2 margins 0.085,0.985,0.2,0.86 spacing "
+      "0.1,0.1");
+  script.Line("set xlabel " +
+              GnuplotString(AxisLabel("time", input.units.time)));
+  script.Line("set ylabel " +
+              GnuplotString(AxisLabel("force", input.units.force)));
+  std::vector<Vector> others;
+  if (estimate.sigma.allFinite()) others = {estimate.lower95, estimate.upper95};
+  if (truth != nullptr) others.push_back(truth->values);
+  const Interval range = VerticalRange(estimate.value, others);
+  script.Line(Range("y", range.low, range.high));
+  const auto plot = [&](int from, int size, bool titles) {
+    const Vector times = estimate.times.segment(from, size);
+    script.Line(Range("x", times[0], times[size - 1]));
+    std::vector<std::string> curves;
+    if (estimate.sigma.allFinite()) {
+      // The widest of neighbouring steps stands for them.
+      const int stride = (size + kHistoryBuckets - 1) / kHistoryBuckets;
+      std::vector<std::vector<double>> band(3);
+      for (int i = 0; i < size; i += stride) {
+        const int width = std::min(stride, size - i);
+        band[0].push_back(times.segment(i, width).mean());
+        band[1].push_back(estimate.lower95.segment(from + i, width).minCoeff());
+        band[2].push_back(estimate.upper95.segment(from + i, width).maxCoeff());
+      }
+      curves.push_back(script.Data(band) + " using 1:2:3 with filledcurves " +
+                       kBandFill +
+                       (titles ? " title '95 % band'" : " notitle"));
+    }
+    if (truth != nullptr) {
+      const Polyline line =
+          DecimateHistory(truth->times, truth->values, 2 * kHistoryBuckets);
+      if (!line.x.empty()) {
+        curves.push_back(Lines(script.Data({line.x, line.y}), kTrueLine,
+                               titles ? "truth" : ""));
+      }
+    }
+    const Polyline line = DecimateHistory(
+        times, estimate.value.segment(from, size), kHistoryBuckets);
+    curves.push_back(Lines(script.Data({line.x, line.y}), kUpdatedLine,
+                           titles ? "identified" : ""));
+    script.Line("plot " + Join(curves, ", "));
+  };
+  script.Line("set key at screen 0.985,0.985");
+  plot(0, count, true);
+  script.Line("unset key");
+  plot(first, part, false);
+  script.Line("unset multiplot");
+  figure.script = script.text();
+  figure.caption = estimate.name + ", the force identified in " +
+                   RecordWithRole(input, estimate.record) +
+                   "; on the right where it is largest.";
+  return figure;
+}
+
 Figure MakeParameterFigure(const ReportInput& input) {
   Figure figure;
   std::vector<std::string> labels, without_scale;
@@ -809,6 +903,9 @@ bool DrawFigure(const Figure& figure, const GnuplotOptions& options,
   RemoveSpans("<desc>", "</desc>", &text);
   RemoveSpans("<filter", "</filter>", &text);
   RemoveSpans("<!--", "-->", &text);
+  // Blanks in tags, where no reader of HTML expects them.
+  ReplaceAll("<polygon fill = '", "<polygon fill='", &text);
+  ReplaceAll("' points = '", "' points='", &text);
   // Every figure of a document defines the same marks.
   ReplaceAll("xlink:href='#gp", "href='#" + figure.id + "_gp", &text);
   ReplaceAll(" id='gp", " id='" + figure.id + "_gp", &text);

@@ -41,6 +41,10 @@ Figure MakeChannelFigure(const ReportInput& input, int record, int channel);
 Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
                       int number);
 
+// An unknown force with its 95 % band, beside what it was in truth where that
+// is given: the whole record and the part where the force is largest.
+Figure MakeForceFigure(const ReportInput& input, int force);
+
 // Changes of the named free parameters in per cent with 95 % bars. Parameters
 // that start at zero and are not group factors have no such change; the caption
 // names them.

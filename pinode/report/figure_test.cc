@@ -10,6 +10,7 @@
 namespace pinode {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -193,6 +194,51 @@ TEST_F(FigureTest, ShowsTheParetoCurve) {
   ReportEquation nothing = CubicEquation();
   nothing.pareto.resize(1);
   EXPECT_TRUE(MakeParetoFigure(nothing, 0).empty());
+}
+
+ForceEstimate MakeForce(int count) {
+  ForceEstimate force;
+  force.name = "blow";
+  force.record = 0;
+  force.times = Vector::LinSpaced(count, 0.0, 2.0);
+  force.value = (-((force.times.array() - 0.5) / 0.02).square()).exp() * 1e4;
+  force.sigma = Vector::Constant(count, 100.0);
+  force.lower95 = force.value - 1.96 * force.sigma;
+  force.upper95 = force.value + 1.96 * force.sigma;
+  return force;
+}
+
+TEST_F(FigureTest, ShowsAForceWithItsBandAndTheTruth) {
+  example_->summary.forces = {MakeForce(5001)};
+  const ForceEstimate& force = example_->summary.forces[0];
+  example_->input.force_truths = {{"blow", force.times, 1.01 * force.value}};
+  const Figure figure = MakeForceFigure(example_->input, 0);
+  const std::string svg = Draw(figure);
+  for (const char* text :
+       {"force, N", "time, s", "95 % band", "truth", "identified"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_THAT(figure.caption,
+              AllOf(HasSubstr("blow"), HasSubstr("right where it is largest")));
+  // The close-up is about the blow: 2 s are no part of its axis.
+  EXPECT_THAT(figure.script, HasSubstr("set xrange [0:2]"));
+  EXPECT_THAT(figure.script, HasSubstr("set xrange [0.4"));
+}
+
+// No covariance, no band; the truth of another force is not shown.
+TEST_F(FigureTest, ShowsAForceWithoutABand) {
+  ForceEstimate force = MakeForce(50);
+  force.sigma.setConstant(std::numeric_limits<double>::infinity());
+  force.lower95 = -force.sigma;
+  force.upper95 = force.sigma;
+  example_->summary.forces = {force};
+  example_->input.force_truths = {{"other", force.times, force.value}};
+  const std::string svg = Draw(MakeForceFigure(example_->input, 0));
+  EXPECT_THAT(svg, Not(HasSubstr("band")));
+  EXPECT_THAT(svg, Not(HasSubstr("truth")));
+  force.value[3] = std::numeric_limits<double>::quiet_NaN();
+  example_->summary.forces = {force};
+  EXPECT_TRUE(MakeForceFigure(example_->input, 0).empty());
 }
 
 }  // namespace

@@ -124,6 +124,10 @@ std::string CovarianceSentence(const std::string& method) {
     return "block sandwich: residuals close in time are correlated, and the "
            "intervals allow for it.";
   }
+  if (method == "inflated") {
+    return "inflated: residuals close in time are correlated, and the "
+           "intervals are as if a sample came once per autocorrelation time.";
+  }
   if (method == "input noise") {
     return "input noise: the noise of the measured excitation is carried "
            "through the model into the intervals, beside that of the sensors.";
@@ -250,6 +254,7 @@ class PageMaker {
     AddScores();
     AddEquations();
     AddParameters();
+    AddForces();
     AddModes();
     AddHistories();
     AddLoops();
@@ -268,6 +273,11 @@ class PageMaker {
 
   void PlanFigures() {
     parameter_figure_ = gallery_.Add(MakeParameterFigure(input_));
+    for (size_t f = 0; f < summary_.forces.size(); ++f) {
+      const int figure =
+          gallery_.Add(MakeForceFigure(input_, static_cast<int>(f)));
+      if (figure >= 0) force_figures_.push_back(figure);
+    }
     mode_figure_ = gallery_.Add(MakeModeShapeFigure(input_));
     convergence_figure_ = gallery_.Add(MakeConvergenceFigure(input_));
     for (const Role role : {Role::kHoldout, Role::kTrain}) {
@@ -443,6 +453,11 @@ class PageMaker {
     page_.set("equations", equations);
   }
 
+  void AddForces() {
+    page_.set("has_forces", !force_figures_.empty());
+    page_.set("forces", FigureList(force_figures_));
+  }
+
   void AddModes() {
     const TextTable table = MakeModeTable(input_);
     SetIf("modes", !table.empty(), TableData(table), &page_);
@@ -576,6 +591,7 @@ class PageMaker {
   const HtmlReportOptions& options_;
   Gallery gallery_;
   int parameter_figure_ = -1;
+  std::vector<int> force_figures_;
   int mode_figure_ = -1;
   int convergence_figure_ = -1;
   std::vector<History> histories_;

@@ -248,5 +248,25 @@ TEST(HtmlReport, ShowsEquations) {
   EXPECT_THAT(html, HasSubstr("inclusion probability"));
 }
 
+TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {
+  const auto example = testing::MakeReportExample();
+  const char* heading = "Forces that nobody measured";
+  EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
+              Not(HasSubstr(heading)));
+  ForceEstimate force;
+  force.name = "<blow>";
+  force.record = 0;
+  force.times = Vector::LinSpaced(50, 0.0, 2.0);
+  force.value = force.times.array().sin();
+  force.sigma = Vector::Constant(50, 0.1);
+  force.lower95 = force.value - 2.0 * force.sigma;
+  force.upper95 = force.value + 2.0 * force.sigma;
+  example->summary.forces = {force};
+  const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(html);
+  EXPECT_THAT(html, HasSubstr(heading));
+  EXPECT_THAT(html, HasSubstr("&lt;blow&gt;, the force identified in"));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -74,6 +74,13 @@ struct ReportEquation {
   Vector equation_values;
 };
 
+// What an unknown force was in truth, where a case gives it.
+struct ReportForceTruth {
+  std::string name;
+  Vector times;
+  Vector values;
+};
+
 // Filled by a program; the objects pointed to outlive it. The summary may be
 // that of a failure: what it lacks is left out of the report.
 struct ReportInput {
@@ -89,6 +96,7 @@ struct ReportInput {
   std::vector<ReportRecord> records;  // in the problem's order, or empty
   std::vector<ReportMode> modes;
   std::vector<ReportEquation> equations;
+  std::vector<ReportForceTruth> force_truths;
   // About the data as they were read, a sentence each.
   std::vector<std::string> remarks;
 };

@@ -168,7 +168,7 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
   }
   const Vector& theta = input.model->parameters;
   const LoopMaker maker(input);
-  // The blocks of theta: the groups', if any, then one per law and network.
+  // The blocks of theta: the groups', if any, then one per law.
   int block = dynamics.groups().empty() ? 0 : 1;
   int internal = 2 * dynamics.num_dofs();
   for (const LawTerm& term : dynamics.laws()) {
@@ -190,8 +190,11 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
                }},
               &loops);
   }
-  for (const NetworkTerm& term : dynamics.networks()) {
-    const double* weights = theta.data() + dynamics.block_offset(block++);
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    const NetworkTerm& term = dynamics.networks()[j];
+    const double* weights =
+        theta.data() +
+        dynamics.block_offset(dynamics.network_block(static_cast<int>(j)));
     NetworkWorkspace workspace(*term.network);
     maker.Add(
         {term.name, "network", &term.features, term.network->num_outputs(),
