@@ -24,6 +24,10 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
   input.summary = &summary;
   input.model = &model;
   input.remarks = c.remarks;
+  for (const ReferenceCurve& curve : c.reference_curves) {
+    input.curves.push_back(
+        {curve.term, curve.name, curve.deformation, curve.force});
+  }
 
   const ParameterLayout layout(c.problem);
   const Vector prior = layout.InitialValues();

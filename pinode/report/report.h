@@ -37,6 +37,16 @@ struct ReportRecord {
   std::vector<std::string> channel_units;
 };
 
+// The force of a term as known from elsewhere, to be drawn beside what was
+// identified. The term has one output and resists, or is an acceleration of one
+// uncoupled mass.
+struct ReportCurve {
+  std::string term;
+  std::string name;
+  // Model units; the force resists positive deformation.
+  Vector deformation, force;
+};
+
 // Filled by a program; the objects pointed to outlive it. The summary may be
 // that of a failure: what it lacks is left out of the report.
 struct ReportInput {
@@ -51,6 +61,7 @@ struct ReportInput {
   const IdentifiedModel* model = nullptr;
   std::vector<ReportRecord> records;  // in the problem's order, or empty
   std::vector<ReportMode> modes;
+  std::vector<ReportCurve> curves;
   // About the data as they were read, a sentence each.
   std::vector<std::string> remarks;
 };

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -19,7 +19,9 @@
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
 #include "pinode/case/folded_matrices.h"
+#include "pinode/record/table.h"
 #include "tests/cases/measure.h"
+#include "tests/cases/nsd_twin.h"
 
 namespace pinode {
 namespace testing {
@@ -42,43 +44,31 @@ void ExpectFigure(const std::string& what, double asked, double measured) {
   ExpectFigure(what, asked, asked, measured);
 }
 
-// Quoted for the shell.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) {
-    quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  }
-  return quoted + "'";
-}
-
-// Folder of the case on the measured ground motions, made once a process;
-// empty with a reason where it cannot be made.
+// Folder of the case on the measured ground motions, made once a process and
+// removed with it; empty with a reason where it cannot be made.
 std::string MeasuredFolder(std::string* reason) {
-  static std::string folder;
-  if (!folder.empty()) return folder;
+  struct Folder {
+    std::string path;
+    ~Folder() {
+      std::error_code ignored;
+      if (!path.empty()) std::filesystem::remove_all(path, ignored);
+    }
+  };
+  static Folder folder;
+  if (!folder.path.empty()) return folder.path;
   const std::string measured = MeasuredData();
   if (measured.empty()) {
     *reason = "measured data not at hand; set PINODE_MEASURED_DATA";
     return "";
   }
-  for (const char* python : {"python3", "/usr/bin/python3"}) {
-    const std::string probe =
-        std::string(python) + " -c 'import scipy' 2>/dev/null";
-    if (std::system(probe.c_str()) != 0) continue;
-    const std::string made =
-        ::testing::TempDir() + "/pinode_nsd_" + std::to_string(getpid());
-    const std::string command =
-        python + std::string(" ") +
-        Quoted(PINODE_SOURCE_DIR "/data/nsd/generate.py") + " --measured " +
-        Quoted(measured) + " --output " + Quoted(made);
-    const int status = std::system(command.c_str());
-    EXPECT_EQ(status, 0) << command;
-    if (status == 0) folder = made;
-    *reason = command;
-    return folder;
+  const std::string path =
+      ::testing::TempDir() + "/pinode_nsd_" + std::to_string(getpid());
+  folder.path = path;
+  if (!WriteMeasuredNsd(measured, path, reason)) {
+    folder.path.clear();
+    ADD_FAILURE() << *reason;
   }
-  *reason = "no Python with SciPy to make the records";
-  return "";
+  return folder.path;
 }
 
 // The parameters of network `index` within those of the dynamics.
@@ -386,6 +376,31 @@ TEST_P(Nsd, ElementAndMatricesTogether) {
                WorstEntry(folded.stiffness, TrueMatrix("stiffness")));
   ReportFigure(what + "C, worst entry in parts of the largest", Nothing(),
                WorstEntry(folded.damping, TrueMatrix("damping")));
+}
+
+// The committed records, made with SciPy, against what makes the records on
+// measured ground motions.
+TEST(NsdTwin, RespondsAsTheCommittedRecords) {
+  const std::string folder = PINODE_SOURCE_DIR "/data/nsd/";
+  const NsdTwin twin(folder + "truth.json");
+  for (const char* name : {"phase1_b", "phase2_a", "phase2_b", "holdout"}) {
+    const std::string record = name;
+    const bool holdout = record == "holdout";
+    Table ground, expected;
+    std::string error;
+    ASSERT_TRUE(ReadCsvTable(folder + "ground.csv", {record}, &ground, &error))
+        << error;
+    ASSERT_TRUE(ReadCsvTable(folder + record + (holdout ? ".csv" : "_next.csv"),
+                             {"x1", "x2", "x3"}, &expected, &error))
+        << error;
+    const Matrix states =
+        twin.Respond(ground.values.col(0), record != "phase1_b");
+    ASSERT_EQ(states.rows(), expected.values.rows());
+    // The files have six decimals.
+    EXPECT_LT((states.leftCols(3) - expected.values).cwiseAbs().maxCoeff(),
+              1e-6)
+        << name;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
