@@ -26,6 +26,10 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
   input.summary = &summary;
   input.model = &model;
   input.remarks = c.remarks;
+  for (const ReferenceCurve& curve : c.reference_curves) {
+    input.curves.push_back(
+        {curve.term, curve.name, curve.deformation, curve.force});
+  }
 
   for (const ForceTruth& truth : c.force_truths) {
     input.force_truths.push_back({truth.name, truth.times, truth.values});

@@ -10,7 +10,8 @@ ground.csv (a column per record, in/s^2) and, per record,
   phase2_a phase2_b .csv       as phase1_a, with the device in the first storey
   *_next.csv, holdout.csv      x1..x3 without noise, 30 s
 
-and truth.json.  Everything is sampled at 256 Hz, without a column of time.
+device.csv (the device's force, kip, against the drift, in) and truth.json.
+Everything is sampled at 256 Hz, without a column of time.
 
 The ground motions are synthetic; with --measured they are the records of that
 folder (Takatori, Pacoima Dam; Rinaldi held out), under the same names.  The
@@ -190,6 +191,10 @@ def main():
     reference.write_matrix(os.path.join(output, "K.csv"), prior)
     reference.write_matrix(os.path.join(output, "C.csv"),
                            PRIOR_DAMPING * np.eye(3))
+    drifts = np.array([-1.5, -DEVICE["gap"], DEVICE["gap"], 1.5])
+    reference.write_csv(os.path.join(output, "device.csv"),
+                        ["deformation", "force"],
+                        [drifts, device_force(drifts)], ["%g", "%.6g"])
 
     times = np.arange(int(DURATION * RATE) + 1) / RATE
     trained = int(TRAINING * RATE) + 1

@@ -94,7 +94,7 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   const TomlTable root(*source, "", &errors);
   if (!root.AllowKeys({"title", "units", "model", "group", "element", "library",
                        "network", "unknown_force", "record", "options",
-                       "simulate", "discover"})) {
+                       "simulate", "discover", "reference_curve"})) {
     return false;
   }
   Case c;
@@ -130,7 +130,8 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
       !ReadLibraries(root, context, dynamics.get()) ||
       !ReadUnknownForces(root, context, sections, dynamics.get()) ||
       !ReadNetworks(root, context, dynamics.get()) ||
-      !ReadDiscover(root, *dynamics, &c.discover)) {
+      !ReadDiscover(root, *dynamics, &c.discover) ||
+      !ReadReferenceCurves(root, *dynamics, &c.reference_curves)) {
     return false;
   }
   StructuralDynamics::Prepared prepared;

@@ -10,6 +10,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
+#include "pinode/case/reference_curve_section.h"
 #include "pinode/case/substeps.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
@@ -80,6 +81,9 @@ struct Case {
 
   // [discover]: where pinode_discover looks for equations.
   DiscoveryOptions discover;
+
+  // [[reference_curve]]: what the report draws beside the terms' forces.
+  std::vector<ReferenceCurve> reference_curves;
 
   // Decisions that were taken for the user, one sentence each.
   std::vector<std::string> remarks;

@@ -598,6 +598,25 @@ bool MakeDiscoveredCase(const Case& c, const IdentifiedModel& model,
                     libraries.end());
     if (!equation.terms.empty()) libraries.push_back(LibraryTable(equation));
   }
+  // Curves go on beside what stands for the networks.
+  if (TomlValue* tables = tree.Find("reference_curve")) {
+    std::vector<TomlValue> curves;
+    for (TomlValue curve : tables->elements) {
+      const TomlValue* term = curve.Find("term");
+      bool kept = true;
+      for (const DiscoveredEquation& equation : equations) {
+        if (term == nullptr || term->text != equation.network) continue;
+        kept = !equation.terms.empty();
+        curve.Set("term", TomlValue::String(LibraryName(equation)));
+        break;
+      }
+      if (kept) curves.push_back(std::move(curve));
+    }
+    tree.Erase("reference_curve");
+    if (!curves.empty()) {
+      tree.Set("reference_curve", TomlValue::Array(std::move(curves)));
+    }
+  }
   // Nothing is looked for in what is left.
   tree.Erase("discover");
   tree.Erase("network");

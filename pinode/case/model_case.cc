@@ -37,6 +37,7 @@ class ModelCaseWriter {
   bool Write() {
     return WriteMatrices() && WriteGroups() && SetElements() &&
            SetLibraries() && SetForces() && WriteNetworks() && SetRecords() &&
+           SetReferenceCurves() &&
            WriteFileAtomically(
                Path("model.toml"),
                "# The model after the identification; see the keys' meaning "
@@ -218,6 +219,13 @@ class ModelCaseWriter {
         SetSensor(r, i, &channels->elements[i]);
       }
     }
+    return true;
+  }
+
+  bool SetReferenceCurves() {
+    TomlValue* curves = root_.Find("reference_curve");
+    if (curves == nullptr) return true;
+    for (TomlValue& curve : curves->elements) MovePath(&curve);
     return true;
   }
 

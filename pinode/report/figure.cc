@@ -387,7 +387,11 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
   const bool two_panels = DependsOnRate(loop) && loop.rate.size() == samples;
   figure.half_width = !two_panels;
   Script script(figure.id, two_panels ? 900 : 440, 300);
-  script.Line("unset key");
+  if (loop.known == nullptr) {
+    script.Line("unset key");
+  } else {
+    script.Line("set key top left vertical");
+  }
   script.Line("set multiplot layout 1," + std::string(two_panels ? "2" : "1") +
               " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") +
               ",0.2,0.95 spacing 0.12,0.1");
@@ -400,8 +404,23 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
     script.Line("set xlabel " + GnuplotString(AxisLabel(label, unit)));
     const std::string data =
         script.Data({Column(abscissa.segment(first, count)), Column(force)});
-    script.Line("plot " +
-                Lines(data, "lc rgb '#0072B2' lw 0.9 dt 1", std::string()));
+    const bool beside_known =
+        loop.known != nullptr && &abscissa == &loop.deformation;
+    std::string lines;
+    if (beside_known) {
+      // Where the structure went, and not far beyond.
+      const double low = abscissa.minCoeff(), high = abscissa.maxCoeff();
+      const double margin = 0.05 * (high - low);
+      script.Line(Range("x", low - margin, high + margin));
+      lines = Lines(script.Data({Column(loop.known->deformation),
+                                 Column(loop.known->force)}),
+                    kMeasuredLine, loop.known->name) +
+              ", ";
+    }
+    script.Line("plot " + lines +
+                Lines(data, "lc rgb '#0072B2' lw 0.9 dt 1",
+                      beside_known ? "identified" : std::string()));
+    script.Line("set autoscale x");
   };
   plot(loop.deformation, loop.deformation_name, loop.deformation_unit);
   if (two_panels) plot(loop.rate, loop.rate_name, loop.rate_unit);

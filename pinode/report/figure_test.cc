@@ -109,6 +109,19 @@ TEST_F(FigureTest, ShowsLoopsOfLawsAndNetworks) {
   EXPECT_THAT(svg, HasSubstr("v[u3], m/s<"));
 }
 
+TEST_F(FigureTest, ShowsKnownCurvesBesideLoops) {
+  example_->input.curves.push_back({"spring1", "data sheet",
+                                    Vector::LinSpaced(2, -1.0, 1.0),
+                                    Vector::LinSpaced(2, -2.0, 2.0)});
+  const auto loops = ComputeRestoringForceLoops(example_->input);
+  const std::string svg = Draw(MakeLoopFigure(example_->input, loops[0], 0));
+  EXPECT_THAT(svg, HasSubstr("data sheet<"));
+  EXPECT_THAT(svg, HasSubstr("identified<"));
+  // Others are drawn as ever.
+  EXPECT_THAT(Draw(MakeLoopFigure(example_->input, loops[2], 2)),
+              Not(HasSubstr("identified<")));
+}
+
 TEST_F(FigureTest, ShowsParameterChangesInPerCent) {
   const Figure figure = MakeParameterFigure(example_->input);
   // Groups in per cent of their matrix, elements of their initial value.

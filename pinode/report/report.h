@@ -81,6 +81,16 @@ struct ReportForceTruth {
   Vector values;
 };
 
+// The force of a term as known from elsewhere, to be drawn beside what was
+// identified. The term has one output and resists, or is an acceleration of one
+// uncoupled mass.
+struct ReportCurve {
+  std::string term;
+  std::string name;
+  // Model units; the force resists positive deformation.
+  Vector deformation, force;
+};
+
 // Filled by a program; the objects pointed to outlive it. The summary may be
 // that of a failure: what it lacks is left out of the report.
 struct ReportInput {
@@ -97,6 +107,7 @@ struct ReportInput {
   std::vector<ReportMode> modes;
   std::vector<ReportEquation> equations;
   std::vector<ReportForceTruth> force_truths;
+  std::vector<ReportCurve> curves;
   // About the data as they were read, a sentence each.
   std::vector<std::string> remarks;
 };

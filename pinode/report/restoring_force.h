@@ -12,7 +12,9 @@
 namespace pinode {
 
 // One output of a force law or network along the predicted states of a record:
-// y(t) = g(q(t), z(t); p), with the identified parameters p.
+// y(t) = g(q(t), z(t); p), with the identified parameters p. Of a term with a
+// known curve beside it always the force that resists: for an acceleration y of
+// a mass m, -m y.
 struct RestoringForceLoop {
   std::string term;
   std::string type;    // "cubic", ..., or "network"
@@ -31,6 +33,7 @@ struct RestoringForceLoop {
   // already the abscissa.
   Vector rate;
   Vector force;
+  const ReportCurve* known = nullptr;  // of the input, where there is one
 };
 
 // One entry per output of every law and network, in the model's order, each on
