@@ -48,7 +48,7 @@ struct IdentificationOptions {
   int segment_samples = 0;
 
   // Levenberg-Marquardt iterations in all stages together.
-  int max_num_iterations = 1000;
+  int max_num_iterations = 2000;
 
   // Relative change of the cost that ends a solve.
   double function_tolerance = 1e-10;

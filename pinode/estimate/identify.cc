@@ -58,11 +58,13 @@ constexpr double kAnnealedOutputDecay = 1e-4;
 // Rounds for the decay of networks after the noise levels have settled, before
 // the fit runs to its tolerance.
 constexpr int kEvidenceRounds = 12;
-// A fit has not ended before the number of well-determined parameters changes
-// by less than the first share between rounds (or that many rounds have passed
-// again). Where it changes by more than the second the fit has found another
-// way to explain the data, which is to fade down to what is needed in turn.
+// A fit has not ended before the number of well-determined parameters has
+// changed by less than this share in so many rounds (or kEvidenceRounds have
+// passed again). Where it changes by more than kNewEvidence the fit has found
+// another way to explain the data, which is to fade down to what is needed in
+// turn.
 constexpr double kQuietEvidence = 0.01;
+constexpr int kQuietRounds = 3;
 constexpr double kNewEvidence = 0.1;
 
 // Change of the cost in one iteration at which such a fit has converged.
@@ -699,15 +701,17 @@ bool Trainer::RunStage(int samples, bool last) {
   bool fine = false;
   int evidence_rounds = 0;
   bool quiet = false;  // noise and decay, as of the last round
+  int quiet_rounds = 0;
   for (int round = 0; round < kMaxRounds && IterationsLeft(); ++round) {
     bool converged = false;
-    double tolerance = 1e-3;
-    if (fine) {
+    double tolerance = fine ? options_.function_tolerance : 1e-3;
+    if (networks && single) {
       // The cost is a negative logarithm of likelihood. Networks have valleys
-      // without end; what changes it by less than this cannot be seen.
-      tolerance = networks ? std::clamp(kSmallestChange / current_.cost,
-                                        options_.function_tolerance, 1e-2)
-                           : options_.function_tolerance;
+      // without end; what changes it by less than this cannot be seen. Nor may
+      // the rounds before end any sooner: a network that lies on a plateau
+      // would stay there while the noise comes down.
+      tolerance = std::clamp(kSmallestChange / current_.cost,
+                             options_.function_tolerance, 1e-2);
     }
     const int fine_iterations =
         networks ? kFineNetworkIterations : options_.max_num_iterations;
@@ -727,7 +731,9 @@ bool Trainer::RunStage(int samples, bool last) {
       if (networks) {
         const double change =
             std::abs(summary_->effective_parameters / effective - 1.0);
-        quiet = noise_is_quiet_ && change < kQuietEvidence;
+        quiet_rounds =
+            noise_is_quiet_ && change < kQuietEvidence ? quiet_rounds + 1 : 0;
+        quiet = quiet_rounds >= kQuietRounds;
         if (fine && change > kNewEvidence) {
           fine = false;
           evidence_rounds = 0;

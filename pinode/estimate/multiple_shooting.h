@@ -69,7 +69,7 @@ class MultipleShooting {
     // Or by less than this share of the change of the record's cost since the
     // last linearisation: that is enough to judge a step of the parameters, and
     // the next linearisation takes the rest into account.
-    double start_change_tolerance = 1e-3;
+    double start_change_tolerance = 1e-6;
     int max_start_iterations = 30;
     int num_threads = 1;
   };

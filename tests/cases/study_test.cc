@@ -68,10 +68,10 @@ INSTANTIATE_TEST_SUITE_P(Schemes, FourDofSeeds,
 
 class Coverage : public ::testing::TestWithParam<const char*> {};
 
-// Fresh noise on the clean columns of the case, 2 % of each channel.  Of 100
-// seeds even exact intervals miss more than 10 for one parameter in a hundred,
-// and there are twelve: 300 seeds tell a wrong interval from a lucky draw.
-TEST_P(Coverage, ThreeHundredSeeds) {
+// Fresh noise on the clean columns of the case, 2 % of each channel.  The first
+// hundred seeds are what is promised; all of them tell a wrong interval from an
+// unlucky draw.
+TEST_P(Coverage, HundredAndThreeHundredSeeds) {
   const bool noisy_ground = std::string(GetParam()) == "noisy_ground";
   const std::string folder = "data/three_storey/";
   Table table;
@@ -119,18 +119,23 @@ TEST_P(Coverage, ThreeHundredSeeds) {
           parameter.lower95 <= value && value <= parameter.upper95;
     }
   });
-  std::map<std::string, int> counts;
-  for (const auto& result : covered) {
-    for (const auto& [name, inside] : result) counts[name] += inside;
-  }
-  ASSERT_EQ(counts.size(), 6u);
-  for (const auto& [name, count] : counts) {
-    const double percent = 100.0 * count / kSeeds;
-    ReportFigure(std::string("case 4, ") + GetParam() + ", 300 seeds: " + name +
-                     ", % of the 95 % intervals that hold the truth",
-                 Between(90, 99), percent);
-    EXPECT_GE(percent, 90.0) << name;
-    EXPECT_LE(percent, 99.0) << name;
+  for (const int seeds : {100, kSeeds}) {
+    std::map<std::string, int> counts;
+    for (int seed = 0; seed < seeds; ++seed) {
+      for (const auto& [name, inside] : covered[static_cast<size_t>(seed)]) {
+        counts[name] += inside;
+      }
+    }
+    ASSERT_EQ(counts.size(), 6u);
+    for (const auto& [name, count] : counts) {
+      const double percent = 100.0 * count / seeds;
+      ReportFigure(std::string("case 4, ") + GetParam() + ", " +
+                       std::to_string(seeds) + " seeds: " + name +
+                       ", % of the 95 % intervals that hold the truth",
+                   Between(90, 99), percent);
+      EXPECT_GE(percent, 90.0) << name << ", " << seeds << " seeds";
+      EXPECT_LE(percent, 99.0) << name << ", " << seeds << " seeds";
+    }
   }
 }
 
