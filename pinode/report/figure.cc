@@ -390,11 +390,14 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
   if (loop.known == nullptr) {
     script.Line("unset key");
   } else {
-    script.Line("set key top left vertical");
+    // Above the first panel.
+    script.Line("set key at screen " +
+                std::string(two_panels ? "0.48" : "0.96") + ",0.99 horizontal");
   }
   script.Line("set multiplot layout 1," + std::string(two_panels ? "2" : "1") +
-              " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") +
-              ",0.2,0.95 spacing 0.12,0.1");
+              " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") + ",0.2," +
+              std::string(loop.known != nullptr ? "0.89" : "0.95") +
+              " spacing 0.12,0.1");
   const std::string quantity = loop.is_acceleration ? "acceleration" : "force";
   script.Line("set ylabel " +
               GnuplotString(AxisLabel(quantity, loop.force_unit)));

@@ -211,6 +211,12 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
   }
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
     const NetworkTerm& term = dynamics.networks()[j];
+    // Along the motion a linear map of many inputs is a tangle; it is a share
+    // of K and C, folded into them in the result folder.
+    if (term.network->architecture().hidden_widths.empty() &&
+        term.features.size() > 2) {
+      continue;
+    }
     const double* weights =
         theta.data() +
         dynamics.block_offset(dynamics.network_block(static_cast<int>(j)));

@@ -36,7 +36,8 @@ struct RestoringForceLoop {
   const ReportCurve* known = nullptr;  // of the input, where there is one
 };
 
-// One entry per output of every law and network, in the model's order, each on
+// One entry per output of every law and network (linear networks of more than
+// two inputs left out), in the model's order, each on
 // the record with a finite free run on which its deformation ranges widest.
 // Empty where there is no identified model or no finite free run.
 std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
