@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "apps/program.h"
+#include "apps/progress_line.h"
 #include "apps/reporting.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
@@ -47,6 +48,7 @@ DEFINE_bool(resume, false,
             "continue an interrupted refit from its checkpoint in the output "
             "folder");
 DEFINE_int32(threads, 0, "threads; 0: as the case says");
+DEFINE_bool(progress, true, "show progress on standard error");
 
 int main(int argc, char** argv) {
   using namespace pinode;
@@ -122,26 +124,38 @@ int main(int argc, char** argv) {
   Discovery discovery = WithoutRefit(c, equations);
   if (c.discover.refit && discovery.num_terms() > 0) {
     CatchInterrupts();
-    c.options.callback = [](const IdentificationProgress&) {
+    ProgressLine line(FLAGS_progress);
+    std::string which;
+    c.options.callback = [&](const IdentificationProgress& progress) {
+      line.Show(which, progress);
       return !Interrupted();
     };
     auto written = std::chrono::steady_clock::time_point();
+    bool warned = false;
     c.discover.on_equations =
-        [&](const std::vector<DiscoveredEquation>& current) {
+        [&](int fit, const std::vector<DiscoveredEquation>& current) {
+          size_t terms = 0;
+          for (const DiscoveredEquation& equation : current) {
+            terms += equation.terms.size();
+          }
+          which = "fit " + std::to_string(fit) + ", " + std::to_string(terms) +
+                  (terms == 1 ? " term  " : " terms  ");
           const auto now = std::chrono::steady_clock::now();
           if (now - written < std::chrono::seconds(1)) return;
           written = now;
           std::string problem;
           if (!WriteDiscoverCheckpoint(folder.checkpoint_path(), problem_hash,
-                                       current, &problem)) {
+                                       current, &problem) &&
+              !warned) {
             std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
+            warned = true;
           }
         };
-    if (!RefitEquations(c, checkpoint.model, equations,
-                        resumed.empty() ? nullptr : &resumed, &discovery,
-                        &error)) {
-      return Refuse(error);
-    }
+    const bool refitted = RefitEquations(c, checkpoint.model, equations,
+                                         resumed.empty() ? nullptr : &resumed,
+                                         &discovery, &error);
+    line.End();
+    if (!refitted) return Refuse(error);
   }
   const bool interrupted =
       discovery.refitted &&

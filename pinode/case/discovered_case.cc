@@ -491,12 +491,12 @@ class Refitter {
     std::vector<int> substeps = substeps_;
     for (int& count : substeps) count *= factor;
     IdentifiedModel initial;
-    if (!MakeDiscoveredCase(fitted_ ? discovery_.discovered : c_, last_model_,
-                            discovery_.equations, substeps,
+    if (!MakeDiscoveredCase(num_fits_ > 0 ? discovery_.discovered : c_,
+                            last_model_, discovery_.equations, substeps,
                             &discovery_.discovered, &initial, error_)) {
       return false;
     }
-    fitted_ = true;
+    ++num_fits_;
     discovery_.refitted = true;
     discovery_.step_refinement = factor;
     Identify(discovery_.discovered.problem, Options(), &initial,
@@ -531,7 +531,7 @@ class Refitter {
           if (found != values.end()) term.coefficient = found->second;
         }
       }
-      c_.discover.on_equations(equations);
+      c_.discover.on_equations(num_fits_, equations);
       return !c_.options.callback || c_.options.callback(progress);
     };
     return options;
@@ -561,7 +561,7 @@ class Refitter {
   IdentifiedModel last_model_;
   std::vector<int> substeps_;
   double price_ = 0.0;
-  bool fitted_ = false;
+  int num_fits_ = 0;
   bool exact_ = true;
 };
 

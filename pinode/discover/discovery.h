@@ -80,9 +80,11 @@ struct DiscoveryOptions {
   // missed, by the same price.
   bool search = true;
 
-  // Called in every iteration of the refit with the equations as they are: what
-  // a program saves.
-  std::function<void(const std::vector<DiscoveredEquation>&)> on_equations;
+  // Called in every iteration of the refit, before the callback of the fit's
+  // options, with the equations as they are, what a program saves, and which of
+  // the refit's fits it is, from 1.
+  std::function<void(int fit, const std::vector<DiscoveredEquation>&)>
+      on_equations;
 
   const Output* Find(const std::string& output) const;
 
