@@ -72,13 +72,14 @@ TEST_P(DiscoverFromNoisyRecords, FindsExactlyTheTrueTerms) {
   ReportFigure(what + "worst stiffness term, of the chain's own", AtMost(limit),
                found.worst_stiffness);
   EXPECT_LT(found.worst_stiffness, limit);
-  // Beside twenty other unknowns the records of scheme 2 hold the cubic
-  // coefficient to 0.5 % (standard deviation) for each per cent of noise; three
-  // of these are allowed.
-  const double cubic_limit = scheme == "scheme2" ? 0.015 * percent : limit;
-  ReportFigure(what + "cubic term, relative", AtMost(cubic_limit),
-               found.worst_cubic);
-  EXPECT_LT(found.worst_cubic, cubic_limit);
+  // Asked of the stiffness terms. For the cubic one among them that is out of
+  // reach in scheme 2: beside twenty other unknowns no unbiased estimate of its
+  // coefficient has a standard deviation below 0.5 % for each per cent of
+  // noise, so that one draw in three misses what is asked at 1 % noise. The
+  // figure is reported against what is asked; the test holds three standard
+  // deviations.
+  ReportFigure(what + "cubic term, relative", AtMost(limit), found.worst_cubic);
+  EXPECT_LT(found.worst_cubic, scheme == "scheme2" ? 0.015 * percent : limit);
 }
 
 INSTANTIATE_TEST_SUITE_P(
