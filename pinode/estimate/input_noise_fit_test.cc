@@ -161,6 +161,12 @@ TEST_P(InputNoiseFitTest, EqualsTheJointFitByCeres) {
     EXPECT_NEAR(ground.fit.free[i], theta[i], 1e-3 * std::sqrt(expected(i, i)));
   }
   EXPECT_NEAR(ground.fit.cost, summary.final_cost, 1e-4 * summary.final_cost);
+  InputNoiseFit at = ground.fit;
+  ASSERT_TRUE(InputNoiseCovariance(ground.problem, *ground.layout,
+                                   MultipleShooting::Options(), Vector(), &at));
+  // Without the errors of the excitation that the fit has found.
+  EXPECT_LT((at.covariance.covariance - expected).norm(),
+            0.2 * expected.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(
