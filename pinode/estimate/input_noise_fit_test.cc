@@ -40,9 +40,9 @@ struct NoisyGround {
       channel.sigma = sigma_given * sigma[c];
     }
     record.channels[0].values[7] = std::nan("");
-    const Matrix noise = kInputNoise * random.Draw(samples).transpose();
-    record.excitation.emplace(0.0, 0.05, record.excitation->samples() + noise,
-                              interpolation);
+    const Matrix measured = record.excitation->samples() +
+                            kInputNoise * random.Draw(samples).transpose();
+    record.excitation.emplace(0.0, 0.05, measured, interpolation);
     record.input_sigma = Vector::Constant(1, kInputNoise);
     record.start = start;
     problem.records.push_back(record);
