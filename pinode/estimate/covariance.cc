@@ -125,6 +125,32 @@ double StudentQuantile(double degrees) {
              (92160.0 * d * d * d * d);
 }
 
+bool InvertInformation(const Matrix& information, Matrix* inverse_root,
+                       Matrix* null_space) {
+  const int n = static_cast<int>(information.rows());
+  // Unit diagonal: what is small then is small in every unit.
+  Vector scale(n);
+  for (int i = 0; i < n; ++i) {
+    scale[i] = information(i, i) > 0.0 ? std::sqrt(information(i, i)) : 1.0;
+  }
+  const Vector inverse_scale = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
+      inverse_scale.asDiagonal() * information * inverse_scale.asDiagonal());
+  if (eigen.info() != Eigen::Success) return false;
+  const double threshold = 1e-13 * n * eigen.eigenvalues().maxCoeff();
+  Vector inverse_values(n);
+  int null = 0;
+  for (int i = 0; i < n; ++i) {
+    const double value = eigen.eigenvalues()[i];
+    if (value <= threshold) ++null;
+    inverse_values[i] = 1.0 / std::max(value, threshold);
+  }
+  *null_space = eigen.eigenvectors().leftCols(null);
+  *inverse_root = inverse_scale.asDiagonal() * eigen.eigenvectors() *
+                  inverse_values.cwiseSqrt().asDiagonal();
+  return inverse_root->allFinite();
+}
+
 bool EstimateCovariance(const IdentificationProblem& problem,
                         const ParameterLayout& layout,
                         IdentificationOptions::Covariance choice,
@@ -139,34 +165,18 @@ bool EstimateCovariance(const IdentificationProblem& problem,
     return false;
   }
   const int n = layout.num_free();
-  // Unit diagonal: what is small then is small in every unit.
-  Vector scale(n);
-  for (int i = 0; i < n; ++i) {
-    scale[i] =
-        system.hessian(i, i) > 0.0 ? std::sqrt(system.hessian(i, i)) : 1.0;
+  Matrix inverse_root;
+  if (!InvertInformation(system.hessian, &inverse_root,
+                         &estimate->null_space)) {
+    return false;
   }
-  const Vector inverse_scale = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
-      inverse_scale.asDiagonal() * system.hessian * inverse_scale.asDiagonal());
-  if (eigen.info() != Eigen::Success) return false;
-  const double threshold = 1e-13 * n * eigen.eigenvalues().maxCoeff();
-  Vector inverse_values(n);
-  int null = 0;
-  for (int i = 0; i < n; ++i) {
-    const double value = eigen.eigenvalues()[i];
-    if (value <= threshold) ++null;
-    inverse_values[i] = 1.0 / std::max(value, threshold);
-  }
-  estimate->null_space = eigen.eigenvectors().leftCols(null);
-  const Matrix inverse_root = inverse_scale.asDiagonal() *
-                              eigen.eigenvectors() *
-                              inverse_values.cwiseSqrt().asDiagonal();
   const Matrix inverse = inverse_root * inverse_root.transpose();
 
   bool noisy_input = false;
   for (int r : shooting->train_records()) {
-    const Vector& sigma = problem.records[static_cast<size_t>(r)].input_sigma;
-    noisy_input = noisy_input || (sigma.size() > 0 && sigma.maxCoeff() > 0.0);
+    noisy_input =
+        noisy_input ||
+        !problem.records[static_cast<size_t>(r)].NoisyInputs().empty();
   }
   using Covariance = IdentificationOptions::Covariance;
   estimate->quantile = StudentQuantile(1e6);
@@ -229,12 +239,13 @@ bool EstimateCovariance(const IdentificationProblem& problem,
         weights.row(row) /= sigmas[t][row % nc];
       }
       Vector induced = Vector::Zero(nc);  // sum of squares, units of sigma^2
-      for (int input = 0; input < data.input_sigma.size(); ++input) {
-        const double sigma = data.input_sigma[input];
-        if (!(sigma > 0.0)) continue;
+      const std::vector<int> inputs = data.NoisyInputs();
+      const LinearizedRecord linearized = LinearizeRecord(
+          problem, layout, record, inputs, parameters, states[t]);
+      for (size_t j = 0; j < inputs.size(); ++j) {
         const Matrix effect =
-            sigma * InputSensitivity(problem, layout, record, input, parameters,
-                                     states[t], weights);
+            data.input_sigma[inputs[j]] *
+            InputSensitivity(linearized, static_cast<int>(j), weights);
         middle.noalias() += effect.topRows(n) * effect.topRows(n).transpose();
         for (int c = 0; c < nc; ++c) {
           induced[c] +=

@@ -15,7 +15,8 @@ namespace pinode {
 struct CovarianceEstimate {
   // Of all free parameters, num_free x num_free.
   Matrix covariance;
-  // "plain", "sandwich", "inflated" or "input noise".
+  // "plain", "sandwich", "inflated", "input noise"; from FitWithInputNoise
+  // "errors in variables".
   std::string method;
   // Half-width of the 95 % interval in standard deviations.
   double quantile = 1.96;
@@ -52,6 +53,13 @@ struct CovarianceEstimate {
                                       const std::vector<Vector>& sigmas,
                                       MultipleShooting* shooting,
                                       CovarianceEstimate* estimate);
+
+// A root R of the inverse of an information matrix (n x n, symmetric), so that
+// R R' is the covariance, n x n, and the unit vectors (scaled by each
+// parameter's own information) along which there is none within rounding, which
+// R gives a very large variance. False where the matrix is not finite.
+[[nodiscard]] bool InvertInformation(const Matrix& information,
+                                     Matrix* inverse_root, Matrix* null_space);
 
 // Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
 // its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65

@@ -60,8 +60,10 @@ struct IdentificationOptions {
   RobustLoss loss = RobustLoss::kNone;
   double loss_scale = 3.0;  // in units of sigma
 
-  // kAuto: input-noise covariance where an input has noise, block-sandwich
-  // where residuals are autocorrelated, else the plain inverse Hessian.
+  // kAuto: where an input has noise, its errors are unknowns of the fit
+  // (FitWithInputNoise) or, where that cannot be, enter the covariance;
+  // block-sandwich where residuals are autocorrelated; else the plain inverse
+  // Hessian. The others are of the fit that takes the excitation as exact.
   Covariance covariance = Covariance::kAuto;
 
   // Number of starts for multistart; the first is the given one, the others

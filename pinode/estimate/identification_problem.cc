@@ -5,6 +5,14 @@
 
 namespace pinode {
 
+std::vector<int> IdentificationRecord::NoisyInputs() const {
+  std::vector<int> inputs;
+  for (int i = 0; i < input_sigma.size(); ++i) {
+    if (input_sigma[i] > 0.0) inputs.push_back(i);
+  }
+  return inputs;
+}
+
 int IdentificationProblem::num_train_records() const {
   int count = 0;
   for (const IdentificationRecord& record : records) {

@@ -54,6 +54,9 @@ struct IdentificationRecord {
   // Runge-Kutta steps per sample, see ChooseSubsteps.
   int substeps = 1;
 
+  // Indices of the inputs that have noise.
+  std::vector<int> NoisyInputs() const;
+
   int num_samples() const { return excitation->num_samples(); }
   double sampling_step() const { return excitation->step(); }
 };

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
@@ -18,6 +19,7 @@
 #include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/input_noise_fit.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -143,23 +145,31 @@ class Trainer {
         summary_(summary),
         layout_(problem),
         begin_(std::chrono::steady_clock::now()) {
-    MultipleShooting::Options shooting;
-    shooting.derivatives = options.derivatives;
-    shooting.loss = options.loss;
-    shooting.loss_scale = options.loss_scale;
-    shooting.num_threads = options.num_threads;
-    shooting_ = std::make_unique<MultipleShooting>(problem, layout_, shooting);
+    shooting_options_.derivatives = options.derivatives;
+    shooting_options_.loss = options.loss;
+    shooting_options_.loss_scale = options.loss_scale;
+    shooting_options_.num_threads = options.num_threads;
+    shooting_ =
+        std::make_unique<MultipleShooting>(problem, layout_, shooting_options_);
   }
 
   // Runs all stages from the values given. False, with the summary's message,
   // where nothing finite came out.
   bool Run(const Vector& parameters, const IdentifiedModel* initial);
 
+  // Set where the fit ended with the excitation's errors as unknowns.
+  const std::optional<InputNoiseFit>& input_noise() const {
+    return input_noise_;
+  }
+
   const Solution& best() const { return best_; }
   int stage() const { return stage_; }
   bool interrupted() const { return interrupted_; }
   const ParameterLayout& layout() const { return layout_; }
   MultipleShooting* shooting() { return shooting_.get(); }
+  const MultipleShooting::Options& shooting_options() const {
+    return shooting_options_;
+  }
   bool converged() const { return converged_; }
   Vector Parameters(const Vector& free) const {
     Vector all = layout_.InitialValues();
@@ -170,6 +180,10 @@ class Trainer {
  private:
   class Callback;
 
+  // Tells the caller where the fit is; false where it is to stop.
+  bool GoOn(const Vector& free, double cost);
+  // The last step of a fit with a noisy excitation, where it is possible.
+  void FitInputNoise();
   double SmallestNoise(const MeasuredChannel& channel) const;
   void SetInitialNoise(const IdentifiedModel* initial);
   // What a fit goes on with, without starts: these values, or, while annealed
@@ -215,6 +229,7 @@ class Trainer {
   const IdentificationOptions& options_;
   IdentificationSummary* summary_;
   ParameterLayout layout_;
+  MultipleShooting::Options shooting_options_;
   std::unique_ptr<MultipleShooting> shooting_;
   std::chrono::steady_clock::time_point begin_;
   Vector first_free_;  // as the run began
@@ -224,6 +239,7 @@ class Trainer {
   std::vector<Vector> annealed_to_;
   Solution current_;
   Solution best_;
+  std::optional<InputNoiseFit> input_noise_;
   bool noise_is_quiet_ = false;
   bool interrupted_ = false;
   bool converged_ = false;
@@ -263,29 +279,8 @@ class Trainer::Callback final : public ceres::IterationCallback {
             << " cost " << record.cost << " gap " << record.largest_gap
             << " radius " << record.trust_region_radius
             << (record.accepted ? "" : " rejected");
-    if (trainer_->options_.callback) {
-      const IdentifiedModel model = trainer_->ModelToKeep(*free_);
-      IdentificationProgress progress;
-      progress.model = &model;
-      progress.stage = record.stage;
-      progress.num_stages = trainer_->num_stages_;
-      progress.segment_samples = record.segment_samples;
-      progress.iteration = record.iteration;
-      progress.cost = record.cost;
-      progress.largest_gap = record.largest_gap;
-      progress.free_run_error = trainer_->free_run_error_;
-      progress.elapsed_seconds = record.seconds;
-      if (record.iteration > 0) {
-        progress.expected_seconds = record.seconds *
-                                    trainer_->options_.max_num_iterations /
-                                    record.iteration;
-      }
-      if (!trainer_->options_.callback(progress)) {
-        trainer_->interrupted_ = true;
-        return ceres::SOLVER_ABORT;
-      }
-    }
-    return ceres::SOLVER_CONTINUE;
+    return trainer_->GoOn(*free_, record.cost) ? ceres::SOLVER_CONTINUE
+                                               : ceres::SOLVER_ABORT;
   }
 
  private:
@@ -293,6 +288,29 @@ class Trainer::Callback final : public ceres::IterationCallback {
   const Vector* free_;
   int first_iteration_;
 };
+
+bool Trainer::GoOn(const Vector& free, double cost) {
+  if (!options_.callback) return true;
+  const IdentifiedModel model = ModelToKeep(free);
+  IdentificationProgress progress;
+  progress.model = &model;
+  progress.stage = stage_;
+  progress.num_stages = num_stages_;
+  progress.segment_samples = stage_samples_;
+  progress.iteration =
+      summary_->iterations.empty() ? 0 : summary_->iterations.back().iteration;
+  progress.cost = cost;
+  progress.largest_gap = shooting_->LargestGap();
+  progress.free_run_error = free_run_error_;
+  progress.elapsed_seconds = Seconds(begin_);
+  if (progress.iteration > 0) {
+    progress.expected_seconds = progress.elapsed_seconds *
+                                options_.max_num_iterations /
+                                progress.iteration;
+  }
+  interrupted_ = interrupted_ || !options_.callback(progress);
+  return !interrupted_;
+}
 
 double Trainer::SmallestNoise(const MeasuredChannel& channel) const {
   const double floor =
@@ -839,7 +857,35 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
                   !summary_->stages.back().rolled_back;
     if (interrupted_ || !IterationsLeft()) break;
   }
+  if (converged_ && !interrupted_) FitInputNoise();
   return true;
+}
+
+void Trainer::FitInputNoise() {
+  if (!summary_->single_shooting ||
+      options_.covariance != IdentificationOptions::Covariance::kAuto ||
+      !CanFitWithInputNoise(problem_, options_.loss)) {
+    return;
+  }
+  InputNoiseFit fit;
+  fit.free = best_.free;
+  fit.sigmas = best_.sigmas;
+  fit.trajectories = best_.trajectories;
+  std::string error;
+  if (FitWithInputNoise(
+          problem_, layout_, shooting_options_, best_.decays,
+          [this](const Vector& free, double cost) { return GoOn(free, cost); },
+          &fit, &error)) {
+    best_.free = fit.free;
+    best_.sigmas = fit.sigmas;
+    best_.trajectories = fit.trajectories;
+    best_.cost = fit.cost;
+    input_noise_ = std::move(fit);
+  } else if (!interrupted_) {
+    LOG(WARNING) << "the noise of the excitation enters the intervals alone: "
+                    "with the excitation's errors as unknowns, "
+                 << error;
+  }
 }
 
 // What the estimate says about one parameter.
@@ -1212,12 +1258,10 @@ void Identify(const IdentificationProblem& problem,
   const Solution& solution = best->best();
   const ParameterLayout& layout = best->layout();
   MultipleShooting* shooting = best->shooting();
-  model->parameters = best->Parameters(solution.free);
   model->decays = solution.decays;
   model->stage = best->converged() ? 0 : best->stage();
   summary->decays.assign(solution.decays.data(),
                          solution.decays.data() + solution.decays.size());
-  summary->final_cost = solution.cost;
   if (!summary->iterations.empty()) {
     summary->initial_cost = summary->iterations.front().cost;
   }
@@ -1234,16 +1278,31 @@ void Identify(const IdentificationProblem& problem,
   shooting->SetSegments(
       summary->single_shooting ? 0 : summary->stages.back().segment_samples,
       solution.trajectories);
-  double cost = 0.0;
   CovarianceEstimate covariance;
-  const bool evaluated = shooting->Evaluate(solution.free, &cost);
-  const std::vector<Matrix> starts = shooting->starts();
-  shooting->SetDecays(
-      BandDecays(problem, layout, shooting->train_records(), solution.decays));
-  const bool has_covariance =
-      evaluated &&
-      EstimateCovariance(problem, layout, options.covariance, solution.free,
-                         solution.sigmas, shooting, &covariance);
+  const Vector band_decays =
+      BandDecays(problem, layout, shooting->train_records(), solution.decays);
+  bool has_covariance = false;
+  std::vector<Matrix> starts;
+  if (best->input_noise().has_value()) {
+    InputNoiseFit fit = *best->input_noise();
+    starts = fit.starts;
+    has_covariance = problem.dynamics->unknown_forces().empty() ||
+                     InputNoiseCovariance(problem, layout,
+                                          best->shooting_options(), band_decays,
+                                          &fit);
+    covariance = fit.covariance;
+  } else {
+    double cost = 0.0;
+    const bool evaluated = shooting->Evaluate(solution.free, &cost);
+    starts = shooting->starts();
+    shooting->SetDecays(band_decays);
+    has_covariance =
+        evaluated &&
+        EstimateCovariance(problem, layout, options.covariance, solution.free,
+                           solution.sigmas, shooting, &covariance);
+  }
+  summary->final_cost = solution.cost;
+  model->parameters = best->Parameters(solution.free);
   ScoreEverything(problem, layout.InitialValues(), model->parameters,
                   shooting->train_records(), starts, solution.sigmas, summary,
                   model);

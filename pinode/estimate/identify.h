@@ -17,7 +17,8 @@ namespace pinode {
 //      weight decay are re-estimated between its rounds,
 //   3. the free run over the whole record is scored; a stage that makes it
 //      worse is undone,
-//   4. covariance and scores.
+//   4. where the excitation is noisy, its errors become unknowns,
+//   5. covariance and scores.
 //
 // `initial`: parameters and noise to start from (nullptr: the problem's own).
 // Never throws and never aborts on data: the outcome, good or bad, is in

@@ -39,7 +39,8 @@ TEST_P(InputSensitivityTest, EqualsDifferencesOfTheFreeRun) {
 
   const Matrix weights = Matrix::Random(nc * samples, 2);
   const Matrix effect = InputSensitivity(
-      problem, layout, 0, 0, layout.InitialValues(), states, weights);
+      LinearizeRecord(problem, layout, 0, {0}, layout.InitialValues(), states),
+      0, weights);
   ASSERT_EQ(effect.rows(), 2);
   ASSERT_EQ(effect.cols(), samples);
   for (int i = 0; i < samples; ++i) {

@@ -132,6 +132,10 @@ std::string CovarianceSentence(const std::string& method) {
     return "input noise: the noise of the measured excitation is carried "
            "through the model into the intervals, beside that of the sensors.";
   }
+  if (method == "errors in variables") {
+    return "errors in variables: the errors of the measured excitation are "
+           "unknowns of the fit, within the noise that the case gives it.";
+  }
   return method;
 }
 

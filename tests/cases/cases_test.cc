@@ -156,7 +156,8 @@ TEST_P(ThreeStorey, FindsStoreysAndSpring) {
   const CaseRun run = RunCase(
       ReadCaseOrFail(std::string("data/three_storey/") + GetParam() + ".toml"));
   EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  EXPECT_EQ(run.summary.covariance_method, noisy ? "input noise" : "plain");
+  EXPECT_EQ(run.summary.covariance_method,
+            noisy ? "errors in variables" : "plain");
   const std::string truth = "data/three_storey/truth.json";
   const std::string what = std::string("case 4, ") + GetParam() + ": ";
   double worst = 0.0;
