@@ -108,7 +108,7 @@ std::vector<ReportEquation> MakeReportEquations(const Case& c,
     }
     report.source_values = equation.sample_outputs;
     report.equation_values = Vector::Zero(equation.sample_outputs.size());
-    std::vector<bool> used(equation.features.size(), false);
+    std::vector<Vector> parts(equation.features.size());
     for (const EquationTerm& term : discovery.terms[e]) {
       report.terms.push_back({term.basis, term.unit, term.coefficient,
                               term.lower95, term.upper95, term.from_network,
@@ -118,17 +118,20 @@ std::vector<ReportEquation> MakeReportEquations(const Case& c,
       CHECK(LibraryFunction::Parse(term.basis, equation.feature_names,
                                    &function, &error))
           << error;
-      for (size_t f = 0; f < used.size(); ++f) {
-        used[f] = used[f] || function.DependsOn(static_cast<int>(f));
-      }
-      for (Eigen::Index i = 0; i < report.equation_values.size(); ++i) {
+      Vector values(report.equation_values.size());
+      for (Eigen::Index i = 0; i < values.size(); ++i) {
         const Vector at = equation.sample_features.row(i).transpose();
-        report.equation_values[i] +=
-            term.coefficient * function.Evaluate(at.data());
+        values[i] = term.coefficient * function.Evaluate(at.data());
+      }
+      report.equation_values += values;
+      for (size_t f = 0; f < parts.size(); ++f) {
+        if (!function.DependsOn(static_cast<int>(f))) continue;
+        if (parts[f].size() == 0) parts[f] = Vector::Zero(values.size());
+        parts[f] += values;
       }
     }
-    for (size_t f = 0; f < used.size(); ++f) {
-      if (!used[f]) continue;
+    for (size_t f = 0; f < parts.size(); ++f) {
+      if (parts[f].size() == 0) continue;
       const Feature& feature = equation.features[f];
       report.features.push_back(
           {equation.feature_names[f],
@@ -136,7 +139,8 @@ std::vector<ReportEquation> MakeReportEquations(const Case& c,
            : feature.OnVelocity()   ? UnitName(Dimension::kVelocity, c.units)
            : feature.kind == Feature::Kind::kTime ? c.units.time
                                                   : "",
-           equation.sample_features.col(static_cast<Eigen::Index>(f))});
+           equation.sample_features.col(static_cast<Eigen::Index>(f)),
+           parts[f]});
     }
     result.push_back(std::move(report));
   }

@@ -275,12 +275,12 @@ class EquationFinder {
         selection.num_independent / static_cast<double>(output().y.size()),
         1e-6, 1.0);
     Ensemble ensemble;
-    if (!RunEnsemble(
-            problem_,
-            options_.solver == DiscoveryOptions::Solver::kStlsq
-                ? StlsqLearner(stlsq)
-                : LassoLearner(LassoOptions(), SelectionOptions(), fraction),
-            ensemble_options, &ensemble, error)) {
+    if (!RunEnsemble(problem_,
+                     options_.solver == DiscoveryOptions::Solver::kStlsq
+                         ? StlsqLearner(stlsq)
+                         : LassoLearnerWithin(Tolerance(), LassoOptions(),
+                                              SelectionOptions(), fraction),
+                     ensemble_options, &ensemble, error)) {
       *error = Place() + *error;
       return false;
     }

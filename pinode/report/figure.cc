@@ -23,7 +23,9 @@ constexpr int kCloseUpBuckets = 200;
 constexpr int kMaxLoopSamples = 2000;
 constexpr int kMaxModes = 6;
 constexpr int kMaxParameters = 40;
-constexpr int kMaxPanels = 4;
+constexpr int kMaxPanels = 6;
+// Of a known force: fewer in a panel are drawn as dots.
+constexpr int kFewSamples = 50;
 // A dot takes ten times the bytes of a point on a line.
 constexpr int kMaxDots = 900;
 
@@ -474,11 +476,13 @@ Figure MakeEquationFigure(const ReportEquation& equation, int number) {
   for (int k = 0; k < panels; ++k) {
     const ReportEquation::Axis& axis =
         equation.features[static_cast<size_t>(k)];
+    // What depends on other features alone would scatter the dots of a sum.
     std::vector<double> x, regressed, said;
     for (int i = 0; i < samples; i += stride) {
       x.push_back(axis.values[i]);
-      regressed.push_back(equation.source_values[i]);
-      said.push_back(equation.equation_values[i]);
+      said.push_back(axis.part[i]);
+      regressed.push_back(equation.source_values[i] -
+                          (equation.equation_values[i] - axis.part[i]));
     }
     script.Line("set xlabel " + GnuplotString(AxisLabel(axis.name, axis.unit)));
     const std::string below = script.Data({x, regressed});
@@ -490,9 +494,10 @@ Figure MakeEquationFigure(const ReportEquation& equation, int number) {
   }
   script.Line("unset multiplot");
   figure.script = script.text();
-  figure.caption = equation.output + ": " + equation.source +
-                   " (grey) and the equation in its place (blue) along the "
-                   "training records";
+  figure.caption = equation.output + " over each feature, along the training " +
+                   "records: the equation's terms in that feature (blue), and "
+                   "what they stand for, " +
+                   equation.source + " less the other terms (grey)";
   const int left_out = static_cast<int>(equation.features.size()) - panels;
   if (left_out > 0) {
     figure.caption +=
@@ -570,6 +575,7 @@ Figure MakeForceFigure(const ReportInput& input, int force) {
   if (truth != nullptr) others.push_back(truth->values);
   const Interval range = VerticalRange(estimate.value, others);
   script.Line(Range("y", range.low, range.high));
+  bool dots = false;
   const auto plot = [&](int from, int size, bool titles) {
     const Vector times = estimate.times.segment(from, size);
     script.Line(Range("x", times[0], times[size - 1]));
@@ -591,7 +597,21 @@ Figure MakeForceFigure(const ReportInput& input, int force) {
     if (truth != nullptr) {
       const Polyline line =
           DecimateHistory(truth->times, truth->values, 2 * kHistoryBuckets);
-      if (!line.x.empty()) {
+      const auto shown = std::count_if(
+          truth->times.begin(), truth->times.end(), [&](double time) {
+            return times[0] <= time && time <= times[size - 1];
+          });
+      if (!titles && shown < kFewSamples) {
+        // Between its samples a blow is not what a straight line makes of it.
+        dots = true;
+        curves.push_back(
+            script.Data(
+                {std::vector<double>(truth->times.begin(), truth->times.end()),
+                 std::vector<double>(truth->values.begin(),
+                                     truth->values.end())}) +
+            " using 1:2 with points pt 7 ps 0.5 lc rgb '#333333' "
+            "notitle");
+      } else if (!line.x.empty()) {
         curves.push_back(Lines(script.Data({line.x, line.y}), kTrueLine,
                                titles ? "truth" : ""));
       }
@@ -610,7 +630,9 @@ Figure MakeForceFigure(const ReportInput& input, int force) {
   figure.script = script.text();
   figure.caption = estimate.name + ", the force identified in " +
                    RecordWithRole(input, estimate.record) +
-                   "; on the right where it is largest.";
+                   "; on the right where it is largest" +
+                   (dots ? ", the dots being the truth at its samples" : "") +
+                   ".";
   return figure;
 }
 

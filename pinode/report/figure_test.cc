@@ -181,8 +181,10 @@ ReportEquation CubicEquation() {
   equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.0, -2.1, -1.9, -1.8,
                      std::numeric_limits<double>::quiet_NaN()}};
   const Vector x = Vector::LinSpaced(1500, -1.0, 1.0);
-  equation.features = {{"x[u1]", "m", x}, {"v[u1]", "m/s", x.reverse()}};
-  equation.equation_values = -2.0 * x.array().cube();
+  const Vector v = x.reverse();
+  const Vector cubic = -2.0 * x.array().cube();
+  equation.features = {{"x[u1]", "m", x, cubic}, {"v[u1]", "m/s", v, -0.3 * v}};
+  equation.equation_values = cubic - 0.3 * v;
   equation.source_values = equation.equation_values.array() + 0.01;
   return equation;
 }
@@ -193,7 +195,13 @@ TEST_F(FigureTest, ShowsAnEquationOverEachFeature) {
   for (const char* text : {"x[u1], m", "v[u1], m/s", "u1, m/s\u00b2"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
-  EXPECT_THAT(figure.caption, HasSubstr("u1: network nn1"));
+  EXPECT_THAT(figure.caption, HasSubstr("network nn1 less the other terms"));
+  // At the first sample: -2 x^3 = 2 and -0.3 v = -0.3, each by itself, beside
+  // what the network has beyond the other, 0.01 more.
+  for (const char* text :
+       {"\n-1 2\n", "\n-1 2.01\n", "\n1 -0.3\n", "\n1 -0.29\n"}) {
+    EXPECT_THAT(figure.script, HasSubstr(text));
+  }
   ReportEquation nothing = CubicEquation();
   nothing.features.clear();
   EXPECT_TRUE(MakeEquationFigure(nothing, 0).empty());
@@ -236,6 +244,14 @@ TEST_F(FigureTest, ShowsAForceWithItsBandAndTheTruth) {
   // The close-up is about the blow: 2 s are no part of its axis.
   EXPECT_THAT(figure.script, HasSubstr("set xrange [0:2]"));
   EXPECT_THAT(figure.script, HasSubstr("set xrange [0.4"));
+  EXPECT_THAT(figure.caption, Not(HasSubstr("dots")));
+  // A truth of few samples there says nothing of what is between them.
+  const Vector times = Vector::LinSpaced(201, 0.0, 2.0);
+  example_->input.force_truths = {{"blow", times, Vector::Ones(201)}};
+  const Figure coarse = MakeForceFigure(example_->input, 0);
+  EXPECT_THAT(coarse.caption, HasSubstr("dots being the truth at its samples"));
+  EXPECT_THAT(coarse.script, HasSubstr("with points"));
+  EXPECT_THAT(Draw(coarse), HasSubstr("truth"));
 }
 
 // No covariance, no band; the truth of another force is not shown.

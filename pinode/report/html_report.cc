@@ -419,8 +419,7 @@ class PageMaker {
       std::vector<TextTable::Column> columns = {
           {"term", TextTable::Align::kLeft},
           {"coefficient", TextTable::Align::kDecimal},
-          {"95 %, from", TextTable::Align::kDecimal},
-          {"to", TextTable::Align::kDecimal},
+          {"95 %, \u00b1", TextTable::Align::kDecimal},
           {"regressed", TextTable::Align::kDecimal}};
       if (any_probability) {
         columns.push_back(
@@ -434,8 +433,9 @@ class PageMaker {
       };
       for (const ReportEquation::Term& term : equation.terms) {
         std::vector<std::string> row = {
-            term.basis, number(term.coefficient, 5), number(term.lower95, 5),
-            number(term.upper95, 5), number(term.regressed, 5)};
+            term.basis, number(term.coefficient, 5),
+            number(0.5 * (term.upper95 - term.lower95), 2),
+            number(term.regressed, 5)};
         if (any_probability) {
           row.push_back(number(term.inclusion_probability, 2));
         }

@@ -228,7 +228,8 @@ TEST(HtmlReport, ShowsEquations) {
   equation.output = "u<1>";
   equation.source = "network nn1";
   equation.num_candidates = 34;
-  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.5, nan, nan, -1.75, nan}};
+  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.5, nan, nan, -1.75, nan},
+                    {"v[u1]", "1/s", -0.5, -0.53, -0.47, -0.52, nan}};
   ReportEquation empty;
   empty.output = "u2";
   empty.source = "network nn1";
@@ -236,7 +237,7 @@ TEST(HtmlReport, ShowsEquations) {
   std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
   ExpectSelfContained(html);
   for (const char* text :
-       {"<h2>Equations</h2>", "u&lt;1&gt;", "x[u1]^3", "-1.75",
+       {"<h2>Equations</h2>", "u&lt;1&gt;", "x[u1]^3", "-1.75", "0.030",
         "of 34 candidates", "No term in place of network nn1"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }

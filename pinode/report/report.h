@@ -53,6 +53,8 @@ struct ReportEquation {
     std::string name;
     std::string unit;
     Vector values;  // one a sample
+    // Sum of the equation's terms that depend on this feature.
+    Vector part;
   };
   // Residual of the best fit of so many terms, over the scale of the equation.
   struct ParetoPoint {

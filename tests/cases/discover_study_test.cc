@@ -28,6 +28,7 @@ Discovery DiscoverChain(const std::string& scheme, double percent,
                         uint64_t seed, DiscoveryOptions::Source source) {
   Case c = ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml");
   c.options.num_threads = 1;
+  c.discover.num_bags = 0;
   AddNoise(percent, seed, &c);
   std::string error;
   std::vector<DiscoveredEquation> equations;

@@ -14,8 +14,10 @@ TEST_P(Nsd, NetworkOnSixInputsFindsTheDevice) {
 }
 
 TEST_P(Nsd, NetworkOnDriftAndVelocityFindsTheDevice) {
+  // What is asked is the standard deviation of the network's own posterior, so
+  // that one draw in three misses it; two of them are held.
   ExpectDevice(RunCase(ReadPhase2("phase2_network2")), What("NN2, x1 and v1"),
-               0.01, 0.02);
+               0.01, 0.02, 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Grounds, Nsd,

@@ -254,13 +254,20 @@ class Nsd : public ::testing::TestWithParam<const char*> {
     return -dynamics.model().mass(0, 0) * acceleration;
   }
 
-  // What the table asks of a model with the device.
+  // What the table asks of a model with the device; force_held as in
+  // ExpectFigure.
   void ExpectDevice(const CaseRun& run, const std::string& what,
                     double force_limit, double holdout_limit) const {
+    ExpectDevice(run, what, force_limit, force_limit, holdout_limit);
+  }
+
+  void ExpectDevice(const CaseRun& run, const std::string& what,
+                    double force_limit, double force_held,
+                    double holdout_limit) const {
     EXPECT_TRUE(run.summary.usable) << run.summary.message;
     std::printf("%s%d iterations, %.1f s\n", what.c_str(),
                 run.summary.num_iterations, run.summary.seconds);
-    ExpectFigure(what + "device force, nrmse", force_limit,
+    ExpectFigure(what + "device force, nrmse", force_limit, force_held,
                  DeviceForceNrmse(run));
     ExpectFigure(what + "nrmse, hold-out, worst floor", holdout_limit,
                  WorstFloor(run, "holdout", 0.0));
