@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints the table of figures that the project promises: what, asked, measured,
-# pass or miss. Ten minutes on two cores, more than half of them benchmarks, after
-# the build.
+# pass or miss. A quarter of an hour on two cores, half of it benchmarks, after the
+# build.
 #
 #   tests/figures.sh [--build=FOLDER] [--no-benchmarks] [--study] [--help]
 #

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <map>
 #include <string>
 #include <tuple>
@@ -99,6 +100,7 @@ TEST_P(DiscoverCoverage, HundredSeeds) {
   constexpr int kSeeds = 100;
   const Terms truth = MissingTerms(scheme);
   std::vector<int> wrong(kSeeds);
+  std::vector<std::string> which(kSeeds);
   std::vector<std::map<std::string, bool>> covered(kSeeds);
   ParallelFor(kSeeds, DefaultThreads(), [&](int seed, int) {
     const Discovery discovery =
@@ -107,6 +109,7 @@ TEST_P(DiscoverCoverage, HundredSeeds) {
     const TermsFound found = Compare(discovery, truth, ShareOfChain(scheme));
     const size_t i = static_cast<size_t>(seed);
     wrong[i] = found.num_missing + found.num_spurious;
+    which[i] = found.wrong;
     for (size_t e = 0; e < discovery.equations.size(); ++e) {
       for (const EquationTerm& term : discovery.terms[e]) {
         const std::string& output = discovery.equations[e].output;
@@ -125,6 +128,10 @@ TEST_P(DiscoverCoverage, HundredSeeds) {
   for (const int count : wrong) exact += count == 0;
   ReportFigure(what + "seeds with the true terms and no other", AtLeast(kSeeds),
                exact);
+  for (int i = 0; i < kSeeds; ++i) {
+    const std::string& terms = which[static_cast<size_t>(i)];
+    if (!terms.empty()) std::printf("seed %d:%s\n", 1 + i, terms.c_str());
+  }
   EXPECT_EQ(exact, kSeeds);
   std::map<std::string, int> counts;
   for (const auto& result : covered) {

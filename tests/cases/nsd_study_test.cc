@@ -14,8 +14,8 @@ TEST_P(Nsd, NetworkOnSixInputsFindsTheDevice) {
 }
 
 TEST_P(Nsd, NetworkOnDriftAndVelocityFindsTheDevice) {
-  // What is asked is the standard deviation of the network's own posterior, so
-  // that one draw in three misses it; two of them are held.
+  // What is asked is about the standard deviation of the network's own
+  // posterior, which many draws of the noise exceed; two of them are held.
   ExpectDevice(RunCase(ReadPhase2("phase2_network2")), What("NN2, x1 and v1"),
                0.01, 0.02, 0.02);
 }
