@@ -1286,10 +1286,10 @@ void Identify(const IdentificationProblem& problem,
   if (best->input_noise().has_value()) {
     InputNoiseFit fit = *best->input_noise();
     starts = fit.starts;
-    has_covariance = problem.dynamics->unknown_forces().empty() ||
-                     InputNoiseCovariance(problem, layout,
-                                          best->shooting_options(), band_decays,
-                                          &fit);
+    has_covariance =
+        problem.dynamics->unknown_forces().empty() ||
+        InputNoiseCovariance(problem, layout, best->shooting_options(),
+                             band_decays, &fit);
     covariance = fit.covariance;
   } else {
     double cost = 0.0;
