@@ -25,15 +25,15 @@ std::string Percent(double fraction) {
 
 }  // namespace
 
-const char* VerdictName(Verdict verdict) {
+const char* DamageVerdictName(DamageVerdict verdict) {
   switch (verdict) {
-    case Verdict::kNoDamage:
+    case DamageVerdict::kNoDamage:
       return "no_damage";
-    case Verdict::kDamage:
+    case DamageVerdict::kDamage:
       return "damage";
-    case Verdict::kOtherChange:
+    case DamageVerdict::kOtherChange:
       return "other_change";
-    case Verdict::kCannotTell:
+    case DamageVerdict::kCannotTell:
       return "cannot_tell";
   }
   return "";
@@ -86,17 +86,17 @@ Judgement JudgeChange(const std::vector<std::string>& names,
     }
   }
   if (!damaged.empty()) {
-    judgement.verdict = Verdict::kDamage;
+    judgement.verdict = DamageVerdict::kDamage;
     judgement.sentence = "Damage: " + Join(damaged) + " lost stiffness.";
   } else if (!other.empty()) {
-    judgement.verdict = Verdict::kOtherChange;
+    judgement.verdict = DamageVerdict::kOtherChange;
     judgement.sentence = "No loss of stiffness, but " + Join(other) +
                          (other.size() > 1 ? " have" : " has") + " changed.";
   } else if (!unknown.empty()) {
-    judgement.verdict = Verdict::kCannotTell;
+    judgement.verdict = DamageVerdict::kCannotTell;
     judgement.sentence = "These data cannot tell.";
   } else {
-    judgement.verdict = Verdict::kNoDamage;
+    judgement.verdict = DamageVerdict::kNoDamage;
     judgement.sentence = "No loss of stiffness beyond " +
                          Percent(options.threshold) + " in any group.";
   }

@@ -11,10 +11,10 @@
 
 namespace pinode {
 
-enum class Verdict { kNoDamage, kDamage, kOtherChange, kCannotTell };
+enum class DamageVerdict { kNoDamage, kDamage, kOtherChange, kCannotTell };
 
 // "no_damage", "damage", "other_change", "cannot_tell".
-const char* VerdictName(Verdict verdict);
+const char* DamageVerdictName(DamageVerdict verdict);
 
 // Why a group's change counts, or does not.
 enum class Reason {
@@ -31,7 +31,7 @@ enum class Reason {
 };
 
 struct Judgement {
-  Verdict verdict = Verdict::kCannotTell;
+  DamageVerdict verdict = DamageVerdict::kCannotTell;
   std::vector<Reason> reasons;  // per group
   std::string sentence;
 };

@@ -40,7 +40,7 @@ TEST(JudgeChange, LossBeyondTheThresholdIsDamage) {
       Judge({Change(-0.1, 0.01, true), Change(0.001, 0.01, false),
              Change(0.3, 0.05, true)},
             false);
-  EXPECT_EQ(judgement.verdict, Verdict::kDamage);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kDamage);
   EXPECT_THAT(judgement.reasons,
               ElementsAre(Reason::kBeyondThreshold, Reason::kNone,
                           Reason::kBeyondThreshold));
@@ -54,11 +54,11 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
                                            Change(0.0, 0.005, false),
                                            Change(0.0, 0.05, false)};
   const Judgement one = Judge(groups, false);
-  EXPECT_EQ(one.verdict, Verdict::kNoDamage);
+  EXPECT_EQ(one.verdict, DamageVerdict::kNoDamage);
   EXPECT_EQ(one.reasons[0], Reason::kFormal);
   EXPECT_THAT(one.sentence, HasSubstr("Formally significant"));
   const Judgement several = Judge(groups, true);
-  EXPECT_EQ(several.verdict, Verdict::kDamage);
+  EXPECT_EQ(several.verdict, DamageVerdict::kDamage);
   EXPECT_EQ(several.reasons[0], Reason::kBetweenRecords);
 }
 
@@ -67,7 +67,7 @@ TEST(JudgeChange, WhatCannotBeRuledOutIsSaid) {
       Judge({Change(0.0, 0.01, false), Change(-0.01, 0.2, false),
              Change(0.0, 0.5, false)},
             false);
-  EXPECT_EQ(judgement.verdict, Verdict::kCannotTell);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
   EXPECT_EQ(judgement.reasons[1], Reason::kUndetermined);
   EXPECT_THAT(judgement.sentence, HasSubstr("not ruled out in k2."));
 }
@@ -77,14 +77,14 @@ TEST(JudgeChange, GainsAndDampingAreOtherChanges) {
       Judge({Change(0.2, 0.01, true), Change(0.0, 0.01, false),
              Change(0.0, 0.5, false)},
             false);
-  EXPECT_EQ(judgement.verdict, Verdict::kOtherChange);
-  EXPECT_STREQ(VerdictName(judgement.verdict), "other_change");
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kOtherChange);
+  EXPECT_STREQ(DamageVerdictName(judgement.verdict), "other_change");
   EXPECT_THAT(judgement.sentence, HasSubstr("k1 (+20 %) has changed"));
   EXPECT_EQ(Judge({Change(0.0, 0.01, false), Change(0.0, 0.01, false),
                    Change(0.0, 0.5, false)},
                   false)
                 .verdict,
-            Verdict::kNoDamage);
+            DamageVerdict::kNoDamage);
 }
 
 }  // namespace
