@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +30,7 @@
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/estimate/identify.h"
+#include "pinode/estimate/parameter_layout.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
 #include "pinode/report/text_table.h"
@@ -59,26 +59,30 @@ namespace {
 
 using namespace pinode;
 
-// The case with the named parameters of the healthy state for initial values.
-void BeginFromBaseline(const Baseline& baseline, Case* c) {
-  auto dynamics = std::make_shared<StructuralDynamics>(*c->problem.dynamics);
-  Vector theta = dynamics->Parameters();
-  int index = 0;
-  for (const ParameterBlock& block : dynamics->blocks()) {
-    for (const Parameter& parameter : block.parameters) {
-      for (size_t i = 0; i < baseline.parameter_names.size(); ++i) {
-        const double value =
-            baseline.parameter_values[static_cast<Eigen::Index>(i)];
-        if (parameter.free && baseline.parameter_names[i] == parameter.name &&
-            value > parameter.lower && value < parameter.upper) {
-          theta[index] = value;
-        }
-      }
-      ++index;
+// The case's model with what the baseline found: where the fit begins.
+IdentifiedModel BeginFromBaseline(const Baseline& baseline,
+                                  const std::vector<std::string>& groups,
+                                  const IdentificationProblem& problem) {
+  const ParameterLayout layout(problem);
+  IdentifiedModel model;
+  model.parameters = layout.InitialValues();
+  for (const int index : layout.free()) {
+    const Parameter& parameter = layout.parameter(index);
+    const auto name = std::find(baseline.parameter_names.begin(),
+                                baseline.parameter_names.end(), parameter.name);
+    if (!layout.IsNamed(index) || name == baseline.parameter_names.end()) {
+      continue;
     }
+    double value =
+        baseline.parameter_values[name - baseline.parameter_names.begin()];
+    const auto group = std::find(groups.begin(), groups.end(), parameter.name);
+    if (group != groups.end()) {
+      value += baseline.offsets[group - groups.begin()];
+    }
+    model.parameters[index] =
+        std::clamp(value, parameter.lower, parameter.upper);
   }
-  dynamics->SetParameters(theta);
-  c->problem.dynamics = dynamics;
+  return model;
 }
 
 std::string ChangeTable(const DamageResult& result) {
@@ -147,6 +151,8 @@ int main(int argc, char** argv) {
                   "asked for");
   }
   std::vector<GroupState> healthy;
+  Vector offsets;
+  IdentifiedModel begin_from;
   for (size_t at = 0; at <= FLAGS_baseline.size();) {
     const size_t end =
         std::min(FLAGS_baseline.find(',', at), FLAGS_baseline.size());
@@ -158,7 +164,12 @@ int main(int argc, char** argv) {
                       &error)) {
       return Refuse(error);
     }
-    if (healthy.empty()) BeginFromBaseline(baseline, &c);
+    // All in the terms of the first one.
+    if (healthy.empty()) {
+      begin_from = BeginFromBaseline(baseline, result.names, c.problem);
+      offsets = baseline.offsets;
+    }
+    baseline.groups.values += baseline.offsets - offsets;
     healthy.push_back(baseline.groups);
     result.baselines.push_back(folder);
   }
@@ -189,7 +200,7 @@ int main(int argc, char** argv) {
   };
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, resumed ? &checkpoint.model : nullptr,
+  Identify(c.problem, c.options, resumed ? &checkpoint.model : &begin_from,
            &summary, &model);
   line.End();
 
@@ -212,6 +223,7 @@ int main(int argc, char** argv) {
         }
       }
     }
+    current.values -= offsets;
     current.covariance = summary.covariance(rows, rows);
     judged = EstimateChange(healthy, current, result.options, &result.estimate,
                             &error);

@@ -1,5 +1,6 @@
 #include "pinode/case/baseline.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@ namespace pinode {
 namespace {
 
 using Json = nlohmann::json;
+using Target = MatrixGroup::Target;
 
 // The part of result.json that is needed here.
 struct Result {
@@ -52,6 +54,67 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   }
   result->values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
+  return true;
+}
+
+// By how much each group of the case would have to change for the case's matrix
+// to be the one that the baseline's own case had before its groups.
+bool FindOffsets(const std::string& folder, const Result& result,
+                 const StructuralDynamics& dynamics, Target target,
+                 const std::vector<std::string>& names, Vector* offsets,
+                 std::string* error) {
+  const StructuralModel& model = dynamics.model();
+  const char* file = target == Target::kMass      ? "M.mtx"
+                     : target == Target::kDamping ? "C.mtx"
+                                                  : "K.mtx";
+  const Matrix& expected = target == Target::kMass      ? model.mass
+                           : target == Target::kDamping ? model.damping
+                                                        : model.stiffness;
+  const std::string path = (std::filesystem::path(folder) / file).string();
+  Matrix updated;
+  if (!ReadMatrix(path, &updated, error)) return false;
+  const std::string different =
+      path +
+      ": cannot be the updated matrix of the case's structure, expected a "
+      "baseline of the same structure in the same units";
+  if (updated.rows() != expected.rows() || updated.cols() != expected.cols()) {
+    *error = different;
+    return false;
+  }
+  std::vector<const GroupTerm*> groups;
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.group.target != target) continue;
+    groups.push_back(&term);
+    // Of a group that the case does not free the value has to be the same.
+    const auto value =
+        std::find(result.names.begin(), result.names.end(), term.group.name);
+    if (value != result.names.end()) {
+      updated -=
+          result.values[value - result.names.begin()] * term.group.matrix;
+    }
+  }
+  Matrix columns(updated.size(), static_cast<Eigen::Index>(groups.size()));
+  for (size_t j = 0; j < groups.size(); ++j) {
+    columns.col(static_cast<Eigen::Index>(j)) =
+        groups[j]->group.matrix.reshaped() / groups[j]->group.matrix.norm();
+  }
+  const Vector difference = (updated - expected).reshaped();
+  Vector shares = Vector::Zero(columns.cols());
+  if (columns.cols() > 0) {
+    shares = columns.completeOrthogonalDecomposition().solve(difference);
+  }
+  if ((difference - columns * shares).norm() >
+      1e-7 * std::max(expected.norm(), updated.norm())) {
+    *error = different;
+    return false;
+  }
+  for (size_t j = 0; j < groups.size(); ++j) {
+    const auto name =
+        std::find(names.begin(), names.end(), groups[j]->group.name);
+    const double offset =
+        shares[static_cast<Eigen::Index>(j)] / groups[j]->group.matrix.norm();
+    if (name != names.end()) (*offsets)[name - names.begin()] = offset;
+  }
   return true;
 }
 
@@ -98,6 +161,15 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
     }
   }
 
+  Vector offsets = Vector::Zero(values.size());
+  for (const Target target :
+       {Target::kMass, Target::kDamping, Target::kStiffness}) {
+    if (!FindOffsets(folder, result, dynamics, target, names, &offsets,
+                     error)) {
+      return false;
+    }
+  }
+
   Table table;
   if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
     return false;
@@ -111,6 +183,7 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
   }
   baseline->folder = folder;
   baseline->groups = {std::move(values), table.values(rows, rows)};
+  baseline->offsets = std::move(offsets);
   baseline->parameter_names = result.names;
   baseline->parameter_values = result.values;
   return true;

@@ -14,7 +14,12 @@ namespace pinode {
 
 struct Baseline {
   std::string folder;
-  GroupState groups;  // in the order of the names asked for
+  // In the order of the names asked for: alpha as the baseline's own case has
+  // it, so that 1 + alpha is what the group has of its nominal stiffness.
+  GroupState groups;
+  // alpha of the same matrices in the new case is that much larger: not zero
+  // where the new case is built on a model.toml, which holds what was found.
+  Vector offsets;
   // All named parameters of the result, those that were fixed too.
   std::vector<std::string> parameter_names;
   Vector parameter_values;
