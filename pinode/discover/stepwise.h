@@ -31,12 +31,18 @@ struct StepwiseOptions {
   Vector smallest;
 };
 
-// Beginning with the entries in `start` and those that are not optional, takes
-// in the entry that gains most, until none gains more than the price, then
-// leaves out the one that loses least, until each loses more, and begins again
-// until nothing changes (M. A. Efroymson 1960). Entries whose columns depend on
-// those taken, within rounding, are not taken. Each change lowers 2 f + price *
-// (number of entries), so that it ends. Ascending.
+// The support with the least 2 f + price * (number of entries) that these steps
+// lead to. Beginning with the entries in `start` and those that are not
+// optional, the entry that loses least is left out, until each loses more than
+// the price; then the one that gains most is taken in, until none gains more
+// (M. A. Efroymson 1960); then one is exchanged for another (A. J. Miller
+// 2002); and again until nothing changes. The same without `start`. Neither
+// need be the least: no single change leads from a column that is nearly the
+// sum of two to those two. So each entry of the better support is held out in
+// turn, and each of the fifty that would gain most held in, while the others
+// are chosen anew around it, and all that again from what is better. Entries
+// whose columns depend on those taken, within rounding, are not taken. Each
+// support that is kept lowers the criterion, so that it ends. Ascending.
 std::vector<int> SelectStepwise(const QuadraticCost& cost,
                                 const StepwiseOptions& options,
                                 const std::vector<int>& start);

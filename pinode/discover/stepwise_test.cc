@@ -48,6 +48,17 @@ TEST_F(Stepwise, FindsTheTrueEntriesFromAnyStart) {
   EXPECT_EQ(theta[0], 0.0);
 }
 
+// What the sum leaves of y asks for neither part alone.
+TEST_F(Stepwise, FindsTwoEntriesBehindNearlyTheirSum) {
+  x_.col(6) = 2.0 * x_.col(1) - x_.col(4) + 0.2 * x_.col(6);
+  const Vector noise = testing::Gaussian(4).Draw(400, 1);
+  const Vector y = 2.0 * x_.col(1) - x_.col(4) + 0.5 * noise;
+  cost_.hessian = x_.transpose() * x_ / 0.25;
+  cost_.gradient = -x_.transpose() * y / 0.25;
+  EXPECT_THAT(SelectStepwise(cost_, options_, {}), ElementsAre(1, 4));
+  EXPECT_THAT(SelectStepwise(cost_, options_, {6}), ElementsAre(1, 4));
+}
+
 TEST_F(Stepwise, KeepsWhatIsNotOptional) {
   options_.optional[7] = false;
   EXPECT_THAT(SelectStepwise(cost_, options_, {}), ElementsAre(1, 4, 7));
