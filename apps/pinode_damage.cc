@@ -207,7 +207,7 @@ int main(int argc, char** argv) {
   // 3. What changed. A fit that is not usable says nothing about that.
   const bool interrupted = summary.termination == Termination::kInterrupted;
   bool judged = false;
-  if (!interrupted && summary.covariance.size() > 0) {
+  if (summary.usable && summary.covariance.size() > 0) {
     std::vector<int> rows;
     GroupState current;
     current.values.resize(static_cast<Eigen::Index>(result.names.size()));

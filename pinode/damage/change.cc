@@ -283,12 +283,12 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
             .solve(Matrix::Identity(static_cast<int>(model.size()),
                                     static_cast<int>(model.size())));
     const Vector refit = variance * right(model);
-    const double sigma = std::sqrt(variance(index, index));
     group.change = refit[index];
-    group.lower95 = group.change - quantile * sigma;
-    group.upper95 = group.change + quantile * sigma;
+    group.sigma = std::sqrt(variance(index, index));
+    group.lower95 = group.change - quantile * group.sigma;
+    group.upper95 = group.change + quantile * group.sigma;
     group.probability =
-        NormalProbability((-options.threshold - group.change) / sigma);
+        NormalProbability((-options.threshold - group.change) / group.sigma);
   }
   Vector rest = difference;
   if (!found.empty()) {

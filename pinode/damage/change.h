@@ -35,6 +35,7 @@ struct GroupChange {
   // refitted with the others that changed, of another one as if it had changed
   // beside them.
   double change = 0.0;
+  double sigma = 0.0;  // its standard deviation
   double lower95 = 0.0;
   double upper95 = 0.0;
   // P(loss > threshold).

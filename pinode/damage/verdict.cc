@@ -50,13 +50,12 @@ Judgement JudgeChange(const std::vector<std::string>& names,
   for (size_t j = 0; j < names.size(); ++j) {
     const GroupChange& group = estimate.groups[j];
     const bool stiffness = targets[j] == MatrixGroup::Target::kStiffness;
-    // A gain as much as a loss, by symmetry of the normal distribution.
-    const double half = 0.5 * (group.upper95 - group.lower95);
+    // A gain as much as a loss.
     const double beyond =
         group.change < 0.0
             ? group.probability
             : 0.5 * std::erfc((options.threshold - group.change) /
-                              (half / 1.959964 * std::sqrt(2.0)));
+                              (group.sigma * std::sqrt(2.0)));
     const std::string text = names[j] + " (" + (group.change > 0.0 ? "+" : "") +
                              Percent(group.change) + ")";
     Reason reason = Reason::kNone;

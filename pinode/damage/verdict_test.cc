@@ -21,6 +21,7 @@ const std::vector<Target> kTargets = {Target::kStiffness, Target::kStiffness,
 GroupChange Change(double change, double sigma, bool changed) {
   GroupChange group;
   group.change = change;
+  group.sigma = sigma;
   group.lower95 = change - 1.959964 * sigma;
   group.upper95 = change + 1.959964 * sigma;
   group.probability = 0.5 * std::erfc((0.05 + change) / sigma / std::sqrt(2.0));
