@@ -8,14 +8,13 @@
 //   pinode_update --case=... --output_dir=out --resume
 
 #include <gflags/gflags.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <string>
 
 #include "apps/program.h"
+#include "apps/progress_line.h"
 #include "apps/reporting.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
@@ -36,45 +35,6 @@ DEFINE_bool(resume, false,
             "folder");
 DEFINE_int32(threads, 0, "threads; 0: as the case says");
 DEFINE_bool(progress, true, "show progress on standard error");
-
-namespace {
-
-// One line, rewritten on a terminal and printed once in a while elsewhere.
-class ProgressLine {
- public:
-  void Show(const pinode::IdentificationProgress& progress) {
-    if (!FLAGS_progress) return;
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    const auto now = std::chrono::steady_clock::now();
-    const double wait = terminal ? 0.2 : 5.0;
-    if (shown_ && std::chrono::duration<double>(now - last_).count() < wait) {
-      return;
-    }
-    last_ = now;
-    shown_ = true;
-    std::fprintf(stderr,
-                 "%sstage %d/%d  iteration %d  cost %.6g  free-run error "
-                 "%.3g  %.0f s",
-                 terminal ? "\r\033[K" : "", progress.stage,
-                 progress.num_stages, progress.iteration, progress.cost,
-                 progress.free_run_error, progress.elapsed_seconds);
-    if (progress.expected_seconds > 0.0) {
-      std::fprintf(stderr, " of at most %.0f s",
-                   std::ceil(progress.expected_seconds));
-    }
-    if (!terminal) std::fputc('\n', stderr);
-    std::fflush(stderr);
-  }
-  void End() {
-    if (shown_ && isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\n");
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_;
-  bool shown_ = false;
-};
-
-}  // namespace
 
 int main(int argc, char** argv) {
   using namespace pinode;
@@ -117,7 +77,7 @@ int main(int argc, char** argv) {
 
   // 3. The fit, with a checkpoint after every iteration.
   CatchInterrupts();
-  ProgressLine line;
+  ProgressLine line(FLAGS_progress);
   CheckpointWriter writer(c.problem, folder.checkpoint_path());
   bool warned = false;
   c.options.callback = [&](const IdentificationProgress& progress) {
@@ -126,7 +86,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
       warned = true;
     }
-    line.Show(progress);
+    line.Show("", progress);
     return !Interrupted();
   };
   IdentificationSummary summary;

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/logging.h"
+#include "pinode/dynamics/library_function.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
 #include "pinode/structure/mode_comparison.h"
@@ -24,6 +26,14 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
   input.summary = &summary;
   input.model = &model;
   input.remarks = c.remarks;
+  for (const ReferenceCurve& curve : c.reference_curves) {
+    input.curves.push_back(
+        {curve.term, curve.name, curve.deformation, curve.force});
+  }
+
+  for (const ForceTruth& truth : c.force_truths) {
+    input.force_truths.push_back({truth.name, truth.times, truth.values});
+  }
 
   const ParameterLayout layout(c.problem);
   const Vector prior = layout.InitialValues();
@@ -73,6 +83,68 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
     input.remarks.push_back("No modes: " + error);
   }
   return input;
+}
+
+std::vector<ReportEquation> MakeReportEquations(const Case& c,
+                                                const Discovery& discovery) {
+  const bool from_networks =
+      c.discover.source == DiscoveryOptions::Source::kNetwork;
+  std::vector<ReportEquation> result;
+  for (size_t e = 0; e < discovery.equations.size(); ++e) {
+    const DiscoveredEquation& equation = discovery.equations[e];
+    ReportEquation report;
+    report.output = equation.output;
+    report.source = from_networks
+                        ? "network " + equation.network
+                        : "what smoothed records ask for beside the model";
+    report.unit =
+        UnitName(equation.acts_as == ActsAs::kForce ? Dimension::kForce
+                                                    : Dimension::kAcceleration,
+                 c.units);
+    report.num_candidates = equation.num_candidates;
+    report.num_regressed_terms = equation.num_regressed_terms;
+    for (const DiscoveryParetoPoint& point : equation.pareto) {
+      report.pareto.push_back({point.num_terms, point.residual});
+    }
+    report.source_values = equation.sample_outputs;
+    report.equation_values = Vector::Zero(equation.sample_outputs.size());
+    std::vector<Vector> parts(equation.features.size());
+    for (const EquationTerm& term : discovery.terms[e]) {
+      report.terms.push_back({term.basis, term.unit, term.coefficient,
+                              term.lower95, term.upper95, term.from_network,
+                              term.inclusion_probability});
+      LibraryFunction function;
+      std::string error;
+      CHECK(LibraryFunction::Parse(term.basis, equation.feature_names,
+                                   &function, &error))
+          << error;
+      Vector values(report.equation_values.size());
+      for (Eigen::Index i = 0; i < values.size(); ++i) {
+        const Vector at = equation.sample_features.row(i).transpose();
+        values[i] = term.coefficient * function.Evaluate(at.data());
+      }
+      report.equation_values += values;
+      for (size_t f = 0; f < parts.size(); ++f) {
+        if (!function.DependsOn(static_cast<int>(f))) continue;
+        if (parts[f].size() == 0) parts[f] = Vector::Zero(values.size());
+        parts[f] += values;
+      }
+    }
+    for (size_t f = 0; f < parts.size(); ++f) {
+      if (parts[f].size() == 0) continue;
+      const Feature& feature = equation.features[f];
+      report.features.push_back(
+          {equation.feature_names[f],
+           feature.OnDisplacement() ? UnitName(Dimension::kLength, c.units)
+           : feature.OnVelocity()   ? UnitName(Dimension::kVelocity, c.units)
+           : feature.kind == Feature::Kind::kTime ? c.units.time
+                                                  : "",
+           equation.sample_features.col(static_cast<Eigen::Index>(f)),
+           parts[f]});
+    }
+    result.push_back(std::move(report));
+  }
+  return result;
 }
 
 }  // namespace pinode

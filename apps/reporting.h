@@ -4,8 +4,10 @@
 #define PINODE_APPS_REPORTING_H_
 
 #include <string>
+#include <vector>
 
 #include "pinode/case/case_file.h"
+#include "pinode/case/discovered_case.h"
 #include "pinode/estimate/identification_summary.h"
 #include "pinode/report/report.h"
 
@@ -16,6 +18,10 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
                             const IdentifiedModel& model,
                             const std::string& command_line,
                             double wall_seconds);
+
+// What discovery found, and what it was regressed from.
+std::vector<ReportEquation> MakeReportEquations(const Case& c,
+                                                const Discovery& discovery);
 
 }  // namespace pinode
 

@@ -8,6 +8,8 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/discover_section.h"
+#include "pinode/case/library_section.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/options_section.h"
 #include "pinode/case/record_data.h"
@@ -16,6 +18,7 @@
 #include "pinode/case/terms_section.h"
 #include "pinode/case/toml_table.h"
 #include "pinode/case/toml_value.h"
+#include "pinode/case/unknown_force_section.h"
 
 namespace pinode {
 namespace {
@@ -84,17 +87,14 @@ bool SetSubsteps(const std::vector<RecordSection>& sections, Case* c) {
   return true;
 }
 
-bool Read(const std::string& path, bool simulation, Case* result,
-          std::string* error) {
-  std::string text;
-  if (!ReadTextFile(path, &text, error)) return false;
-  auto source = std::make_shared<TomlValue>();
-  if (!ParseToml(text, path, source.get(), error)) return false;
-
+bool ReadTree(const std::shared_ptr<const TomlValue>& source,
+              const std::string& path, bool simulation, Case* result,
+              std::string* error) {
   CaseErrors errors(path, error);
   const TomlTable root(*source, "", &errors);
-  if (!root.AllowKeys({"title", "units", "model", "group", "element", "network",
-                       "record", "options", "simulate"})) {
+  if (!root.AllowKeys({"title", "units", "model", "group", "element", "library",
+                       "network", "unknown_force", "record", "options",
+                       "simulate", "discover", "reference_curve"})) {
     return false;
   }
   Case c;
@@ -116,8 +116,10 @@ bool Read(const std::string& path, bool simulation, Case* result,
   if (!ReadRecordSections(root, c.units, model.model, simulation, &sections)) {
     return false;
   }
-  auto dynamics = std::make_shared<StructuralDynamics>(
-      model.model, CollectInputs(sections, model.model));
+  std::vector<InputSpec> inputs = CollectInputs(sections, model.model);
+  if (!AddRecordSwitches(root, sections, &inputs)) return false;
+  auto dynamics =
+      std::make_shared<StructuralDynamics>(model.model, std::move(inputs));
   TermsContext context;
   context.units = &c.units;
   context.model = &model;
@@ -125,7 +127,11 @@ bool Read(const std::string& path, bool simulation, Case* result,
   context.remarks = &c.remarks;
   if (!ReadGroups(root, context, dynamics.get()) ||
       !ReadElements(root, context, dynamics.get()) ||
-      !ReadNetworks(root, context, dynamics.get())) {
+      !ReadLibraries(root, context, dynamics.get()) ||
+      !ReadUnknownForces(root, context, sections, dynamics.get()) ||
+      !ReadNetworks(root, context, dynamics.get()) ||
+      !ReadDiscover(root, *dynamics, &c.discover) ||
+      !ReadReferenceCurves(root, *dynamics, &c.reference_curves)) {
     return false;
   }
   StructuralDynamics::Prepared prepared;
@@ -147,8 +153,14 @@ bool Read(const std::string& path, bool simulation, Case* result,
     c.problem.records.push_back(std::move(record));
     c.records.push_back(std::move(info));
   }
+  SpreadNetworksOfTime(root, c.problem, dynamics.get());
   if (!ReadSensors(sections, c.units, &c.problem) ||
       !CheckNames(c.problem, &errors)) {
+    return false;
+  }
+  if (!simulation &&
+      (!CheckUnknownForces(root, sections, c.problem, &c.options) ||
+       !ReadForceTruths(root, c.units, sections, &c.force_truths))) {
     return false;
   }
   if (!simulation &&
@@ -158,6 +170,15 @@ bool Read(const std::string& path, bool simulation, Case* result,
   if (!SetSubsteps(sections, &c)) return false;
   *result = std::move(c);
   return true;
+}
+
+bool Read(const std::string& path, bool simulation, Case* result,
+          std::string* error) {
+  std::string text;
+  if (!ReadTextFile(path, &text, error)) return false;
+  auto source = std::make_shared<TomlValue>();
+  if (!ParseToml(text, path, source.get(), error)) return false;
+  return ReadTree(source, path, simulation, result, error);
 }
 
 }  // namespace
@@ -172,6 +193,11 @@ double Case::HzPerModelFrequency() const {
 
 bool ReadCase(const std::string& path, Case* c, std::string* error) {
   return Read(path, false, c, error);
+}
+
+bool ReadCaseTree(const TomlValue& tree, const std::string& path, Case* c,
+                  std::string* error) {
+  return ReadTree(std::make_shared<TomlValue>(tree), path, false, c, error);
 }
 
 bool ReadCaseForSimulation(const std::string& path, Case* c,

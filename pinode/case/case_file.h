@@ -10,7 +10,9 @@
 
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
+#include "pinode/case/reference_curve_section.h"
 #include "pinode/case/substeps.h"
+#include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
 
@@ -47,6 +49,14 @@ struct CaseRecord {
   std::vector<std::string> remarks;
 };
 
+// What a force that is to be found was in truth, to be compared with it and for
+// nothing else.
+struct ForceTruth {
+  std::string name;  // of the unknown force, or the network
+  Vector times;
+  Vector values;
+};
+
 // A case file, read and checked. Everything in `problem` is in the model's
 // units.
 struct Case {
@@ -62,9 +72,18 @@ struct Case {
   // Frequencies that the user expects of the model (Hz); may be empty.
   std::vector<double> expected_hz;
 
+  // As far as the case file names any.
+  std::vector<ForceTruth> force_truths;
+
   // [simulate]: noise in per cent of each channel's standard deviation.
   double noise_percent = 0.0;
   std::uint64_t noise_seed = 1;
+
+  // [discover]: where pinode_discover looks for equations.
+  DiscoveryOptions discover;
+
+  // [[reference_curve]]: what the report draws beside the terms' forces.
+  std::vector<ReferenceCurve> reference_curves;
 
   // Decisions that were taken for the user, one sentence each.
   std::vector<std::string> remarks;
@@ -85,6 +104,11 @@ struct Case {
 // *c is untouched then.
 [[nodiscard]] bool ReadCase(const std::string& path, Case* c,
                             std::string* error);
+
+// As ReadCase, of a case that is a tree already; `path`, which need not exist,
+// is where it stands for messages and relative paths.
+[[nodiscard]] bool ReadCaseTree(const TomlValue& tree, const std::string& path,
+                                Case* c, std::string* error);
 
 // As ReadCase, for a simulation: measured responses are not read (their values
 // are NaN), a record may do without a file, and nothing need be free.

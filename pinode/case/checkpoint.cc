@@ -133,6 +133,17 @@ std::string ProblemHash(const IdentificationProblem& problem) {
   for (const LawTerm& term : problem.dynamics->laws()) {
     hash.Add(term.type);
     hash.Add(term.outputs);
+    hash.Add(static_cast<std::int64_t>(term.acts_as));
+  }
+  for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
+    hash.Add(term.history->Description());
+    hash.Add(Matrix(term.outputs));
+    hash.Add(static_cast<std::int64_t>(term.input));
+    for (const CombinationPrior::Combination& c : term.prior.combinations) {
+      hash.Add(static_cast<std::int64_t>(c.group));
+      hash.Add(Matrix(c.weights));
+    }
+    for (const double precision : term.prior.precisions) hash.Add(precision);
   }
   for (const NetworkTerm& term : problem.dynamics->networks()) {
     const NetworkArchitecture& architecture = term.network->architecture();

@@ -36,7 +36,8 @@ class ModelCaseWriter {
 
   bool Write() {
     return WriteMatrices() && WriteGroups() && SetElements() &&
-           WriteNetworks() && SetRecords() &&
+           SetLibraries() && SetForces() && WriteNetworks() && SetRecords() &&
+           SetReferenceCurves() &&
            WriteFileAtomically(
                Path("model.toml"),
                "# The model after the identification; see the keys' meaning "
@@ -104,6 +105,7 @@ class ModelCaseWriter {
   bool SetElements() {
     for (size_t j = 0; j < dynamics_.laws().size(); ++j) {
       const LawTerm& term = dynamics_.laws()[j];
+      if (term.type == "library") break;  // these follow the elements
       TomlValue* parameters =
           root_.Find("element")->elements[j].Find("parameters");
       if (parameters == nullptr) continue;
@@ -114,6 +116,48 @@ class ModelCaseWriter {
         if (keys != nullptr && keys->IsTable()) {
           SetParameter(parameter, 1.0, keys);
         }
+      }
+    }
+    return true;
+  }
+
+  bool SetLibraries() {
+    size_t index = 0;
+    for (const LawTerm& term : dynamics_.laws()) {
+      if (term.type != "library") continue;
+      TomlValue* terms = root_.Find("library")->elements[index++].Find("terms");
+      CHECK(terms != nullptr);
+      for (size_t k = 0; k < terms->elements.size(); ++k) {
+        TomlValue& value = terms->elements[k];
+        if (!value.IsTable()) {
+          TomlValue table = TomlValue::Table();
+          table.Set("basis", value);
+          value = table;
+        }
+        SetParameter(term.parameters.parameters[k], 1.0, &value);
+      }
+    }
+    return true;
+  }
+
+  bool SetForces() {
+    for (size_t j = 0; j < dynamics_.unknown_forces().size(); ++j) {
+      const UnknownForceTerm& term = dynamics_.unknown_forces()[j];
+      TomlValue& table = root_.Find("unknown_force")->elements[j];
+      const auto* spline = dynamic_cast<const SplineForce*>(term.history.get());
+      if (spline != nullptr) {
+        const Vector values =
+            spline->options().scale * term.parameters.Values();
+        table.Set("values", TomlValue::Numbers(std::vector<double>(
+                                values.begin(), values.end())));
+        continue;
+      }
+      for (const Parameter& parameter : term.parameters.parameters) {
+        const std::string key = parameter.name.substr(term.name.size() + 1);
+        TomlValue* keys = table.Find("parameters")->Find(key);
+        if (keys == nullptr || !keys->IsTable()) continue;
+        SetParameter(parameter,
+                     key == "amplitude" ? 1.0 : c_.HzPerModelFrequency(), keys);
       }
     }
     return true;
@@ -175,6 +219,13 @@ class ModelCaseWriter {
         SetSensor(r, i, &channels->elements[i]);
       }
     }
+    return true;
+  }
+
+  bool SetReferenceCurves() {
+    TomlValue* curves = root_.Find("reference_curve");
+    if (curves == nullptr) return true;
+    for (TomlValue& curve : curves->elements) MovePath(&curve);
     return true;
   }
 

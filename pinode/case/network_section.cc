@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/feature_text.h"
 #include "pinode/case/parameter_keys.h"
 #include "pinode/case/terms_section.h"
 #include "pinode/network/initialize_weights.h"
@@ -17,91 +18,6 @@
 
 namespace pinode {
 namespace {
-
-std::vector<std::string> InputNames(const StructuralDynamics& dynamics) {
-  std::vector<std::string> names;
-  for (const InputSpec& input : dynamics.inputs()) names.push_back(input.name);
-  return names;
-}
-
-bool UnknownInput(const TomlTable& table, const std::string& text) {
-  return table.Fail("inputs", "'" + text +
-                                  "' is not an input of a network, expected "
-                                  "x[dof], v[dof], d[a,b], w[a,b], t or "
-                                  "input[name]");
-}
-
-// "x[u1]" and so on.
-bool ParseFeature(const TomlTable& table, const StructuralDynamics& dynamics,
-                  const std::string& text, Feature* feature) {
-  if (text == "t") {
-    *feature = Feature::Time();
-    return true;
-  }
-  const size_t open = text.find('[');
-  if (open == std::string::npos || text.back() != ']') {
-    return UnknownInput(table, text);
-  }
-  const std::string head = text.substr(0, open);
-  const std::string inner = text.substr(open + 1, text.size() - open - 2);
-  const StructuralModel& model = dynamics.model();
-  if (head == "input") {
-    const std::vector<std::string> names = InputNames(dynamics);
-    const auto found = std::find(names.begin(), names.end(), inner);
-    if (found == names.end()) {
-      return table.Fail("inputs", "no record has an input '" + inner + "'" +
-                                      NameHint(inner, names));
-    }
-    *feature = Feature::Input(static_cast<int>(found - names.begin()));
-    return true;
-  }
-  int a = -1;
-  int b = -1;
-  if (head == "x" || head == "v") {
-    if (!FindDof(model, table, "inputs", inner, false, &a)) return false;
-    *feature = head == "x" ? Feature::Displacement(a) : Feature::Velocity(a);
-    return true;
-  }
-  const size_t comma = inner.find(',');
-  if ((head != "d" && head != "w") || comma == std::string::npos) {
-    return UnknownInput(table, text);
-  }
-  const std::string first(StripBlanks(inner.substr(0, comma)));
-  const std::string second(StripBlanks(inner.substr(comma + 1)));
-  if (!FindDof(model, table, "inputs", first, true, &a) ||
-      !FindDof(model, table, "inputs", second, true, &b)) {
-    return false;
-  }
-  if (a == b) return UnknownInput(table, text);
-  *feature =
-      head == "d" ? Feature::Deformation(a, b) : Feature::DeformationRate(a, b);
-  return true;
-}
-
-// "u1", or "u1-u2": g on u1 and -g on u2.
-bool ParseOutput(const TomlTable& table, const StructuralModel& model,
-                 const std::string& text, Vector* column) {
-  *column = Vector::Zero(model.num_dofs());
-  const int dof = model.DofIndex(text);
-  if (dof >= 0) {
-    (*column)[dof] = 1.0;
-    return true;
-  }
-  // The names themselves may hold a '-'.
-  for (size_t dash = text.find('-'); dash != std::string::npos;
-       dash = text.find('-', dash + 1)) {
-    const int a = model.DofIndex(text.substr(0, dash));
-    const int b = model.DofIndex(text.substr(dash + 1));
-    if (a < 0 || b < 0 || a == b) continue;
-    (*column)[a] = 1.0;
-    (*column)[b] = -1.0;
-    return true;
-  }
-  return table.Fail("outputs", "'" + text +
-                                   "' is neither a DOF of the model nor a "
-                                   "pair such as \"a-b\"" +
-                                   NameHint(text, model.dof_names));
-}
 
 // Rows: the displacement (or velocity) features as linear maps of x (of v).
 Matrix FeatureRows(const std::vector<Feature>& features, int num_dofs,
@@ -165,7 +81,8 @@ class NetworkReader {
     const int n = dynamics_.num_dofs();
     for (const std::string& text : inputs) {
       Feature feature;
-      if (!ParseFeature(table_, dynamics_, text, &feature)) return false;
+      if (!ParseFeature(table_, "inputs", dynamics_, text, &feature))
+        return false;
       term->features.push_back(feature);
       input_names_.push_back(
           feature.Name(dynamics_.model().dof_names, InputNames(dynamics_)));
@@ -173,7 +90,8 @@ class NetworkReader {
     term->outputs.resize(n, static_cast<Eigen::Index>(outputs.size()));
     for (size_t j = 0; j < outputs.size(); ++j) {
       Vector column;
-      if (!ParseOutput(table_, dynamics_.model(), outputs[j], &column)) {
+      if (!ParseOutput(table_, "outputs", dynamics_.model(), outputs[j],
+                       &column)) {
         return false;
       }
       term->outputs.col(static_cast<Eigen::Index>(j)) = column;
@@ -317,7 +235,13 @@ class NetworkReader {
         has_file_ ? saved_.weights
                   : InitializeWeights(architecture_, seed,
                                       physics || architecture_.HasSkipPath());
-    term->drawn = !has_file_;
+    // Those of time alone are spread over the record, see
+    // SpreadNetworksOfTime, and stay so.
+    term->drawn =
+        !has_file_ && std::any_of(term->features.begin(), term->features.end(),
+                                  [](const Feature& feature) {
+                                    return feature.kind != Feature::Kind::kTime;
+                                  });
     term->network = std::make_shared<Network>(architecture_);
     term->weights.name = term->name;
     term->weights.named = false;
@@ -389,7 +313,7 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
   for (TomlTable& table : root.Tables("network")) {
     if (!table.AllowKeys({"name", "inputs", "input_scale", "outputs", "acts_as",
                           "layers", "activation", "bias", "skip", "gauge",
-                          "decay", "seed", "weights", "free"})) {
+                          "decay", "seed", "weights", "free", "truth"})) {
       return false;
     }
     NetworkTerm term;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/unknown_force_section.h"
 #include "pinode/record/at2.h"
 #include "pinode/record/prepare.h"
 #include "pinode/record/resample.h"
@@ -295,6 +296,11 @@ class RecordDataReader {
     record_->input_sigma = Vector::Zero(dynamics_.num_inputs());
     for (int i = 0; i < dynamics_.num_inputs(); ++i) {
       const InputSpec& spec = dynamics_.inputs()[static_cast<size_t>(i)];
+      if (spec.kind == InputSpec::Kind::kRecordSwitch) {
+        inputs.row(i).setConstant(
+            spec.name == RecordSwitchName(section_.name) ? 1.0 : 0.0);
+        continue;
+      }
       const SignalSection* signal = nullptr;
       for (const InputSection& input : section_.inputs) {
         if (input.spec.name == spec.name) signal = &input.signal;

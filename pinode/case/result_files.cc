@@ -49,7 +49,7 @@ class ResultWriter {
            WriteFolded() && WriteText("parameters.csv", Parameters()) &&
            WriteText("covariance.csv", Covariance()) &&
            WriteText("history.csv", History()) && WritePredictions() &&
-           WriteText("initial_states.csv", InitialStates()) &&
+           WriteForces() && WriteText("initial_states.csv", InitialStates()) &&
            WriteFinalCheckpoint() &&
            FormatResultJson(c_, summary_, model_, &json, error_) &&
            WriteText("result.json", json);
@@ -136,6 +136,23 @@ class ResultWriter {
                  channel.factor});
       }
       if (!WriteCsv(Path("prediction_" + record.name + ".csv"), columns,
+                    error_)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool WriteForces() {
+    for (const ForceEstimate& force : summary_.forces) {
+      const Vector times =
+          force.times /
+          c_.records[static_cast<size_t>(force.record)].time_factor;
+      if (!WriteCsv(Path("force_" + force.name + ".csv"),
+                    {{"time", times},
+                     {"force", force.value},
+                     {"lower95", force.lower95},
+                     {"upper95", force.upper95}},
                     error_)) {
         return false;
       }

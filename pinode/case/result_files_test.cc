@@ -163,6 +163,40 @@ TEST(ResultFilesTest, EverythingIsThere) {
   EXPECT_THAT(f.folder.Read("out/covariance.csv"), HasSubstr("k1,1e-04"));
 }
 
+TEST(ResultFilesTest, ForcesHaveTheirHistoryAndTheirSize) {
+  Fixture f;
+  ForceEstimate force;
+  force.name = "blow";
+  force.record = 0;
+  force.times = Vector::LinSpaced(5, 0.0, 0.4);
+  force.value.resize(5);
+  force.value << 0.0, 3.0, -8.0, 1.0, 0.0;
+  force.sigma = Vector::Constant(5, 0.5);
+  force.lower95 = force.value.array() - 1.0;
+  force.upper95 = force.value.array() + 1.0;
+  f.summary.forces = {force};
+  WriteAll(f, "out");
+  const Json json = Json::parse(f.folder.Read("out/result.json"));
+  ASSERT_EQ(json["forces"].size(), 1u);
+  const Json& entry = json["forces"][0];
+  EXPECT_EQ(entry["name"], "blow");
+  EXPECT_EQ(entry["record"], "quake");
+  EXPECT_EQ(entry["unit"], "kN");
+  EXPECT_EQ(entry["peak"], -8.0);
+  EXPECT_EQ(entry["peak_lower95"], -9.0);
+  EXPECT_NEAR(entry["peak_time"].get<double>(), 0.2, 1e-12);
+  EXPECT_NEAR(entry["impulse"].get<double>(), -0.4, 1e-12);
+  Table table;
+  std::string error;
+  ASSERT_TRUE(
+      ReadCsvTable(f.folder.Path("out/" + entry["file"].get<std::string>()), {},
+                   &table, &error))
+      << error;
+  EXPECT_THAT(table.columns,
+              ::testing::ElementsAre("time", "force", "lower95", "upper95"));
+  EXPECT_EQ(table.num_rows(), 5);
+}
+
 // The model case is the same structure, and counts nothing twice.
 TEST(ResultFilesTest, ModelCaseReadsBack) {
   const Fixture f;

@@ -66,6 +66,34 @@ Json Parameters(const IdentificationSummary& summary) {
   return parameters;
 }
 
+// The histories are in force_<name>.csv.
+Json Forces(const Case& c, const IdentificationSummary& summary) {
+  Json forces = Json::array();
+  for (const ForceEstimate& force : summary.forces) {
+    const size_t record = static_cast<size_t>(force.record);
+    const double to_file = 1.0 / c.records[record].time_factor;
+    const Eigen::Index last = force.times.size() - 1;
+    Eigen::Index peak = 0;
+    force.value.cwiseAbs().maxCoeff(&peak);
+    // By trapezia between the integration's steps.
+    const double step =
+        (force.times[last] - force.times[0]) / static_cast<double>(last);
+    const double impulse =
+        step * (force.value.sum() - 0.5 * (force.value[0] + force.value[last]));
+    Json entry = {{"name", force.name},
+                  {"record", c.problem.records[record].name},
+                  {"unit", c.units.force},
+                  {"file", "force_" + force.name + ".csv"},
+                  {"peak", force.value[peak]},
+                  {"peak_lower95", force.lower95[peak]},
+                  {"peak_upper95", force.upper95[peak]},
+                  {"peak_time", force.times[peak] * to_file},
+                  {"impulse", impulse * to_file}};
+    forces.push_back(std::move(entry));
+  }
+  return forces;
+}
+
 bool Modes(const Case& c, const IdentifiedModel& model, Json* json,
            std::string* error) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
@@ -105,6 +133,7 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
                    {"time", c.units.time}};
   json["records"] = Records(c, summary);
   json["parameters"] = Parameters(summary);
+  if (!summary.forces.empty()) json["forces"] = Forces(c, summary);
   json["covariance_method"] = summary.covariance_method;
   json["undetermined"] = summary.undetermined;
   if (!Modes(c, model, &json["modes"], error)) return false;

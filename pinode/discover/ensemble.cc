@@ -37,6 +37,30 @@ struct Bag {
   Vector free;
 };
 
+void CheckLasso(const LassoOptions& lasso, const SelectionOptions& selection,
+                double independent_fraction) {
+  std::string error;
+  LassoOptions own = lasso;
+  own.penalty_weights.resize(0);
+  CHECK(own.IsValid(0, &error)) << error;
+  CHECK(selection.IsValid(&error)) << error;
+  CHECK(independent_fraction > 0.0 && independent_fraction <= 1.0)
+      << independent_fraction;
+}
+
+std::vector<std::vector<int>> SupportsOfPath(const LeastSquaresSystem& system,
+                                             const CoefficientMap& map,
+                                             const LassoOptions& lasso) {
+  LassoOptions own = lasso;
+  own.penalty_weights.resize(0);
+  std::vector<std::vector<int>> supports;
+  for (const LassoSolution& solution :
+       SolveLassoPath(system, map, own).solutions) {
+    supports.push_back(map.ReduceSupport(solution.support));
+  }
+  return supports;
+}
+
 }  // namespace
 
 SparseLearner StlsqLearner(const StlsqOptions& options) {
@@ -52,25 +76,29 @@ SparseLearner StlsqLearner(const StlsqOptions& options) {
 SparseLearner LassoLearner(const LassoOptions& lasso,
                            const SelectionOptions& selection,
                            double independent_fraction) {
-  std::string error;
-  LassoOptions own = lasso;
-  own.penalty_weights.resize(0);
-  CHECK(own.IsValid(0, &error)) << error;
-  CHECK(selection.IsValid(&error)) << error;
-  CHECK(independent_fraction > 0.0 && independent_fraction <= 1.0)
-      << independent_fraction;
-  return [own, selection, independent_fraction](
+  CheckLasso(lasso, selection, independent_fraction);
+  return [lasso, selection, independent_fraction](
              const LeastSquaresSystem& system, const CoefficientMap& map) {
-    std::vector<std::vector<int>> supports;
-    for (const LassoSolution& solution :
-         SolveLassoPath(system, map, own).solutions) {
-      supports.push_back(map.ReduceSupport(solution.support));
-    }
     return FitSupport(
         system, map,
-        SelectByBic(system, map, supports,
+        SelectByBic(system, map, SupportsOfPath(system, map, lasso),
                     kBagEvidence * independent_fraction * system.num_residuals,
                     selection));
+  };
+}
+
+SparseLearner LassoLearnerWithin(double tolerance, const LassoOptions& lasso,
+                                 const SelectionOptions& selection,
+                                 double independent_fraction) {
+  CheckLasso(lasso, selection, independent_fraction);
+  CHECK_GE(tolerance, 0.0);
+  return [tolerance, lasso, selection, independent_fraction](
+             const LeastSquaresSystem& system, const CoefficientMap& map) {
+    return FitSupport(
+        system, map,
+        SelectByLoss(system, map, SupportsOfPath(system, map, lasso),
+                     kBagEvidence * independent_fraction * system.num_residuals,
+                     tolerance * tolerance * system.num_residuals, selection));
   };
 }
 

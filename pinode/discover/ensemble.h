@@ -36,6 +36,12 @@ SparseLearner LassoLearner(const LassoOptions& lasso,
                            const SelectionOptions& selection,
                            double independent_fraction = 1.0);
 
+// The same, but of the supports the one with the fewest terms that lose at most
+// `tolerance`, an RMS of residuals, against all candidates (SelectByLoss).
+SparseLearner LassoLearnerWithin(double tolerance, const LassoOptions& lasso,
+                                 const SelectionOptions& selection,
+                                 double independent_fraction = 1.0);
+
 struct EnsembleOptions {
   int num_bags = 100;
   // Data bagging: each bag draws, with replacement, as many time blocks as

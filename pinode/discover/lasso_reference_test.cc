@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/figure_testing.h"
 #include "pinode/base/strings.h"
 #include "pinode/discover/lasso.h"
 #include "pinode/record/table.h"
@@ -135,9 +136,12 @@ TEST_P(LassoReference, ObjectiveCoefficientsAndSupportAgree) {
     worst_objective = std::max(worst_objective, objective);
     worst_coefficient = std::max(worst_coefficient, coefficient);
   }
-  std::cout << GetParam() << ": objective within "
-            << FormatNumber(worst_objective, 2) << ", coefficients within "
-            << FormatNumber(worst_coefficient, 2) << " (relative)\n";
+  const std::string what =
+      std::string("LASSO against scikit-learn, ") + GetParam() + ": ";
+  testing::ReportFigure(what + "objective, relative difference",
+                        testing::AtMost(1e-9), worst_objective);
+  testing::ReportFigure(what + "coefficients, relative difference",
+                        testing::AtMost(1e-6), worst_coefficient);
 }
 
 // Levenberg-Marquardt on the product form by itself, without the linear system
@@ -162,7 +166,7 @@ TEST_P(LassoReference, LevenbergMarquardtAlone) {
     worst_objective = std::max(worst_objective, objective);
     worst_coefficient = std::max(worst_coefficient, coefficient);
   }
-  std::cout << GetParam() << ": objective within "
+  std::cout << GetParam() << ", without the polish: objective within "
             << FormatNumber(worst_objective, 2) << ", coefficients within "
             << FormatNumber(worst_coefficient, 2) << " (relative)\n";
 }

@@ -339,25 +339,67 @@ bool SelectSupport(const RegressionProblem& problem,
   return true;
 }
 
-std::vector<int> SelectByBic(const LeastSquaresSystem& system,
-                             const CoefficientMap& map,
-                             const std::vector<std::vector<int>>& supports,
-                             double num_independent,
-                             const SelectionOptions& options) {
+namespace {
+
+// Adds what backward elimination from the best of `supports` leaves; returns
+// the place of the best of all.
+int ChooseByBic(const std::vector<std::vector<int>>& supports,
+                double num_independent, const SelectionOptions& options,
+                Selector* selector) {
+  selector->SetNumIndependent(num_independent);
+  selector->Add({});
+  for (const std::vector<int>& support : supports) selector->Add(support);
+  int chosen = selector->Choose();
+  if (options.backward_elimination) {
+    selector->Eliminate(chosen);
+    chosen = selector->Choose();
+  }
+  return chosen;
+}
+
+SelectionOptions ByBic(const LeastSquaresSystem& system, double num_independent,
+                       const SelectionOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
   CHECK(num_independent > 0.0 && num_independent <= system.num_residuals)
       << num_independent << " of " << system.num_residuals;
   SelectionOptions bic = options;
   bic.criterion = SelectionOptions::Criterion::kBic;
+  return bic;
+}
+
+}  // namespace
+
+std::vector<int> SelectByBic(const LeastSquaresSystem& system,
+                             const CoefficientMap& map,
+                             const std::vector<std::vector<int>>& supports,
+                             double num_independent,
+                             const SelectionOptions& options) {
+  const SelectionOptions bic = ByBic(system, num_independent, options);
   Selector selector(system, map, bic);
-  selector.SetNumIndependent(num_independent);
-  selector.Add({});
-  for (const std::vector<int>& support : supports) selector.Add(support);
-  int chosen = selector.Choose();
-  if (bic.backward_elimination) {
-    selector.Eliminate(chosen);
-    chosen = selector.Choose();
+  const int chosen = ChooseByBic(supports, num_independent, bic, &selector);
+  return selector.fits()[static_cast<size_t>(chosen)].support;
+}
+
+std::vector<int> SelectByLoss(const LeastSquaresSystem& system,
+                              const CoefficientMap& map,
+                              const std::vector<std::vector<int>>& supports,
+                              double num_independent, double loss,
+                              const SelectionOptions& options) {
+  CHECK_GE(loss, 0.0);
+  const SelectionOptions bic = ByBic(system, num_independent, options);
+  Selector selector(system, map, bic);
+  const int chosen = ChooseByBic(supports, num_independent, bic, &selector);
+  std::vector<int> all;
+  for (int j = 0; j < system.num_free(); ++j) {
+    if (!system.A.col(j).isZero(0.0)) all.push_back(j);
+  }
+  const double least =
+      std::min(selector.Closest().sum_of_squares,
+               system.SumOfSquares(FitSupport(system, map, all)));
+  // By ascending number of terms.
+  for (const Fit& fit : selector.fits()) {
+    if (fit.sum_of_squares - least <= loss) return fit.support;
   }
   return selector.fits()[static_cast<size_t>(chosen)].support;
 }

@@ -110,6 +110,15 @@ std::vector<int> SelectByBic(const LeastSquaresSystem& system,
                              double num_independent,
                              const SelectionOptions& options);
 
+// Of the same supports: the fewest terms whose |y - Theta xi|^2 exceeds that of
+// all candidates together by at most `loss`. BIC says where backward
+// elimination begins, and chooses where none of them is as close.
+std::vector<int> SelectByLoss(const LeastSquaresSystem& system,
+                              const CoefficientMap& map,
+                              const std::vector<std::vector<int>>& supports,
+                              double num_independent, double loss,
+                              const SelectionOptions& options);
+
 // Number of independent values in correlated series: their length over 1 + 2
 // (the sum of their autocorrelations), the sum ending where two neighbours add
 // up to less than nothing (C. J. Geyer, Statistical Science 7 (1992) 473), and

@@ -230,6 +230,37 @@ TEST(SelectByBic, AgreesWithSelectSupport) {
             selection.best().support);
 }
 
+TEST(SelectByLoss, TakesTheFewestTermsWithinIt) {
+  const RegressionProblem problem = testing::Duffing(400, 0.05, 6);
+  const SelectionOptions options;
+  const Selection selection =
+      Selected(problem, LassoSupports(problem), options);
+  CoefficientMap map;
+  std::string error;
+  ASSERT_TRUE(problem.IsValid(&error, &map)) << error;
+  const LeastSquaresSystem system = Condense(problem, map);
+  std::vector<int> all(static_cast<size_t>(map.num_free()));
+  for (int j = 0; j < map.num_free(); ++j) all[static_cast<size_t>(j)] = j;
+  const double least = system.SumOfSquares(FitSupport(system, map, all));
+  const auto select = [&](double loss) {
+    return SelectByLoss(system, map, LassoSupports(problem),
+                        selection.num_independent, loss, options);
+  };
+  for (const SelectionEntry& entry : selection.entries) {
+    const double loss = entry.sum_of_squares - least;
+    const std::vector<int> support = select(loss * (1.0 + 1e-9) + 1e-12);
+    EXPECT_LE(support.size(), entry.support.size());
+    EXPECT_LE(system.SumOfSquares(FitSupport(system, map, support)),
+              entry.sum_of_squares * (1.0 + 1e-9) + 1e-12);
+    for (const SelectionEntry& other : selection.entries) {
+      if (other.support.size() < support.size()) {
+        EXPECT_GT(other.sum_of_squares - least, loss);
+      }
+    }
+  }
+  EXPECT_TRUE(select(1e300).empty());
+}
+
 TEST(Selection, RefusesBadOptions) {
   RegressionProblem problem = testing::Duffing(50, 0.01, 1);
   Selection selection;

@@ -82,6 +82,7 @@ StructuralDynamics::StructuralDynamics(StructuralModel model,
             << "input '" << input.name << "' needs a DOF of the model";
         break;
       case InputSpec::Kind::kCovariate:
+      case InputSpec::Kind::kRecordSwitch:
         break;
     }
   }
@@ -165,6 +166,30 @@ bool StructuralDynamics::AddLaw(LawTerm term, std::string* error) {
   return true;
 }
 
+bool StructuralDynamics::AddUnknownForce(UnknownForceTerm term,
+                                         std::string* error) {
+  CHECK(term.history != nullptr) << "'" << term.name << "' has no history";
+  if (term.outputs.size() != num_dofs() ||
+      term.parameters.size() != term.history->num_parameters()) {
+    *error = "'" + term.name +
+             "': numbers of DOFs or parameters do not fit the force";
+    return false;
+  }
+  if (term.input < -1 || term.input >= num_inputs()) {
+    *error = "'" + term.name + "' looks at an input that does not exist";
+    return false;
+  }
+  for (const CombinationPrior::Combination& c : term.prior.combinations) {
+    CHECK(c.first >= 0 && c.group >= 0 && c.group < term.prior.num_groups() &&
+          c.first + c.weights.size() <= term.parameters.size())
+        << "'" << term.name << "': its prior does not fit its parameters";
+  }
+  if (!term.parameters.IsValid(error)) return false;
+  unknown_forces_.push_back(std::move(term));
+  RebuildBlocks();
+  return true;
+}
+
 bool StructuralDynamics::AddNetwork(NetworkTerm term, std::string* error) {
   CHECK(term.network != nullptr) << "'" << term.name << "' has no network";
   if (!CheckFeatures(term.name, term.features, error)) return false;
@@ -191,6 +216,8 @@ void StructuralDynamics::RebuildBlocks() {
   tangent_columns_.clear();
   law_offset_.clear();
   law_tangent_.clear();
+  unknown_force_offset_.clear();
+  unknown_force_tangent_.clear();
   network_offset_.clear();
   network_tangent_.clear();
   law_internal_offset_.clear();
@@ -223,6 +250,10 @@ void StructuralDynamics::RebuildBlocks() {
     law_tangent_.push_back(add(term.parameters));
     law_internal_offset_.push_back(internal);
     internal += term.law->num_internal();
+  }
+  for (const UnknownForceTerm& term : unknown_forces_) {
+    unknown_force_offset_.push_back(num_parameters_);
+    unknown_force_tangent_.push_back(add(term.parameters));
   }
   for (const NetworkTerm& term : networks_) {
     network_offset_.push_back(num_parameters_);
@@ -264,6 +295,10 @@ void StructuralDynamics::SetParameters(const Vector& theta) {
   for (size_t j = 0; j < laws_.size(); ++j) {
     ParameterBlock& block = laws_[j].parameters;
     block.SetValues(theta.segment(law_offset_[j], block.size()));
+  }
+  for (size_t j = 0; j < unknown_forces_.size(); ++j) {
+    ParameterBlock& block = unknown_forces_[j].parameters;
+    block.SetValues(theta.segment(unknown_force_offset_[j], block.size()));
   }
   for (size_t j = 0; j < networks_.size(); ++j) {
     ParameterBlock& block = networks_[j].weights;
@@ -324,7 +359,16 @@ bool StructuralDynamics::Prepare(const Vector& theta, Prepared* prepared,
 
   prepared->law_map.resize(laws_.size());
   for (size_t j = 0; j < laws_.size(); ++j) {
-    prepared->law_map[j] = -prepared->mass_inverse * laws_[j].outputs;
+    if (laws_[j].acts_as == ActsAs::kForce) {
+      prepared->law_map[j] = -prepared->mass_inverse * laws_[j].outputs;
+    } else {
+      prepared->law_map[j] = laws_[j].outputs;
+    }
+  }
+  prepared->unknown_force_map.resize(unknown_forces_.size());
+  for (size_t j = 0; j < unknown_forces_.size(); ++j) {
+    prepared->unknown_force_map[j] =
+        prepared->mass_inverse * unknown_forces_[j].outputs;
   }
   prepared->network_map.resize(networks_.size());
   for (size_t j = 0; j < networks_.size(); ++j) {
@@ -354,6 +398,7 @@ StructuralDynamics::Stage StructuralDynamics::MakeStage() const {
     stage.law_jacobians.emplace_back(
         Matrix::Zero(term.law->num_arguments(), term.law->num_results()));
   }
+  stage.unknown_forces.resize(unknown_forces_.size());
   for (const NetworkTerm& term : networks_) {
     const NetworkArchitecture& architecture = term.network->architecture();
     features = std::max(features, architecture.num_inputs);
@@ -365,6 +410,26 @@ StructuralDynamics::Stage StructuralDynamics::MakeStage() const {
   stage.outputs = Vector::Zero(outputs);
   stage.mapped = Vector::Zero(num_states());
   return stage;
+}
+
+void StructuralDynamics::AddUnknownForces(const Prepared& prepared, double time,
+                                          const double* input, double* a,
+                                          Stage* stage) const {
+  Eigen::Map<Vector> acceleration(a, num_dofs());
+  for (size_t j = 0; j < unknown_forces_.size(); ++j) {
+    const UnknownForceTerm& term = unknown_forces_[j];
+    ForceHistory::Local& local = stage->unknown_forces[j];
+    const double factor = term.input < 0 ? 1.0 : input[term.input];
+    if (factor == 0.0) {
+      local = ForceHistory::Local();
+      continue;
+    }
+    local = term.history->Evaluate(
+        time, prepared.theta.data() + unknown_force_offset_[j]);
+    local.value *= factor;
+    for (double& derivative : local.derivatives) derivative *= factor;
+    acceleration += prepared.unknown_force_map[j] * local.value;
+  }
 }
 
 double StructuralDynamics::Followed(const GroupTerm& term, double time,
@@ -423,6 +488,7 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
   const int n = num_dofs();
   LinearRate(prepared, time, input, state, rate);
   Eigen::Map<Vector> a(rate + n, n);
+  AddUnknownForces(prepared, time, input, a.data(), scratch);
   for (size_t j = 0; j < laws_.size(); ++j) {
     const LawTerm& term = laws_[j];
     GatherFeatures(term.features, time, input, state, scratch->features.data());
@@ -470,6 +536,10 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
   }
 
   Eigen::Map<Vector> a(stage->rate.data() + n, n);
+  AddUnknownForces(prepared, time, input, a.data(), stage);
+  // The mass groups and the sensors refer to the accelerations that forces
+  // cause; what acts as an acceleration comes on top.
+  stage->force_acceleration = a;
   for (size_t j = 0; j < laws_.size(); ++j) {
     const LawTerm& term = laws_[j];
     const int outputs = term.law->num_outputs();
@@ -486,6 +556,10 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
     }
     for (int o = 0; o < outputs; ++o) {
       a += prepared.law_map[j].col(o) * stage->outputs[o];
+      if (term.acts_as == ActsAs::kForce) {
+        stage->force_acceleration +=
+            prepared.law_map[j].col(o) * stage->outputs[o];
+      }
     }
     // Column of d rate / d argument, mapped once and scattered.
     for (int argument = 0; argument < features + internal; ++argument) {
@@ -506,9 +580,6 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
     }
   }
 
-  // The mass groups and the sensors refer to the accelerations that forces
-  // cause; acceleration networks come on top.
-  stage->force_acceleration = a;
   for (size_t j = 0; j < networks_.size(); ++j) {
     const NetworkTerm& term = networks_[j];
     const int outputs = static_cast<int>(term.outputs.cols());
@@ -620,6 +691,22 @@ void StructuralDynamics::AddParameterTangents(const Prepared& prepared,
       }
     }
   }
+  for (size_t j = 0; j < unknown_forces_.size(); ++j) {
+    if (unknown_force_tangent_[j] < 0) continue;
+    for (int s = 0; s < num_stages; ++s) {
+      const ForceHistory::Local& local = stages[s]->unknown_forces[j];
+      if (local.count == 0) continue;
+      auto mapped = scratch->velocity_map.col(0);
+      mapped.noalias() =
+          lefts[s]->middleCols(n, n) * prepared.unknown_force_map[j];
+      Eigen::Map<Matrix> columns(
+          result + rows * (unknown_force_tangent_[j] + local.first), rows,
+          local.count);
+      for (int p = 0; p < local.count; ++p) {
+        columns.col(p) += mapped * local.derivatives[p];
+      }
+    }
+  }
   for (size_t j = 0; j < networks_.size(); ++j) {
     if (network_tangent_[j] < 0) continue;
     const NetworkTangent* tangents[4];
@@ -687,6 +774,14 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
         break;
     }
   }
+  for (size_t j = 0; j < unknown_forces_.size(); ++j) {
+    const UnknownForceTerm& term = unknown_forces_[j];
+    const double factor = term.input < 0 ? 1.0 : input[term.input];
+    if (factor == 0.0) continue;
+    const T value =
+        factor * term.history->Evaluate(time, theta + unknown_force_offset_[j]);
+    for (int i = 0; i < n; ++i) force[Index(i)] += term.outputs[i] * value;
+  }
   std::vector<T> on_top(Index(n), T(0.0));
   for (size_t j = 0; j < laws_.size(); ++j) {
     const LawTerm& term = laws_[j];
@@ -699,7 +794,11 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
                        theta + law_offset_[j], result.data());
     for (int o = 0; o < term.law->num_outputs(); ++o) {
       for (int i = 0; i < n; ++i) {
-        force[Index(i)] -= term.outputs(i, o) * result[Index(o)];
+        if (term.acts_as == ActsAs::kForce) {
+          force[Index(i)] -= term.outputs(i, o) * result[Index(o)];
+        } else {
+          on_top[Index(i)] += term.outputs(i, o) * result[Index(o)];
+        }
       }
     }
     for (int i = 0; i < term.law->num_internal(); ++i) {

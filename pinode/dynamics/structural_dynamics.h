@@ -13,6 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/law.h"
+#include "pinode/dynamics/unknown_force.h"
 #include "pinode/network/network.h"
 #include "pinode/structure/structural_model.h"
 
@@ -25,6 +26,7 @@ struct InputSpec {
     kForce,               // index: DOF
     kCovariate,           // a measured quantity that groups or terms follow
     kGroundDisplacement,  // index: direction; for absolute displacements
+    kRecordSwitch,        // one in one record, zero in all others
   };
   Kind kind = Kind::kForce;
   int index = 0;
@@ -42,22 +44,38 @@ struct GroupTerm {
   double reference = 0.0;  // seconds, or the covariate's unit
 };
 
-// A force law. `outputs` (num_dofs x law outputs) puts the law's forces on the
-// DOFs: they resist, that is, outputs * force is subtracted from the right-hand
-// side of the equation of motion.
+// What a term's result is: as an acceleration, outputs * result is added to
+// dv/dt; as a force it resists, that is, outputs * result is subtracted from
+// the right-hand side of the equation of motion.
+enum class ActsAs { kAcceleration, kForce };
+
+// A law. `outputs` (num_dofs x law outputs) puts its results on the DOFs.
 struct LawTerm {
   std::string name;
-  std::string type;  // an element type, or "user"
+  std::string type;  // an element type, "library" (see LibraryLaw), or "user"
   std::shared_ptr<const Law> law;
   std::vector<Feature> features;
   Matrix outputs;
+  ActsAs acts_as = ActsAs::kForce;
   ParameterBlock parameters;
 };
 
-// A network. As an acceleration, outputs * g is added to dv/dt; as a force,
-// outputs * g is subtracted from the right-hand side.
+// A force that nobody measured: outputs * F(t) is added to the right-hand side.
+struct UnknownForceTerm {
+  std::string name;
+  std::shared_ptr<const ForceHistory> history;
+  Vector outputs;  // num_dofs
+  // What happens in one record does not happen in another: an input that is
+  // one in the force's record and zero in all others, by which the force is
+  // multiplied. -1: the force acts in every record.
+  int input = -1;
+  ParameterBlock parameters;
+  CombinationPrior prior;  // empty: none but the parameters' own
+};
+
+// A network.
 struct NetworkTerm {
-  enum class ActsAs { kAcceleration, kForce };
+  using ActsAs = pinode::ActsAs;
   std::string name;
   std::shared_ptr<const Network> network;
   std::vector<Feature> features;
@@ -77,7 +95,8 @@ struct NetworkTerm {
 // first-order form with state h = [x; v; z]:
 //
 //   M a + C v + K x = B u(t) - sum_j S_j g_j(q_j)      (forces)
-//   dx/dt = v,  dv/dt = a + sum_j S_j g_j(q_j)         (acceleration networks)
+//                            + sum_j s_j F_j(t)        (unknown forces)
+//   dx/dt = v,  dv/dt = a + sum_j S_j g_j(q_j)         (accelerations)
 //   dz/dt = r(q, z)                                    (hysteretic laws)
 //
 // with M, C, K the model's matrices plus group corrections, and
@@ -94,12 +113,16 @@ class StructuralDynamics {
   // or parameters do not fit; nothing is added then.
   [[nodiscard]] bool AddGroup(GroupTerm term, std::string* error);
   [[nodiscard]] bool AddLaw(LawTerm term, std::string* error);
+  [[nodiscard]] bool AddUnknownForce(UnknownForceTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
 
   const StructuralModel& model() const { return model_; }
   const std::vector<InputSpec>& inputs() const { return inputs_; }
   const std::vector<GroupTerm>& groups() const { return groups_; }
   const std::vector<LawTerm>& laws() const { return laws_; }
+  const std::vector<UnknownForceTerm>& unknown_forces() const {
+    return unknown_forces_;
+  }
   const std::vector<NetworkTerm>& networks() const { return networks_; }
 
   int num_dofs() const { return model_.num_dofs(); }
@@ -110,8 +133,16 @@ class StructuralDynamics {
   std::vector<std::string> StateNames() const;
 
   // The flat parameter vector theta: one block for all groups (named
-  // "groups"; absent where there are none), one per law, one per network.
+  // "groups"; absent where there are none), one per law, one per unknown force,
+  // one per network.
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
+  // Indices of the terms' blocks.
+  int unknown_force_block(int force) const {
+    return network_block(0) - static_cast<int>(unknown_forces_.size()) + force;
+  }
+  int network_block(int network) const {
+    return static_cast<int>(blocks_.size() - networks_.size()) + network;
+  }
   int block_offset(int block) const {
     return block_offsets_[static_cast<size_t>(block)];
   }
@@ -134,8 +165,9 @@ class StructuralDynamics {
     Matrix input_map;       // num_dofs x inputs: acceleration per unit input
     Matrix input_force;     // num_dofs x inputs: force per unit input
     Matrix state_jacobian;  // of the linear part, num_states x num_states
-    std::vector<Matrix> law_map;      // M^-1 S per law
-    std::vector<Matrix> network_map;  // signed, per network
+    std::vector<Matrix> law_map;            // signed, per law
+    std::vector<Vector> unknown_force_map;  // M^-1 s, per unknown force
+    std::vector<Matrix> network_map;        // signed, per network
   };
   // False where the corrected mass matrix is not positive definite.
   [[nodiscard]] bool Prepare(const Vector& theta, Prepared* prepared,
@@ -146,9 +178,10 @@ class StructuralDynamics {
     Vector rate;      // dh/dt
     Matrix jacobian;  // d rate / d h
     // The rest is the factored derivative by theta, see AddParameterTangents.
-    Vector force_acceleration;  // a without acceleration networks
+    Vector force_acceleration;  // a without what acts as an acceleration
     Matrix group_forces;        // num_dofs x groups, times the followed value
     std::vector<Matrix> law_jacobians;  // results x arguments, row-major data
+    std::vector<ForceHistory::Local> unknown_forces;  // times their input
     std::vector<NetworkTangent> network_tangents;
     // Scratch.
     std::vector<NetworkWorkspace> network_workspaces;
@@ -192,6 +225,9 @@ class StructuralDynamics {
  private:
   void LinearRate(const Prepared& prepared, double time, const double* input,
                   const double* state, double* rate) const;
+  // a += the unknown forces' share; fills stage->unknown_forces.
+  void AddUnknownForces(const Prepared& prepared, double time,
+                        const double* input, double* a, Stage* stage) const;
   double Followed(const GroupTerm& term, double time,
                   const double* input) const;
   void GatherFeatures(const std::vector<Feature>& features, double time,
@@ -206,6 +242,7 @@ class StructuralDynamics {
   std::vector<InputSpec> inputs_;
   std::vector<GroupTerm> groups_;
   std::vector<LawTerm> laws_;
+  std::vector<UnknownForceTerm> unknown_forces_;
   std::vector<NetworkTerm> networks_;
   int num_internal_ = 0;
   int num_parameters_ = 0;
@@ -213,9 +250,9 @@ class StructuralDynamics {
   std::vector<int> block_offsets_;
   std::vector<int> tangent_columns_;
   // Offsets in theta and in the tangent columns (-1: none) per term.
-  std::vector<int> law_offset_, network_offset_;
+  std::vector<int> law_offset_, unknown_force_offset_, network_offset_;
   int group_tangent_ = -1;
-  std::vector<int> law_tangent_, network_tangent_;
+  std::vector<int> law_tangent_, unknown_force_tangent_, network_tangent_;
   std::vector<int> law_internal_offset_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/elements.h"
+#include "pinode/dynamics/library_law.h"
 
 namespace pinode {
 namespace testing {
@@ -51,6 +52,53 @@ void AddNetwork(const std::string& name, std::vector<int> hidden, bool skip,
   term.weights = MakeWeights(name, architecture, 0.6);
   std::string error;
   CHECK(dynamics->AddNetwork(std::move(term), &error)) << error;
+}
+
+void AddLibrary(const std::string& name, ActsAs acts_as,
+                const std::vector<Feature>& features,
+                const std::vector<std::string>& feature_names,
+                const std::vector<std::string>& terms, const Matrix& output,
+                StructuralDynamics* dynamics) {
+  LawTerm term;
+  term.name = name;
+  term.type = "library";
+  term.features = features;
+  term.outputs = output;
+  term.acts_as = acts_as;
+  term.parameters.name = name;
+  std::string error;
+  std::vector<LibraryFunction> functions(terms.size());
+  for (size_t k = 0; k < terms.size(); ++k) {
+    CHECK(
+        LibraryFunction::Parse(terms[k], feature_names, &functions[k], &error))
+        << error;
+    Parameter parameter;
+    parameter.name = name + "." + terms[k];
+    parameter.value = 0.4 * Wiggle(static_cast<int>(k));
+    term.parameters.parameters.push_back(parameter);
+  }
+  term.law = std::make_shared<LibraryLaw>(static_cast<int>(features.size()),
+                                          functions);
+  CHECK(dynamics->AddLaw(std::move(term), &error)) << error;
+}
+
+void AddForce(const std::string& name, const SplineForce::Options& options,
+              int input, StructuralDynamics* dynamics) {
+  UnknownForceTerm term;
+  term.name = name;
+  term.history = std::make_shared<SplineForce>(options);
+  term.outputs = Vector::LinSpaced(3, -0.4, 1.0);
+  term.input = input;
+  term.parameters.name = name;
+  term.parameters.named = false;
+  for (int k = 0; k < options.num_knots; ++k) {
+    Parameter parameter;
+    parameter.name = name + "[" + std::to_string(k) + "]";
+    parameter.value = Wiggle(k + options.degree);
+    term.parameters.parameters.push_back(parameter);
+  }
+  std::string error;
+  CHECK(dynamics->AddUnknownForce(std::move(term), &error)) << error;
 }
 
 }  // namespace
@@ -132,6 +180,36 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
   const Feature w12 = Feature::DeformationRate(1, 2);
   const Matrix first = Matrix::Identity(3, 3).leftCols(1);
   const Matrix two = Matrix::Identity(3, 3).rightCols(2);
+  AddLibrary("library force", ActsAs::kForce, {x0, v2, d01},
+             {"x[u1]", "v[u3]", "d[u1,u2]"},
+             {"x[u1]^3", "d[u1,u2]*v[u3]", "sin(v[u3])"}, first,
+             dynamics.get());
+  AddLibrary("library acceleration", ActsAs::kAcceleration,
+             {w12, Feature::Time(), Feature::Input(2)},
+             {"w[u2,u3]", "t", "input[temperature]"},
+             {"w[u2,u3]^2*t", "input[temperature]*w[u2,u3]"},
+             first - Matrix::Identity(3, 3).col(2), dynamics.get());
+  // Within the time that the tests integrate: a spline of each degree, one in
+  // every record and one switched by an input, and a blow that begins and
+  // ends between the stages of the steps.
+  AddForce("hats", {1, 0.31, 0.055, 8, 1.3}, -1, dynamics.get());
+  AddForce("cubic", {3, 0.33, 0.08, 6, 0.7}, 2, dynamics.get());
+  {
+    UnknownForceTerm term;
+    term.name = "blow";
+    term.history = std::make_shared<HalfSinePulse>();
+    term.outputs = Vector::Unit(3, 2);
+    term.parameters.name = term.name;
+    const double values[] = {0.406, 0.238, 1.9};
+    const char* names[] = {"start", "duration", "amplitude"};
+    for (int i = 0; i < 3; ++i) {
+      Parameter parameter;
+      parameter.name = term.name + "." + names[i];
+      parameter.value = values[i];
+      term.parameters.parameters.push_back(parameter);
+    }
+    CHECK(dynamics->AddUnknownForce(std::move(term), &error)) << error;
+  }
   AddNetwork("skip", {5}, true, false, NetworkTerm::ActsAs::kAcceleration,
              {x0, v2, d01, w12}, two, dynamics.get());
   AddNetwork("force", {4, 3}, false, false, NetworkTerm::ActsAs::kForce,

@@ -6,6 +6,7 @@
 
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/input_noise_fit.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/score.h"
@@ -17,6 +18,7 @@ bool AssessProblem(const IdentificationProblem& problem,
                    const IdentificationOptions& options,
                    ProblemAssessment* assessment, std::string* error) {
   constexpr double kAssumedNoise = 0.05;
+  constexpr double kFirmness = 1e4;  // of gaps, against the data's own hold
   *assessment = ProblemAssessment();
   const ParameterLayout layout(problem);
   MultipleShooting::Options shooting_options;
@@ -46,17 +48,39 @@ bool AssessProblem(const IdentificationProblem& problem,
   assessment->num_free = layout.num_free();
   shooting.SetSigmas(sigmas);
 
-  const Vector free = layout.Free(layout.InitialValues());
-  std::vector<Matrix> trajectories;
-  CovarianceEstimate covariance;
-  if (!InitialTrajectories(problem, FirstSegmentSamples(problem), free,
-                           &shooting, &trajectories) ||
-      !EstimateCovariance(problem, layout,
-                          IdentificationOptions::Covariance::kPlain, free,
-                          sigmas, &shooting, &covariance)) {
+  InputNoiseFit point;
+  point.free = layout.Free(layout.InitialValues());
+  point.sigmas = sigmas;
+  const int segment_samples = FirstSegmentSamples(problem);
+  if (!InitialTrajectories(problem, segment_samples, point.free, &shooting,
+                           &point.trajectories)) {
     *error = "no finite trajectory at the initial values";
     return false;
   }
+  const auto plain = [&]() {
+    return EstimateCovariance(problem, layout,
+                              IdentificationOptions::Covariance::kPlain,
+                              point.free, sigmas, &shooting, &point.covariance);
+  };
+  // What the data tell about a trajectory in one piece. Where the record does
+  // not run so before the fit, segments that are held together nearly as
+  // firmly.
+  shooting.SetSegments(0, point.trajectories);
+  if (!plain()) {
+    shooting.SetSegments(segment_samples, point.trajectories);
+    shooting.SetGapPenalty(kFirmness * std::max(1.0, shooting.DataCurvature()));
+    if (!plain()) {
+      *error = "no finite trajectory at the initial values";
+      return false;
+    }
+  } else if (CanFitWithInputNoise(problem, options.loss) &&
+             !InputNoiseCovariance(problem, layout, shooting_options,
+                                   Vector::Zero(layout.num_decay_groups()),
+                                   &point)) {
+    *error = "no finite trajectory at the initial values";
+    return false;
+  }
+  const CovarianceEstimate& covariance = point.covariance;
   for (int j = 0; j < layout.num_free(); ++j) {
     const int index = layout.free()[static_cast<size_t>(j)];
     if (!layout.IsNamed(index)) continue;

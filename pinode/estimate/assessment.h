@@ -17,7 +17,9 @@ struct ProblemAssessment {
   int num_starts = 0;  // unknown states at record starts
   // Expected standard deviation of each free named parameter from the
   // Gauss-Newton Hessian at the initial values, with the noise given or 5 % of
-  // a channel's spread. Infinite where the data do not determine it.
+  // a channel's spread; noise of the excitation included where it can be fitted
+  // (CanFitWithInputNoise) and the model runs freely. Infinite where the data
+  // do not determine it.
   struct Expected {
     std::string name;
     std::string unit;

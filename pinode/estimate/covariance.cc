@@ -58,6 +58,28 @@ bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
   return false;
 }
 
+// Residuals at a draw from the posterior in place of those at its mode. With a
+// model that can be true and white noise the residuals at the mode have the
+// covariance I - J H^-1 J' (weighted): a fit with many parameters follows some
+// of the noise, and what it leaves is not white. Moved by J H^(-1/2) z, z of
+// unit covariance, they are white again, and autocorrelation is a matter of the
+// model. `inverse_root` is any root of H^-1.
+std::vector<Matrix> ResidualsOfADraw(const std::vector<Matrix>& residuals,
+                                     const std::vector<Matrix>& jacobians,
+                                     const Matrix& inverse_root) {
+  std::mt19937_64 random(2021);
+  Vector z(inverse_root.cols());
+  for (double& value : z) value = (random() & 1) != 0 ? 1.0 : -1.0;
+  const Vector step = inverse_root * z;
+  std::vector<Matrix> drawn = residuals;
+  for (size_t r = 0; r < drawn.size(); ++r) {
+    const Vector move = jacobians[r] * step;
+    drawn[r] +=
+        Eigen::Map<const Matrix>(move.data(), drawn[r].rows(), drawn[r].cols());
+  }
+  return drawn;
+}
+
 }  // namespace
 
 double LjungBoxExcess(const Vector& residuals, int num_lags) {
@@ -158,9 +180,13 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   }
   using Covariance = IdentificationOptions::Covariance;
   estimate->quantile = StudentQuantile(1e6);
+  std::vector<Matrix> drawn;
+  if (choice == Covariance::kAuto) {
+    drawn = ResidualsOfADraw(residuals, jacobians, inverse_root);
+  }
   if (choice == Covariance::kPlain ||
       (choice == Covariance::kAuto && !noisy_input &&
-       !AnyAutocorrelated(residuals))) {
+       !AnyAutocorrelated(drawn))) {
     estimate->method = "plain";
     estimate->covariance = inverse;
     return true;
@@ -238,6 +264,22 @@ bool EstimateCovariance(const IdentificationProblem& problem,
           rows.row(i) = jacobians[t].row(i * nc + c);
         }
         middle.noalias() += share * scale_to_one * rows.transpose() * rows;
+      }
+    }
+  } else if (choice == Covariance::kAuto && layout.HasForceDecay()) {
+    // More knots than blocks: scores of blocks cannot say how well each is
+    // known. Noise with a memory counts as one sample per autocorrelation time.
+    estimate->method = "inflated";
+    for (size_t t = 0; t < residuals.size(); ++t) {
+      const int nc = static_cast<int>(residuals[t].rows());
+      const int samples = static_cast<int>(residuals[t].cols());
+      for (int c = 0; c < nc; ++c) {
+        Matrix rows(samples, n);
+        for (int i = 0; i < samples; ++i) {
+          rows.row(i) = jacobians[t].row(i * nc + c);
+        }
+        middle.noalias() +=
+            AutocorrelationTime(drawn[t].row(c)) * (rows.transpose() * rows);
       }
     }
   } else {

@@ -15,8 +15,8 @@ namespace pinode {
 struct CovarianceEstimate {
   // Of all free parameters, num_free x num_free.
   Matrix covariance;
-  // "plain", "sandwich", "input noise"; from FitWithInputNoise "errors in
-  // variables".
+  // "plain", "sandwich", "inflated", "input noise"; from FitWithInputNoise
+  // "errors in variables".
   std::string method;
   // Half-width of the 95 % interval in standard deviations.
   double quantile = 1.96;
@@ -36,10 +36,16 @@ struct CovarianceEstimate {
 //                 H^-1, v_i the effect of one input sample on the score by an
 //                 adjoint run; rho_c the share of output noise in channel c's
 //                 residual
+//   inflated      H^-1 (sum_c tau_c J_c' J_c + P) H^-1, tau_c the
+//                 autocorrelation time of channel c's residuals in samples: in
+//                 place of the sandwich where an unknown force has more knots
+//                 than there are blocks
 //
 // kAuto takes input noise where a training record has a noisy input, sandwich
-// where a Ljung-Box test finds autocorrelation, else plain. Returns false where
-// the Hessian is not finite.
+// or inflated where a Ljung-Box test finds autocorrelation, else plain. The
+// test is of residuals at a draw from the posterior, which are white where the
+// noise is, however much of it the fit has followed. Returns false where the
+// Hessian is not finite.
 [[nodiscard]] bool EstimateCovariance(const IdentificationProblem& problem,
                                       const ParameterLayout& layout,
                                       IdentificationOptions::Covariance choice,

@@ -55,6 +55,17 @@ struct ParameterEstimate {
   bool at_bound = false;
 };
 
+// An unknown force over the record in which it acts (the first training record
+// where it acts in all), at every integration step.
+struct ForceEstimate {
+  std::string name;
+  int record = -1;  // index into the problem's records
+  Vector times;
+  Vector value;
+  Vector sigma;  // infinite where there is no covariance
+  Vector lower95, upper95;
+};
+
 struct IterationRecord {
   int stage = 0;
   int segment_samples = 0;
@@ -84,11 +95,13 @@ struct IdentificationSummary {
 
   std::vector<RecordScore> records;           // in the problem's order
   std::vector<ParameterEstimate> parameters;  // named ones
+  // Unknown forces in the dynamics' order, then networks that depend on time
+  // alone and act as forces, an entry per output.
+  std::vector<ForceEstimate> forces;
   // Covariance of the free named parameters, in the order of `parameters`.
   std::vector<std::string> covariance_names;
   Matrix covariance;
-  // "plain", "sandwich", "input noise" or "errors in variables".
-  std::string covariance_method;
+  std::string covariance_method;  // as CovarianceEstimate::method
   // Directions of the named parameters that the data do not determine.
   std::vector<std::string> undetermined;
 
@@ -103,6 +116,9 @@ struct IdentificationSummary {
   int failed_evaluations = 0;
   double effective_parameters = 0.0;
   std::vector<double> decays;  // per decay group of the parameter layout
+  // A channel whose noise was to be estimated and which an unknown force
+  // follows nearly sample by sample; empty: there is none.
+  std::string followed_record, followed_channel;
 
   double seconds = 0.0;
   double jacobian_seconds = 0.0;

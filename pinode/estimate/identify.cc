@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <random>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/condensed_cost.h"
@@ -20,6 +23,7 @@
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/pulse_scan.h"
 #include "pinode/estimate/score.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/record/prepare.h"
@@ -94,6 +98,14 @@ constexpr double kFirstNoise = 0.05;
 // No noise estimate goes below this share of the channel's RMS.
 constexpr double kSmallestNoise = 1e-8;
 
+// A noise level is estimated from what an unknown force leaves of a channel.
+// Below this share of its samples there is a second maximum of the likelihood,
+// with no noise and a force that follows every sample.
+constexpr double kLeastLeft = 0.1;
+
+// See BandDecays.
+constexpr double kPooledSamples = 2.0;
+
 // First precision of a weight decay that the evidence is to choose.
 constexpr double kFirstDecay = 0.1;
 constexpr double kLargestDecay = 1e8;
@@ -101,6 +113,16 @@ constexpr double kLargestDecay = 1e8;
 double Seconds(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
       .count();
+}
+
+// Networks that depend on time alone and act as a force are forces that nobody
+// measured.
+bool IsForceOfTime(const NetworkTerm& term) {
+  return term.acts_as == ActsAs::kForce &&
+         std::all_of(term.features.begin(), term.features.end(),
+                     [](const Feature& feature) {
+                       return feature.kind == Feature::Kind::kTime;
+                     });
 }
 
 // Everything that a stage changes, to be kept or rolled back.
@@ -178,14 +200,25 @@ class Trainer {
   // Draws the networks anew and raises the noise, see kAnnealedNoise.
   void BeginAnnealing();
   void AnnealToTheFloor();
-  bool HasNetworks() const { return layout_.num_decay_groups() > 0; }
+  bool HasNetworks() const { return layout_.HasNetworkDecay(); }
+  // The hidden units of a network of time hardly move: its first step is that
+  // of a linear fit.
+  double FirstRadius() const {
+    const auto& networks = problem_.dynamics->networks();
+    return !HasNetworks() ||
+                   std::all_of(networks.begin(), networks.end(), IsForceOfTime)
+               ? kFirstRadius
+               : kFirstNetworkRadius;
+  }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
   // True where neither moves any more. The noise grows only where the fit has
   // converged: before, the residuals tell of the way that is left.
   bool UpdateNoiseAndDecay(bool converged);
   // What the user set for a decay group; negative: the evidence chooses.
-  double GivenDecay(int group) const;
+  double GivenDecay(int group) const {
+    return layout_.decay_groups()[static_cast<size_t>(group)].given;
+  }
   double ScoreFreeRuns(const Vector& free);
   std::string DescribeDivergence(const Divergence& divergence) const;
   bool IterationsLeft() const {
@@ -328,10 +361,11 @@ void Trainer::AnnealToTheFloor() {
 void Trainer::BeginAnnealing() {
   bool evidence = false;
   for (int g = 0; g < layout_.num_decay_groups(); ++g) {
-    if (GivenDecay(g) >= 0.0) continue;
+    const auto& group = layout_.decay_groups()[static_cast<size_t>(g)];
+    if (group.given >= 0.0 || group.network < 0) continue;
     evidence = true;
-    const bool output = layout_.decay_groups()[static_cast<size_t>(g)].kind ==
-                        ParameterLayout::DecayGroup::Kind::kOutput;
+    const bool output =
+        group.kind == ParameterLayout::DecayGroup::Kind::kOutput;
     current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
   }
   if (!evidence) return;
@@ -367,7 +401,7 @@ void Trainer::BeginAnnealing() {
       sigma = std::max(sigma, kAnnealedNoise * Spread(channel.values));
     }
   }
-  radius_ = kFirstNetworkRadius;
+  radius_ = FirstRadius();
 }
 
 std::vector<int> Trainer::StageLengths() const {
@@ -504,19 +538,16 @@ bool Trainer::SolveRound(int max_iterations, double function_tolerance,
   return true;
 }
 
-double Trainer::GivenDecay(int group) const {
-  const int network =
-      layout_.decay_groups()[static_cast<size_t>(group)].network;
-  return problem_.dynamics->networks()[static_cast<size_t>(network)].decay;
-}
-
 bool Trainer::UpdateNoiseAndDecay(bool converged) {
   CondensedSystem system;
-  std::vector<Matrix> residuals;
+  std::vector<Matrix> residuals, jacobians;
   Matrix root;
+  // A force acts on some channels directly and can follow their noise: what it
+  // has used up of each channel must be counted for that channel.
+  const bool by_channel = !problem_.dynamics->unknown_forces().empty();
   if (!shooting_->Linearize(current_.free, &system) ||
-      !shooting_->WeightedResiduals(current_.free, false, &residuals,
-                                    nullptr) ||
+      !shooting_->WeightedResiduals(current_.free, by_channel, &residuals,
+                                    &jacobians) ||
       !SquareRoot(system.hessian, &root)) {
     return false;
   }
@@ -529,25 +560,29 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   const Vector variance = inverse_root.rowwise().squaredNorm();
 
   // MacKay's rule (Neural Computation 4 (1992) 415-447) with the Gauss-Newton
-  // Hessian (F. D. Foresee and M. T. Hagan, ICNN 1997), per decay group.
+  // Hessian (F. D. Foresee and M. T. Hagan, ICNN 1997), per decay group. For
+  // combinations of parameters it holds as CombinationPrior says.
   double effective = n;
   Vector determined = Vector::Zero(current_.decays.size());
   Vector squares = Vector::Zero(current_.decays.size());
   for (int j = 0; j < n; ++j) {
     const int index = layout_.free()[static_cast<size_t>(j)];
     const Parameter& parameter = layout_.parameter(index);
-    double precision = 0.0;
-    if (parameter.HasPrior()) {
-      precision = 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
-    }
-    const int group = layout_.DecayGroupOf(index);
-    if (group >= 0) {
-      const double decay = current_.decays[group];
-      determined[group] += 1.0 - std::min(1.0, decay * variance[j]);
-      squares[group] += current_.free[j] * current_.free[j];
-      precision += decay;
-    }
+    if (!parameter.HasPrior()) continue;
+    const double precision =
+        1.0 / (parameter.prior_sigma * parameter.prior_sigma);
     effective -= std::min(1.0, precision * variance[j]);
+  }
+  for (const ParameterLayout::DecayRow& row : layout_.decay_rows()) {
+    const double known =
+        current_.decays[row.group] *
+        (inverse_root.middleRows(row.first, row.weights.size()).transpose() *
+         row.weights)
+            .squaredNorm();
+    const double value = row.Value(current_.free);
+    determined[row.group] += 1.0 - std::min(1.0, known);
+    squares[row.group] += value * value;
+    effective -= std::min(1.0, known);
   }
   summary_->effective_parameters = effective;
   for (int g = 0; g < current_.decays.size(); ++g) {
@@ -565,6 +600,7 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   // Noise per channel with the degrees of freedom that the fit has used up.
   double samples = 0.0;
   double used = effective;
+  summary_->followed_channel.clear();
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
@@ -581,11 +617,30 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(shooting_->train_records()[r])];
-    for (int c = 0; c < residuals[r].rows(); ++c) {
+    const int channels = static_cast<int>(residuals[r].rows());
+    Vector leverages;  // of each residual, channels fastest
+    if (by_channel) {
+      leverages = (jacobians[r] * inverse_root).rowwise().squaredNorm();
+    }
+    for (int c = 0; c < channels; ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       if (channel.sigma > 0.0 || !channel.fit) continue;
-      double mean_square = residuals[r].row(c).squaredNorm() /
-                           std::max(1, CountPresent(channel.values)) / share;
+      const int present = CountPresent(channel.values);
+      double left = share;
+      if (by_channel) {
+        double leverage = 0.0;
+        for (Eigen::Index i = c; i < leverages.size(); i += channels) {
+          leverage += leverages[i];
+        }
+        left = std::max(0.01, 1.0 - leverage / std::max(1, present));
+        if (left < kLeastLeft && summary_->followed_channel.empty()) {
+          summary_->followed_channel =
+              record.channels[static_cast<size_t>(c)].observation.name;
+          summary_->followed_record = record.name;
+        }
+      }
+      double mean_square =
+          residuals[r].row(c).squaredNorm() / std::max(1, present) / left;
       // What a network leaves over is misfit with a memory. Weighed as
       // independent samples it would buy weights that fit it; it counts as
       // one sample per autocorrelation time.
@@ -759,7 +814,7 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
   current_.free = layout_.Free(parameters);
   first_free_ = initial == nullptr ? current_.free
                                    : layout_.Free(layout_.InitialValues());
-  radius_ = HasNetworks() ? kFirstNetworkRadius : kFirstRadius;
+  radius_ = FirstRadius();
   SetInitialNoise(HasNetworks() && initial != nullptr && initial->stage > 0
                       ? nullptr
                       : initial);
@@ -849,6 +904,161 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
   estimate.at_bound = parameter.free && (value <= parameter.lower + span ||
                                          value >= parameter.upper - span);
   return estimate;
+}
+
+// The record in which an unknown force acts.
+int RecordOf(const IdentificationProblem& problem, const UnknownForceTerm& term,
+             const std::vector<int>& train) {
+  if (term.input < 0) return train.front();
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    if (problem.records[r].excitation->samples()(term.input, 0) != 0.0) {
+      return static_cast<int>(r);
+    }
+  }
+  return train.front();
+}
+
+// Precisions for the bands of forces with a smoothness of its own for each
+// neighbourhood of knots. The evidence takes each second difference as known to
+// be about as large as it came out, and many as none at all: a band from that
+// is far too narrow where a force strikes, between the samples above all. So
+// there every variance is the mean of those within kPooledSamples samples.
+Vector BandDecays(const IdentificationProblem& problem,
+                  const ParameterLayout& layout, const std::vector<int>& train,
+                  const Vector& decays) {
+  Vector pooled = decays;
+  int first = 0;
+  for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
+    if (term.prior.combinations.empty() ||
+        !term.parameters.parameters[0].free) {
+      continue;
+    }
+    while (layout.decay_groups()[static_cast<size_t>(first)].kind !=
+           ParameterLayout::DecayGroup::Kind::kForce) {
+      ++first;
+    }
+    const int groups = term.prior.num_groups();
+    const auto* spline = dynamic_cast<const SplineForce*>(term.history.get());
+    if (spline != nullptr && term.prior.ShareToBeChosen() == 1.0) {
+      const double width = spline->options().spacing *
+                           static_cast<double>(term.prior.combinations.size()) /
+                           groups;
+      const double step =
+          problem.records[static_cast<size_t>(RecordOf(problem, term, train))]
+              .sampling_step();
+      const int reach =
+          static_cast<int>(std::ceil(kPooledSamples * step / width - 1e-9));
+      for (int g = 0; g < groups; ++g) {
+        const int from = std::max(0, g - reach);
+        const int to = std::min(groups - 1, g + reach);
+        pooled[first + g] = 1.0 / decays.segment(first + from, to - from + 1)
+                                      .cwiseMax(1e-300)
+                                      .cwiseInverse()
+                                      .mean();
+      }
+    }
+    first += groups;
+  }
+  return pooled;
+}
+
+// A force of time alone: its value and its derivatives by the parameters from
+// index `first` on.
+struct ForceAt {
+  double value = 0.0;
+  int first = 0;
+  Vector derivatives;
+};
+
+// `covariance` of all free parameters; empty: there is none.
+ForceEstimate EstimateForce(const std::string& name,
+                            const IdentificationProblem& problem,
+                            const ParameterLayout& layout, int record,
+                            const Matrix& covariance, double quantile,
+                            const std::function<ForceAt(double)>& force) {
+  const IdentificationRecord& data =
+      problem.records[static_cast<size_t>(record)];
+  ForceEstimate estimate;
+  estimate.name = name;
+  estimate.record = record;
+  const int count = (data.num_samples() - 1) * data.substeps + 1;
+  estimate.times.resize(count);
+  estimate.value.resize(count);
+  estimate.sigma = Vector::Zero(count);
+  for (int i = 0; i < count; ++i) {
+    estimate.times[i] =
+        data.excitation->time(0) + i * data.sampling_step() / data.substeps;
+    const ForceAt at = force(estimate.times[i]);
+    estimate.value[i] = at.value;
+    std::vector<int> indices;
+    std::vector<double> slopes;
+    for (int a = 0; a < at.derivatives.size(); ++a) {
+      const int index = layout.FreeIndex(at.first + a);
+      if (index < 0) continue;
+      indices.push_back(index);
+      slopes.push_back(at.derivatives[a]);
+    }
+    if (indices.empty()) continue;
+    if (covariance.size() == 0) {
+      estimate.sigma[i] = kInfinity;
+      continue;
+    }
+    const Eigen::Map<const Vector> slope(slopes.data(),
+                                         static_cast<int>(slopes.size()));
+    const double variance = slope.dot(covariance(indices, indices) * slope);
+    estimate.sigma[i] =
+        std::isnan(variance) ? kInfinity : std::sqrt(std::max(0.0, variance));
+  }
+  estimate.lower95 = estimate.value - quantile * estimate.sigma;
+  estimate.upper95 = estimate.value + quantile * estimate.sigma;
+  return estimate;
+}
+
+std::vector<ForceEstimate> EstimateForces(const IdentificationProblem& problem,
+                                          const ParameterLayout& layout,
+                                          const std::vector<int>& train,
+                                          const Vector& parameters,
+                                          const Matrix& covariance,
+                                          double quantile) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  std::vector<ForceEstimate> forces;
+  for (size_t j = 0; j < dynamics.unknown_forces().size(); ++j) {
+    const UnknownForceTerm& term = dynamics.unknown_forces()[j];
+    const int offset = dynamics.block_offset(
+        dynamics.unknown_force_block(static_cast<int>(j)));
+    forces.push_back(EstimateForce(
+        term.name, problem, layout, RecordOf(problem, term, train), covariance,
+        quantile, [&](double time) {
+          const ForceHistory::Local local =
+              term.history->Evaluate(time, parameters.data() + offset);
+          return ForceAt{
+              local.value, offset + local.first,
+              Eigen::Map<const Vector>(local.derivatives, local.count)};
+        }));
+  }
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    const NetworkTerm& term = dynamics.networks()[j];
+    if (!IsForceOfTime(term)) continue;
+    const int offset =
+        dynamics.block_offset(dynamics.network_block(static_cast<int>(j)));
+    const Network& network = *term.network;
+    NetworkTangent tangent(network);
+    for (int o = 0; o < network.num_outputs(); ++o) {
+      const std::string name = network.num_outputs() == 1
+                                   ? term.name
+                                   : term.name + "_" + std::to_string(o + 1);
+      forces.push_back(EstimateForce(
+          name, problem, layout, train.front(), covariance, quantile,
+          [&](double time) {
+            const Vector q = Vector::Constant(network.num_inputs(), time);
+            network.Linearize(q.data(), parameters.data() + offset, &tangent);
+            // A network resists; the force pushes.
+            return ForceAt{-tangent.value()[o], offset,
+                           -network.WeightJacobian(tangent).row(o)};
+          }));
+    }
+  }
+  return forces;
 }
 
 void ScoreEverything(const IdentificationProblem& problem,
@@ -953,6 +1163,14 @@ void Judge(IdentificationSummary* summary) {
     summary->message = reason.str();
     return;
   }
+  if (!summary->followed_channel.empty()) {
+    reason << "an unknown force follows channel '" << summary->followed_channel
+           << "' of record '" << summary->followed_record
+           << "' nearly sample by sample, so that the channel's noise cannot "
+              "be estimated; give its sigma";
+    summary->message = reason.str();
+    return;
+  }
   summary->usable = true;
 }
 
@@ -977,10 +1195,8 @@ Vector DrawStart(const IdentificationProblem& problem,
     values[index] = low + (high - low) * uniform();
   }
   const StructuralDynamics& dynamics = *problem.dynamics;
-  const int first = static_cast<int>(dynamics.blocks().size()) -
-                    static_cast<int>(dynamics.networks().size());
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
-    const int block = first + static_cast<int>(j);
+    const int block = dynamics.network_block(static_cast<int>(j));
     const Vector weights = InitializeWeights(
         dynamics.networks()[j].network->architecture(), random(), true);
     for (int i = 0; i < weights.size(); ++i) {
@@ -1018,6 +1234,8 @@ void Identify(const IdentificationProblem& problem,
       CHECK_EQ(initial->parameters.size(), parameters.size())
           << "the initial model belongs to another problem";
       parameters = initial->parameters;
+    } else {
+      ScanPulses(problem, &parameters);
     }
     const bool ok = trainer->Run(parameters, start == 0 ? initial : nullptr);
     const bool interrupted = trainer->interrupted();
@@ -1061,16 +1279,23 @@ void Identify(const IdentificationProblem& problem,
       summary->single_shooting ? 0 : summary->stages.back().segment_samples,
       solution.trajectories);
   CovarianceEstimate covariance;
+  const Vector band_decays =
+      BandDecays(problem, layout, shooting->train_records(), solution.decays);
   bool has_covariance = false;
   std::vector<Matrix> starts;
   if (best->input_noise().has_value()) {
-    covariance = best->input_noise()->covariance;
-    starts = best->input_noise()->starts;
-    has_covariance = true;
+    InputNoiseFit fit = *best->input_noise();
+    starts = fit.starts;
+    has_covariance =
+        problem.dynamics->unknown_forces().empty() ||
+        InputNoiseCovariance(problem, layout, best->shooting_options(),
+                             band_decays, &fit);
+    covariance = fit.covariance;
   } else {
     double cost = 0.0;
     const bool evaluated = shooting->Evaluate(solution.free, &cost);
     starts = shooting->starts();
+    shooting->SetDecays(band_decays);
     has_covariance =
         evaluated &&
         EstimateCovariance(problem, layout, options.covariance, solution.free,
@@ -1097,6 +1322,9 @@ void Identify(const IdentificationProblem& problem,
       summary->covariance_names.push_back(layout.parameter(i).name);
     }
   }
+  summary->forces = EstimateForces(
+      problem, layout, shooting->train_records(), model->parameters,
+      has_covariance ? covariance.covariance : Matrix(), covariance.quantile);
   if (has_covariance) {
     summary->covariance_method = covariance.method;
     const int count = static_cast<int>(named.size());

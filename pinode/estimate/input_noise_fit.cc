@@ -63,6 +63,7 @@ class Fitter {
     }
   }
 
+  bool Covariance(CovarianceEstimate* covariance);
   bool Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
            std::string* message);
 
@@ -280,6 +281,16 @@ bool Fitter::Propose(Point* proposed, double* step) {
   return proposed->free.allFinite();
 }
 
+bool Fitter::Covariance(CovarianceEstimate* covariance) {
+  Point proposed;
+  double step = 0.0;
+  if (!Propose(&proposed, &step)) return false;
+  *covariance = covariance_;
+  covariance->method = "errors in variables";
+  covariance->quantile = StudentQuantile(1e6);
+  return true;
+}
+
 bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
                  std::string* message) {
   constexpr int kMaxHalvings = 10;
@@ -321,11 +332,9 @@ bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
       fit->free = point_.free;
       fit->sigmas = sigmas_;
       fit->cost = after;
-      fit->covariance = covariance_;
-      fit->covariance.method = "errors in variables";
-      fit->covariance.quantile = StudentQuantile(1e6);
       fit->starts = shooting_->starts();
-      return shooting_->Trajectories(point_.free, &fit->trajectories);
+      return shooting_->Trajectories(point_.free, &fit->trajectories) &&
+             Covariance(&fit->covariance);
     }
     sigmas_ = next_sigmas_;
     if (go_on && !go_on(point_.free, after)) {
@@ -361,6 +370,14 @@ bool FitWithInputNoise(const IdentificationProblem& problem,
                        InputNoiseFit* fit, std::string* message) {
   Fitter fitter(problem, layout, options, decays, *fit);
   return fitter.Run(go_on, fit, message);
+}
+
+bool InputNoiseCovariance(const IdentificationProblem& problem,
+                          const ParameterLayout& layout,
+                          const MultipleShooting::Options& options,
+                          const Vector& decays, InputNoiseFit* fit) {
+  Fitter fitter(problem, layout, options, decays, *fit);
+  return fitter.Covariance(&fit->covariance);
 }
 
 }  // namespace pinode

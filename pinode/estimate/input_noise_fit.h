@@ -60,6 +60,14 @@ bool CanFitWithInputNoise(const IdentificationProblem& problem,
                                      const InputNoiseCallback& go_on,
                                      InputNoiseFit* fit, std::string* message);
 
+// The covariance that the fit above would have if it ended at *fit's parameters
+// and noise levels, into fit->covariance. False where the trajectory is not
+// finite.
+[[nodiscard]] bool InputNoiseCovariance(
+    const IdentificationProblem& problem, const ParameterLayout& layout,
+    const MultipleShooting::Options& options, const Vector& decays,
+    InputNoiseFit* fit);
+
 }  // namespace pinode
 
 #endif  // PINODE_ESTIMATE_INPUT_NOISE_FIT_H_

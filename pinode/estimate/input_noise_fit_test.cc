@@ -40,9 +40,9 @@ struct NoisyGround {
       channel.sigma = sigma_given * sigma[c];
     }
     record.channels[0].values[7] = std::nan("");
-    const Matrix noise = kInputNoise * random.Draw(samples).transpose();
-    record.excitation.emplace(0.0, 0.05, record.excitation->samples() + noise,
-                              interpolation);
+    const Matrix measured = record.excitation->samples() +
+                            kInputNoise * random.Draw(samples).transpose();
+    record.excitation.emplace(0.0, 0.05, measured, interpolation);
     record.input_sigma = Vector::Constant(1, kInputNoise);
     record.start = start;
     problem.records.push_back(record);
@@ -161,6 +161,12 @@ TEST_P(InputNoiseFitTest, EqualsTheJointFitByCeres) {
     EXPECT_NEAR(ground.fit.free[i], theta[i], 1e-3 * std::sqrt(expected(i, i)));
   }
   EXPECT_NEAR(ground.fit.cost, summary.final_cost, 1e-4 * summary.final_cost);
+  InputNoiseFit at = ground.fit;
+  ASSERT_TRUE(InputNoiseCovariance(ground.problem, *ground.layout,
+                                   MultipleShooting::Options(), Vector(), &at));
+  // Without the errors of the excitation that the fit has found.
+  EXPECT_LT((at.covariance.covariance - expected).norm(),
+            0.2 * expected.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(

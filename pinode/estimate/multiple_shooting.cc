@@ -341,8 +341,10 @@ double MultipleShooting::PriorCost(const Vector& free) const {
       const double r = (free[j] - parameter.prior_mean) / parameter.prior_sigma;
       cost += 0.5 * r * r;
     }
-    const int group = layout_.DecayGroupOf(index);
-    if (group >= 0) cost += 0.5 * decays_[group] * free[j] * free[j];
+  }
+  for (const ParameterLayout::DecayRow& row : layout_.decay_rows()) {
+    const double value = row.Value(free);
+    cost += 0.5 * decays_[row.group] * value * value;
   }
   return cost;
 }
@@ -358,11 +360,13 @@ void MultipleShooting::AddPriors(const Vector& free,
       system->gradient[j] += precision * (free[j] - parameter.prior_mean);
       system->hessian(j, j) += precision;
     }
-    const int group = layout_.DecayGroupOf(index);
-    if (group >= 0) {
-      system->gradient[j] += decays_[group] * free[j];
-      system->hessian(j, j) += decays_[group];
-    }
+  }
+  for (const ParameterLayout::DecayRow& row : layout_.decay_rows()) {
+    const Eigen::Index count = row.weights.size();
+    const Vector weighted = decays_[row.group] * row.weights;
+    system->gradient.segment(row.first, count) += row.Value(free) * weighted;
+    system->hessian.block(row.first, row.first, count, count).noalias() +=
+        weighted * row.weights.transpose();
   }
 }
 

@@ -1,5 +1,6 @@
 #include "pinode/estimate/parameter_layout.h"
 
+#include <algorithm>
 #include <string>
 
 #include "pinode/base/logging.h"
@@ -14,13 +15,29 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
   if (architecture.IsLinear()) return groups;
   using Kind = DecayGroup::Kind;
   const auto add_group = [&](const std::string& name, Kind kind) {
-    decay_groups_.push_back({network, term.name + ", " + name, kind});
+    decay_groups_.push_back(
+        {network, term.name + ", " + name, kind, term.decay});
     return num_decay_groups() - 1;
   };
   const auto set = [&groups](const WeightLayout::Part& part, int row, int col,
                              int group) {
     groups[static_cast<size_t>(part.offset + col * part.rows + row)] = group;
   };
+  // Of a network of time the hidden units are a basis, spread over the record;
+  // a prior that draws them to t = 0 would take them away from where they are.
+  const bool of_time = std::all_of(
+      term.features.begin(), term.features.end(), [](const Feature& feature) {
+        return feature.kind == Feature::Kind::kTime;
+      });
+  if (of_time) {
+    const WeightLayout::Part& outputs = layout.weights.back();
+    for (int i = 0; i < outputs.rows; ++i) {
+      const int group =
+          add_group("output " + std::to_string(i + 1), Kind::kOutput);
+      for (int j = 0; j < outputs.cols; ++j) set(outputs, i, j, group);
+    }
+    return groups;
+  }
   const WeightLayout::Part& first = layout.weights.front();
   for (int j = 0; j < first.cols; ++j) {
     const int group = add_group("input " + std::to_string(j + 1), Kind::kInput);
@@ -49,6 +66,39 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
   return groups;
 }
 
+void ParameterLayout::AddCombinations(const UnknownForceTerm& term,
+                                      int first_parameter) {
+  if (term.prior.combinations.empty()) return;
+  for (const Parameter& parameter : term.parameters.parameters) {
+    CHECK(parameter.free == term.parameters.parameters[0].free)
+        << "'" << term.name << "': all of its parameters are free, or none";
+  }
+  const int first = FreeIndex(first_parameter);
+  if (first < 0) return;
+  const int first_group = num_decay_groups();
+  for (int g = 0; g < term.prior.num_groups(); ++g) {
+    decay_groups_.push_back({-1, term.name + ", part " + std::to_string(g + 1),
+                             DecayGroup::Kind::kForce,
+                             term.prior.precisions[static_cast<size_t>(g)]});
+  }
+  for (const CombinationPrior::Combination& c : term.prior.combinations) {
+    decay_rows_.push_back({first_group + c.group, first + c.first, c.weights});
+  }
+}
+
+bool ParameterLayout::HasNetworkDecay() const {
+  return std::any_of(
+      decay_groups_.begin(), decay_groups_.end(),
+      [](const DecayGroup& group) { return group.network >= 0; });
+}
+
+bool ParameterLayout::HasForceDecay() const {
+  return std::any_of(decay_groups_.begin(), decay_groups_.end(),
+                     [](const DecayGroup& group) {
+                       return group.kind == DecayGroup::Kind::kForce;
+                     });
+}
+
 ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   const auto add = [&](const ParameterBlock& block, int network) {
@@ -64,16 +114,24 @@ ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
       named_.push_back(block.named);
       decay_group_.push_back(groups[entry]);
       free_index_.push_back(all_.back().free ? num_free() : -1);
-      if (all_.back().free) free_.push_back(index);
+      if (!all_.back().free) continue;
+      if (groups[entry] >= 0) {
+        decay_rows_.push_back({groups[entry], num_free(), Vector::Ones(1)});
+      }
+      free_.push_back(index);
     }
   };
-  const int first_network = static_cast<int>(dynamics.blocks().size()) -
-                            static_cast<int>(dynamics.networks().size());
+  const int first_network = dynamics.network_block(0);
   for (int b = 0; b < static_cast<int>(dynamics.blocks().size()); ++b) {
     add(dynamics.blocks()[static_cast<size_t>(b)],
         b >= first_network ? b - first_network : -1);
   }
   num_dynamics_ = num_parameters();
+  for (size_t j = 0; j < dynamics.unknown_forces().size(); ++j) {
+    AddCombinations(dynamics.unknown_forces()[j],
+                    dynamics.block_offset(
+                        dynamics.unknown_force_block(static_cast<int>(j))));
+  }
   add(problem.sensors, -1);
 
   const std::vector<int>& columns = dynamics.tangent_columns();

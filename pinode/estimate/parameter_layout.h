@@ -28,22 +28,43 @@ class ParameterLayout {
   // Whether the entry is reported by name (not a network weight).
   bool IsNamed(int index) const { return named_[static_cast<size_t>(index)]; }
 
-  // Network weights that share one decay precision: per network the weights of
-  // each input, those of each output, the hidden biases, and each layer in
-  // between. With precisions chosen by the evidence this is automatic
-  // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,
-  // 1996): inputs and outputs that nothing depends on are shrunk away.
+  // What shares one decay precision. Network weights: per network the weights
+  // of each input, those of each output, the hidden biases, and each layer in
+  // between; of a network of time alone, the weights of each output. With
+  // precisions chosen by the evidence this is automatic relevance determination
+  // (R. M. Neal, Bayesian Learning for Neural Networks, 1996): inputs and
+  // outputs that nothing depends on are shrunk away. Unknown forces: the groups
+  // of their CombinationPrior.
   struct DecayGroup {
-    enum class Kind { kInput, kLayer, kOutput, kBiases };
-    int network = -1;
+    enum class Kind { kInput, kLayer, kOutput, kBiases, kForce };
+    int network = -1;  // -1: of an unknown force
     std::string name;
     Kind kind = Kind::kLayer;
+    double given = -1.0;  // negative: the evidence chooses
   };
   const std::vector<DecayGroup>& decay_groups() const { return decay_groups_; }
   int num_decay_groups() const {
     return static_cast<int>(decay_groups_.size());
   }
-  // Index of the decay group of a parameter, -1 if none.
+  // Whether any of the groups are a network's; an unknown force's.
+  bool HasNetworkDecay() const;
+  bool HasForceDecay() const;
+
+  // What decays: weights . (free parameters from `first` on) is normally
+  // distributed around zero with the precision of its group. A network's
+  // weight stands alone.
+  struct DecayRow {
+    int group = -1;
+    int first = 0;  // among the free ones
+    Vector weights;
+
+    double Value(const Vector& free) const {
+      return weights.dot(free.segment(first, weights.size()));
+    }
+  };
+  const std::vector<DecayRow>& decay_rows() const { return decay_rows_; }
+
+  // Index of the decay group of a network's weight, -1 of anything else.
   int DecayGroupOf(int index) const {
     return decay_group_[static_cast<size_t>(index)];
   }
@@ -71,9 +92,11 @@ class ParameterLayout {
   std::vector<bool> named_;
   // Decay group of each weight of a network, -1 where nothing decays.
   std::vector<int> GroupWeights(const NetworkTerm& term, int network);
+  void AddCombinations(const UnknownForceTerm& term, int first_parameter);
 
   std::vector<DecayGroup> decay_groups_;
   std::vector<int> decay_group_;
+  std::vector<DecayRow> decay_rows_;
   std::vector<int> free_;
   std::vector<int> free_index_;
   std::vector<int> tangent_columns_;

@@ -23,10 +23,17 @@ constexpr int kCloseUpBuckets = 200;
 constexpr int kMaxLoopSamples = 2000;
 constexpr int kMaxModes = 6;
 constexpr int kMaxParameters = 40;
+constexpr int kMaxPanels = 6;
+// Of a known force: fewer in a panel are drawn as dots.
+constexpr int kFewSamples = 50;
+// A dot takes ten times the bytes of a point on a line.
+constexpr int kMaxDots = 900;
 
 constexpr char kMeasuredLine[] = "lc rgb '#aaaaaa' lw 3.6 dt 1";
 constexpr char kUpdatedLine[] = "lc rgb '#0072B2' lw 1.3 dt 1";
+constexpr char kBandFill[] = "fc rgb '#A6CEE3' fs solid 1.0 noborder";
 constexpr char kPriorLine[] = "lc rgb '#E69F00' lw 1.2 dt (6,3)";
+constexpr char kTrueLine[] = "lc rgb '#333333' lw 2.6 dt (2,2)";
 constexpr char kFaintLine[] = "lc rgb '#999999' lw 0.8 dt 1";
 constexpr char kMark[] = "lc rgb '#D55E00'";
 
@@ -165,6 +172,27 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
   *count = std::min(*count, size);
   // A free decay is seen best after its peak.
   *first = std::clamp(peak - *count / 3, 0, size - *count);
+}
+
+// Where a force acts: the middle nine tenths of its energy with as much again
+// on both sides, or, of one that goes on for most of the record, an eighth of
+// the record around its peak.
+void LargestPart(const Vector& force, int* first, int* count) {
+  const int size = static_cast<int>(force.size());
+  const double energy = force.squaredNorm();
+  int from = 0, to = size - 1, peak = 0;
+  double sum = 0.0;
+  for (int i = 0; i < size; ++i) {
+    if (std::abs(force[i]) > std::abs(force[peak])) peak = i;
+    if (sum < 0.05 * energy) from = i;
+    if (sum < 0.95 * energy) to = i;
+    sum += force[i] * force[i];
+  }
+  const int length = to - from + 1;
+  const bool short_one = length < size / 3;
+  *count = std::min(size, std::max(short_one ? 3 * length : size / 8, 40));
+  const int middle = short_one ? (from + to) / 2 : peak;
+  *first = std::clamp(middle - *count / 2, 0, size - *count);
 }
 
 // "record 'quake' (hold-out)".
@@ -361,10 +389,17 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
   const bool two_panels = DependsOnRate(loop) && loop.rate.size() == samples;
   figure.half_width = !two_panels;
   Script script(figure.id, two_panels ? 900 : 440, 300);
-  script.Line("unset key");
+  if (loop.known == nullptr) {
+    script.Line("unset key");
+  } else {
+    // Above the first panel.
+    script.Line("set key at screen " +
+                std::string(two_panels ? "0.48" : "0.96") + ",0.99 horizontal");
+  }
   script.Line("set multiplot layout 1," + std::string(two_panels ? "2" : "1") +
-              " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") +
-              ",0.2,0.95 spacing 0.12,0.1");
+              " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") + ",0.2," +
+              std::string(loop.known != nullptr ? "0.89" : "0.95") +
+              " spacing 0.12,0.1");
   const std::string quantity = loop.is_acceleration ? "acceleration" : "force";
   script.Line("set ylabel " +
               GnuplotString(AxisLabel(quantity, loop.force_unit)));
@@ -374,8 +409,23 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
     script.Line("set xlabel " + GnuplotString(AxisLabel(label, unit)));
     const std::string data =
         script.Data({Column(abscissa.segment(first, count)), Column(force)});
-    script.Line("plot " +
-                Lines(data, "lc rgb '#0072B2' lw 0.9 dt 1", std::string()));
+    const bool beside_known =
+        loop.known != nullptr && &abscissa == &loop.deformation;
+    std::string lines;
+    if (beside_known) {
+      // Where the structure went, and not far beyond.
+      const double low = abscissa.minCoeff(), high = abscissa.maxCoeff();
+      const double margin = 0.05 * (high - low);
+      script.Line(Range("x", low - margin, high + margin));
+      lines = Lines(script.Data({Column(loop.known->deformation),
+                                 Column(loop.known->force)}),
+                    kMeasuredLine, loop.known->name) +
+              ", ";
+    }
+    script.Line("plot " + lines +
+                Lines(data, "lc rgb '#0072B2' lw 0.9 dt 1",
+                      beside_known ? "identified" : std::string()));
+    script.Line("set autoscale x");
   };
   plot(loop.deformation, loop.deformation_name, loop.deformation_unit);
   if (two_panels) plot(loop.rate, loop.rate_name, loop.rate_unit);
@@ -396,6 +446,193 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
                       input.units.time;
   }
   figure.caption += ".";
+  return figure;
+}
+
+Figure MakeEquationFigure(const ReportEquation& equation, int number) {
+  Figure figure;
+  const int samples = static_cast<int>(equation.source_values.size());
+  const int panels =
+      std::min(static_cast<int>(equation.features.size()), kMaxPanels);
+  if (samples < 2 || panels == 0 ||
+      equation.equation_values.size() != samples) {
+    return figure;
+  }
+  figure.id = "equation_" + std::to_string(number);
+  const int columns = std::min(panels, 2);
+  const int rows = (panels + 1) / 2;
+  figure.half_width = columns == 1;
+  Script script(figure.id, columns == 1 ? 440 : 900, 280 * rows);
+  script.Line("unset key");
+  script.Line("set multiplot layout " + std::to_string(rows) + "," +
+              std::to_string(columns) + " margins " +
+              (columns == 1 ? "0.19,0.96" : "0.1,0.975") + "," +
+              (rows == 1 ? "0.2" : "0.11") + ",0.96 spacing 0.12,0.16");
+  script.Line("set ylabel " +
+              GnuplotString(AxisLabel(equation.output, equation.unit)));
+  // Two dots a sample and panel.
+  const int most = kMaxDots / (2 * panels);
+  const int stride = (samples + most - 1) / most;
+  for (int k = 0; k < panels; ++k) {
+    const ReportEquation::Axis& axis =
+        equation.features[static_cast<size_t>(k)];
+    // What depends on other features alone would scatter the dots of a sum.
+    std::vector<double> x, regressed, said;
+    for (int i = 0; i < samples; i += stride) {
+      x.push_back(axis.values[i]);
+      said.push_back(axis.part[i]);
+      regressed.push_back(equation.source_values[i] -
+                          (equation.equation_values[i] - axis.part[i]));
+    }
+    script.Line("set xlabel " + GnuplotString(AxisLabel(axis.name, axis.unit)));
+    const std::string below = script.Data({x, regressed});
+    const std::string above = script.Data({x, said});
+    script.Line(
+        "plot " + below +
+        " using 1:2 with points pt 7 ps 0.55 lc rgb '#aaaaaa' notitle, " +
+        above + " using 1:2 with points pt 7 ps 0.25 lc rgb '#0072B2' notitle");
+  }
+  script.Line("unset multiplot");
+  figure.script = script.text();
+  figure.caption = equation.output + " over each feature, along the training " +
+                   "records: the equation's terms in that feature (blue), and "
+                   "what they stand for, " +
+                   equation.source + " less the other terms (grey)";
+  const int left_out = static_cast<int>(equation.features.size()) - panels;
+  if (left_out > 0) {
+    figure.caption +=
+        "; " + std::to_string(left_out) + " more features are not drawn";
+  }
+  figure.caption += ".";
+  return figure;
+}
+
+Figure MakeParetoFigure(const ReportEquation& equation, int number) {
+  Figure figure;
+  std::vector<double> terms, residuals, chosen, chosen_residual;
+  for (const ReportEquation::ParetoPoint& point : equation.pareto) {
+    // The axis is logarithmic.
+    if (!(point.residual > 0.0) || !std::isfinite(point.residual)) continue;
+    terms.push_back(point.num_terms);
+    residuals.push_back(point.residual);
+    if (point.num_terms == equation.num_regressed_terms) {
+      chosen.push_back(point.num_terms);
+      chosen_residual.push_back(point.residual);
+    }
+  }
+  if (terms.size() < 2) return figure;
+  figure.id = "pareto_" + std::to_string(number);
+  figure.half_width = true;
+  Script script(figure.id, 440, 280);
+  script.Line("unset key");
+  script.Line("set margins 10,2,3.5,1");
+  script.Line("set logscale y");
+  script.Line("set format y '%.0e'");
+  script.Line("set xlabel 'number of terms'");
+  script.Line("set ylabel 'residual, share of the acceleration'");
+  const std::string data = script.Data({terms, residuals});
+  std::string plot = "plot " + data +
+                     " using 1:2 with linespoints pt 7 ps 0.5 " + kUpdatedLine +
+                     " notitle";
+  if (!chosen.empty()) {
+    const std::string mark = script.Data({chosen, chosen_residual});
+    plot += ", " + mark + " using 1:2 with points pt 6 ps 1.6 lw 2 " + kMark +
+            " notitle";
+  }
+  script.Line(plot);
+  figure.script = script.text();
+  figure.caption = equation.output + ": what the best sets of so many of the " +
+                   std::to_string(equation.num_candidates) +
+                   " candidates leave over of " + equation.source +
+                   (chosen.empty() ? "" : "; circled, what was chosen") + ".";
+  return figure;
+}
+
+Figure MakeForceFigure(const ReportInput& input, int force) {
+  Figure figure;
+  const ForceEstimate& estimate =
+      input.summary->forces.at(static_cast<size_t>(force));
+  const int count = static_cast<int>(estimate.value.size());
+  if (count < 2 || !estimate.value.allFinite()) return figure;
+  const ReportForceTruth* truth = nullptr;
+  for (const ReportForceTruth& other : input.force_truths) {
+    if (other.name == estimate.name && other.times.size() > 0) truth = &other;
+  }
+  int first, part;
+  LargestPart(estimate.value, &first, &part);
+
+  figure.id = "force_" + std::to_string(force);
+  Script script(figure.id, 900, 300);
+  script.Line(
+      "set multiplot layout 1,2 margins 0.085,0.985,0.2,0.86 spacing "
+      "0.1,0.1");
+  script.Line("set xlabel " +
+              GnuplotString(AxisLabel("time", input.units.time)));
+  script.Line("set ylabel " +
+              GnuplotString(AxisLabel("force", input.units.force)));
+  std::vector<Vector> others;
+  if (estimate.sigma.allFinite()) others = {estimate.lower95, estimate.upper95};
+  if (truth != nullptr) others.push_back(truth->values);
+  const Interval range = VerticalRange(estimate.value, others);
+  script.Line(Range("y", range.low, range.high));
+  bool dots = false;
+  const auto plot = [&](int from, int size, bool titles) {
+    const Vector times = estimate.times.segment(from, size);
+    script.Line(Range("x", times[0], times[size - 1]));
+    std::vector<std::string> curves;
+    if (estimate.sigma.allFinite()) {
+      // The widest of neighbouring steps stands for them.
+      const int stride = (size + kHistoryBuckets - 1) / kHistoryBuckets;
+      std::vector<std::vector<double>> band(3);
+      for (int i = 0; i < size; i += stride) {
+        const int width = std::min(stride, size - i);
+        band[0].push_back(times.segment(i, width).mean());
+        band[1].push_back(estimate.lower95.segment(from + i, width).minCoeff());
+        band[2].push_back(estimate.upper95.segment(from + i, width).maxCoeff());
+      }
+      curves.push_back(script.Data(band) + " using 1:2:3 with filledcurves " +
+                       kBandFill +
+                       (titles ? " title '95 % band'" : " notitle"));
+    }
+    if (truth != nullptr) {
+      const Polyline line =
+          DecimateHistory(truth->times, truth->values, 2 * kHistoryBuckets);
+      const auto shown = std::count_if(
+          truth->times.begin(), truth->times.end(), [&](double time) {
+            return times[0] <= time && time <= times[size - 1];
+          });
+      if (!titles && shown < kFewSamples) {
+        // Between its samples a blow is not what a straight line makes of it.
+        dots = true;
+        curves.push_back(
+            script.Data(
+                {std::vector<double>(truth->times.begin(), truth->times.end()),
+                 std::vector<double>(truth->values.begin(),
+                                     truth->values.end())}) +
+            " using 1:2 with points pt 7 ps 0.5 lc rgb '#333333' "
+            "notitle");
+      } else if (!line.x.empty()) {
+        curves.push_back(Lines(script.Data({line.x, line.y}), kTrueLine,
+                               titles ? "truth" : ""));
+      }
+    }
+    const Polyline line = DecimateHistory(
+        times, estimate.value.segment(from, size), kHistoryBuckets);
+    curves.push_back(Lines(script.Data({line.x, line.y}), kUpdatedLine,
+                           titles ? "identified" : ""));
+    script.Line("plot " + Join(curves, ", "));
+  };
+  script.Line("set key at screen 0.985,0.985");
+  plot(0, count, true);
+  script.Line("unset key");
+  plot(first, part, false);
+  script.Line("unset multiplot");
+  figure.script = script.text();
+  figure.caption = estimate.name + ", the force identified in " +
+                   RecordWithRole(input, estimate.record) +
+                   "; on the right where it is largest" +
+                   (dots ? ", the dots being the truth at its samples" : "") +
+                   ".";
   return figure;
 }
 
@@ -710,6 +947,9 @@ bool DrawFigure(const Figure& figure, const GnuplotOptions& options,
   RemoveSpans("<desc>", "</desc>", &text);
   RemoveSpans("<filter", "</filter>", &text);
   RemoveSpans("<!--", "-->", &text);
+  // Blanks in tags, where no reader of HTML expects them.
+  ReplaceAll("<polygon fill = '", "<polygon fill='", &text);
+  ReplaceAll("' points = '", "' points='", &text);
   // Every figure of a document defines the same marks.
   ReplaceAll("xlink:href='#gp", "href='#" + figure.id + "_gp", &text);
   ReplaceAll(" id='gp", " id='" + figure.id + "_gp", &text);

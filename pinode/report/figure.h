@@ -41,6 +41,10 @@ Figure MakeChannelFigure(const ReportInput& input, int record, int channel);
 Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
                       int number);
 
+// An unknown force with its 95 % band, beside what it was in truth where that
+// is given: the whole record and the part where the force is largest.
+Figure MakeForceFigure(const ReportInput& input, int force);
+
 // Changes of the named free parameters in per cent with 95 % bars. Parameters
 // that start at zero and are not group factors have no such change; the caption
 // names them.
@@ -48,6 +52,14 @@ Figure MakeParameterFigure(const ReportInput& input);
 
 // The first modes (at most six), initial against updated.
 Figure MakeModeShapeFigure(const ReportInput& input);
+
+// What was regressed and what the equation says, against each feature that its
+// terms depend on (at most four), along the training records. Fig. 6 of Lai et
+// al. (2021).
+Figure MakeEquationFigure(const ReportEquation& equation, int number);
+
+// Residual over the number of terms, and the number that was chosen.
+Figure MakeParetoFigure(const ReportEquation& equation, int number);
 
 // Cost over the iterations, free-run error over the stages.
 Figure MakeConvergenceFigure(const ReportInput& input);

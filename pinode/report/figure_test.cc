@@ -10,6 +10,7 @@
 namespace pinode {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -108,6 +109,19 @@ TEST_F(FigureTest, ShowsLoopsOfLawsAndNetworks) {
   EXPECT_THAT(svg, HasSubstr("v[u3], m/s<"));
 }
 
+TEST_F(FigureTest, ShowsKnownCurvesBesideLoops) {
+  example_->input.curves.push_back({"spring1", "data sheet",
+                                    Vector::LinSpaced(2, -1.0, 1.0),
+                                    Vector::LinSpaced(2, -2.0, 2.0)});
+  const auto loops = ComputeRestoringForceLoops(example_->input);
+  const std::string svg = Draw(MakeLoopFigure(example_->input, loops[0], 0));
+  EXPECT_THAT(svg, HasSubstr("data sheet<"));
+  EXPECT_THAT(svg, HasSubstr("identified<"));
+  // Others are drawn as ever.
+  EXPECT_THAT(Draw(MakeLoopFigure(example_->input, loops[2], 2)),
+              Not(HasSubstr("identified<")));
+}
+
 TEST_F(FigureTest, ShowsParameterChangesInPerCent) {
   const Figure figure = MakeParameterFigure(example_->input);
   // Groups in per cent of their matrix, elements of their initial value.
@@ -154,6 +168,106 @@ TEST_F(FigureTest, TakesAnyName) {
   const std::string svg = Draw(MakeChannelFigure(example_->input, 0, 0));
   EXPECT_THAT(svg,
               HasSubstr("a\u20191 `id` \"x\" &lt;b> &amp; $d0 \u03b1_2^3"));
+}
+
+ReportEquation CubicEquation() {
+  ReportEquation equation;
+  equation.output = "u1";
+  equation.source = "network nn1";
+  equation.unit = "m/s^2";
+  equation.num_candidates = 34;
+  equation.num_regressed_terms = 1;
+  equation.pareto = {{0, 0.5}, {1, 0.01}, {2, 0.009}};
+  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.0, -2.1, -1.9, -1.8,
+                     std::numeric_limits<double>::quiet_NaN()}};
+  const Vector x = Vector::LinSpaced(1500, -1.0, 1.0);
+  const Vector v = x.reverse();
+  const Vector cubic = -2.0 * x.array().cube();
+  equation.features = {{"x[u1]", "m", x, cubic}, {"v[u1]", "m/s", v, -0.3 * v}};
+  equation.equation_values = cubic - 0.3 * v;
+  equation.source_values = equation.equation_values.array() + 0.01;
+  return equation;
+}
+
+TEST_F(FigureTest, ShowsAnEquationOverEachFeature) {
+  const Figure figure = MakeEquationFigure(CubicEquation(), 3);
+  const std::string svg = Draw(figure);
+  for (const char* text : {"x[u1], m", "v[u1], m/s", "u1, m/s\u00b2"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_THAT(figure.caption, HasSubstr("network nn1 less the other terms"));
+  // At the first sample: -2 x^3 = 2 and -0.3 v = -0.3, each by itself, beside
+  // what the network has beyond the other, 0.01 more.
+  for (const char* text :
+       {"\n-1 2\n", "\n-1 2.01\n", "\n1 -0.3\n", "\n1 -0.29\n"}) {
+    EXPECT_THAT(figure.script, HasSubstr(text));
+  }
+  ReportEquation nothing = CubicEquation();
+  nothing.features.clear();
+  EXPECT_TRUE(MakeEquationFigure(nothing, 0).empty());
+}
+
+TEST_F(FigureTest, ShowsTheParetoCurve) {
+  const Figure figure = MakeParetoFigure(CubicEquation(), 0);
+  EXPECT_THAT(Draw(figure), HasSubstr("number of terms"));
+  EXPECT_THAT(figure.caption, HasSubstr("34 candidates"));
+  EXPECT_THAT(figure.caption, HasSubstr("circled"));
+  ReportEquation nothing = CubicEquation();
+  nothing.pareto.resize(1);
+  EXPECT_TRUE(MakeParetoFigure(nothing, 0).empty());
+}
+
+ForceEstimate MakeForce(int count) {
+  ForceEstimate force;
+  force.name = "blow";
+  force.record = 0;
+  force.times = Vector::LinSpaced(count, 0.0, 2.0);
+  force.value = (-((force.times.array() - 0.5) / 0.02).square()).exp() * 1e4;
+  force.sigma = Vector::Constant(count, 100.0);
+  force.lower95 = force.value - 1.96 * force.sigma;
+  force.upper95 = force.value + 1.96 * force.sigma;
+  return force;
+}
+
+TEST_F(FigureTest, ShowsAForceWithItsBandAndTheTruth) {
+  example_->summary.forces = {MakeForce(5001)};
+  const ForceEstimate& force = example_->summary.forces[0];
+  example_->input.force_truths = {{"blow", force.times, 1.01 * force.value}};
+  const Figure figure = MakeForceFigure(example_->input, 0);
+  const std::string svg = Draw(figure);
+  for (const char* text :
+       {"force, N", "time, s", "95 % band", "truth", "identified"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_THAT(figure.caption,
+              AllOf(HasSubstr("blow"), HasSubstr("right where it is largest")));
+  // The close-up is about the blow: 2 s are no part of its axis.
+  EXPECT_THAT(figure.script, HasSubstr("set xrange [0:2]"));
+  EXPECT_THAT(figure.script, HasSubstr("set xrange [0.4"));
+  EXPECT_THAT(figure.caption, Not(HasSubstr("dots")));
+  // A truth of few samples there says nothing of what is between them.
+  const Vector times = Vector::LinSpaced(201, 0.0, 2.0);
+  example_->input.force_truths = {{"blow", times, Vector::Ones(201)}};
+  const Figure coarse = MakeForceFigure(example_->input, 0);
+  EXPECT_THAT(coarse.caption, HasSubstr("dots being the truth at its samples"));
+  EXPECT_THAT(coarse.script, HasSubstr("with points"));
+  EXPECT_THAT(Draw(coarse), HasSubstr("truth"));
+}
+
+// No covariance, no band; the truth of another force is not shown.
+TEST_F(FigureTest, ShowsAForceWithoutABand) {
+  ForceEstimate force = MakeForce(50);
+  force.sigma.setConstant(std::numeric_limits<double>::infinity());
+  force.lower95 = -force.sigma;
+  force.upper95 = force.sigma;
+  example_->summary.forces = {force};
+  example_->input.force_truths = {{"other", force.times, force.value}};
+  const std::string svg = Draw(MakeForceFigure(example_->input, 0));
+  EXPECT_THAT(svg, Not(HasSubstr("band")));
+  EXPECT_THAT(svg, Not(HasSubstr("truth")));
+  force.value[3] = std::numeric_limits<double>::quiet_NaN();
+  example_->summary.forces = {force};
+  EXPECT_TRUE(MakeForceFigure(example_->input, 0).empty());
 }
 
 }  // namespace

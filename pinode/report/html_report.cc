@@ -124,6 +124,10 @@ std::string CovarianceSentence(const std::string& method) {
     return "block sandwich: residuals close in time are correlated, and the "
            "intervals allow for it.";
   }
+  if (method == "inflated") {
+    return "inflated: residuals close in time are correlated, and the "
+           "intervals are as if a sample came once per autocorrelation time.";
+  }
   if (method == "input noise") {
     return "input noise: the noise of the measured excitation is carried "
            "through the model into the intervals, beside that of the sensors.";
@@ -252,7 +256,9 @@ class PageMaker {
     gallery_.Draw(options_);
     AddHead();
     AddScores();
+    AddEquations();
     AddParameters();
+    AddForces();
     AddModes();
     AddHistories();
     AddLoops();
@@ -271,6 +277,11 @@ class PageMaker {
 
   void PlanFigures() {
     parameter_figure_ = gallery_.Add(MakeParameterFigure(input_));
+    for (size_t f = 0; f < summary_.forces.size(); ++f) {
+      const int figure =
+          gallery_.Add(MakeForceFigure(input_, static_cast<int>(f)));
+      if (figure >= 0) force_figures_.push_back(figure);
+    }
     mode_figure_ = gallery_.Add(MakeModeShapeFigure(input_));
     convergence_figure_ = gallery_.Add(MakeConvergenceFigure(input_));
     for (const Role role : {Role::kHoldout, Role::kTrain}) {
@@ -301,6 +312,16 @@ class PageMaker {
       const int figure =
           gallery_.Add(MakeLoopFigure(input_, loops[i], static_cast<int>(i)));
       if (figure >= 0) loop_figures_.push_back(figure);
+    }
+    for (size_t e = 0; e < input_.equations.size(); ++e) {
+      const int number = static_cast<int>(e);
+      std::vector<int> figures;
+      for (const int figure :
+           {gallery_.Add(MakeEquationFigure(input_.equations[e], number)),
+            gallery_.Add(MakeParetoFigure(input_.equations[e], number))}) {
+        if (figure >= 0) figures.push_back(figure);
+      }
+      equation_figures_.push_back(figures);
     }
   }
 
@@ -384,6 +405,61 @@ class PageMaker {
                "others."));
     }
     page_.set("networks", networks);
+  }
+
+  void AddEquations() {
+    Data equations = List();
+    for (size_t e = 0; e < input_.equations.size(); ++e) {
+      const ReportEquation& equation = input_.equations[e];
+      bool any_probability = false;
+      for (const ReportEquation::Term& term : equation.terms) {
+        any_probability =
+            any_probability || std::isfinite(term.inclusion_probability);
+      }
+      std::vector<TextTable::Column> columns = {
+          {"term", TextTable::Align::kLeft},
+          {"coefficient", TextTable::Align::kDecimal},
+          {"95 %, \u00b1", TextTable::Align::kDecimal},
+          {"regressed", TextTable::Align::kDecimal}};
+      if (any_probability) {
+        columns.push_back(
+            {"inclusion probability", TextTable::Align::kDecimal});
+      }
+      columns.push_back({"unit", TextTable::Align::kLeft});
+      TextTable table(std::move(columns));
+      const auto number = [](double value, int digits) {
+        return std::isfinite(value) ? ReadableNumber(value, digits)
+                                    : std::string("-");
+      };
+      for (const ReportEquation::Term& term : equation.terms) {
+        std::vector<std::string> row = {
+            term.basis, number(term.coefficient, 5),
+            number(0.5 * (term.upper95 - term.lower95), 2),
+            number(term.regressed, 5)};
+        if (any_probability) {
+          row.push_back(number(term.inclusion_probability, 2));
+        }
+        row.push_back(UnitText(term.unit));
+        table.AddRow(std::move(row));
+      }
+      Data data;
+      data.set("name", equation.output);
+      data.set("text", equation.terms.empty()
+                           ? "No term in place of " + equation.source + "."
+                           : "In place of " + equation.source + ", of " +
+                                 Count(equation.num_candidates, "candidate") +
+                                 ":");
+      SetIf("terms", !table.empty(), TableData(table), &data);
+      data.set("figures", FigureList(equation_figures_[e]));
+      equations.push_back(data);
+    }
+    page_.set("has_equations", !input_.equations.empty());
+    page_.set("equations", equations);
+  }
+
+  void AddForces() {
+    page_.set("has_forces", !force_figures_.empty());
+    page_.set("forces", FigureList(force_figures_));
   }
 
   void AddModes() {
@@ -519,11 +595,13 @@ class PageMaker {
   const HtmlReportOptions& options_;
   Gallery gallery_;
   int parameter_figure_ = -1;
+  std::vector<int> force_figures_;
   int mode_figure_ = -1;
   int convergence_figure_ = -1;
   std::vector<History> histories_;
   std::vector<int> loop_figures_;
   int loops_left_out_ = 0;
+  std::vector<std::vector<int>> equation_figures_;  // per equation
   Data page_;
 };
 

@@ -219,5 +219,55 @@ TEST(HtmlReport, IsWrittenAllOrNothing) {
   EXPECT_THAT(error, HasSubstr("/nowhere/report.html"));
 }
 
+TEST(HtmlReport, ShowsEquations) {
+  const auto example = testing::MakeReportExample();
+  EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
+              Not(HasSubstr("Equations")));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  ReportEquation equation;
+  equation.output = "u<1>";
+  equation.source = "network nn1";
+  equation.num_candidates = 34;
+  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.5, nan, nan, -1.75, nan},
+                    {"v[u1]", "1/s", -0.5, -0.53, -0.47, -0.52, nan}};
+  ReportEquation empty;
+  empty.output = "u2";
+  empty.source = "network nn1";
+  example->input.equations = {equation, empty};
+  std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(html);
+  for (const char* text :
+       {"<h2>Equations</h2>", "u&lt;1&gt;", "x[u1]^3", "-1.75", "0.030",
+        "of 34 candidates", "No term in place of network nn1"}) {
+    EXPECT_THAT(html, HasSubstr(text));
+  }
+  EXPECT_THAT(html, Not(HasSubstr("inclusion probability")));
+  EXPECT_LT(html.find("How well the model predicts"), html.find("Equations"));
+  example->input.equations[0].terms[0].inclusion_probability = 0.875;
+  html = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(html);
+  EXPECT_THAT(html, HasSubstr("inclusion probability"));
+}
+
+TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {
+  const auto example = testing::MakeReportExample();
+  const char* heading = "Forces that nobody measured";
+  EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
+              Not(HasSubstr(heading)));
+  ForceEstimate force;
+  force.name = "<blow>";
+  force.record = 0;
+  force.times = Vector::LinSpaced(50, 0.0, 2.0);
+  force.value = force.times.array().sin();
+  force.sigma = Vector::Constant(50, 0.1);
+  force.lower95 = force.value - 2.0 * force.sigma;
+  force.upper95 = force.value + 2.0 * force.sigma;
+  example->summary.forces = {force};
+  const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(html);
+  EXPECT_THAT(html, HasSubstr(heading));
+  EXPECT_THAT(html, HasSubstr("&lt;blow&gt;, the force identified in"));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -37,6 +37,62 @@ struct ReportRecord {
   std::vector<std::string> channel_units;
 };
 
+// An equation that discovery has put in a network's place.
+struct ReportEquation {
+  struct Term {
+    std::string basis;
+    std::string unit;  // of the coefficient
+    double coefficient = 0.0;
+    // NaN where not known, as what follows.
+    double lower95 = 0.0;
+    double upper95 = 0.0;
+    double regressed = 0.0;  // before the refit
+    double inclusion_probability = 0.0;
+  };
+  struct Axis {
+    std::string name;
+    std::string unit;
+    Vector values;  // one a sample
+    // Sum of the equation's terms that depend on this feature.
+    Vector part;
+  };
+  // Residual of the best fit of so many terms, over the scale of the equation.
+  struct ParetoPoint {
+    int num_terms = 0;
+    double residual = 0.0;
+  };
+
+  std::string output;  // the DOF, or a pair
+  std::string source;  // what was regressed: "network nn1"
+  std::string unit;
+  std::vector<Term> terms;
+  int num_candidates = 0;
+  int num_regressed_terms = 0;  // chosen on the curve below
+  std::vector<ParetoPoint> pareto;
+  // Along the training records: the features that terms depend on, what was
+  // regressed, and what the equation says there.
+  std::vector<Axis> features;
+  Vector source_values;
+  Vector equation_values;
+};
+
+// What an unknown force was in truth, where a case gives it.
+struct ReportForceTruth {
+  std::string name;
+  Vector times;
+  Vector values;
+};
+
+// The force of a term as known from elsewhere, to be drawn beside what was
+// identified. The term has one output and resists, or is an acceleration of one
+// uncoupled mass.
+struct ReportCurve {
+  std::string term;
+  std::string name;
+  // Model units; the force resists positive deformation.
+  Vector deformation, force;
+};
+
 // Filled by a program; the objects pointed to outlive it. The summary may be
 // that of a failure: what it lacks is left out of the report.
 struct ReportInput {
@@ -51,6 +107,9 @@ struct ReportInput {
   const IdentifiedModel* model = nullptr;
   std::vector<ReportRecord> records;  // in the problem's order, or empty
   std::vector<ReportMode> modes;
+  std::vector<ReportEquation> equations;
+  std::vector<ReportForceTruth> force_truths;
+  std::vector<ReportCurve> curves;
   // About the data as they were read, a sentence each.
   std::vector<std::string> remarks;
 };

@@ -44,7 +44,7 @@ std::string FeatureUnit(const Feature& feature, const UnitSystem& units) {
 struct Term {
   std::string name, type;
   const std::vector<Feature>* features;
-  int num_outputs;
+  const Matrix* outputs;  // num_dofs x outputs
   std::vector<std::string> output_names;
   bool is_acceleration;
   // Outputs from features and the whole state at one sample.
@@ -75,9 +75,9 @@ class LoopMaker {
         input_.summary->records[static_cast<size_t>(record)].states;
     const int samples = static_cast<int>(states.cols());
     Matrix values(features.size(), samples);
-    Matrix outputs(term.num_outputs, samples);
+    Matrix outputs(term.outputs->cols(), samples);
     Vector time(samples);
-    Vector result(term.num_outputs);
+    Vector result(term.outputs->cols());
     for (int i = 0; i < samples; ++i) {
       for (size_t f = 0; f < features.size(); ++f) {
         values(f, i) =
@@ -92,9 +92,14 @@ class LoopMaker {
     loop.term = term.name;
     loop.type = term.type;
     loop.record = record;
+    loop.known = KnownCurve(term.name);
     loop.is_acceleration = term.is_acceleration;
+    if (loop.known != nullptr && term.is_acceleration) {
+      loop.is_acceleration = false;
+      outputs *= -DrivenMass(*term.outputs);
+    }
     loop.force_unit = UnitName(
-        term.is_acceleration ? Dimension::kAcceleration : Dimension::kForce,
+        loop.is_acceleration ? Dimension::kAcceleration : Dimension::kForce,
         input_.units);
     loop.time = time;
     loop.deformation = values.row(abscissa);
@@ -105,7 +110,7 @@ class LoopMaker {
       Name(features[static_cast<size_t>(rate)], &loop.rate_name,
            &loop.rate_unit);
     }
-    for (int o = 0; o < term.num_outputs; ++o) {
+    for (Eigen::Index o = 0; o < outputs.rows(); ++o) {
       loop.output.clear();
       if (static_cast<size_t>(o) < term.output_names.size()) {
         loop.output = term.output_names[static_cast<size_t>(o)];
@@ -116,6 +121,20 @@ class LoopMaker {
   }
 
  private:
+  const ReportCurve* KnownCurve(const std::string& term) const {
+    for (const ReportCurve& curve : input_.curves) {
+      if (curve.term == term) return &curve;
+    }
+    return nullptr;
+  }
+
+  // Force per acceleration that a term adds to its one DOF.
+  double DrivenMass(const Matrix& outputs) const {
+    const StructuralModel model = dynamics_.CorrectedModel(
+        input_.model->parameters.head(dynamics_.num_parameters()));
+    return (model.mass * outputs.col(0)).sum();
+  }
+
   void Name(const Feature& feature, std::string* name,
             std::string* unit) const {
     std::vector<std::string> input_names;
@@ -168,7 +187,7 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
   }
   const Vector& theta = input.model->parameters;
   const LoopMaker maker(input);
-  // The blocks of theta: the groups', if any, then one per law and network.
+  // The blocks of theta: the groups', if any, then one per law.
   int block = dynamics.groups().empty() ? 0 : 1;
   int internal = 2 * dynamics.num_dofs();
   for (const LawTerm& term : dynamics.laws()) {
@@ -179,9 +198,9 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
     maker.Add({term.name,
                term.type,
                &term.features,
-               term.law->num_outputs(),
+               &term.outputs,
                {},
-               false,
+               term.acts_as == ActsAs::kAcceleration,
                [&](const Vector& features, const Vector& state, Vector* force) {
                  term.law->Evaluate(features.data(),
                                     state.data() + internal_offset, parameters,
@@ -190,12 +209,21 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
                }},
               &loops);
   }
-  for (const NetworkTerm& term : dynamics.networks()) {
-    const double* weights = theta.data() + dynamics.block_offset(block++);
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    const NetworkTerm& term = dynamics.networks()[j];
+    // Along the motion a linear map of many inputs is a tangle; it is a share
+    // of K and C, folded into them in the result folder.
+    if (term.network->architecture().hidden_widths.empty() &&
+        term.features.size() > 2) {
+      continue;
+    }
+    const double* weights =
+        theta.data() +
+        dynamics.block_offset(dynamics.network_block(static_cast<int>(j)));
     NetworkWorkspace workspace(*term.network);
     maker.Add(
-        {term.name, "network", &term.features, term.network->num_outputs(),
-         term.output_names, term.acts_as == NetworkTerm::ActsAs::kAcceleration,
+        {term.name, "network", &term.features, &term.outputs, term.output_names,
+         term.acts_as == NetworkTerm::ActsAs::kAcceleration,
          [&](const Vector& features, const Vector&, Vector* output) {
            term.network->Evaluate(features.data(), weights, output->data(),
                                   &workspace);

@@ -12,7 +12,9 @@
 namespace pinode {
 
 // One output of a force law or network along the predicted states of a record:
-// y(t) = g(q(t), z(t); p), with the identified parameters p.
+// y(t) = g(q(t), z(t); p), with the identified parameters p. Of a term with a
+// known curve beside it always the force that resists: for an acceleration y of
+// a mass m, -m y.
 struct RestoringForceLoop {
   std::string term;
   std::string type;    // "cubic", ..., or "network"
@@ -31,9 +33,11 @@ struct RestoringForceLoop {
   // already the abscissa.
   Vector rate;
   Vector force;
+  const ReportCurve* known = nullptr;  // of the input, where there is one
 };
 
-// One entry per output of every law and network, in the model's order, each on
+// One entry per output of every law and network (linear networks of more than
+// two inputs left out), in the model's order, each on
 // the record with a finite free run on which its deformation ranges widest.
 // Empty where there is no identified model or no finite free run.
 std::vector<RestoringForceLoop> ComputeRestoringForceLoops(

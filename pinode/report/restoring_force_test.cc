@@ -67,6 +67,26 @@ TEST(RestoringForce, FollowsTheLawsAlongTheStates) {
   EXPECT_GT(largest, 1e-4);  // the comparison was not one of zeros
 }
 
+TEST(RestoringForce, IsAForceBesideAKnownCurve) {
+  const auto example = testing::MakeReportExample();
+  const auto before = ComputeRestoringForceLoops(example->input);
+  ASSERT_EQ(before.size(), 3u);
+  ASSERT_TRUE(before[2].is_acceleration);
+  example->input.curves.push_back({before[2].term, "data sheet",
+                                   Vector::LinSpaced(2, -1.0, 1.0),
+                                   Vector::LinSpaced(2, -2.0, 2.0)});
+  const auto loops = ComputeRestoringForceLoops(example->input);
+  EXPECT_EQ(loops[0].known, nullptr);
+  EXPECT_EQ(loops[0].force, before[0].force);
+  EXPECT_EQ(loops[2].known, &example->input.curves[0]);
+  EXPECT_FALSE(loops[2].is_acceleration);
+  EXPECT_EQ(loops[2].force_unit, "N");
+  const double mass = example->problem.dynamics->model().mass(2, 2);
+  const Vector force = -mass * before[2].force;
+  EXPECT_GT(force.norm(), 0.0);
+  EXPECT_LT((loops[2].force - force).norm(), 1e-12 * force.norm());
+}
+
 TEST(RestoringForce, TakesTheRecordWithTheWidestMotion) {
   const auto example = testing::MakeReportExample();
   auto& records = example->summary.records;

@@ -1,0 +1,192 @@
+#include "pinode/case/baseline.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/record/table.h"
+#include "pinode/structure/matrix_io.h"
+
+namespace pinode {
+namespace {
+
+using Json = nlohmann::json;
+using Target = MatrixGroup::Target;
+
+// The part of result.json that is needed here.
+struct Result {
+  std::vector<std::string> names;  // of all parameters
+  Vector values;
+  std::vector<std::string> free;  // the free ones, in the covariance's order
+};
+
+bool ReadResult(const std::string& path, Result* result, std::string* error) {
+  std::string text;
+  if (!ReadTextFile(path, &text, error)) return false;
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded() || !json.is_object() ||
+      json.value("schema", Json()) != "pinode-result-1" ||
+      !json.value("parameters", Json()).is_array()) {
+    *error = path + ": is not a result of pinode_update";
+    return false;
+  }
+  if (json.value("usable", Json()) != true) {
+    *error = path + ": the result is not usable (" +
+             json.value("message", std::string()) +
+             "), expected one of a healthy record that is";
+    return false;
+  }
+  std::vector<double> values;
+  for (const Json& parameter : json["parameters"]) {
+    if (!parameter.is_object() ||
+        !parameter.value("name", Json()).is_string() ||
+        !parameter.value("value", Json()).is_number() ||
+        !parameter.value("free", Json()).is_boolean()) {
+      *error = path + ": a parameter lacks its name, value or free";
+      return false;
+    }
+    result->names.push_back(parameter["name"]);
+    values.push_back(parameter["value"]);
+    if (parameter["free"] == true) result->free.push_back(parameter["name"]);
+  }
+  result->values = Eigen::Map<const Vector>(
+      values.data(), static_cast<Eigen::Index>(values.size()));
+  return true;
+}
+
+// By how much each group of the case would have to change for the case's matrix
+// to be the one that the baseline's own case had before its groups.
+bool FindOffsets(const std::string& folder, const Result& result,
+                 const StructuralDynamics& dynamics, Target target,
+                 const std::vector<std::string>& names, Vector* offsets,
+                 std::string* error) {
+  const StructuralModel& model = dynamics.model();
+  const char* file = target == Target::kMass      ? "M.mtx"
+                     : target == Target::kDamping ? "C.mtx"
+                                                  : "K.mtx";
+  const Matrix& expected = target == Target::kMass      ? model.mass
+                           : target == Target::kDamping ? model.damping
+                                                        : model.stiffness;
+  const std::string path = (std::filesystem::path(folder) / file).string();
+  Matrix updated;
+  if (!ReadMatrix(path, &updated, error)) return false;
+  const std::string different =
+      path +
+      ": cannot be the updated matrix of the case's structure, expected a "
+      "baseline of the same structure in the same units";
+  if (updated.rows() != expected.rows() || updated.cols() != expected.cols()) {
+    *error = different;
+    return false;
+  }
+  std::vector<const GroupTerm*> groups;
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.group.target != target) continue;
+    groups.push_back(&term);
+    // Of a group that the case does not free the value has to be the same.
+    const auto value =
+        std::find(result.names.begin(), result.names.end(), term.group.name);
+    if (value != result.names.end()) {
+      updated -=
+          result.values[value - result.names.begin()] * term.group.matrix;
+    }
+  }
+  Matrix columns(updated.size(), static_cast<Eigen::Index>(groups.size()));
+  for (size_t j = 0; j < groups.size(); ++j) {
+    columns.col(static_cast<Eigen::Index>(j)) =
+        groups[j]->group.matrix.reshaped() / groups[j]->group.matrix.norm();
+  }
+  const Vector difference = (updated - expected).reshaped();
+  Vector shares = Vector::Zero(columns.cols());
+  if (columns.cols() > 0) {
+    shares = columns.completeOrthogonalDecomposition().solve(difference);
+  }
+  if ((difference - columns * shares).norm() >
+      1e-7 * std::max(expected.norm(), updated.norm())) {
+    *error = different;
+    return false;
+  }
+  for (size_t j = 0; j < groups.size(); ++j) {
+    const auto name =
+        std::find(names.begin(), names.end(), groups[j]->group.name);
+    const double offset =
+        shares[static_cast<Eigen::Index>(j)] / groups[j]->group.matrix.norm();
+    if (name != names.end()) (*offsets)[name - names.begin()] = offset;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
+                  const std::vector<std::string>& names, Baseline* baseline,
+                  std::string* error) {
+  const auto path = [&folder](const std::string& name) {
+    return (std::filesystem::path(folder) / name).string();
+  };
+  Result result;
+  if (!ReadResult(path("result.json"), &result, error)) return false;
+
+  // The same groups of the same structure.
+  std::vector<int> rows;
+  Vector values(static_cast<Eigen::Index>(names.size()));
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto position =
+        std::find(result.free.begin(), result.free.end(), names[i]);
+    if (position == result.free.end()) {
+      *error = path("result.json") + ": group '" + names[i] +
+               "' of the case is not among its free parameters, expected a "
+               "baseline with the same groups";
+      return false;
+    }
+    rows.push_back(static_cast<int>(position - result.free.begin()));
+    const auto value =
+        std::find(result.names.begin(), result.names.end(), names[i]);
+    values[static_cast<Eigen::Index>(i)] =
+        result.values[value - result.names.begin()];
+    for (const GroupTerm& term : dynamics.groups()) {
+      if (term.group.name != names[i]) continue;
+      const std::string file = path("group_" + names[i] + ".mtx");
+      Matrix matrix;
+      if (!ReadMatrix(file, &matrix, error)) return false;
+      if (matrix.rows() != term.group.matrix.rows() ||
+          !matrix.isApprox(term.group.matrix, 1e-9)) {
+        *error = file +
+                 ": differs from the case's matrix of that group, expected a "
+                 "baseline of the same structure in the same units";
+        return false;
+      }
+    }
+  }
+
+  Vector offsets = Vector::Zero(values.size());
+  for (const Target target :
+       {Target::kMass, Target::kDamping, Target::kStiffness}) {
+    if (!FindOffsets(folder, result, dynamics, target, names, &offsets,
+                     error)) {
+      return false;
+    }
+  }
+
+  Table table;
+  if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
+    return false;
+  }
+  const Eigen::Index size = static_cast<Eigen::Index>(result.free.size());
+  if (table.values.rows() != size || !table.values.allFinite() ||
+      !table.values.isApprox(table.values.transpose(), 1e-9)) {
+    *error = path("covariance.csv") +
+             ": is not the covariance of the free parameters in result.json";
+    return false;
+  }
+  baseline->folder = folder;
+  baseline->groups = {std::move(values), table.values(rows, rows)};
+  baseline->offsets = std::move(offsets);
+  baseline->parameter_names = result.names;
+  baseline->parameter_values = result.values;
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,700 @@
+#include "pinode/case/discovered_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "pinode/base/logging.h"
+#include "pinode/case/library_section.h"
+#include "pinode/case/toml_value.h"
+#include "pinode/discover/stepwise.h"
+#include "pinode/dynamics/library_function.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/identify.h"
+#include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kLargestRefinement = 32;
+// Each search that is kept lowers the criterion; more than a few are none.
+constexpr int kMaxSearches = 20;
+// Fits of terms that may not stay need not be exact; wrong terms have long
+// valleys.
+constexpr double kSearchTolerance = 1e-7;
+constexpr int kMaxSearchIterations = 60;
+
+std::string LibraryName(const DiscoveredEquation& equation) {
+  // Names of DOFs are freer than those of terms.
+  std::string name = equation.network + "_" + equation.output;
+  for (char& c : name) {
+    if (std::string("/\\:*?\"'<>|&;%$#@!~`^(){}=").find(c) !=
+        std::string::npos) {
+      c = '_';
+    }
+  }
+  return name;
+}
+
+LibraryFunction Parsed(const DiscoveredEquation& equation,
+                       const std::string& basis) {
+  LibraryFunction function;
+  std::string error;
+  CHECK(
+      LibraryFunction::Parse(basis, equation.feature_names, &function, &error))
+      << error;
+  return function;
+}
+
+TomlValue LibraryTable(const DiscoveredEquation& equation) {
+  std::vector<std::string> inputs;
+  for (size_t f = 0; f < equation.features.size(); ++f) {
+    const bool used = std::any_of(
+        equation.terms.begin(), equation.terms.end(),
+        [&](const DiscoveredTerm& term) {
+          return Parsed(equation, term.basis).DependsOn(static_cast<int>(f));
+        });
+    if (used) inputs.push_back(equation.feature_names[f]);
+  }
+  // A constant alone depends on none; a library has at least one input.
+  if (inputs.empty()) inputs.push_back(equation.feature_names[0]);
+  std::vector<TomlValue> terms;
+  for (const DiscoveredTerm& term : equation.terms) {
+    TomlValue table = TomlValue::Table();
+    table.Set("basis", TomlValue::String(term.basis));
+    // The model before the fit, which scores are compared with, is the one
+    // without the terms.
+    table.Set("initial", TomlValue::Float(term.given ? term.coefficient : 0.0));
+    if (term.given) table.Set("free", TomlValue::Boolean(false));
+    if (term.sign > 0) table.Set("lower", TomlValue::Float(0.0));
+    if (term.sign < 0) table.Set("upper", TomlValue::Float(0.0));
+    terms.push_back(std::move(table));
+  }
+  TomlValue library = TomlValue::Table();
+  library.Set("name", TomlValue::String(LibraryName(equation)));
+  library.Set("inputs", TomlValue::Strings(inputs));
+  library.Set("output", TomlValue::String(equation.output));
+  library.Set("acts_as", TomlValue::String(equation.acts_as == ActsAs::kForce
+                                               ? "force"
+                                               : "acceleration"));
+  library.Set("terms", TomlValue::Array(std::move(terms)));
+  return library;
+}
+
+std::string ParameterName(const DiscoveredEquation& equation,
+                          const DiscoveredTerm& term) {
+  return LibraryName(equation) + "." + term.basis;
+}
+
+const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
+                                      const std::string& name) {
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    if (estimate.name == name) return &estimate;
+  }
+  return nullptr;
+}
+
+// Coefficients and shares as fitted.
+void TakeOver(const IdentificationSummary& summary,
+              std::vector<DiscoveredEquation>* equations) {
+  for (DiscoveredEquation& equation : *equations) {
+    for (DiscoveredTerm& term : equation.terms) {
+      const ParameterEstimate* estimate =
+          FindEstimate(summary, ParameterName(equation, term));
+      if (estimate == nullptr) continue;
+      term.coefficient = estimate->value;
+      term.share = std::abs(term.coefficient) * term.basis_rms / equation.scale;
+    }
+  }
+}
+
+int NumFittedValues(const IdentificationProblem& problem) {
+  int count = 0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (const MeasuredChannel& channel : record.channels) {
+      if (!channel.fit) continue;
+      for (const double value : channel.values) count += std::isfinite(value);
+    }
+  }
+  return count;
+}
+
+// What a term must gain in twice the log-likelihood, by the extended BIC.
+double PriceOfATerm(int num_values,
+                    const std::vector<DiscoveredEquation>& equations) {
+  int num_candidates = 0;
+  for (const DiscoveredEquation& equation : equations) {
+    num_candidates += equation.num_candidates;
+  }
+  return std::log(std::max(num_values, 3)) +
+         2.0 * std::log(std::max(num_candidates, 1));
+}
+
+// Takes out the term that is least worth its place; false where all are.
+bool DropWeakest(const DiscoveryOptions& options,
+                 const IdentificationSummary& summary, double price,
+                 std::vector<DiscoveredEquation>* equations) {
+  // Below 1: to be dropped.
+  double weakest = 1.0;
+  DiscoveredEquation* from = nullptr;
+  size_t index = 0;
+  const double needed = std::sqrt(price);
+  for (DiscoveredEquation& equation : *equations) {
+    for (size_t k = 0; k < equation.terms.size(); ++k) {
+      const DiscoveredTerm& term = equation.terms[k];
+      const ParameterEstimate* estimate =
+          FindEstimate(summary, ParameterName(equation, term));
+      if (term.given || estimate == nullptr) continue;
+      double worth = std::numeric_limits<double>::infinity();
+      if (options.prune_fraction > 0.0) {
+        worth = term.share / (options.prune_fraction * options.tolerance);
+      }
+      // A coefficient at the bound that a sign sets it is no term. A sigma that
+      // is not finite is not evidence against it.
+      if (estimate->at_bound && term.sign != 0) worth = 0.0;
+      if (estimate->sigma > 0.0) {
+        worth = std::min(
+            worth, std::abs(term.coefficient) / (needed * estimate->sigma));
+      }
+      if (worth < weakest) {
+        weakest = worth;
+        from = &equation;
+        index = k;
+      }
+    }
+  }
+  if (from == nullptr) return false;
+  from->terms.erase(from->terms.begin() + static_cast<std::ptrdiff_t>(index));
+  return true;
+}
+
+bool Has(const DiscoveredEquation& equation, const std::string& basis) {
+  return std::any_of(
+      equation.terms.begin(), equation.terms.end(),
+      [&](const DiscoveredTerm& term) { return term.basis == basis; });
+}
+
+// "u1: x[u1]^2": what is in `a` and not in `b`.
+std::vector<std::string> Difference(const std::vector<DiscoveredEquation>& a,
+                                    const std::vector<DiscoveredEquation>& b) {
+  std::vector<std::string> result;
+  for (size_t e = 0; e < a.size(); ++e) {
+    for (const DiscoveredTerm& term : a[e].terms) {
+      if (!Has(b[e], term.basis)) {
+        result.push_back(a[e].output + ": " + term.basis);
+      }
+    }
+  }
+  return result;
+}
+
+bool SameTerms(const std::vector<DiscoveredEquation>& a,
+               const std::vector<DiscoveredEquation>& b) {
+  return Difference(a, b).empty() && Difference(b, a).empty();
+}
+
+// Twice the negative log-likelihood of the training records, but for what does
+// not depend on the model.
+double Deviance(const IdentificationProblem& problem,
+                const IdentificationSummary& summary) {
+  double deviance = 0.0;
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[c];
+      if (!channel.fit) continue;
+      const double present =
+          static_cast<double>(channel.values.array().isFinite().count());
+      const double mean_square =
+          std::max(std::pow(summary.records[r].channels[c].rmse, 2.0), 1e-300);
+      deviance += present * (channel.sigma > 0.0
+                                 ? mean_square / std::pow(channel.sigma, 2.0)
+                                 : std::log(mean_square));
+    }
+  }
+  return deviance;
+}
+
+int CountTerms(const std::vector<DiscoveredEquation>& equations) {
+  int count = 0;
+  for (const DiscoveredEquation& equation : equations) {
+    count += static_cast<int>(equation.terms.size());
+  }
+  return count;
+}
+
+std::vector<std::vector<EquationTerm>> Report(
+    const Case& c, const std::vector<DiscoveredEquation>& selected,
+    const std::vector<DiscoveredEquation>& equations,
+    const IdentificationSummary* summary) {
+  std::vector<std::vector<EquationTerm>> all;
+  for (size_t e = 0; e < equations.size(); ++e) {
+    const DiscoveredEquation& equation = equations[e];
+    std::vector<EquationTerm> terms;
+    for (const DiscoveredTerm& term : equation.terms) {
+      EquationTerm reported;
+      reported.basis = term.basis;
+      reported.unit = LibraryCoefficientUnit(
+          Parsed(equation, term.basis), equation.features,
+          c.problem.dynamics->inputs(), equation.acts_as, c.units);
+      reported.coefficient = term.coefficient;
+      reported.sigma = reported.lower95 = reported.upper95 = kNaN;
+      reported.share = term.share;
+      reported.inclusion_probability = term.inclusion_probability;
+      for (const DiscoveredTerm& before : selected[e].terms) {
+        if (before.basis == term.basis) {
+          reported.from_network = before.coefficient;
+        }
+      }
+      const ParameterEstimate* estimate =
+          summary == nullptr
+              ? nullptr
+              : FindEstimate(*summary, ParameterName(equation, term));
+      if (estimate != nullptr) {
+        reported.sigma = estimate->sigma;
+        reported.lower95 = estimate->lower95;
+        reported.upper95 = estimate->upper95;
+      }
+      terms.push_back(std::move(reported));
+    }
+    all.push_back(std::move(terms));
+  }
+  return all;
+}
+
+// One fit after the other, each beginning where the one before has ended.
+class Refitter {
+ public:
+  Refitter(const Case& c, const IdentifiedModel& model, Discovery* discovery,
+           std::string* error)
+      : c_(c), discovery_(*discovery), error_(error), last_model_(model) {}
+
+  bool Run(const std::vector<DiscoveredEquation>& equations,
+           const std::vector<DiscoveredEquation>& begin) {
+    discovery_.equations = begin;
+    price_ = PriceOfATerm(NumFittedValues(c_.problem), equations);
+    exact_ = false;
+    if (!FirstSteps() || !Fit(1) || !Search() || !Prune(1)) return false;
+    exact_ = true;
+    for (int factor = 2; factor <= kLargestRefinement && Good() && Left();
+         factor *= 2) {
+      const std::vector<DiscoveredEquation> before = discovery_.equations;
+      const Discovery coarse = discovery_;
+      if (!Fit(factor)) return false;
+      if (!Good()) {
+        // What the coarser steps found stands.
+        if (discovery_.summary.termination != Termination::kInterrupted) {
+          discovery_ = coarse;
+        }
+        break;
+      }
+      // Terms that made up for the integrator are not missed by a better one.
+      if (!Prune(factor)) return false;
+      if (SameTerms(before, discovery_.equations) && Agree(before)) break;
+    }
+    // The last fit is of a term that is not worth its place.
+    if (!Left()) discovery_.refitted = false;
+    discovery_.dropped = Difference(equations, discovery_.equations);
+    discovery_.added = Difference(discovery_.equations, equations);
+    return true;
+  }
+
+ private:
+  bool Good() const {
+    return discovery_.summary.termination == Termination::kConverged ||
+           discovery_.summary.termination == Termination::kNoConvergence;
+  }
+  bool Left() const { return CountTerms(discovery_.equations) > 0; }
+
+  // Drops terms one by one, each followed by a fit of the others.
+  bool Prune(int factor) {
+    while (Good() && DropWeakest(c_.discover, discovery_.summary, price_,
+                                 &discovery_.equations)) {
+      if (!Left()) return true;
+      if (!Fit(factor)) return false;
+    }
+    return true;
+  }
+
+  // Takes in and leaves out what the residuals of the trajectories ask for, as
+  // long as the extended BIC of the fits becomes smaller.
+  bool Search() {
+    if (!c_.discover.search) return true;
+    for (int search = 0; search < kMaxSearches && Good() && Left(); ++search) {
+      const Discovery before = discovery_;
+      const IdentifiedModel model_before = last_model_;
+      double memory = 1.0;
+      if (!Propose(&discovery_.equations, &memory)) return false;
+      if (SameTerms(before.equations, discovery_.equations)) return true;
+      if (!Fit(1) || !Prune(1)) return false;
+      if (discovery_.summary.termination == Termination::kInterrupted) break;
+      const bool better = Good() && Left() &&
+                          (Deviance(c_.problem, before.summary) -
+                           Deviance(c_.problem, discovery_.summary)) /
+                                  memory >
+                              price_ * (CountTerms(discovery_.equations) -
+                                        CountTerms(before.equations));
+      if (!better) {
+        discovery_ = before;
+        last_model_ = model_before;
+        return true;
+      }
+    }
+    return true;
+  }
+
+  // The terms that the cost, quadratic near the fit in the coefficients of all
+  // candidates, asks for; new ones with a coefficient of 0. *memory: by how
+  // much the samples are fewer than they look. The equations stay as they are
+  // where the trajectories are not finite.
+  bool Propose(std::vector<DiscoveredEquation>* equations, double* memory) {
+    std::vector<DiscoveredEquation> wide = *equations;
+    for (DiscoveredEquation& equation : wide) {
+      for (const DiscoveryCandidate& candidate : equation.candidates) {
+        if (Has(equation, candidate.basis)) continue;
+        DiscoveredTerm term;
+        term.basis = candidate.basis;
+        term.basis_rms = candidate.rms;
+        term.sign = candidate.sign;
+        term.inclusion_probability = kNaN;
+        equation.terms.push_back(std::move(term));
+      }
+    }
+    Case c;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredCase(discovery_.discovered, last_model_, wide, substeps_,
+                            &c, &initial, error_)) {
+      return false;
+    }
+    const ParameterLayout layout(c.problem);
+    const Vector free = layout.Free(initial.parameters);
+    CondensedSystem system;
+    if (!Linearize(c.problem, layout, initial, free, &system, memory)) {
+      return true;
+    }
+
+    // Entries of the libraries count from 0, all others from where they are.
+    QuadraticCost cost;
+    cost.hessian = system.hessian / *memory;
+    cost.gradient = system.gradient / *memory;
+    StepwiseOptions options;
+    options.price = price_;
+    options.optional.assign(static_cast<size_t>(free.size()), false);
+    options.signs.assign(static_cast<size_t>(free.size()), 0);
+    options.smallest = Vector::Zero(free.size());
+    std::map<std::string, int> entries;
+    for (int i = 0; i < layout.num_parameters(); ++i) {
+      if (layout.FreeIndex(i) >= 0) {
+        entries[layout.parameter(i).name] = layout.FreeIndex(i);
+      }
+    }
+    Vector from_zero = Vector::Zero(free.size());
+    std::vector<int> start;
+    for (size_t e = 0; e < wide.size(); ++e) {
+      for (const DiscoveredTerm& term : wide[e].terms) {
+        const auto found = entries.find(ParameterName(wide[e], term));
+        if (term.given || found == entries.end()) continue;
+        const int j = found->second;
+        from_zero[j] = free[j];
+        options.optional[static_cast<size_t>(j)] = true;
+        options.signs[static_cast<size_t>(j)] = term.sign;
+        options.smallest[j] = c_.discover.prune_fraction *
+                              c_.discover.tolerance * wide[e].scale /
+                              std::max(term.basis_rms, 1e-300);
+        if (Has((*equations)[e], term.basis)) start.push_back(j);
+      }
+    }
+    cost.gradient -= cost.hessian * from_zero;
+    const std::vector<int> support = SelectStepwise(cost, options, start);
+    for (size_t e = 0; e < wide.size(); ++e) {
+      std::vector<DiscoveredTerm> terms;
+      for (DiscoveredTerm& term : wide[e].terms) {
+        const auto found = entries.find(ParameterName(wide[e], term));
+        if (term.given || (found != entries.end() &&
+                           std::binary_search(support.begin(), support.end(),
+                                              found->second))) {
+          terms.push_back(std::move(term));
+        }
+      }
+      (*equations)[e].terms = std::move(terms);
+    }
+    return true;
+  }
+
+  // At `initial`, in one piece a record. False where that is not finite.
+  bool Linearize(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, const IdentifiedModel& initial,
+                 const Vector& free, CondensedSystem* system, double* memory) {
+    MultipleShooting::Options options;
+    options.num_threads = c_.options.num_threads;
+    MultipleShooting shooting(problem, layout, options);
+    std::vector<Vector> sigmas;
+    std::vector<Vector> scales;
+    std::vector<Matrix> trajectories;
+    for (const int record : shooting.train_records()) {
+      const size_t r = static_cast<size_t>(record);
+      const RecordScore& score = discovery_.summary.records[r];
+      if (!score.finite) return false;
+      sigmas.push_back(initial.sigmas[r]);
+      trajectories.push_back(score.states);
+      scales.push_back(StateScales(problem, score.states));
+    }
+    shooting.SetSigmas(sigmas);
+    shooting.SetDecays(last_model_.decays.size() == layout.num_decay_groups()
+                           ? last_model_.decays
+                           : Vector(Vector::Zero(layout.num_decay_groups())));
+    shooting.SetStateScales(scales);
+    shooting.SetSegments(0, trajectories);
+    std::vector<Matrix> residuals;
+    if (!shooting.Linearize(free, system) || !system->hessian.allFinite() ||
+        !shooting.WeightedResiduals(free, false, &residuals, nullptr)) {
+      return false;
+    }
+    // What a lacking term leaves over has a memory, and what no candidate
+    // explains as well.
+    double sum = 0.0;
+    int count = 0;
+    for (const Matrix& record : residuals) {
+      for (Eigen::Index k = 0; k < record.rows(); ++k) {
+        sum += AutocorrelationTime(record.row(k).transpose());
+        ++count;
+      }
+    }
+    *memory = std::max(1.0, sum / std::max(count, 1));
+    return true;
+  }
+
+  // The finer of the steps of the network's fit and of those that the equations
+  // ask for.
+  bool FirstSteps() {
+    Case first;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredCase(c_, last_model_, discovery_.equations, {}, &first,
+                            &initial, error_)) {
+      return false;
+    }
+    for (size_t r = 0; r < c_.problem.records.size(); ++r) {
+      substeps_.push_back(std::max(c_.problem.records[r].substeps,
+                                   first.problem.records[r].substeps));
+    }
+    return true;
+  }
+
+  bool Fit(int factor) {
+    std::vector<int> substeps = substeps_;
+    for (int& count : substeps) count *= factor;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredCase(num_fits_ > 0 ? discovery_.discovered : c_,
+                            last_model_, discovery_.equations, substeps,
+                            &discovery_.discovered, &initial, error_)) {
+      return false;
+    }
+    ++num_fits_;
+    discovery_.refitted = true;
+    discovery_.step_refinement = factor;
+    Identify(discovery_.discovered.problem, Options(), &initial,
+             &discovery_.summary, &discovery_.model);
+    if (discovery_.model.parameters.size() == initial.parameters.size()) {
+      last_model_ = discovery_.model;
+      TakeOver(discovery_.summary, &discovery_.equations);
+    }
+    return true;
+  }
+
+  // Those of the case, and whoever asked hears of the equations as they change.
+  IdentificationOptions Options() const {
+    IdentificationOptions options = c_.options;
+    if (!exact_) {
+      options.function_tolerance =
+          std::max(options.function_tolerance, kSearchTolerance);
+      options.max_num_iterations =
+          std::min(options.max_num_iterations, kMaxSearchIterations);
+    }
+    if (!c_.discover.on_equations) return options;
+    options.callback = [this](const IdentificationProgress& progress) {
+      std::vector<DiscoveredEquation> equations = discovery_.equations;
+      const ParameterLayout layout(discovery_.discovered.problem);
+      std::map<std::string, double> values;
+      for (int i = 0; i < layout.num_parameters(); ++i) {
+        values[layout.parameter(i).name] = progress.model->parameters[i];
+      }
+      for (DiscoveredEquation& equation : equations) {
+        for (DiscoveredTerm& term : equation.terms) {
+          const auto found = values.find(ParameterName(equation, term));
+          if (found != values.end()) term.coefficient = found->second;
+        }
+      }
+      c_.discover.on_equations(num_fits_, equations);
+      return !c_.options.callback || c_.options.callback(progress);
+    };
+    return options;
+  }
+
+  bool Agree(const std::vector<DiscoveredEquation>& before) const {
+    for (size_t e = 0; e < before.size(); ++e) {
+      const DiscoveredEquation& after = discovery_.equations[e];
+      for (size_t k = 0; k < after.terms.size(); ++k) {
+        const ParameterEstimate* estimate = FindEstimate(
+            discovery_.summary, ParameterName(after, after.terms[k]));
+        const double sigma =
+            estimate != nullptr && std::isfinite(estimate->sigma)
+                ? estimate->sigma
+                : 0.0;
+        const double value = after.terms[k].coefficient;
+        const double moved = std::abs(value - before[e].terms[k].coefficient);
+        if (moved > std::max(0.1 * sigma, 1e-8 * std::abs(value))) return false;
+      }
+    }
+    return true;
+  }
+
+  const Case& c_;
+  Discovery& discovery_;
+  std::string* error_;
+  IdentifiedModel last_model_;
+  std::vector<int> substeps_;
+  double price_ = 0.0;
+  int num_fits_ = 0;
+  bool exact_ = true;
+};
+
+}  // namespace
+
+int Discovery::num_terms() const { return CountTerms(equations); }
+
+bool MakeDiscoveredCase(const Case& c, const IdentifiedModel& model,
+                        const std::vector<DiscoveredEquation>& equations,
+                        const std::vector<int>& substeps, Case* discovered,
+                        IdentifiedModel* initial, std::string* error) {
+  TomlValue tree = *c.source;
+  std::vector<TomlValue> networks;
+  if (const TomlValue* tables = tree.Find("network")) {
+    networks = tables->elements;
+  }
+  std::vector<TomlValue> libraries;
+  if (const TomlValue* tables = tree.Find("library")) {
+    libraries = tables->elements;
+  }
+  for (const DiscoveredEquation& equation : equations) {
+    const auto replaced = [&](const char* key, const std::string& name) {
+      return [key, name](const TomlValue& table) {
+        const TomlValue* value = table.Find(key);
+        return value != nullptr && value->text == name;
+      };
+    };
+    networks.erase(std::remove_if(networks.begin(), networks.end(),
+                                  replaced("name", equation.network)),
+                   networks.end());
+    // Of an earlier round.
+    libraries.erase(std::remove_if(libraries.begin(), libraries.end(),
+                                   replaced("name", LibraryName(equation))),
+                    libraries.end());
+    if (!equation.terms.empty()) libraries.push_back(LibraryTable(equation));
+  }
+  // Curves go on beside what stands for the networks.
+  if (TomlValue* tables = tree.Find("reference_curve")) {
+    std::vector<TomlValue> curves;
+    for (TomlValue curve : tables->elements) {
+      const TomlValue* term = curve.Find("term");
+      bool kept = true;
+      for (const DiscoveredEquation& equation : equations) {
+        if (term == nullptr || term->text != equation.network) continue;
+        kept = !equation.terms.empty();
+        curve.Set("term", TomlValue::String(LibraryName(equation)));
+        break;
+      }
+      if (kept) curves.push_back(std::move(curve));
+    }
+    tree.Erase("reference_curve");
+    if (!curves.empty()) {
+      tree.Set("reference_curve", TomlValue::Array(std::move(curves)));
+    }
+  }
+  // Nothing is looked for in what is left.
+  tree.Erase("discover");
+  tree.Erase("network");
+  tree.Erase("library");
+  if (!libraries.empty()) {
+    tree.Set("library", TomlValue::Array(std::move(libraries)));
+  }
+  if (!networks.empty()) {
+    tree.Set("network", TomlValue::Array(std::move(networks)));
+  }
+  if (!substeps.empty()) {
+    std::vector<TomlValue>& records = tree.Find("record")->elements;
+    CHECK_EQ(records.size(), substeps.size());
+    for (size_t r = 0; r < records.size(); ++r) {
+      records[r].Set("substeps", TomlValue::Integer(substeps[r]));
+    }
+  }
+  // Read before anything is overwritten: *discovered may be c.
+  Case result;
+  const ParameterLayout before(c.problem);
+  if (!ReadCaseTree(tree, c.path, &result, error)) return false;
+  result.options = c.options;
+  // What was read is what counts, not what the files say by now.
+  for (size_t r = 0; r < c.problem.records.size(); ++r) {
+    const IdentificationRecord& from = c.problem.records[r];
+    IdentificationRecord& to = result.problem.records[r];
+    CHECK_EQ(from.channels.size(), to.channels.size());
+    to.excitation = from.excitation;
+    for (size_t k = 0; k < from.channels.size(); ++k) {
+      to.channels[k].values = from.channels[k].values;
+    }
+  }
+
+  CHECK_EQ(model.parameters.size(), before.num_parameters());
+  std::map<std::string, double> values;
+  for (int i = 0; i < before.num_parameters(); ++i) {
+    values[before.parameter(i).name] = model.parameters[i];
+  }
+  // The equations know better than the libraries of an earlier round.
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveredTerm& term : equation.terms) {
+      values[ParameterName(equation, term)] = term.coefficient;
+    }
+  }
+  const ParameterLayout after(result.problem);
+  IdentifiedModel start;
+  start.parameters = after.InitialValues();
+  for (int i = 0; i < after.num_parameters(); ++i) {
+    const auto found = values.find(after.parameter(i).name);
+    if (found != values.end()) start.parameters[i] = found->second;
+  }
+  start.sigmas = model.sigmas;
+  start.starts = model.starts;
+  *initial = std::move(start);
+  *discovered = std::move(result);
+  return true;
+}
+
+bool RefitEquations(const Case& c, const IdentifiedModel& model,
+                    const std::vector<DiscoveredEquation>& equations,
+                    const std::vector<DiscoveredEquation>* resumed,
+                    Discovery* discovery, std::string* error) {
+  Discovery result;
+  if (!Refitter(c, model, &result, error)
+           .Run(equations, resumed != nullptr ? *resumed : equations)) {
+    return false;
+  }
+  result.terms = Report(c, equations, result.equations, &result.summary);
+  *discovery = std::move(result);
+  return true;
+}
+
+Discovery WithoutRefit(const Case& c,
+                       const std::vector<DiscoveredEquation>& equations) {
+  Discovery discovery;
+  discovery.equations = equations;
+  discovery.terms = Report(c, equations, equations, nullptr);
+  return discovery;
+}
+
+}  // namespace pinode

@@ -1,0 +1,232 @@
+#include "pinode/case/library_section.h"
+
+#include <cmath>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/feature_text.h"
+#include "pinode/case/parameter_keys.h"
+#include "pinode/dynamics/library_law.h"
+
+namespace pinode {
+namespace {
+
+// Powers of force, length and time.
+struct Powers {
+  double force = 0.0;
+  double length = 0.0;
+  double time = 0.0;
+};
+
+// Those of a feature; covariates count as pure numbers.
+Powers FeaturePowers(const Feature& feature,
+                     const std::vector<InputSpec>& inputs) {
+  switch (feature.kind) {
+    case Feature::Kind::kDisplacement:
+    case Feature::Kind::kDeformation:
+      return {0.0, 1.0, 0.0};
+    case Feature::Kind::kVelocity:
+    case Feature::Kind::kDeformationRate:
+      return {0.0, 1.0, -1.0};
+    case Feature::Kind::kTime:
+      return {0.0, 0.0, 1.0};
+    case Feature::Kind::kInput:
+      switch (inputs[static_cast<size_t>(feature.input)].kind) {
+        case InputSpec::Kind::kGroundAcceleration:
+          return {0.0, 1.0, -2.0};
+        case InputSpec::Kind::kGroundDisplacement:
+          return {0.0, 1.0, 0.0};
+        case InputSpec::Kind::kForce:
+          return {1.0, 0.0, 0.0};
+        case InputSpec::Kind::kCovariate:
+        case InputSpec::Kind::kRecordSwitch:
+          return {};
+      }
+  }
+  return {};
+}
+
+// p with f(2^powers_i q_i) = 2^p f(q) at several q; false where there is none.
+bool ScalingPower(const LibraryFunction& function,
+                  const std::vector<double>& powers, double* power) {
+  const size_t size = powers.size();
+  std::vector<double> q(size);
+  std::vector<double> scaled(size);
+  int count = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    for (size_t i = 0; i < size; ++i) {
+      // Of either sign, and never 0.
+      q[i] = std::sin(1.7 * trial + 0.9 * static_cast<double>(i) + 0.3) +
+             (trial % 2 == 0 ? 1.3 : -1.4);
+      scaled[i] = q[i] * std::exp2(powers[i]);
+    }
+    const double before = function.Evaluate(q.data());
+    const double ratio = function.Evaluate(scaled.data()) / before;
+    if (before == 0.0 || !std::isfinite(before)) continue;
+    if (!(ratio > 0.0) || !std::isfinite(ratio)) return false;
+    const double here = std::log2(ratio);
+    if (count > 0 && std::abs(here - *power) > 1e-9) return false;
+    *power = here;
+    ++count;
+  }
+  return count > 1;
+}
+
+// One entry of `terms`: the basis alone, or a table.
+bool ReadTerm(const TomlTable& table, const TomlValue& value,
+              const std::vector<std::string>& feature_names,
+              const LawTerm& term, const std::vector<InputSpec>& inputs,
+              const UnitSystem& units, LibraryFunction* function,
+              Parameter* parameter) {
+  const std::string expected =
+      "expected a function such as \"x[u1]^3\", or a table {basis = \"...\", "
+      "initial = ...}";
+  std::string text;
+  if (value.type == TomlValue::Type::kString) {
+    text = value.text;
+  } else if (value.IsTable()) {
+    const TomlValue* basis = value.Find("basis");
+    if (basis == nullptr || basis->type != TomlValue::Type::kString) {
+      return table.Fail("terms",
+                        "a term of 'terms' has no 'basis', " + expected);
+    }
+    text = basis->text;
+  } else {
+    return table.Fail("terms",
+                      "'terms' holds " + value.Describe() + ", " + expected);
+  }
+  std::string error;
+  if (!LibraryFunction::Parse(text, feature_names, function, &error)) {
+    return table.Fail(
+        "terms", error + " (of the inputs " + Join(feature_names, ", ") + ")");
+  }
+  parameter->name = term.name + "." + function->text();
+  parameter->unit = LibraryCoefficientUnit(*function, term.features, inputs,
+                                           term.acts_as, units);
+  if (!value.IsTable()) return true;
+  const TomlTable keys(value, table.name() + ", term '" + text + "'",
+                       table.errors());
+  std::vector<std::string> known = ParameterKeys();
+  known.insert(known.begin(), "basis");
+  return keys.AllowKeys(known) && ReadParameterKeys(keys, 1.0, parameter);
+}
+
+}  // namespace
+
+std::string LibraryCoefficientUnit(const LibraryFunction& function,
+                                   const std::vector<Feature>& features,
+                                   const std::vector<InputSpec>& inputs,
+                                   ActsAs acts_as, const UnitSystem& units) {
+  Powers result = acts_as == ActsAs::kForce ? Powers{1.0, 0.0, 0.0}
+                                            : Powers{0.0, 1.0, -2.0};
+  std::vector<double> force, length, time;
+  for (const Feature& feature : features) {
+    const Powers powers = FeaturePowers(feature, inputs);
+    force.push_back(powers.force);
+    length.push_back(powers.length);
+    time.push_back(powers.time);
+  }
+  Powers function_powers;
+  if (ScalingPower(function, force, &function_powers.force) &&
+      ScalingPower(function, length, &function_powers.length) &&
+      ScalingPower(function, time, &function_powers.time)) {
+    // Rounded: the powers are those of a text such as "x[u1]^1.5".
+    const auto rounded = [](double x) { return std::round(x * 1e6) / 1e6; };
+    result.force -= rounded(function_powers.force);
+    result.length -= rounded(function_powers.length);
+    result.time -= rounded(function_powers.time);
+  }
+  return PowersUnitName(result.force, result.length, result.time, units);
+}
+
+bool ReadLibraries(const TomlTable& root, const TermsContext& context,
+                   StructuralDynamics* dynamics) {
+  const StructuralModel& model = context.model->model;
+  std::set<std::string> seen;
+  for (const LawTerm& law : dynamics->laws()) seen.insert(law.name);
+  for (TomlTable& table : root.Tables("library")) {
+    if (!table.AllowKeys({"name", "inputs", "output", "acts_as", "terms"})) {
+      return false;
+    }
+    LawTerm term;
+    term.type = "library";
+    term.name = table.RequiredString("name");
+    if (!root.errors()->ok()) return false;
+    table.set_name("library '" + term.name + "'");
+    if (!CheckName(table, "name", term.name)) return false;
+    if (!seen.insert(term.name).second) {
+      return table.Fail("name", "its name is used twice");
+    }
+    term.parameters.name = term.name;
+
+    const std::vector<std::string> inputs = table.Strings("inputs");
+    const std::string output = table.RequiredString("output");
+    term.acts_as = table.Choice("acts_as", {"acceleration", "force"},
+                                "acceleration") == "force"
+                       ? ActsAs::kForce
+                       : ActsAs::kAcceleration;
+    if (!root.errors()->ok()) return false;
+    if (inputs.empty()) {
+      return table.Fail("inputs",
+                        "'inputs' is missing or empty, expected at least one");
+    }
+    if (static_cast<int>(inputs.size()) > LibraryLaw::kMaxFeatures) {
+      return table.Fail("inputs", std::to_string(inputs.size()) +
+                                      " inputs, expected at most " +
+                                      std::to_string(LibraryLaw::kMaxFeatures));
+    }
+    std::vector<std::string> feature_names;
+    std::set<std::string> features_seen;
+    for (const std::string& text : inputs) {
+      Feature feature;
+      if (!ParseFeature(table, "inputs", *dynamics, text, &feature)) {
+        return false;
+      }
+      term.features.push_back(feature);
+      feature_names.push_back(
+          feature.Name(model.dof_names, InputNames(*dynamics)));
+      if (!features_seen.insert(feature_names.back()).second) {
+        return table.Fail("inputs", "'" + text + "' is given twice");
+      }
+    }
+    Vector column;
+    if (!ParseOutput(table, "output", model, output, &column)) return false;
+    term.outputs = column;
+
+    const TomlValue* terms = table.Find("terms");
+    if (terms == nullptr || terms->type != TomlValue::Type::kArray ||
+        terms->elements.empty()) {
+      return table.Fail("terms",
+                        "'terms' is missing or empty, expected terms = "
+                        "[\"x[" +
+                            model.dof_names[0] + "]^3\", ...]");
+    }
+    std::vector<LibraryFunction> functions;
+    std::set<std::string> terms_seen;
+    for (const TomlValue& value : terms->elements) {
+      LibraryFunction function;
+      Parameter parameter;
+      if (!ReadTerm(table, value, feature_names, term, dynamics->inputs(),
+                    *context.units, &function, &parameter)) {
+        return false;
+      }
+      if (!terms_seen.insert(function.text()).second) {
+        return table.Fail("terms",
+                          "the term '" + function.text() + "' is given twice");
+      }
+      functions.push_back(std::move(function));
+      term.parameters.parameters.push_back(std::move(parameter));
+    }
+    term.law = std::make_shared<LibraryLaw>(
+        static_cast<int>(term.features.size()), std::move(functions));
+    std::string error;
+    if (!dynamics->AddLaw(std::move(term), &error)) {
+      return table.Fail("name", error);
+    }
+  }
+  return root.errors()->ok();
+}
+
+}  // namespace pinode

@@ -1,0 +1,32 @@
+// [[reference_curve]]: known force curves to draw beside those of the terms.
+
+#ifndef PINODE_CASE_REFERENCE_CURVE_SECTION_H_
+#define PINODE_CASE_REFERENCE_CURVE_SECTION_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/case/toml_table.h"
+#include "pinode/dynamics/structural_dynamics.h"
+
+namespace pinode {
+
+// The force of one of the model's terms as known from elsewhere: a data sheet,
+// a test of the device alone. It takes no part in anything but the report.
+struct ReferenceCurve {
+  std::string term;
+  std::string name;  // for the legend
+  // Model units; the force resists positive deformation.
+  Vector deformation, force;
+};
+
+// `dynamics` has all its terms. A term that acts as an acceleration must drive
+// one DOF whose mass is not coupled to others; else it has no force.
+[[nodiscard]] bool ReadReferenceCurves(const TomlTable& root,
+                                       const StructuralDynamics& dynamics,
+                                       std::vector<ReferenceCurve>* curves);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_REFERENCE_CURVE_SECTION_H_

@@ -1,0 +1,307 @@
+#include "pinode/damage/change.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "pinode/estimate/covariance.h"
+
+namespace pinode {
+namespace {
+
+// P(Z < z).
+double NormalProbability(double z) {
+  return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
+bool IsGroupState(const GroupState& state, Eigen::Index size,
+                  const std::string& name, std::string* error) {
+  if (state.values.size() != size || state.covariance.rows() != size ||
+      state.covariance.cols() != size) {
+    std::ostringstream message;
+    message << name << " has " << state.values.size() << " groups and a "
+            << state.covariance.rows() << " x " << state.covariance.cols()
+            << " covariance, expected " << size;
+    *error = message.str();
+    return false;
+  }
+  if (!state.values.allFinite() || !state.covariance.allFinite() ||
+      state.covariance.llt().info() != Eigen::Success) {
+    *error = name +
+             " does not determine all groups: their covariance is not positive "
+             "definite";
+    return false;
+  }
+  return true;
+}
+
+// The healthy value of each group, its covariance, and the variance between
+// records.
+struct Pool {
+  Vector values;
+  Matrix covariance;
+  Vector between;
+};
+
+Pool PoolHealthy(const std::vector<GroupState>& healthy) {
+  const int size = static_cast<int>(healthy[0].values.size());
+  const int count = static_cast<int>(healthy.size());
+  Pool pool;
+  pool.between = Vector::Zero(size);
+  // Moments: what the values scatter beyond their own variances.
+  if (count > 1) {
+    for (int j = 0; j < size; ++j) {
+      double weights = 0.0;
+      double squares = 0.0;
+      double mean = 0.0;
+      for (const GroupState& state : healthy) {
+        const double weight = 1.0 / state.covariance(j, j);
+        weights += weight;
+        squares += weight * weight;
+        mean += weight * state.values[j];
+      }
+      mean /= weights;
+      double q = 0.0;
+      for (const GroupState& state : healthy) {
+        q += std::pow(state.values[j] - mean, 2) / state.covariance(j, j);
+      }
+      pool.between[j] =
+          std::max(0.0, (q - (count - 1)) / (weights - squares / weights));
+    }
+  }
+  Matrix information = Matrix::Zero(size, size);
+  Vector right = Vector::Zero(size);
+  for (const GroupState& state : healthy) {
+    Matrix covariance = state.covariance;
+    covariance.diagonal() += pool.between;
+    const Matrix inverse = covariance.llt().solve(Matrix::Identity(size, size));
+    information += inverse;
+    right += inverse * state.values;
+  }
+  pool.covariance = information.llt().solve(Matrix::Identity(size, size));
+  pool.values = pool.covariance * right;
+  return pool;
+}
+
+// Scores of single changes beside those in `found`, and their correlation.
+class Scores {
+ public:
+  Scores(const Matrix& information, const Vector& right,
+         const std::vector<int>& found)
+      : found_(found) {
+    for (int j = 0; j < right.size(); ++j) {
+      if (std::find(found.begin(), found.end(), j) == found.end()) {
+        rest_.push_back(j);
+      }
+    }
+    Matrix conditional = information(rest_, rest_);
+    Vector score = right(rest_);
+    if (!found.empty()) {
+      const Eigen::LLT<Matrix> llt(Matrix(information(found, found)));
+      const Matrix coupling = information(rest_, found);
+      conditional -= coupling * llt.solve(coupling.transpose());
+      score -= coupling * llt.solve(Vector(right(found)));
+    }
+    const Vector scale = conditional.diagonal().cwiseSqrt();
+    correlation_ = scale.cwiseInverse().asDiagonal() * conditional *
+                   scale.cwiseInverse().asDiagonal();
+    z_ = score.cwiseQuotient(scale);
+  }
+
+  int Largest() const {
+    Eigen::Index index = 0;
+    z_.cwiseAbs().maxCoeff(&index);
+    return static_cast<int>(index);
+  }
+  int Group(int index) const { return rest_[static_cast<size_t>(index)]; }
+  double z(int index) const { return z_[index]; }
+
+  // P(max |z| >= value) where none of the rest has changed; Student's t of
+  // `degrees` in place of normal scores.
+  double Exceedance(double value, double degrees, int draws) const {
+    const Matrix root =
+        Eigen::SelfAdjointEigenSolver<Matrix>(correlation_).operatorSqrt();
+    std::mt19937_64 random(20210116);
+    std::normal_distribution<double> normal;
+    std::chi_squared_distribution<double> chi2(std::min(degrees, 1e8));
+    int count = 0;
+    Vector z(z_.size());
+    for (int i = 0; i < draws; ++i) {
+      for (double& entry : z) entry = normal(random);
+      z = root * z;
+      double size = z.cwiseAbs().maxCoeff();
+      if (std::isfinite(degrees)) size /= std::sqrt(chi2(random) / degrees);
+      count += size >= value;
+    }
+    // Never nothing: a share of no draws is not a rate of zero.
+    return (count + 1.0) / (draws + 1.0);
+  }
+
+ private:
+  std::vector<int> found_, rest_;
+  Matrix correlation_;
+  Vector z_;
+};
+
+}  // namespace
+
+bool ChangeOptions::IsValid(std::string* error) const {
+  if (!(threshold >= 0.0 && threshold < 1.0)) {
+    *error = "threshold must be at least 0 and less than 1";
+    return false;
+  }
+  if (!(false_alarm_rate > 0.0 && false_alarm_rate < 1.0)) {
+    *error = "false_alarm_rate must be between 0 and 1";
+    return false;
+  }
+  if (num_draws < 1000) {
+    *error = "num_draws must be at least 1000";
+    return false;
+  }
+  return true;
+}
+
+bool EstimateChange(const std::vector<GroupState>& healthy,
+                    const GroupState& current, const ChangeOptions& options,
+                    ChangeEstimate* estimate, std::string* error) {
+  *estimate = ChangeEstimate();
+  if (!options.IsValid(error)) return false;
+  if (healthy.empty()) {
+    *error = "there is no healthy state";
+    return false;
+  }
+  const Eigen::Index size = current.values.size();
+  if (size == 0) {
+    *error = "there is no group";
+    return false;
+  }
+  for (size_t i = 0; i < healthy.size(); ++i) {
+    if (!IsGroupState(healthy[i], size,
+                      "healthy state " + std::to_string(i + 1), error)) {
+      return false;
+    }
+  }
+  if (!IsGroupState(current, size, "the current state", error)) return false;
+  const Pool pool = PoolHealthy(healthy);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    if (1.0 + pool.values[j] <= 0.0) {
+      *error = "the healthy stiffness of group " + std::to_string(j + 1) +
+               " is not positive";
+      return false;
+    }
+  }
+
+  // Differences as fractions of the healthy value.
+  const Vector healthy_value = pool.values.array() + 1.0;
+  const Vector difference =
+      (current.values - pool.values).cwiseQuotient(healthy_value);
+  Matrix covariance = current.covariance + pool.covariance;
+  covariance.diagonal() += pool.between;
+  covariance = healthy_value.cwiseInverse().asDiagonal() * covariance *
+               healthy_value.cwiseInverse().asDiagonal();
+  const Matrix information =
+      covariance.llt().solve(Matrix::Identity(size, size));
+  const Vector right = information * difference;
+  estimate->has_between_records = healthy.size() > 1;
+  estimate->between_records =
+      pool.between.cwiseSqrt().cwiseQuotient(healthy_value);
+  // The variance between records comes from few of them: the degrees of freedom
+  // of its sum with what is known (F. E. Satterthwaite, Biometrics Bull. 2
+  // (1946) 110-114), of the group where it matters most.
+  double degrees = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < size; ++j) {
+    const double between = estimate->between_records[j];
+    if (!(between > 0.0)) continue;
+    const double share = between * between *
+                         (1.0 + 1.0 / static_cast<double>(healthy.size())) /
+                         covariance(j, j);
+    degrees = std::min(
+        degrees, (static_cast<double>(healthy.size()) - 1.0) / (share * share));
+  }
+
+  std::vector<int> found;
+  Vector p_values = Vector::Ones(size);
+  // A group may enter, leave and enter again: not for ever.
+  const Eigen::Index max_rounds = 3 * size;
+  for (Eigen::Index round = 0;
+       round < max_rounds && static_cast<Eigen::Index>(found.size()) < size;
+       ++round) {
+    const Scores scores(information, right, found);
+    const int largest = scores.Largest();
+    const double p = scores.Exceedance(std::abs(scores.z(largest)), degrees,
+                                       options.num_draws);
+    const int group = scores.Group(largest);
+    p_values[group] = p;
+    if (p > options.false_alarm_rate) break;
+    found.push_back(group);
+    // Those that the newcomer explains leave again, the least needed first.
+    for (bool any = true; any && found.size() > 1;) {
+      any = false;
+      double worst = 1.0;
+      size_t leaver = 0;
+      for (size_t k = 0; k + 1 < found.size(); ++k) {
+        std::vector<int> others = found;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+        const Scores beside(information, right, others);
+        for (int i = 0;; ++i) {
+          if (beside.Group(i) != found[k]) continue;
+          const double alone = beside.Exceedance(std::abs(beside.z(i)), degrees,
+                                                 options.num_draws);
+          if (alone > options.false_alarm_rate && (!any || alone > worst)) {
+            any = true;
+            worst = alone;
+            leaver = k;
+          }
+          break;
+        }
+      }
+      if (any) {
+        p_values[found[leaver]] = worst;
+        found.erase(found.begin() + static_cast<std::ptrdiff_t>(leaver));
+      }
+    }
+  }
+
+  const double quantile = StudentQuantile(degrees);
+  estimate->groups.resize(static_cast<size_t>(size));
+  for (int j = 0; j < size; ++j) {
+    GroupChange& group = estimate->groups[static_cast<size_t>(j)];
+    const auto position = std::find(found.begin(), found.end(), j);
+    group.changed = position != found.end();
+    group.p_value = p_values[j];
+    std::vector<int> model = found;
+    if (!group.changed) model.push_back(j);
+    const int index = group.changed ? static_cast<int>(position - found.begin())
+                                    : static_cast<int>(found.size());
+    const Matrix variance =
+        Matrix(information(model, model))
+            .llt()
+            .solve(Matrix::Identity(static_cast<int>(model.size()),
+                                    static_cast<int>(model.size())));
+    const Vector refit = variance * right(model);
+    group.change = refit[index];
+    group.sigma = std::sqrt(variance(index, index));
+    group.lower95 = group.change - quantile * group.sigma;
+    group.upper95 = group.change + quantile * group.sigma;
+    group.probability =
+        NormalProbability((-options.threshold - group.change) / group.sigma);
+  }
+  Vector rest = difference;
+  if (!found.empty()) {
+    const Vector refit =
+        Matrix(information(found, found)).llt().solve(Vector(right(found)));
+    for (size_t k = 0; k < found.size(); ++k) {
+      rest[found[k]] -= refit[static_cast<int>(k)];
+    }
+  }
+  estimate->unexplained_chi2 = rest.dot(information * rest);
+  estimate->unexplained_degrees =
+      static_cast<int>(size) - static_cast<int>(found.size());
+  return true;
+}
+
+}  // namespace pinode

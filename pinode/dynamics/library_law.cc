@@ -1,0 +1,71 @@
+#include "pinode/dynamics/library_law.h"
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+LibraryLaw::LibraryLaw(int num_features, std::vector<LibraryFunction> functions)
+    : num_features_(num_features), functions_(std::move(functions)) {
+  CHECK(num_features > 0 && num_features <= kMaxFeatures)
+      << num_features << " features, expected 1 to " << kMaxFeatures;
+  CHECK(!functions_.empty()) << "a library term needs at least one function";
+  for (const LibraryFunction& function : functions_) {
+    CHECK_EQ(function.num_features(), num_features)
+        << "'" << function.text() << "' is of other features than its term";
+  }
+}
+
+void LibraryLaw::Evaluate(const double* features, const double* /*internal*/,
+                          const double* parameters, double* result) const {
+  result[0] = 0.0;
+  for (size_t k = 0; k < functions_.size(); ++k) {
+    result[0] += parameters[k] * functions_[k].Evaluate(features);
+  }
+}
+
+void LibraryLaw::Evaluate(const WideJet* features, const WideJet* /*internal*/,
+                          const WideJet* parameters, WideJet* result) const {
+  std::array<double, kMaxFeatures> values;
+  std::array<double, kMaxFeatures> gradient;
+  for (int i = 0; i < num_features_; ++i) {
+    values[static_cast<size_t>(i)] = features[i].a;
+  }
+  result[0] = WideJet(0.0);
+  for (size_t k = 0; k < functions_.size(); ++k) {
+    // The chain rule: a library function knows its own gradient.
+    WideJet value(functions_[k].Linearize(values.data(), gradient.data()));
+    for (int i = 0; i < num_features_; ++i) {
+      const double slope = gradient[static_cast<size_t>(i)];
+      if (slope != 0.0) value.v += slope * features[i].v;
+    }
+    result[0] += parameters[k] * value;
+  }
+}
+
+void LibraryLaw::Linearize(const double* features, const double* /*internal*/,
+                           const double* parameters, double* result,
+                           double* jacobian) const {
+  std::array<double, kMaxFeatures> gradient;
+  std::fill(jacobian, jacobian + num_features_, 0.0);
+  result[0] = 0.0;
+  for (size_t k = 0; k < functions_.size(); ++k) {
+    const double value = functions_[k].Linearize(features, gradient.data());
+    for (int i = 0; i < num_features_; ++i) {
+      const double slope = gradient[static_cast<size_t>(i)];
+      // A coefficient of 0 keeps an infinite slope out.
+      if (parameters[k] != 0.0 && slope != 0.0) {
+        jacobian[i] += parameters[k] * slope;
+      }
+    }
+    jacobian[num_features_ + static_cast<int>(k)] = value;
+    result[0] += parameters[k] * value;
+  }
+}
+
+}  // namespace pinode

@@ -1,0 +1,154 @@
+// Forces that nobody measured, and a stiffness that follows time or the
+// temperature: data/three_storey_force.
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/figure_testing.h"
+#include "tests/cases/force_measure.h"
+
+namespace pinode {
+namespace testing {
+namespace {
+
+void Expect(const std::string& what, const Asked& asked, double measured) {
+  ReportFigure(what, asked, measured);
+  EXPECT_GE(measured, asked.least) << what;
+  EXPECT_LE(measured, asked.most) << what;
+}
+
+TEST(ForceCases, ABlowIsFoundWithLocalSmoothness) {
+  const CaseRun run = RunCase(ForceCase("impact"));
+  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_EQ(run.summary.covariance_method, "plain");
+  const ForceScore blow = ScoreForce(run);
+  Expect("impact, local smoothness: impulse, relative error", AtMost(0.05),
+         blow.impulse_error);
+  Expect("impact, local smoothness: peak time, s (a sample is 0.01)",
+         AtMost(0.01), blow.peak_error);
+  Expect("impact, local smoothness: force, share within its 95 % band",
+         AtLeast(0.9), blow.coverage);
+  ReportFigure("impact, local smoothness: the same, during the blow", Nothing(),
+               blow.coverage_acting);
+  ReportFigure("impact, local smoothness: force, nrmse", Nothing(), blow.nrmse);
+
+  // One precision for all knots smears the blow.
+  Case global = ForceCase("impact");
+  StructuralDynamics dynamics(global.problem.dynamics->model(),
+                              global.problem.dynamics->inputs());
+  std::string error;
+  for (const LawTerm& law : global.problem.dynamics->laws()) {
+    ASSERT_TRUE(dynamics.AddLaw(law, &error)) << error;
+  }
+  UnknownForceTerm term = global.problem.dynamics->unknown_forces()[0];
+  const double spacing =
+      dynamic_cast<const SplineForce&>(*term.history).options().spacing;
+  term.prior = SmoothnessPrior(term.parameters.size(), term.parameters.size(),
+                               spacing / 0.1);
+  ASSERT_TRUE(dynamics.AddUnknownForce(term, &error)) << error;
+  global.problem.dynamics = std::make_shared<StructuralDynamics>(dynamics);
+  const ForceScore smeared = ScoreForce(RunCase(std::move(global)));
+  ReportFigure("impact, one smoothness for all: impulse, relative error",
+               Nothing(), smeared.impulse_error);
+  ReportFigure("impact, one smoothness for all: force, nrmse", Nothing(),
+               smeared.nrmse);
+  EXPECT_GT(smeared.nrmse, 3.0 * blow.nrmse);
+}
+
+// The case says nothing of when the blow fell.
+TEST(ForceCases, ABlowIsFoundAsAPulse) {
+  const CaseRun run = RunCase(ForceCase("impact_pulse"));
+  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  const double impulse = run.Parameter("blow.amplitude").value *
+                         run.Parameter("blow.duration").value * 2.0 /
+                         3.141592653589793;
+  Expect("impact, half-sine pulse: impulse, relative error", AtMost(0.005),
+         std::abs(impulse / ForceTruthNumber("pulse/impulse") - 1.0));
+  Expect("impact, half-sine pulse: peak time, s", AtMost(0.01),
+         ScoreForce(run).peak_error);
+  // Ninety-five per cent intervals, three of them, one seed.
+  for (const char* name : {"start", "duration", "amplitude"}) {
+    const ParameterEstimate& p = run.Parameter(std::string("blow.") + name);
+    EXPECT_LT(
+        std::abs(p.value - ForceTruthNumber(std::string("pulse/") + name)),
+        3.5 * p.sigma)
+        << name;
+  }
+}
+
+// The errors of neighbouring instants are nearly the same, so that the share of
+// one draw of the noise scatters, the more the smoother the force: that bands
+// are neither too narrow nor too wide is what force_study_test.cc measures.
+void ExpectForce(const std::string& name, const Asked& asked,
+                 double least_coverage) {
+  const CaseRun run = RunCase(ForceCase(name));
+  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_EQ(run.summary.covariance_method, "plain");
+  const ForceScore score = ScoreForce(run);
+  Expect(name + ": force, nrmse", asked, score.nrmse);
+  Expect(name + ": force, share within its 95 % band", AtLeast(least_coverage),
+         score.coverage);
+}
+
+TEST(ForceCases, ASweptSineIsFoundFromAccelerations) {
+  ExpectForce("sweep", AtMost(0.06), 0.85);
+  ExpectForce("sweep_high", AtMost(0.06), 0.85);
+}
+
+TEST(ForceCases, ASweptSineIsFoundWithOneDisplacement) {
+  ExpectForce("sweep_displacement", AtMost(0.05), 0.85);
+}
+
+TEST(ForceCases, AGustIsFoundAsANetworkOfTime) {
+  ExpectForce("gust", AtMost(0.05), 0.75);
+}
+
+TEST(ForceCases, TheStaticPartIsSaidToBeUnseen) {
+  const auto unseen =
+      ::testing::HasSubstr("The static part of the unknown force");
+  for (const char* name : {"sweep", "sweep_high", "impact"}) {
+    EXPECT_THAT(ForceCase(name).remarks, ::testing::Contains(unseen)) << name;
+  }
+  for (const char* name : {"sweep_displacement", "gust"}) {
+    EXPECT_THAT(ForceCase(name).remarks,
+                ::testing::Not(::testing::Contains(unseen)))
+        << name;
+  }
+}
+
+TEST(ForceCases, DegradingStiffnessIsFollowed) {
+  const CaseRun run = RunCase(ForceCase("degrading"));
+  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  Expect("degrading stiffness: initial value, relative error", AtMost(0.001),
+         std::abs(run.Parameter("k1").value -
+                  ForceTruthNumber("degrading/initial")));
+  Expect("degrading stiffness: rate, relative error", AtMost(0.003),
+         std::abs(run.Parameter("k1_rate").value /
+                      ForceTruthNumber("degrading/rate") -
+                  1.0));
+}
+
+TEST(ForceCases, AStiffnessFollowsTheTemperature) {
+  const CaseRun run = RunCase(ForceCase("temperature"));
+  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  const ParameterEstimate& slope = run.Parameter("per_degree");
+  const double truth = ForceTruthNumber("temperature/per_degree");
+  Expect("temperature: change of stiffness per degree, relative error",
+         AtMost(0.01), std::abs(slope.value / truth - 1.0));
+  EXPECT_LT(std::abs(slope.value - truth), 3.5 * slope.sigma);
+  for (const char* name : {"k1", "k2", "k3"}) {
+    Expect(std::string("temperature: ") + name + " at 20 degrees, error",
+           AtMost(0.001), std::abs(run.Parameter(name).value));
+  }
+  // The noise is 1 % of each channel.
+  Expect("temperature: nrmse of the hold-out", AtMost(0.012),
+         run.Record("temperature_holdout").nrmse);
+}
+
+}  // namespace
+}  // namespace testing
+}  // namespace pinode

@@ -1,0 +1,127 @@
+#!/usr/bin/env bash
+# From healthy records to a verdict with the programs alone.
+#
+#   tests/programs/damage_test.sh PROGRAM_DIR
+#
+# The healthy state is that of data/three_storey; what changed is simulated from
+# its updated model with a tenth of the second storey's stiffness lost, and 2 %
+# noise.
+set -euo pipefail
+
+programs=$(cd -- "$1" && pwd)
+data=$(cd -- "$(dirname -- "$0")/../../data/three_storey" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+cp -- "$data"/*.toml "$data"/*.csv "$scratch"
+cd -- "$scratch"
+
+Fail() {
+  echo "$1"
+  [[ ! -s stdout ]] || cat stdout
+  [[ ! -s stderr ]] || cat stderr
+  exit 1
+}
+
+# Run STATUS PROGRAM ARGUMENT...
+Run() {
+  local expected=$1 program=$2 status=0
+  shift 2
+  "$programs/$program" "$@" >stdout 2>stderr || status=$?
+  [[ $status -eq $expected ]] ||
+    Fail "$program $*: status $status, expected $expected"
+}
+
+# One line on standard error that holds TEXT, and nothing written.
+Refused() {
+  local text=$1
+  shift
+  Run 2 pinode_damage "$@"
+  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
+  grep -qF -- "$text" stderr || Fail "expected '$text'"
+  [[ ! -s stdout && ! -e E ]] || Fail "something was written"
+}
+
+# With the initial value of the group NAME in CASE replaced.
+WithInitial() {
+  awk -v name="name = \"$2\"" -v value="$3" '
+    /^\[/ { inside = 0 }
+    $0 == name { inside = 1 }
+    inside && /^initial = / { $0 = "initial = " value }
+    { print }' "$1"
+}
+
+# The records of CASE read the responses in FOLDER and the ground as before.
+WithResponses() {
+  sed -E -e "s|^( *file *= *)\"[^\"]*(train\|holdout).csv\"|\1\"$2/response_\2.csv\"|" \
+    -e 's|^( *direction *= *"x")|\1\n  file = "GROUND"|' "$1" |
+    awk '/response_train/ { ground = "train.csv" }
+         /response_holdout/ { ground = "holdout.csv" }
+         { sub("GROUND", ground); print }'
+}
+
+Run 0 pinode_update --case=three_storey.toml --output_dir=D --progress=false
+# 1 + alpha is 0.8697: the loss of a tenth is -0.08697.
+WithInitial D/model.toml k2 -0.08697 >D/damaged.toml
+Run 0 pinode_simulate --case=D/damaged.toml --output_dir=damaged \
+  --noise_percent=2 --seed=3
+Run 0 pinode_simulate --case=D/model.toml --output_dir=healthy \
+  --noise_percent=2 --seed=4
+WithResponses three_storey.toml damaged >damaged.toml
+WithResponses three_storey.toml healthy >healthy.toml
+
+# Change of a group, in per cent.
+Change() {
+  awk -v group="$1" '$1 == group { print $2 }' stdout | head -1
+}
+Near() {
+  awk -v a="$1" -v b="$2" -v limit="$3" \
+    'BEGIN { exit !(a != "" && (a - b)^2 <= limit^2) }'
+}
+
+# Damage, in the storey that has it, by as much as it is.
+Run 0 pinode_damage --baseline=D --case=damaged.toml --output_dir=damage \
+  --progress=false
+grep -qF '"verdict": "damage"' damage/damage.json || Fail "no damage"
+[[ $(grep -c '"reason": "beyond_threshold"' damage/damage.json) -eq 1 ]] ||
+  Fail "not one group that lost stiffness"
+Near "$(Change k2)" -10 0.3 || Fail "change of k2: $(Change k2)"
+
+# The same from a case that is built on the updated model.
+WithResponses D/model.toml ../damaged |
+  sed -e 's|"train.csv"|"../train.csv"|; s|"holdout.csv"|"../holdout.csv"|' \
+    >D/again.toml
+Run 0 pinode_damage --baseline=D --case=D/again.toml --output_dir=again \
+  --progress=false
+Near "$(Change k2)" -10 0.3 || Fail "change of k2 by model.toml: $(Change k2)"
+
+# Nothing where nothing has changed, two baselines included.
+Run 0 pinode_damage --baseline=D --case=healthy.toml --output_dir=none \
+  --progress=false
+grep -qF '"verdict": "no_damage"' none/damage.json || Fail "not healthy"
+Run 0 pinode_damage --baseline=D,none --case=damaged.toml --output_dir=both \
+  --progress=false
+grep -qF '"has_between_records": true' both/damage.json || Fail "one baseline"
+grep -qF '"verdict": "damage"' both/damage.json || Fail "no damage beside two"
+
+# What is wrong is said before anything is written.
+Refused "--baseline=FOLDER is missing" --case=damaged.toml --output_dir=E
+Refused "--case=FILE is missing" --baseline=D --output_dir=E
+Refused "--output_dir=FOLDER is missing" --baseline=D --case=damaged.toml
+Refused "nowhere/result.json" --baseline=nowhere --case=damaged.toml \
+  --output_dir=E
+Refused "empty name" --baseline=D, --case=damaged.toml --output_dir=E
+Refused "--threshold must be" --baseline=D --case=damaged.toml --output_dir=E \
+  --threshold=2
+Refused "--false_alarm_rate must be" --baseline=D --case=damaged.toml \
+  --output_dir=E --false_alarm_rate=0
+sed -e 's/2000, 2000, 2000/2000, 2000, 2001/' damaged.toml >heavier.toml
+Refused "M.mtx: cannot be the updated matrix" --baseline=D \
+  --case=heavier.toml --output_dir=E
+sed -e 's/storey  = 2/storey  = 3/' damaged.toml >other.toml
+Refused "group_k2.mtx: differs" --baseline=D --case=other.toml --output_dir=E
+sed -e 's/"k2"/"k9"/' damaged.toml >unknown.toml
+Refused "group 'k9'" --baseline=D --case=unknown.toml --output_dir=E
+sed -i -e 's/"usable": true/"usable": false/' none/result.json
+Refused "not usable" --baseline=none --case=damaged.toml --output_dir=E
+echo '{' >none/result.json
+Refused "is not a result" --baseline=none --case=damaged.toml --output_dir=E
