@@ -277,6 +277,42 @@ TEST(ReadFiniteElementModel, Mat73) {
   }
 }
 
+// Structures, cells and text beside the matrices are nobody's business.
+TEST(ReadFiniteElementModel, MatrixInAWholeMatlabWorkspace) {
+  const FiniteElementModel model =
+      ReadOrFail(OneFile(Sample("mat/workspace.mat"), false));
+  EXPECT_EQ(Matrix(model.stiffness), ExpectedStiffness());
+  EXPECT_EQ(Matrix(model.mass), ExpectedMass());
+  EXPECT_EQ(model.dof_names,
+            ReadOrFail(OneFile(Sample("mat/sparse.mat"), false)).dof_names);
+}
+
+// For each of them matio would allocate what the dimensions say.
+TEST(ReadFiniteElementModel, MatlabFilesThatPromiseTooMuchAreRefused) {
+  EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_allocation.mat"), false)),
+              HasSubstr("an element of at most 4 bytes has more"));
+  TemporaryFolder folder;
+  const std::string content = FileContent(Sample("mat/workspace.mat"));
+  // An array begins so; its class (a sparse one's rows cost nothing) and two
+  // dimensions follow.
+  const std::string flags("\6\0\0\0\10\0\0\0", 8);
+  for (const char kind : {'\x01', '\x02', '\x04', '\x05', '\x06'}) {
+    size_t at = std::string::npos;
+    for (size_t i = content.find(flags);
+         i != std::string::npos && at == std::string::npos;
+         i = content.find(flags, i + 1)) {
+      if (content[i + 8] == kind) at = i;
+    }
+    ASSERT_NE(at, std::string::npos) << static_cast<int>(kind);
+    std::string crafted = content;
+    // Two milliard rows.
+    crafted.replace(at + 24, 4, "\xff\xff\xff\x7f");
+    const std::string error =
+        ErrorOf(OneFile(folder.Write("crafted.mat", crafted), false));
+    EXPECT_THAT(error, HasSubstr(kind == 5 ? "no matrix" : "dimensions say"));
+  }
+}
+
 TEST(ReadFiniteElementModel, CalculixWithoutDofFileCountsIndices) {
   TemporaryFolder folder;
   const std::string stiffness =

@@ -17,9 +17,14 @@ constexpr size_t kLargestUnpacked = size_t{4} << 30;
 // Cells in cells; deeper ones are no matrices of a structure.
 constexpr int kDeepest = 8;
 
+constexpr uint32_t kClassCell = 1;
+constexpr uint32_t kClassStruct = 2;
+constexpr uint32_t kClassObject = 3;
+constexpr uint32_t kClassText = 4;
 constexpr uint32_t kClassSparse = 5;
 constexpr uint32_t kClassDouble = 6;
 constexpr uint32_t kClassUint64 = 15;
+constexpr uint32_t kClassFunction = 16;
 constexpr uint32_t kComplexFlag = 0x800;
 
 // Bytes of a number of each type of data; 0 for what is none.
@@ -129,12 +134,19 @@ class Walker {
       }
       parts.push_back(part);
     }
-    if (parts.size() < 3 || parts[0].data.size() != 8 ||
-        parts[1].data.size() % 4 != 0) {
+    if (parts.size() < 3 || parts[0].data.size() != 8) {
       return Fail("a variable lacks its flags, dimensions or name");
     }
     const uint32_t flags = WordAt(parts[0].data, 0);
     const uint32_t kind = flags & 0xFF;
+    if (kind > kClassFunction) {
+      return Fail(
+          "a variable is an object of MATLAB (string, table); save matrices "
+          "and cell arrays of characters");
+    }
+    if (parts[1].data.size() % 4 != 0) {
+      return Fail("a variable lacks its flags, dimensions or name");
+    }
     const size_t numeric_parts = (flags & kComplexFlag) != 0 ? 2 : 1;
     // What the size says, as a double that cannot overflow.
     double count = 1.0;
@@ -147,11 +159,7 @@ class Walker {
              Fail("a sparse matrix lacks its indices or numbers");
     }
     if (kind < kClassDouble || kind > kClassUint64) {
-      // Cells and fields are parts, text has bytes: nothing to allocate for
-      // more of them than the file has.
-      size_t present = parts.size();
-      for (size_t i = 3; i < parts.size(); ++i) present += parts[i].data.size();
-      return count <= static_cast<double>(present) ||
+      return IsContainerWhole(kind, count, parts) ||
              Fail("a variable has not as many parts as its dimensions say");
     }
     if (parts.size() != 3 + numeric_parts) {
@@ -165,6 +173,33 @@ class Walker {
       }
     }
     return true;
+  }
+
+  // Whether cells, fields and letters are there for all that the dimensions
+  // promise, so that a reader allocates no more of them than the file has.
+  bool IsContainerWhole(uint32_t kind, double count,
+                        const std::vector<Element>& parts) const {
+    if (kind == kClassText) {
+      return count == 0.0 ||
+             (parts.size() == 4 &&
+              count <= static_cast<double>(parts[3].data.size()));
+    }
+    size_t fixed = 3;
+    double fields = 1.0;
+    if (kind == kClassStruct || kind == kClassObject) {
+      // Behind the name: an object's class, the length of a field's name, the
+      // names.
+      fixed = kind == kClassStruct ? 5 : 6;
+      if (parts.size() < fixed || parts[fixed - 2].data.size() != 4) {
+        return false;
+      }
+      const uint32_t length = WordAt(parts[fixed - 2].data, 0);
+      if (length == 0) return false;
+      fields = static_cast<double>(parts[fixed - 1].data.size() / length);
+    } else if (kind != kClassCell) {
+      return count <= 1.0;
+    }
+    return count * fields <= static_cast<double>(parts.size() - fixed);
   }
 
   const bool swapped_;

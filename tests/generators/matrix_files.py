@@ -212,6 +212,17 @@ def mat(root):
     scipy.io.savemat(
         os.path.join(folder, "char.mat"), {"M": M, "K": K,
                                            "dofs": np.array(NAMES)})
+    # What else a workspace may hold.
+    others = np.empty((2, 2), dtype=object)
+    others[0, 0], others[0, 1] = "text", np.eye(2)
+    others[1, 0], others[1, 1] = 3.0, np.zeros((0, 0))
+    scipy.io.savemat(
+        os.path.join(folder, "workspace.mat"),
+        {"K": K, "M": sp.csc_matrix(M), "dofs": cells, "others": others,
+         "none": "", "flags": np.array([True, False]),
+         "options": {"a": 1.0, "b": "text", "c": {"d": np.zeros((0, 0))}},
+         "elements": np.array([(1, "beam"), (3, "shell")],
+                              dtype=[("id", object), ("kind", object)])})
     # SciPy writes the date into the text that begins a file.
     for name in sorted(os.listdir(folder)):
         path = os.path.join(folder, name)
