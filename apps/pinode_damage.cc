@@ -17,20 +17,17 @@
 #include <utility>
 #include <vector>
 
+#include "apps/fitting.h"
 #include "apps/program.h"
-#include "apps/progress_line.h"
 #include "apps/reporting.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/baseline.h"
 #include "pinode/case/case_file.h"
-#include "pinode/case/checkpoint.h"
 #include "pinode/case/damage_files.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
-#include "pinode/estimate/identify.h"
-#include "pinode/estimate/parameter_layout.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
 #include "pinode/report/text_table.h"
@@ -58,32 +55,6 @@ DEFINE_bool(progress, true, "show progress on standard error");
 namespace {
 
 using namespace pinode;
-
-// The case's model with what the baseline found: where the fit begins.
-IdentifiedModel BeginFromBaseline(const Baseline& baseline,
-                                  const std::vector<std::string>& groups,
-                                  const IdentificationProblem& problem) {
-  const ParameterLayout layout(problem);
-  IdentifiedModel model;
-  model.parameters = layout.InitialValues();
-  for (const int index : layout.free()) {
-    const Parameter& parameter = layout.parameter(index);
-    const auto name = std::find(baseline.parameter_names.begin(),
-                                baseline.parameter_names.end(), parameter.name);
-    if (!layout.IsNamed(index) || name == baseline.parameter_names.end()) {
-      continue;
-    }
-    double value =
-        baseline.parameter_values[name - baseline.parameter_names.begin()];
-    const auto group = std::find(groups.begin(), groups.end(), parameter.name);
-    if (group != groups.end()) {
-      value += baseline.offsets[group - groups.begin()];
-    }
-    model.parameters[index] =
-        std::clamp(value, parameter.lower, parameter.upper);
-  }
-  return model;
-}
 
 std::string ChangeTable(const DamageResult& result) {
   TextTable table(
@@ -179,52 +150,19 @@ int main(int argc, char** argv) {
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
     return Refuse(error);
   }
-  Checkpoint checkpoint;
-  const bool resumed = !folder.resume_path().empty();
-  if (resumed &&
-      !ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint, &error)) {
-    return Refuse(error);
-  }
-  CatchInterrupts();
-  ProgressLine line(FLAGS_progress);
-  CheckpointWriter writer(c.problem, folder.checkpoint_path());
-  bool warned = false;
-  c.options.callback = [&](const IdentificationProgress& progress) {
-    std::string problem;
-    if (!writer.Update(progress, &problem) && !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
-      warned = true;
-    }
-    line.Show("", progress);
-    return !Interrupted();
-  };
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, resumed ? &checkpoint.model : &begin_from,
-           &summary, &model);
-  line.End();
+  if (!FitCase(c, folder, &begin_from, FLAGS_progress, &summary, &model,
+               &error)) {
+    return Refuse(error);
+  }
 
   // 3. What changed. A fit that is not usable says nothing about that.
   const bool interrupted = summary.termination == Termination::kInterrupted;
   bool judged = false;
   if (summary.usable && summary.covariance.size() > 0) {
-    std::vector<int> rows;
-    GroupState current;
-    current.values.resize(static_cast<Eigen::Index>(result.names.size()));
-    for (size_t i = 0; i < result.names.size(); ++i) {
-      for (size_t j = 0; j < summary.covariance_names.size(); ++j) {
-        if (summary.covariance_names[j] == result.names[i]) {
-          rows.push_back(static_cast<int>(j));
-        }
-      }
-      for (const ParameterEstimate& parameter : summary.parameters) {
-        if (parameter.name == result.names[i]) {
-          current.values[static_cast<Eigen::Index>(i)] = parameter.value;
-        }
-      }
-    }
+    GroupState current = GroupsOf(summary, result.names);
     current.values -= offsets;
-    current.covariance = summary.covariance(rows, rows);
     judged = EstimateChange(healthy, current, result.options, &result.estimate,
                             &error);
     if (judged) {
