@@ -39,4 +39,17 @@ bool FitCase(const Case& c, const ResultFolder& folder,
   return true;
 }
 
+void FitWithProgress(const std::string& prefix, const Case& c,
+                     const IdentifiedModel* begin_from, bool show_progress,
+                     IdentificationSummary* summary, IdentifiedModel* model) {
+  ProgressLine line(show_progress);
+  IdentificationOptions options = c.options;
+  options.callback = [&](const IdentificationProgress& progress) {
+    line.Show(prefix, progress);
+    return !Interrupted();
+  };
+  Identify(c.problem, options, begin_from, summary, model);
+  line.End();
+}
+
 }  // namespace pinode

@@ -21,6 +21,11 @@ namespace pinode {
                            bool show_progress, IdentificationSummary* summary,
                            IdentifiedModel* model, std::string* error);
 
+// As FitCase, without a checkpoint; `prefix` stands before the progress.
+void FitWithProgress(const std::string& prefix, const Case& c,
+                     const IdentifiedModel* begin_from, bool show_progress,
+                     IdentificationSummary* summary, IdentifiedModel* model);
+
 }  // namespace pinode
 
 #endif  // PINODE_APPS_FITTING_H_

@@ -29,15 +29,7 @@ constexpr double kSearchTolerance = 1e-7;
 constexpr int kMaxSearchIterations = 60;
 
 std::string LibraryName(const DiscoveredEquation& equation) {
-  // Names of DOFs are freer than those of terms.
-  std::string name = equation.network + "_" + equation.output;
-  for (char& c : name) {
-    if (std::string("/\\:*?\"'<>|&;%$#@!~`^(){}=").find(c) !=
-        std::string::npos) {
-      c = '_';
-    }
-  }
-  return name;
+  return TermName(equation.network + "_" + equation.output);
 }
 
 LibraryFunction Parsed(const DiscoveredEquation& equation,

@@ -7,6 +7,16 @@
 
 namespace pinode {
 
+std::string TermName(std::string text) {
+  for (char& c : text) {
+    if (std::string("/\\:*?\"'<>|&;%$#@!~`^(){}=").find(c) !=
+        std::string::npos) {
+      c = '_';
+    }
+  }
+  return text;
+}
+
 bool RebuildCase(const Case& c, const TomlValue& tree, Case* result,
                  std::string* error) {
   Case grown;

@@ -12,9 +12,13 @@
 
 namespace pinode {
 
+// `text` as the name of a term: names of DOFs, of which it may be made, are
+// freer.
+std::string TermName(std::string text);
+
 // `c` with another tree: its terms may differ, its records not. Options, and
-// measured values as they were read, are those of `c`, whatever the files say by
-// now. *result may be `c`.
+// measured values as they were read, are those of `c`, whatever the files say
+// by now. *result may be `c`.
 [[nodiscard]] bool RebuildCase(const Case& c, const TomlValue& tree,
                                Case* result, std::string* error);
 
