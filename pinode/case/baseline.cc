@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "pinode/base/file.h"
+#include "pinode/base/logging.h"
+#include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
 
@@ -15,6 +17,13 @@ namespace {
 
 using Json = nlohmann::json;
 using Target = MatrixGroup::Target;
+
+// -1: not among them.
+Eigen::Index IndexOf(const std::vector<std::string>& names,
+                     const std::string& name) {
+  const auto position = std::find(names.begin(), names.end(), name);
+  return position == names.end() ? -1 : position - names.begin();
+}
 
 // The part of result.json that is needed here.
 struct Result {
@@ -187,6 +196,43 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
   baseline->parameter_names = result.names;
   baseline->parameter_values = result.values;
   return true;
+}
+
+IdentifiedModel BeginFromBaseline(const Baseline& baseline,
+                                  const std::vector<std::string>& groups,
+                                  const IdentificationProblem& problem) {
+  const ParameterLayout layout(problem);
+  IdentifiedModel model;
+  model.parameters = layout.InitialValues();
+  for (const int index : layout.free()) {
+    const Parameter& parameter = layout.parameter(index);
+    const Eigen::Index name = IndexOf(baseline.parameter_names, parameter.name);
+    if (!layout.IsNamed(index) || name < 0) continue;
+    double value = baseline.parameter_values[name];
+    const Eigen::Index group = IndexOf(groups, parameter.name);
+    if (group >= 0) value += baseline.offsets[group];
+    model.parameters[index] =
+        std::clamp(value, parameter.lower, parameter.upper);
+  }
+  return model;
+}
+
+GroupState GroupsOf(const IdentificationSummary& summary,
+                    const std::vector<std::string>& names) {
+  GroupState state;
+  state.values.resize(static_cast<Eigen::Index>(names.size()));
+  std::vector<Eigen::Index> rows;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const Eigen::Index row = IndexOf(summary.covariance_names, names[i]);
+    CHECK_GE(row, 0) << "'" << names[i] << "' has no covariance";
+    rows.push_back(row);
+    for (const ParameterEstimate& parameter : summary.parameters) {
+      if (parameter.name != names[i]) continue;
+      state.values[static_cast<Eigen::Index>(i)] = parameter.value;
+    }
+  }
+  state.covariance = summary.covariance(rows, rows);
+  return state;
 }
 
 }  // namespace pinode

@@ -9,6 +9,8 @@
 #include "pinode/base/types.h"
 #include "pinode/damage/change.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
 
 namespace pinode {
 
@@ -36,6 +38,17 @@ struct Baseline {
                                 const StructuralDynamics& dynamics,
                                 const std::vector<std::string>& names,
                                 Baseline* baseline, std::string* error);
+
+// What a fit of `problem` begins from: its own initial values, and those of the
+// baseline for the named parameters that both have, kept inside their bounds.
+// `groups`: those that `baseline` was read for.
+IdentifiedModel BeginFromBaseline(const Baseline& baseline,
+                                  const std::vector<std::string>& groups,
+                                  const IdentificationProblem& problem);
+
+// The free groups `names` of a fit with a covariance.
+GroupState GroupsOf(const IdentificationSummary& summary,
+                    const std::vector<std::string>& names);
 
 }  // namespace pinode
 

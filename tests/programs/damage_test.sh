@@ -9,37 +9,15 @@
 set -euo pipefail
 
 programs=$(cd -- "$1" && pwd)
-data=$(cd -- "$(dirname -- "$0")/../../data/three_storey" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/three_storey" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 cp -- "$data"/*.toml "$data"/*.csv "$scratch"
 cd -- "$scratch"
 
-Fail() {
-  echo "$1"
-  [[ ! -s stdout ]] || cat stdout
-  [[ ! -s stderr ]] || cat stderr
-  exit 1
-}
-
-# Run STATUS PROGRAM ARGUMENT...
-Run() {
-  local expected=$1 program=$2 status=0
-  shift 2
-  "$programs/$program" "$@" >stdout 2>stderr || status=$?
-  [[ $status -eq $expected ]] ||
-    Fail "$program $*: status $status, expected $expected"
-}
-
-# One line on standard error that holds TEXT, and nothing written.
-Refused() {
-  local text=$1
-  shift
-  Run 2 pinode_damage "$@"
-  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
-  grep -qF -- "$text" stderr || Fail "expected '$text'"
-  [[ ! -s stdout && ! -e E ]] || Fail "something was written"
-}
+tested=pinode_damage
+source "$here/testing.sh"
 
 # With the initial value of the group NAME in CASE replaced.
 WithInitial() {
