@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -71,11 +72,13 @@ std::string ChangeTable(const DamageResult& result) {
     // What was looked for and not found.
     if (!subject.place.empty() && !change.changed) continue;
     const bool loss = subject.kind != ChangeKind::kNonlinear;
-    table.AddRow({subject.name, FormatNumber(100.0 * change.change, 3),
-                  FormatNumber(100.0 * change.lower95, 3) + " to " +
-                      FormatNumber(100.0 * change.upper95, 3),
-                  loss ? FormatNumber(change.probability, 3) : "",
-                  change.changed ? "yes" : ""});
+    table.AddRow(
+        {subject.name, FormatNumber(100.0 * change.change, 3),
+         FormatNumber(100.0 * change.lower95, 3) + " to " +
+             FormatNumber(100.0 * change.upper95, 3),
+         loss ? FormatNumber(std::round(1e4 * change.probability) / 1e4, 3)
+              : "",
+         change.changed ? "yes" : ""});
   }
   return table.ToText();
 }

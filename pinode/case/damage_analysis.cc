@@ -129,10 +129,16 @@ bool StateNear(const Fit& fit, const std::vector<std::string>& groups,
       return false;
     }
   }
-  state->values = solution(rows);
+  state->values =
+      solution(rows) + AlreadyPresent(*fit.fitted.problem.dynamics, names);
   state->covariance = covariance(rows, rows);
   Scale(candidates, state);
   return true;
+}
+
+// Segments are for fits that begin far away.
+void BeginNearTheEnd(IdentificationOptions* options) {
+  options->shooting = IdentificationOptions::Shooting::kSingle;
 }
 
 class Analyst {
@@ -195,11 +201,6 @@ class Analyst {
     return options;
   }
 
-  // The groups as in the first baseline's case.
-  Vector InTermsOfTheFirst(const Baseline& baseline) const {
-    return baseline.groups.values + baseline.offsets - baselines_[0].offsets;
-  }
-
   bool RefitBaselines(std::string* problem) {
     for (const Baseline& baseline : baselines_) {
       Fit fit;
@@ -209,8 +210,7 @@ class Analyst {
         return false;
       }
       fit.fitted.options.num_threads = c_.options.num_threads;
-      // It begins at its end.
-      fit.fitted.options.shooting = IdentificationOptions::Shooting::kSingle;
+      BeginNearTheEnd(&fit.fitted.options);
       fit_("healthy", fit.fitted, nullptr, &fit.summary, &fit.model);
       // No better than before, so not "usable".
       if (fit.summary.termination != Termination::kConverged) {
@@ -231,21 +231,14 @@ class Analyst {
                      problem)) {
         return false;
       }
-      // The groups of a model.toml begin at zero again.
-      state.values.head(static_cast<Eigen::Index>(groups_.size())) +=
-          InTermsOfTheFirst(baselines_[i]);
       states->push_back(std::move(state));
     }
     return true;
   }
 
   bool CurrentState(GroupState* state, std::string* problem) {
-    if (!StateNear(fit_of_new_, groups_, candidates_, state, problem)) {
-      return false;
-    }
-    state->values.head(static_cast<Eigen::Index>(groups_.size())) -=
-        baselines_[0].offsets;
-    return ToLogarithms(groups_.size(), candidates_, state, problem);
+    return StateNear(fit_of_new_, groups_, candidates_, state, problem) &&
+           ToLogarithms(groups_.size(), candidates_, state, problem);
   }
 
   // found_ and fit_of_new_, where masses or nonlinear forces are among what the
@@ -278,6 +271,7 @@ class Analyst {
       }
       Fit fit;
       if (!AddCandidates(c_, asked_for, &fit.fitted, problem)) return false;
+      BeginNearTheEnd(&fit.fitted.options);
       IdentifiedModel begin = BeginFrom(
           ParametersByName(fit_of_new_.fitted.problem, fit_of_new_.model),
           fit_of_new_.model, fit.fitted.problem);
@@ -318,13 +312,11 @@ class Analyst {
       if (!HealthyStates(found_, &healthy, error)) return false;
     } else {
       for (const Baseline& baseline : baselines_) {
-        healthy.push_back(
-            {InTermsOfTheFirst(baseline), baseline.groups.covariance});
+        healthy.push_back(baseline.groups);
       }
     }
-    GroupState current = GroupsOf(fit_of_new_.summary, names);
-    current.values.head(static_cast<Eigen::Index>(groups_.size())) -=
-        baselines_[0].offsets;
+    GroupState current = GroupsOf(*fit_of_new_.fitted.problem.dynamics,
+                                  fit_of_new_.summary, names);
     Scale(found_, &current);
     const double rate =
         (kinds ? 1.0 - kShareOfKinds : 1.0) * options_.false_alarm_rate;
