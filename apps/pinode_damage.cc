@@ -22,7 +22,6 @@
 #include "apps/reporting.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/base/strings.h"
 #include "pinode/case/baseline.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/damage_analysis.h"
@@ -31,7 +30,6 @@
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
-#include "pinode/report/text_table.h"
 
 DEFINE_string(baseline, "",
               "result folders of pinode_update for healthy records of the same "
@@ -53,36 +51,8 @@ DEFINE_bool(resume, false,
 DEFINE_int32(threads, 0, "threads; 0: as the case says");
 DEFINE_bool(progress, true, "show progress on standard error");
 
-namespace {
-
-using namespace pinode;
-
-std::string ChangeTable(const DamageResult& result) {
-  TextTable table(
-      {{"change of"},
-       {"%", TextTable::Align::kDecimal},
-       {"95 % interval", TextTable::Align::kDecimal},
-       {"P(loss > " + FormatNumber(100.0 * result.options.threshold, 3) + " %)",
-        TextTable::Align::kDecimal},
-       {"changed"}});
-  for (size_t j = 0; j < result.subjects.size(); ++j) {
-    const ChangeSubject& subject = result.subjects[j];
-    const GroupChange& change = result.estimate.groups[j];
-    // What was looked for and not found.
-    if (!subject.place.empty() && !change.changed) continue;
-    const bool loss = subject.kind != ChangeKind::kNonlinear;
-    table.AddRow({subject.name, FormatNumber(100.0 * change.change, 3),
-                  FormatNumber(100.0 * change.lower95, 3) + " to " +
-                      FormatNumber(100.0 * change.upper95, 3),
-                  loss ? FormatNumber(change.probability, 3) : "",
-                  change.changed ? "yes" : ""});
-  }
-  return table.ToText();
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
+  using namespace pinode;
   const auto begin = std::chrono::steady_clock::now();
   int status;
   if (!ParseFlags(argc, argv,
@@ -178,9 +148,10 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  const ReportInput report =
+  ReportInput report =
       MakeReportInput(result.fitted, result.summary, result.model,
                       CommandLine(argc, argv), seconds);
+  if (judged) report.damage = MakeReportDamage(result);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteResultFiles(result.fitted, result.summary, result.model, folder,
@@ -194,7 +165,8 @@ int main(int argc, char** argv) {
   }
   if (judged) {
     std::printf("%s\n\nChange since the baseline\n%s\n",
-                result.judgement.sentence.c_str(), ChangeTable(result).c_str());
+                result.judgement.sentence.c_str(),
+                MakeChangeTable(*report.damage).ToText().c_str());
     for (const std::string& remark : result.remarks) {
       std::printf("%s\n", remark.c_str());
     }

@@ -8,6 +8,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
+#include "pinode/case/toml_value.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
@@ -127,6 +128,29 @@ bool FindOffsets(const std::string& folder, const Result& result,
   return true;
 }
 
+// What the matrices of the baseline's own case held of each group beyond once:
+// its model.toml, whose groups begin at zero again, has `values` in it.
+bool ReadPresent(const std::string& path, const std::vector<std::string>& names,
+                 const Vector& values, Vector* present, std::string* error) {
+  std::string text;
+  TomlValue root;
+  if (!ReadTextFile(path, &text, error) ||
+      !ParseToml(text, path, &root, error)) {
+    return false;
+  }
+  *present = Vector::Zero(values.size());
+  const TomlValue* groups = root.Find("group");
+  if (groups == nullptr || !groups->IsArrayOfTables()) return true;
+  for (const TomlValue& table : groups->elements) {
+    const TomlValue* name = table.Find("name");
+    const TomlValue* now = table.Find("present");
+    if (name == nullptr || now == nullptr || !now->IsNumber()) continue;
+    const Eigen::Index i = IndexOf(names, name->text);
+    if (i >= 0) (*present)[i] = now->number - values[i] - 1.0;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
@@ -179,6 +203,10 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
     }
   }
 
+  Vector present;
+  if (!ReadPresent(path("model.toml"), names, values, &present, error)) {
+    return false;
+  }
   Table table;
   if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
     return false;
@@ -191,7 +219,7 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
     return false;
   }
   baseline->folder = folder;
-  baseline->groups = {std::move(values), table.values(rows, rows)};
+  baseline->groups = {values + present, table.values(rows, rows)};
   baseline->offsets = std::move(offsets);
   baseline->parameter_names = result.names;
   baseline->parameter_values = result.values;
@@ -217,7 +245,18 @@ IdentifiedModel BeginFromBaseline(const Baseline& baseline,
   return model;
 }
 
-GroupState GroupsOf(const IdentificationSummary& summary,
+Vector AlreadyPresent(const StructuralDynamics& dynamics,
+                      const std::vector<std::string>& names) {
+  Vector present = Vector::Zero(static_cast<Eigen::Index>(names.size()));
+  for (const GroupTerm& term : dynamics.groups()) {
+    const Eigen::Index i = IndexOf(names, term.group.name);
+    if (i >= 0) present[i] = term.present - 1.0;
+  }
+  return present;
+}
+
+GroupState GroupsOf(const StructuralDynamics& dynamics,
+                    const IdentificationSummary& summary,
                     const std::vector<std::string>& names) {
   GroupState state;
   state.values.resize(static_cast<Eigen::Index>(names.size()));
@@ -231,6 +270,7 @@ GroupState GroupsOf(const IdentificationSummary& summary,
       state.values[static_cast<Eigen::Index>(i)] = parameter.value;
     }
   }
+  state.values += AlreadyPresent(dynamics, names);
   state.covariance = summary.covariance(rows, rows);
   return state;
 }

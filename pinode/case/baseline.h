@@ -16,8 +16,8 @@ namespace pinode {
 
 struct Baseline {
   std::string folder;
-  // In the order of the names asked for: alpha as the baseline's own case has
-  // it, so that 1 + alpha is what the group has of its nominal stiffness.
+  // In the order of the names asked for, such that 1 + value is what the
+  // structure has of the group's matrix, see GroupTerm::present.
   GroupState groups;
   // alpha of the same matrices in the new case is that much larger: not zero
   // where the new case is built on a model.toml, which holds what was found.
@@ -46,9 +46,16 @@ IdentifiedModel BeginFromBaseline(const Baseline& baseline,
                                   const std::vector<std::string>& groups,
                                   const IdentificationProblem& problem);
 
-// The free groups `names` of a fit with a covariance.
-GroupState GroupsOf(const IdentificationSummary& summary,
+// The free groups and other parameters `names` of a fit of `dynamics` with a
+// covariance; groups as in Baseline.
+GroupState GroupsOf(const StructuralDynamics& dynamics,
+                    const IdentificationSummary& summary,
                     const std::vector<std::string>& names);
+
+// What has to be added to each group's alpha for a value as in Baseline; 0
+// where there is no group of that name.
+Vector AlreadyPresent(const StructuralDynamics& dynamics,
+                      const std::vector<std::string>& names);
 
 }  // namespace pinode
 

@@ -38,10 +38,15 @@ std::string ElementFactors(const FiniteElementCase& source,
     for (const ParameterEstimate& candidate : summary.parameters) {
       if (candidate.name == term.alpha.name) estimate = candidate;
     }
+    // What the export has of the set already counts as one.
+    const auto factor = [&term](double alpha) {
+      return Cell((term.present + alpha) / term.present);
+    };
     text += term.group.name + "," + TargetName(term.group.target) + "," +
-            Cell(1.0 + estimate.value) + "," + Cell(estimate.sigma) + "," +
-            Cell(1.0 + estimate.lower95) + "," + Cell(1.0 + estimate.upper95) +
-            "," + (estimate.free ? "1" : "0") + ",\"" +
+            factor(estimate.value) + "," +
+            Cell(estimate.sigma / std::abs(term.present)) + "," +
+            factor(estimate.lower95) + "," + factor(estimate.upper95) + "," +
+            (estimate.free ? "1" : "0") + ",\"" +
             std::filesystem::path(source.groups[j].source).filename().string() +
             "\"\n";
   }

@@ -63,6 +63,7 @@ lower = -0.9
 name = "upper"
 adds_to = "stiffness"
 set_export = "K_upper.mtx"
+present = 2.0
 [[group]]
 name = "brace"
 adds_to = "stiffness"
@@ -217,7 +218,7 @@ TEST_F(FiniteElementSectionTest, ResultGoesBackToTheWholeModel) {
       factors,
       StartsWith("group,property,factor,sigma,lower95,upper95,free,export\n"
                  "lower,stiffness,0.9,0.01,0.88,0.92,1,\"K_lower.mtx\"\n"
-                 "upper,stiffness,"));
+                 "upper,stiffness,1.1,"));
   EXPECT_THAT(factors, Not(HasSubstr("brace")));
 }
 
@@ -284,16 +285,16 @@ TEST_F(FiniteElementSectionTest, ComparesExpectedFrequencies) {
 
 TEST_F(FiniteElementSectionTest, SaysWhereASensorIsNowhere) {
   EXPECT_THAT(Refusal("dof = \"8.1\"", "dof = \"9.1\""),
-              HasSubstr("case.toml:41: '9.1' is not a DOF of the "
+              HasSubstr("case.toml:42: '9.1' is not a DOF of the "
                         "finite-element model; did you mean"));
   EXPECT_THAT(Refusal("dof = \"8.1\"", "dof = \"1.1\""),
-              AllOf(HasSubstr(":41: "), HasSubstr("removes it")));
+              AllOf(HasSubstr(":42: "), HasSubstr("removes it")));
   EXPECT_THAT(
       Refusal("between = [\"4.1\", \"8.1\"]", "between = [\"4.1\", \"8.3\"]"),
-      HasSubstr(":25: '8.3' is not a DOF"));
+      HasSubstr(":26: '8.3' is not a DOF"));
   EXPECT_THAT(
       Refusal("method = \"guyan\"", "method = \"guyan\"\nkeep = [\"8.1\"]"),
-      AllOf(HasSubstr(":26: '4.1'"), HasSubstr("keeps")));
+      AllOf(HasSubstr(":27: '4.1'"), HasSubstr("keeps")));
 }
 
 TEST_F(FiniteElementSectionTest, RefusesMapsThatDoNotMatch) {

@@ -131,8 +131,8 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
                 StructuralDynamics* dynamics) {
   for (TomlTable& table : root.Tables("group")) {
     std::vector<std::string> keys = {
-        "name",  "adds_to", "between",        "matrix",     "storey",
-        "scale", "follows", "changed_export", "set_export", "factor"};
+        "name",    "adds_to", "between",        "matrix",     "storey", "scale",
+        "follows", "present", "changed_export", "set_export", "factor"};
     keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
     if (!table.AllowKeys(keys)) return false;
     GroupTerm term;
@@ -154,6 +154,7 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
         !ReadFollows(table, *context.units, *dynamics, &term)) {
       return false;
     }
+    term.present = table.Number("present", 1.0);
     term.alpha.name = term.group.name;
     if (!ReadParameterKeys(table, 1.0, &term.alpha)) return false;
     std::string error;
