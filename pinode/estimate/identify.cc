@@ -132,7 +132,15 @@ struct Solution {
   Vector decays;
   std::vector<Matrix> trajectories;  // per training record
   double free_run_error = kInfinity;
+  // Of the samples, what the fit has not used up.
+  double share_left = 1.0;
   double cost = kInfinity;
+
+  // The error to be expected of other samples of the same records, by
+  // generalised cross-validation (P. Craven, G. Wahba, Numerische Mathematik 31
+  // (1979) 377): a fit that follows the noise has a smaller error than the
+  // truth.
+  double ExpectedError() const { return free_run_error / share_left; }
 };
 
 // One start of an identification.
@@ -191,9 +199,11 @@ class Trainer {
   IdentifiedModel ModelToKeep(const Vector& free);
   // Below the misfit that networks are allowed, the simpler one counts as the
   // better.
-  bool IsWorseThanBest(double free_run_error) const {
-    return free_run_error > std::max(1.02 * best_.free_run_error,
-                                     HasNetworks() ? kSmallestMisfit : 0.0);
+  bool IsWorseThanBest(const Solution& solution) const {
+    if (HasNetworks() && solution.free_run_error <= kSmallestMisfit) {
+      return false;
+    }
+    return !(solution.ExpectedError() <= 1.02 * best_.ExpectedError());
   }
   std::vector<int> StageLengths() const;
   bool RunStage(int samples, bool last);
@@ -369,10 +379,12 @@ void Trainer::BeginAnnealing() {
     current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
   }
   if (!evidence) return;
-  AnnealToTheFloor();
-  // What the first fit has left over is where the noise comes down to. (Decays
-  // found on the way are of no use.)
-  if (!summary_->stages.empty()) {
+  if (summary_->stages.empty()) {
+    AnnealToTheFloor();
+  } else {
+    // What the first fit has left over is where the noise comes down to, and
+    // nothing may hold its level there yet. (Decays found on the way are of no
+    // use.)
     const Vector decays = current_.decays;
     // Noise grows tenfold at most at once.
     for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
@@ -430,8 +442,8 @@ std::vector<int> Trainer::StageLengths() const {
 IdentifiedModel Trainer::ModelToKeep(const Vector& free) {
   bool earlier = false;
   if (!annealed_to_.empty()) {
-    free_run_error_ = ScoreFreeRuns(free);
-    earlier = IsWorseThanBest(free_run_error_);
+    current_.free_run_error = free_run_error_ = ScoreFreeRuns(free);
+    earlier = IsWorseThanBest(current_);
   }
   const Solution& solution = earlier ? best_ : current_;
   IdentifiedModel model;
@@ -613,6 +625,7 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
     }
   }
   const double share = std::clamp(1.0 - used / samples, 0.1, 1.0);
+  current_.share_left = share;
   double noise_change = 0.0;
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
@@ -798,7 +811,7 @@ bool Trainer::RunStage(int samples, bool last) {
   summary_->single_shooting = single;
 
   // A stage that makes the free run worse is undone.
-  record.rolled_back = IsWorseThanBest(current_.free_run_error);
+  record.rolled_back = IsWorseThanBest(current_);
   summary_->stages.push_back(record);
   if (record.rolled_back) {
     current_ = best_;
@@ -1242,7 +1255,8 @@ void Identify(const IdentificationProblem& problem,
     if (!ok) {
       if (best == nullptr) best_summary = attempt;
     } else if (best == nullptr ||
-               trainer->best().free_run_error < best->best().free_run_error) {
+               trainer->best().ExpectedError() <
+                   best->best().ExpectedError()) {
       best = std::move(trainer);
       best_summary = attempt;
     }
