@@ -479,8 +479,9 @@ std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
                          scale.cwiseInverse().asDiagonal();
   Eigen::LLT<Matrix> factor;
   for (double least = 1e-10; least <= 1.0; least *= 10.0) {
-    factor.compute(hessian + least * Matrix::Identity(hessian.rows(),
-                                                      hessian.cols()));
+    Matrix determined = hessian;
+    determined.diagonal().array() += least;
+    factor.compute(determined);
     if (factor.info() == Eigen::Success) break;
   }
   if (factor.info() != Eigen::Success) return result;
