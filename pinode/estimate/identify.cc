@@ -132,7 +132,15 @@ struct Solution {
   Vector decays;
   std::vector<Matrix> trajectories;  // per training record
   double free_run_error = kInfinity;
+  // Of the samples, what the fit has not used up.
+  double share_left = 1.0;
   double cost = kInfinity;
+
+  // The error to be expected of other samples of the same records, by
+  // generalised cross-validation (P. Craven, G. Wahba, Numerische Mathematik 31
+  // (1979) 377): a fit that follows the noise has a smaller error than the
+  // truth.
+  double ExpectedError() const { return free_run_error / share_left; }
 };
 
 // One start of an identification.
@@ -191,15 +199,21 @@ class Trainer {
   IdentifiedModel ModelToKeep(const Vector& free);
   // Below the misfit that networks are allowed, the simpler one counts as the
   // better.
-  bool IsWorseThanBest(double free_run_error) const {
-    return free_run_error > std::max(1.02 * best_.free_run_error,
-                                     HasNetworks() ? kSmallestMisfit : 0.0);
+  bool IsWorseThanBest(const Solution& solution) const {
+    if (HasNetworks() && solution.free_run_error <= kSmallestMisfit) {
+      return false;
+    }
+    return !(solution.ExpectedError() <= 1.02 * best_.ExpectedError());
   }
   std::vector<int> StageLengths() const;
   bool RunStage(int samples, bool last);
+  // Where annealed noise comes down to: what the first fit has left over
+  // without a memory. The rest may be there to be learned, and is what the
+  // noise does not exceed afterwards. Without a first fit as far as it may, and
+  // no limit.
+  void MeasureNoise();
   // Draws the networks anew and raises the noise, see kAnnealedNoise.
   void BeginAnnealing();
-  void AnnealToTheFloor();
   bool HasNetworks() const { return layout_.HasNetworkDecay(); }
   // The hidden units of a network of time hardly move: its first step is that
   // of a linear fit.
@@ -233,10 +247,11 @@ class Trainer {
   std::unique_ptr<MultipleShooting> shooting_;
   std::chrono::steady_clock::time_point begin_;
   Vector first_free_;  // as the run began
-  // What annealed noise comes down to and does not exceed again, per training
-  // record: what the first fit left over. Where that is not known, zero on the
-  // way down and infinity afterwards. Empty before the annealing.
+  // What annealed noise comes down to, infinity once it has been there, and
+  // what it does not exceed afterwards, per training record. Empty before the
+  // annealing.
   std::vector<Vector> annealed_to_;
+  std::vector<Vector> ceilings_;
   Solution current_;
   Solution best_;
   std::optional<InputNoiseFit> input_noise_;
@@ -351,11 +366,33 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
   }
 }
 
-void Trainer::AnnealToTheFloor() {
-  annealed_to_.clear();
+void Trainer::MeasureNoise() {
+  std::vector<Vector> lowest, ceilings;
   for (const Vector& sigma : current_.sigmas) {
-    annealed_to_.push_back(Vector::Zero(sigma.size()));
+    lowest.push_back(Vector::Zero(sigma.size()));
+    ceilings.push_back(Vector::Constant(sigma.size(), kInfinity));
   }
+  if (!summary_->stages.empty()) {
+    // Decays found on the way are of no use.
+    const Vector decays = current_.decays;
+    // Noise grows tenfold at most at once.
+    for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
+    current_.decays = decays;
+    ceilings = current_.sigmas;
+    std::vector<Matrix> residuals;
+    if (shooting_->WeightedResiduals(current_.free, false, &residuals,
+                                     nullptr)) {
+      for (size_t r = 0; r < residuals.size(); ++r) {
+        for (Eigen::Index c = 0; c < residuals[r].rows(); ++c) {
+          lowest[r][c] = current_.sigmas[r][c] *
+                         std::sqrt(MemorylessMeanSquare(residuals[r].row(c)) /
+                                   current_.share_left);
+        }
+      }
+    }
+  }
+  annealed_to_ = std::move(lowest);
+  ceilings_ = std::move(ceilings);
 }
 
 void Trainer::BeginAnnealing() {
@@ -369,16 +406,7 @@ void Trainer::BeginAnnealing() {
     current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
   }
   if (!evidence) return;
-  AnnealToTheFloor();
-  // What the first fit has left over is where the noise comes down to. (Decays
-  // found on the way are of no use.)
-  if (!summary_->stages.empty()) {
-    const Vector decays = current_.decays;
-    // Noise grows tenfold at most at once.
-    for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
-    current_.decays = decays;
-    annealed_to_ = current_.sigmas;
-  }
+  MeasureNoise();
   for (int j = 0; j < layout_.num_free(); ++j) {
     const int g = layout_.DecayGroupOf(layout_.free()[static_cast<size_t>(j)]);
     if (g < 0 || GivenDecay(g) >= 0.0) continue;
@@ -430,8 +458,8 @@ std::vector<int> Trainer::StageLengths() const {
 IdentifiedModel Trainer::ModelToKeep(const Vector& free) {
   bool earlier = false;
   if (!annealed_to_.empty()) {
-    free_run_error_ = ScoreFreeRuns(free);
-    earlier = IsWorseThanBest(free_run_error_);
+    current_.free_run_error = free_run_error_ = ScoreFreeRuns(free);
+    earlier = IsWorseThanBest(current_);
   }
   const Solution& solution = earlier ? best_ : current_;
   IdentifiedModel model;
@@ -613,6 +641,7 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
     }
   }
   const double share = std::clamp(1.0 - used / samples, 0.1, 1.0);
+  current_.share_left = share;
   double noise_change = 0.0;
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
@@ -656,13 +685,11 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       double wanted = std::max(floor, sigma * std::sqrt(mean_square));
       if (!annealed_to_.empty()) {
         double& target = annealed_to_[r][c];
-        if (target > 0.0) {
-          wanted = std::min(wanted, std::max(floor, target));
-        } else if (sigma > floor) {
-          wanted = floor;
-        } else {
-          target = kInfinity;
-        }
+        const double lowest = std::max(floor, target);
+        if (sigma <= lowest) target = kInfinity;
+        wanted = std::max(
+            floor,
+            std::min(wanted, target == kInfinity ? ceilings_[r][c] : lowest));
       }
       noise_change = std::max(noise_change, std::abs(wanted / sigma - 1.0));
       sigma = std::clamp(wanted, std::max(floor, shrink * sigma),
@@ -798,7 +825,7 @@ bool Trainer::RunStage(int samples, bool last) {
   summary_->single_shooting = single;
 
   // A stage that makes the free run worse is undone.
-  record.rolled_back = IsWorseThanBest(current_.free_run_error);
+  record.rolled_back = IsWorseThanBest(current_);
   summary_->stages.push_back(record);
   if (record.rolled_back) {
     current_ = best_;
@@ -1242,7 +1269,7 @@ void Identify(const IdentificationProblem& problem,
     if (!ok) {
       if (best == nullptr) best_summary = attempt;
     } else if (best == nullptr ||
-               trainer->best().free_run_error < best->best().free_run_error) {
+               trainer->best().ExpectedError() < best->best().ExpectedError()) {
       best = std::move(trainer);
       best_summary = attempt;
     }
