@@ -12,6 +12,7 @@
 #include "pinode/case/toml_value.h"
 #include "pinode/discover/stepwise.h"
 #include "pinode/dynamics/library_function.h"
+#include "pinode/estimate/covariance.h"
 #include "pinode/estimate/fitted_cost.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/parameter_layout.h"
