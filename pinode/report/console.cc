@@ -54,6 +54,10 @@ TextTable MakeChangeTable(const ReportDamage& damage) {
         Align::kDecimal},
        {"", Align::kLeft}});
   for (const ReportDamage::Change& change : damage.changes) {
+    if (!change.IsSeen()) {
+      table.AddRow({change.name, "", "not seen", "", ""});
+      continue;
+    }
     table.AddRow(
         {change.name, Hundredths(change.change),
          Hundredths(change.lower95) + " to " + Hundredths(change.upper95),

@@ -88,6 +88,10 @@ struct ReportDamage {
     // P(loss > threshold); NaN where a loss has no meaning.
     double probability = std::numeric_limits<double>::quiet_NaN();
     bool changed = false;
+
+    // Whether the data say anything of it: the numbers of what they do not show
+    // are those of rounding.
+    bool IsSeen() const { return upper95 - lower95 < 20.0; }
   };
 
   std::string sentence;
