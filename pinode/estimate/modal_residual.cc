@@ -17,7 +17,7 @@ constexpr double kTwoPi = 6.283185307179586;
 // Frequencies that differ by less than this (relative, in w^2) are the same:
 // shapes carry the rounding of the matrices divided by it.
 constexpr double kSameFrequency = 1e-8;
-// What couples two modes is zero below this share of what acts on each.
+// What couples two modes is zero below this share of what acts on either.
 constexpr double kUncoupled = 1e-8;
 
 // (2 pi f)^2.
@@ -169,8 +169,9 @@ bool ModalResidual::EvaluateModes(const StructuralDynamics::Prepared& prepared,
         if (k != j && std::abs(distance) <=
                           rounding + kSameFrequency * std::abs(eigenvalue)) {
           const auto other = modes.shapes.col(k);
-          const double size = std::sqrt(
-              std::abs(parts[j] * factor * other.dot(*column.matrix * other)));
+          const double size =
+              std::max(std::abs(parts[j]),
+                       std::abs(factor * other.dot(*column.matrix * other)));
           if (std::abs(parts[k]) > kUncoupled * size) {
             std::ostringstream message;
             message << "modes " << std::min(j, k) + 1 << " and "
