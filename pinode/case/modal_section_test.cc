@@ -105,10 +105,10 @@ TEST(ModalSection, RefusesWhatDoesNotBelong) {
   const std::string shape = "shape = {u2 = 2.0, u1 = 0.9}";
   const std::string sigma = "frequency_sigma = 0.01";
   const std::vector<Bad> cases = {
-      {"frequency = 1.0", "frequenzy = 1.0", "expected 'frequency'"},
+      {"frequency = 1.0", "frequenzy = 1.0", "did you mean 'frequency'"},
       {"frequency = 1.0\n", "", "the measured frequency in Hz"},
-      {"frequency = 1.0", "frequency = 0", "case.toml:20: mode '1'"},
-      {"form =", "shape =", "[modal] has no key 'shape'"},
+      {"frequency = 1.0", "frequency = 0", "case.toml:19: mode '1'"},
+      {"form =", "shape =", "case.toml:17: [modal]: unknown key 'shape'"},
       {"\"eigenvector_difference\"", "\"eigen\"", "'form' is 'eigen'"},
       {sigma, "frequency_sigma = -1", "positive"},
       {sigma, sigma + "\nfrequency_weight = 3", "expected one of"},
