@@ -199,7 +199,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   if (choice == Covariance::kAuto) {
     drawn = ResidualsOfADraw(residuals, jacobians, inverse_root);
   }
-  if (choice == Covariance::kPlain ||
+  if (choice == Covariance::kPlain || residuals.empty() ||
       (choice == Covariance::kAuto && !noisy_input &&
        !AnyAutocorrelated(drawn))) {
     estimate->method = "plain";

@@ -129,6 +129,8 @@ struct ReportInput {
   std::string version;
   UnitSystem units;
   double wall_seconds = 0.0;  // of the whole program
+  // Frequencies in Hz are so many times those of the summary.
+  double hz_per_model_frequency = 1.0;
   const IdentificationProblem* problem = nullptr;
   const IdentificationSummary* summary = nullptr;
   const IdentifiedModel* model = nullptr;
