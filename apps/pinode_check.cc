@@ -147,6 +147,33 @@ void PrintRecords(const Case& c) {
   }
 }
 
+void PrintMeasuredModes(const Case& c) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  std::vector<ModeMatch> matches;
+  std::string error;
+  if (c.problem.modal.empty() ||
+      !MatchModes(c.problem.modal,
+                  dynamics.CorrectedModel(dynamics.Parameters()), &matches,
+                  &error)) {
+    return;
+  }
+  const double to_hz = c.HzPerModelFrequency();
+  std::printf("\nMeasured modes, form %s\n",
+              ModalFormName(c.problem.modal.form));
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const MeasuredMode& mode = c.problem.modal.modes[i];
+    std::printf("  %s: %.5g Hz, model's mode %d %.5g Hz (%+.2f %%)",
+                mode.name.c_str(), to_hz * mode.frequency, matches[i].mode + 1,
+                to_hz * matches[i].frequency,
+                100.0 * (matches[i].frequency / mode.frequency - 1.0));
+    if (mode.HasShape()) {
+      std::printf(", shape at %zu DOFs, MAC %.4f", mode.dofs.size(),
+                  matches[i].mac);
+    }
+    std::printf("\n");
+  }
+}
+
 bool PrintAssessment(const Case& c) {
   ProblemAssessment assessment;
   std::string error;
@@ -200,7 +227,8 @@ int main(int argc, char** argv) {
   if (!c.title.empty()) std::printf("%s\n\n", c.title.c_str());
   PrintFiniteElementModel(c);
   PrintModel(c);
-  PrintRecords(c);
+  if (!c.problem.records.empty()) PrintRecords(c);
+  PrintMeasuredModes(c);
   for (const std::string& remark : c.remarks) {
     std::printf("  %s\n", remark.c_str());
   }

@@ -82,6 +82,11 @@ int main(int argc, char** argv) {
   }
   Case c;
   if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
+  if (c.problem.num_train_records() == 0) {
+    return Refuse(FLAGS_case +
+                  ": no training record, expected one to discover "
+                  "equations from");
+  }
   if (FLAGS_threads > 0) c.options.num_threads = FLAGS_threads;
   c.discover.num_threads = c.options.num_threads;
   const bool from_networks =

@@ -22,6 +22,7 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
   input.version = PINODE_VERSION;
   input.units = c.units;
   input.wall_seconds = wall_seconds;
+  input.hz_per_model_frequency = c.HzPerModelFrequency();
   input.problem = &c.problem;
   input.summary = &summary;
   input.model = &model;

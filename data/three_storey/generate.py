@@ -2,10 +2,13 @@
 """Three-storey shear frame with a hardening first storey under ground motion.
 
 Writes train.csv holdout.csv (time, ground acceleration, absolute floor
-accelerations), the damping groups' matrices and truth.json.  Columns of a
+accelerations), damaged.csv, the damping groups' matrices and truth.json.  Columns of a
 record: ag is the ground acceleration that acted, ag_noisy what a sensor read;
 a1 a2 a3 are the floor accelerations as read, a1_true a2_true a3_true without
-noise.  The seed changes the noise and nothing else.
+noise.  The seed changes the noise and nothing else.  damaged.csv: under the
+ground motion of holdout.csv and without noise, a1_k2 is the first floor's
+acceleration where the second storey has lost LOSS of its stiffness, a3_k2_more
+the roof's where it has lost LARGER_LOSS.
 """
 
 import argparse
@@ -33,6 +36,7 @@ DURATION = 30.0  # s
 PEAK_GROUND_ACCELERATION = 3.0  # m/s^2
 MOTION_SEEDS = {"train": 6, "holdout": 5}
 NOISE = 0.02  # of each channel's standard deviation
+LOSS, LARGER_LOSS = 0.005, 0.02  # of one storey's stiffness, in damaged.csv
 HEADER = ["t", "ag", "ag_noisy", "a1", "a2", "a3",
           "a1_true", "a2_true", "a3_true"]
 
@@ -163,7 +167,24 @@ def main():
             "noise_floor_nrmse_noisy_ground":
                 reference.nrmse(measured, driven_by_noisy).tolist(),
         }
+    truth["loss"], truth["larger_loss"] = LOSS, LARGER_LOSS
     reference.write_json(os.path.join(output, "truth.json"), truth)
+
+    # The damping stays: it is built on the design.
+    times, ground = ground_motion("holdout")
+    names, columns = ["t", "ag"], [times, ground]
+    for storey in range(3):
+        for loss, floors, end in ((LOSS, range(3), ""),
+                                  (LARGER_LOSS, [2], "_more")):
+            factors = np.ones(3)
+            factors[storey] -= loss
+            clean = response(times, ground,
+                             stiffness=reference.chain(STOREY * factors))[1]
+            for floor in floors:
+                names.append(f"a{floor + 1}_k{storey + 1}{end}")
+                columns.append(clean[:, floor])
+    reference.write_csv(os.path.join(output, "damaged.csv"), names, columns,
+                        ["%.4g", "%.5f"] + ["%.9g"] * 12)
 
 
 if __name__ == "__main__":

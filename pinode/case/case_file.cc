@@ -10,6 +10,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/case/discover_section.h"
 #include "pinode/case/library_section.h"
+#include "pinode/case/modal_section.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/options_section.h"
 #include "pinode/case/record_data.h"
@@ -67,6 +68,20 @@ void RefineToTraining(Case* c) {
   }
 }
 
+// What the model's modes are, where that is not all of the model.
+void RemarkOnModes(const IdentificationProblem& problem,
+                   std::vector<std::string>* remarks) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  if (problem.modal.empty() ||
+      (dynamics.laws().empty() && dynamics.networks().empty())) {
+    return;
+  }
+  remarks->push_back(
+      "Measured modes are held against those of the matrices with their "
+      "groups; "
+      "elements, libraries and networks take no part in these.");
+}
+
 bool SetSubsteps(const std::vector<RecordSection>& sections, Case* c) {
   for (size_t r = 0; r < sections.size(); ++r) {
     const RecordSection& section = sections[r];
@@ -93,8 +108,9 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   CaseErrors errors(path, error);
   const TomlTable root(*source, "", &errors);
   if (!root.AllowKeys({"title", "units", "model", "group", "element", "library",
-                       "network", "unknown_force", "record", "options",
-                       "simulate", "discover", "damage", "reference_curve"})) {
+                       "network", "unknown_force", "record", "modal", "mode",
+                       "options", "simulate", "discover", "damage",
+                       "reference_curve"})) {
     return false;
   }
   Case c;
@@ -154,6 +170,11 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
     c.problem.records.push_back(std::move(record));
     c.records.push_back(std::move(info));
   }
+  if (!ReadModes(root, c.units, model.model, c.problem.num_train_records() > 0,
+                 &c.problem.modal)) {
+    return false;
+  }
+  RemarkOnModes(c.problem, &c.remarks);
   SpreadNetworksOfTime(root, c.problem, dynamics.get());
   if (!ReadSensors(sections, c.units, &c.problem) ||
       !CheckNames(c.problem, &errors)) {

@@ -174,6 +174,19 @@ std::string ProblemHash(const IdentificationProblem& problem) {
       hash.Add(static_cast<std::int64_t>(channel.fit));
     }
   }
+  if (!problem.modal.empty()) {
+    hash.Add(static_cast<std::int64_t>(problem.modal.form));
+  }
+  for (const MeasuredMode& mode : problem.modal.modes) {
+    hash.Add(mode.name);
+    for (const double value :
+         {mode.frequency, mode.frequency_sigma, mode.frequency_weight,
+          mode.shape_sigma, mode.shape_weight, mode.residual_weight}) {
+      hash.Add(value);
+    }
+    for (const int dof : mode.dofs) hash.Add(static_cast<std::int64_t>(dof));
+    hash.Add(Matrix(mode.shape));
+  }
   return hash.Text();
 }
 

@@ -12,9 +12,11 @@
 #include "pinode/case/toml_value.h"
 #include "pinode/discover/stepwise.h"
 #include "pinode/dynamics/library_function.h"
+#include "pinode/estimate/covariance.h"
 #include "pinode/estimate/fitted_cost.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/score.h"
 
 namespace pinode {
 namespace {
@@ -221,6 +223,23 @@ int CountTerms(const std::vector<DiscoveredEquation>& equations) {
   return count;
 }
 
+// Candidates that are no terms yet with a coefficient of 0.
+std::vector<DiscoveredEquation> WithAllCandidates(
+    std::vector<DiscoveredEquation> equations) {
+  for (DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      if (Has(equation, candidate.basis)) continue;
+      DiscoveredTerm term;
+      term.basis = candidate.basis;
+      term.basis_rms = candidate.rms;
+      term.sign = candidate.sign;
+      term.inclusion_probability = kNaN;
+      equation.terms.push_back(std::move(term));
+    }
+  }
+  return equations;
+}
+
 std::vector<std::vector<EquationTerm>> Report(
     const Case& c, const std::vector<DiscoveredEquation>& selected,
     const std::vector<DiscoveredEquation>& equations,
@@ -265,14 +284,23 @@ class Refitter {
  public:
   Refitter(const Case& c, const IdentifiedModel& model, Discovery* discovery,
            std::string* error)
-      : c_(c), discovery_(*discovery), error_(error), last_model_(model) {}
+      : c_(c),
+        model_(model),
+        discovery_(*discovery),
+        error_(error),
+        last_model_(model) {}
 
   bool Run(const std::vector<DiscoveredEquation>& equations,
            const std::vector<DiscoveredEquation>& begin) {
     discovery_.equations = begin;
     price_ = PriceOfATerm(NumFittedValues(c_.problem), equations);
     exact_ = false;
-    if (!FirstSteps() || !Fit(1) || !Search() || !Prune(1)) return false;
+    if (!FirstSteps() || !Fit(1)) return false;
+    if (discovery_.summary.termination != Termination::kInterrupted &&
+        !CompareWithNoTerms()) {
+      return false;
+    }
+    if (!Search() || !Prune(1)) return false;
     exact_ = true;
     for (int factor = 2; factor <= kLargestRefinement && Good() && Left();
          factor *= 2) {
@@ -314,15 +342,95 @@ class Refitter {
     return true;
   }
 
+  // Where the terms that were regressed cannot be fitted, or are not worth
+  // their price even together, as those of a network that follows the noise,
+  // whose trajectories diverge: back to the model with none of them, from which
+  // the search can begin as well. What that model leaves over without a memory
+  // is the noise. All stays as it is where its trajectories are not finite
+  // either.
+  bool CompareWithNoTerms() {
+    if (!c_.discover.search) return true;
+    std::vector<DiscoveredEquation> equations = discovery_.equations;
+    for (DiscoveredEquation& equation : equations) {
+      equation.terms.erase(
+          std::remove_if(
+              equation.terms.begin(), equation.terms.end(),
+              [](const DiscoveredTerm& term) { return !term.given; }),
+          equation.terms.end());
+    }
+    Case c;
+    IdentifiedModel initial;
+    // A case has something to find.
+    const std::vector<DiscoveredEquation> wide = WithAllCandidates(equations);
+    if (CountTerms(wide) == CountTerms(equations)) return true;
+    if (!MakeDiscoveredCase(c_, model_, wide, {}, &c, &initial, error_)) {
+      return false;
+    }
+    const size_t num_records = c.problem.records.size();
+    std::vector<int> substeps;
+    std::vector<RecordScore> scores(num_records);
+    initial.sigmas.resize(num_records);
+    initial.starts.resize(num_records);
+    for (size_t r = 0; r < num_records; ++r) {
+      const IdentificationRecord& record = c.problem.records[r];
+      substeps.push_back(
+          std::max(c_.problem.records[r].substeps, record.substeps));
+      if (record.role != IdentificationRecord::Role::kTrain) continue;
+      Vector& start = initial.starts[r];
+      if (start.size() != c.problem.dynamics->num_states()) {
+        FreeRunStart(c.problem, static_cast<int>(r), initial.parameters,
+                     Vector::Ones(static_cast<int>(record.channels.size())),
+                     &start);
+      }
+      ScoreRecord(c.problem, static_cast<int>(r), initial.parameters, start, 0,
+                  &scores[r]);
+      if (!scores[r].finite) return true;
+      initial.sigmas[r] = NoiseOf(record, scores[r]);
+    }
+    IdentificationSummary summary;
+    summary.termination = Termination::kConverged;
+    summary.records = std::move(scores);
+    const int more = CountTerms(discovery_.equations) - CountTerms(equations);
+    if (Good() && Deviance(c_.problem, discovery_.summary) + price_ * more <
+                      Deviance(c_.problem, summary)) {
+      return true;
+    }
+    discovery_.equations = std::move(equations);
+    discovery_.discovered = std::move(c);
+    discovery_.summary = std::move(summary);
+    last_model_ = std::move(initial);
+    substeps_ = std::move(substeps);
+    unfitted_ = true;
+    return true;
+  }
+
+  static Vector NoiseOf(const IdentificationRecord& record,
+                        const RecordScore& score) {
+    Vector sigmas(static_cast<int>(record.channels.size()));
+    for (Eigen::Index k = 0; k < sigmas.size(); ++k) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(k)];
+      Vector residual = score.prediction.row(k).transpose() - channel.values;
+      for (double& value : residual) value = std::isfinite(value) ? value : 0.0;
+      sigmas[k] = channel.sigma;
+      if (!(sigmas[k] > 0.0)) {
+        sigmas[k] = std::sqrt(MemorylessMeanSquare(residual));
+      }
+      if (!(sigmas[k] > 0.0)) sigmas[k] = 1.0;
+    }
+    return sigmas;
+  }
+
   // Takes in and leaves out what the residuals of the trajectories ask for, as
   // long as the extended BIC of the fits becomes smaller.
   bool Search() {
     if (!c_.discover.search) return true;
-    for (int search = 0; search < kMaxSearches && Good() && Left(); ++search) {
+    for (int search = 0;
+         search < kMaxSearches && Good() && (Left() || unfitted_); ++search) {
       const Discovery before = discovery_;
       const IdentifiedModel model_before = last_model_;
       double memory = 1.0;
       if (!Propose(&discovery_.equations, &memory)) return false;
+      if (!Left()) discovery_.equations = before.equations;
       if (SameTerms(before.equations, discovery_.equations)) return true;
       if (!Fit(1) || !Prune(1)) return false;
       if (discovery_.summary.termination == Termination::kInterrupted) break;
@@ -346,18 +454,7 @@ class Refitter {
   // much the samples are fewer than they look. The equations stay as they are
   // where the trajectories are not finite.
   bool Propose(std::vector<DiscoveredEquation>* equations, double* memory) {
-    std::vector<DiscoveredEquation> wide = *equations;
-    for (DiscoveredEquation& equation : wide) {
-      for (const DiscoveryCandidate& candidate : equation.candidates) {
-        if (Has(equation, candidate.basis)) continue;
-        DiscoveredTerm term;
-        term.basis = candidate.basis;
-        term.basis_rms = candidate.rms;
-        term.sign = candidate.sign;
-        term.inclusion_probability = kNaN;
-        equation.terms.push_back(std::move(term));
-      }
-    }
+    const std::vector<DiscoveredEquation> wide = WithAllCandidates(*equations);
     Case c;
     IdentifiedModel initial;
     if (!MakeDiscoveredCase(discovery_.discovered, last_model_, wide, substeps_,
@@ -409,12 +506,12 @@ class Refitter {
     const std::vector<int> support = SelectStepwise(cost, options, start);
     for (size_t e = 0; e < wide.size(); ++e) {
       std::vector<DiscoveredTerm> terms;
-      for (DiscoveredTerm& term : wide[e].terms) {
+      for (const DiscoveredTerm& term : wide[e].terms) {
         const auto found = entries.find(ParameterName(wide[e], term));
         if (term.given || (found != entries.end() &&
                            std::binary_search(support.begin(), support.end(),
                                               found->second))) {
-          terms.push_back(std::move(term));
+          terms.push_back(term);
         }
       }
       (*equations)[e].terms = std::move(terms);
@@ -448,6 +545,7 @@ class Refitter {
       return false;
     }
     ++num_fits_;
+    unfitted_ = false;
     discovery_.refitted = true;
     discovery_.step_refinement = factor;
     Identify(discovery_.discovered.problem, Options(), &initial,
@@ -507,12 +605,14 @@ class Refitter {
   }
 
   const Case& c_;
+  const IdentifiedModel& model_;
   Discovery& discovery_;
   std::string* error_;
   IdentifiedModel last_model_;
   std::vector<int> substeps_;
   double price_ = 0.0;
   int num_fits_ = 0;
+  bool unfitted_ = false;  // begun without terms, and without a fit
   bool exact_ = true;
 };
 

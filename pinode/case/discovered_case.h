@@ -63,14 +63,15 @@ struct Discovery {
 // Terms that turn out not to be worth their place are dropped one by one
 // (DiscoveryOptions::prune_fraction); then candidates that the residuals of the
 // trajectories ask for are taken in (DiscoveryOptions::search), as long as they
-// lower the extended BIC of the fit. Noise on the records is noise there,
-// whatever smoothing or a network has made of it. At the end the Runge-Kutta
-// steps are halved until no coefficient moves by more than a tenth of its
-// standard deviation or 1e-8 of itself, at most five times: an equation should
-// not make up for its integrator. c.options hold for each fit. `resumed`: the
-// equations with which a refit that was cut off is to go on, nullptr for a new
-// one. False where the case cannot be made; a fit that fails is a summary that
-// says so.
+// lower the extended BIC of the fit, beginning with none where the terms
+// together are not worth their price or cannot be fitted. Noise on the records
+// is noise there, whatever smoothing or a network has made of it. At the end
+// the Runge-Kutta steps are halved until no coefficient moves by more than a
+// tenth of its standard deviation or 1e-8 of itself, at most five times: an
+// equation should not make up for its integrator. c.options hold for each fit.
+// `resumed`: the equations with which a refit that was cut off is to go on,
+// nullptr for a new one. False where the case cannot be made; a fit that fails
+// is a summary that says so.
 [[nodiscard]] bool RefitEquations(
     const Case& c, const IdentifiedModel& model,
     const std::vector<DiscoveredEquation>& equations,

@@ -159,6 +159,31 @@ TEST_F(DiscoveredCase, RefitFindsTheCoefficientAndDropsWhatIsNotThere) {
   EXPECT_GT(discovery.step_refinement, 1);
 }
 
+// What is regressed on a network that follows the noise need not give finite
+// trajectories.
+TEST_F(DiscoveredCase, TermsThatCannotBeFittedDoNotStay) {
+  equation_.terms.clear();
+  Add("x[u]^3", 1e6, 0.7);
+  Add("v[u]^3", 1e6, 30.0);
+  equation_.num_candidates = 5;
+  for (const char* basis :
+       {"x[u]^2", "x[u]*v[u]", "v[u]^2", "x[u]^3", "v[u]^3"}) {
+    DiscoveryCandidate candidate;
+    candidate.basis = basis;
+    candidate.rms = 1.0;
+    equation_.candidates.push_back(candidate);
+  }
+  Discovery discovery;
+  ASSERT_TRUE(
+      RefitEquations(case_, model_, {equation_}, nullptr, &discovery, &error_))
+      << error_;
+  EXPECT_TRUE(discovery.refitted);
+  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  ASSERT_EQ(discovery.num_terms(), 1);
+  EXPECT_EQ(discovery.terms[0][0].basis, "x[u]^3");
+  EXPECT_NEAR(discovery.terms[0][0].coefficient, -2.0, 2e-8);
+}
+
 TEST_F(DiscoveredCase, GivenCoefficientsStayAndSignsAreBounds) {
   equation_.terms[0].coefficient = -2.1;
   equation_.terms[0].given = true;

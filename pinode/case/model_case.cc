@@ -37,7 +37,7 @@ class ModelCaseWriter {
   bool Write() {
     return WriteMatrices() && WriteGroups() && SetElements() &&
            SetLibraries() && SetForces() && WriteNetworks() && SetRecords() &&
-           SetReferenceCurves() &&
+           SetModes() && SetReferenceCurves() &&
            WriteFileAtomically(
                Path("model.toml"),
                "# The model after the identification; see the keys' meaning "
@@ -214,9 +214,9 @@ class ModelCaseWriter {
     return true;
   }
 
-  void MovePath(TomlValue* table) const {
-    TomlValue* file = table->Find("file");
-    if (file == nullptr) return;
+  void MovePath(TomlValue* table, const char* key = "file") const {
+    TomlValue* file = table->Find(key);
+    if (file == nullptr || file->type != TomlValue::Type::kString) return;
     std::error_code status;
     const fs::path from = fs::weakly_canonical(
         fs::absolute(ResolvePath(c_.path, file->text), status), status);
@@ -227,6 +227,7 @@ class ModelCaseWriter {
   }
 
   bool SetRecords() {
+    if (root_.Find("record") == nullptr) return true;
     std::vector<TomlValue>& tables = root_.Find("record")->elements;
     for (size_t r = 0; r < tables.size(); ++r) {
       MovePath(&tables[r]);
@@ -242,6 +243,13 @@ class ModelCaseWriter {
         SetSensor(r, i, &channels->elements[i]);
       }
     }
+    return true;
+  }
+
+  bool SetModes() {
+    TomlValue* modes = root_.Find("mode");
+    if (modes == nullptr) return true;
+    for (TomlValue& mode : modes->elements) MovePath(&mode, "shape");
     return true;
   }
 

@@ -486,7 +486,11 @@ bool RecordSection::has_excitation() const {
 bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
                         const StructuralModel& model, bool simulation,
                         std::vector<RecordSection>* sections) {
-  if (!root.RequireKey("record", "at least one [[record]]")) return false;
+  // Measured modes can stand alone; there is nothing of them to simulate.
+  if ((simulation || !root.Has("mode")) &&
+      !root.RequireKey("record", "at least one [[record]]")) {
+    return false;
+  }
   std::set<std::string> seen;
   for (const TomlTable& table : root.Tables("record")) {
     if (!table.AllowKeys(RecordKeys())) return false;

@@ -94,8 +94,8 @@ Json Forces(const Case& c, const IdentificationSummary& summary) {
   return forces;
 }
 
-bool Modes(const Case& c, const IdentifiedModel& model, Json* json,
-           std::string* error) {
+bool Modes(const Case& c, const IdentificationSummary& summary,
+           const IdentifiedModel& model, Json* json, std::string* error) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   std::vector<ModePair> pairs;
   if (!CompareModes(dynamics.CorrectedModel(dynamics.Parameters()),
@@ -107,13 +107,34 @@ bool Modes(const Case& c, const IdentifiedModel& model, Json* json,
   const double hz = c.HzPerModelFrequency();
   *json = Json::array();
   for (const ModePair& pair : pairs) {
-    json->push_back({{"initial_hz", pair.initial_frequency * hz},
-                     {"updated_hz", pair.updated_frequency * hz},
-                     {"initial_damping", pair.initial_damping},
-                     {"updated_damping", pair.updated_damping},
-                     {"mac", pair.mac}});
+    Json entry = {{"initial_hz", pair.initial_frequency * hz},
+                  {"updated_hz", pair.updated_frequency * hz},
+                  {"initial_damping", pair.initial_damping},
+                  {"updated_damping", pair.updated_damping},
+                  {"mac", pair.mac}};
+    for (const ModeScore& mode : summary.modes) {
+      if (mode.updated.mode != pair.updated_mode) continue;
+      entry["measured_hz"] = mode.frequency * hz;
+      entry["measured_mac"] = mode.updated.mac;
+    }
+    json->push_back(std::move(entry));
   }
   return true;
+}
+
+// Each with its own partners before and after.
+Json MeasuredModes(const Case& c, const IdentificationSummary& summary) {
+  const double hz = c.HzPerModelFrequency();
+  Json modes = Json::array();
+  for (const ModeScore& mode : summary.modes) {
+    modes.push_back({{"name", mode.name},
+                     {"measured_hz", mode.frequency * hz},
+                     {"initial_hz", mode.initial.frequency * hz},
+                     {"updated_hz", mode.updated.frequency * hz},
+                     {"initial_mac", mode.initial.mac},
+                     {"updated_mac", mode.updated.mac}});
+  }
+  return modes;
 }
 
 }  // namespace
@@ -136,11 +157,20 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
   if (!summary.forces.empty()) json["forces"] = Forces(c, summary);
   json["covariance_method"] = summary.covariance_method;
   json["undetermined"] = summary.undetermined;
-  if (!Modes(c, model, &json["modes"], error)) return false;
+  if (!Modes(c, summary, model, &json["modes"], error)) return false;
+  if (!summary.modes.empty()) {
+    json["measured_modes"] = MeasuredModes(c, summary);
+  }
   Json& solver = json["solver"];
   solver["iterations"] = summary.num_iterations;
   solver["initial_cost"] = summary.initial_cost;
   solver["final_cost"] = summary.final_cost;
+  if (!summary.modes.empty()) {
+    solver["initial_modal_cost"] = summary.initial_modal_cost;
+    solver["final_modal_cost"] = summary.final_modal_cost;
+  }
+  solver["starts"] = summary.num_starts;
+  solver["starts_at_best"] = summary.num_starts_at_best;
   solver["largest_gap"] = summary.largest_gap;
   solver["single_shooting"] = summary.single_shooting;
   solver["rejected_steps"] = summary.rejected_steps;

@@ -472,11 +472,18 @@ std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
   }
   // Scaled to a unit diagonal. Directions in which nothing is determined would
   // make up any uncertainty, also where the output does not change along them.
-  Vector scale = system.hessian.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  Matrix hessian = scale.cwiseInverse().asDiagonal() * system.hessian *
-                   scale.cwiseInverse().asDiagonal();
-  hessian.diagonal().array() += 1e-10;
-  const Eigen::LLT<Matrix> factor(hessian);
+  // Starts of trajectories that diverge leave rounding behind, and the Hessian
+  // need not be positive: what is below the rounding is not determined.
+  const Vector scale = system.hessian.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Matrix hessian = scale.cwiseInverse().asDiagonal() * system.hessian *
+                         scale.cwiseInverse().asDiagonal();
+  Eigen::LLT<Matrix> factor;
+  for (double least = 1e-10; least <= 1.0; least *= 10.0) {
+    Matrix determined = hessian;
+    determined.diagonal().array() += least;
+    factor.compute(determined);
+    if (factor.info() == Eigen::Success) break;
+  }
   if (factor.info() != Eigen::Success) return result;
 
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {

@@ -46,16 +46,24 @@ bool AssessProblem(const IdentificationProblem& problem,
     }
   }
   assessment->num_free = layout.num_free();
+  if (shooting.modal() != nullptr) {
+    assessment->num_residuals += shooting.modal()->num_residuals();
+  }
   shooting.SetSigmas(sigmas);
 
+  const auto fail = [&shooting, error]() {
+    *error = shooting.modal_error().empty()
+                 ? "no finite trajectory at the initial values"
+                 : shooting.modal_error();
+    return false;
+  };
   InputNoiseFit point;
   point.free = layout.Free(layout.InitialValues());
   point.sigmas = sigmas;
   const int segment_samples = FirstSegmentSamples(problem);
   if (!InitialTrajectories(problem, segment_samples, point.free, &shooting,
                            &point.trajectories)) {
-    *error = "no finite trajectory at the initial values";
-    return false;
+    return fail();
   }
   const auto plain = [&]() {
     return EstimateCovariance(problem, layout,
@@ -70,22 +78,22 @@ bool AssessProblem(const IdentificationProblem& problem,
     shooting.SetSegments(segment_samples, point.trajectories);
     shooting.SetGapPenalty(kFirmness * std::max(1.0, shooting.DataCurvature()));
     if (!plain()) {
-      *error = "no finite trajectory at the initial values";
-      return false;
+      return fail();
     }
   } else if (CanFitWithInputNoise(problem, options.loss) &&
              !InputNoiseCovariance(problem, layout, shooting_options,
                                    Vector::Zero(layout.num_decay_groups()),
                                    &point)) {
-    *error = "no finite trajectory at the initial values";
-    return false;
+    return fail();
   }
   CovarianceEstimate& covariance = point.covariance;
   covariance.null_space = WithUnseenGroups(
       problem, layout, covariance.covariance, covariance.null_space);
+  const bool sizes_known =
+      !shooting.train_records().empty() || problem.modal.HasSigmas();
   for (int j = 0; j < layout.num_free(); ++j) {
     const int index = layout.free()[static_cast<size_t>(j)];
-    if (!layout.IsNamed(index)) continue;
+    if (!layout.IsNamed(index) || !sizes_known) continue;
     const bool determined =
         covariance.null_space.cols() == 0 ||
         covariance.null_space.row(j).cwiseAbs().maxCoeff() < 0.1;

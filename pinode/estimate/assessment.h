@@ -19,7 +19,8 @@ struct ProblemAssessment {
   // Gauss-Newton Hessian at the initial values, with the noise given or 5 % of
   // a channel's spread; noise of the excitation included where it can be fitted
   // (CanFitWithInputNoise) and the model runs freely. Infinite where the data
-  // do not determine it.
+  // do not determine it. Empty where there are only measured modes whose errors
+  // are not known.
   struct Expected {
     std::string name;
     std::string unit;

@@ -110,6 +110,21 @@ double AutocorrelationTime(const Vector& residuals) {
   return time;
 }
 
+double MemorylessMeanSquare(const Vector& residuals) {
+  double sum = 0.0;
+  int count = 0;
+  double last = 0.0;
+  for (const double value : residuals) {
+    if (value == 0.0) continue;
+    if (last != 0.0) {
+      sum += 0.5 * (value - last) * (value - last);
+      ++count;
+    }
+    last = value;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
 double StudentQuantile(double degrees) {
   constexpr double z = 1.959963984540054;
   if (!(degrees >= 1.0)) degrees = 1.0;
@@ -184,7 +199,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   if (choice == Covariance::kAuto) {
     drawn = ResidualsOfADraw(residuals, jacobians, inverse_root);
   }
-  if (choice == Covariance::kPlain ||
+  if (choice == Covariance::kPlain || residuals.empty() ||
       (choice == Covariance::kAuto && !noisy_input &&
        !AnyAutocorrelated(drawn))) {
     estimate->method = "plain";

@@ -69,6 +69,13 @@ double LjungBoxExcess(const Vector& residuals, int num_lags);
 // 1 + 2 sum rho_k up to the first lag with rho_k < 0.05, in samples.
 double AutocorrelationTime(const Vector& residuals);
 
+// Mean square of what has no memory in `residuals`, half that of successive
+// differences (J. von Neumann, Annals of Mathematical Statistics 12 (1941)
+// 367): the variance of white noise, and next to nothing of a signal that is
+// smooth. Zeros stand for missing samples and are passed over; 0 where fewer
+// than two are left.
+double MemorylessMeanSquare(const Vector& residuals);
+
 // 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
 double StudentQuantile(double degrees);
 

@@ -261,6 +261,26 @@ TEST(AutocorrelationTime, OfAutoregressiveNoise) {
   EXPECT_EQ(AutocorrelationTime(Vector::Zero(10)), 1.0);
 }
 
+TEST(MemorylessMeanSquare, TellsNoiseFromASmoothSignal) {
+  Vector values = 0.5 * Autoregressive(0.0, 20000, 3);
+  // Of 20000 values the estimate has a relative standard deviation of 0.9 %.
+  EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.01);
+  const double step = 0.02;
+  Vector signal(values.size());
+  for (Eigen::Index i = 0; i < signal.size(); ++i) {
+    signal[i] = 10.0 * std::sin(step * static_cast<double>(i) + 0.1);
+  }
+  // A sine of amplitude 10: half the mean square of its differences.
+  const double alone = 50.0 * (1.0 - std::cos(step));
+  EXPECT_NEAR(MemorylessMeanSquare(signal), alone, 1e-3 * alone);
+  EXPECT_NEAR(MemorylessMeanSquare(values + signal), 0.25 + alone, 0.01);
+  // Missing ones are passed over.
+  for (Eigen::Index i = 0; i < values.size(); i += 3) values[i] = 0.0;
+  EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.012);
+  EXPECT_EQ(MemorylessMeanSquare(Vector::Zero(10)), 0.0);
+  EXPECT_EQ(MemorylessMeanSquare(Vector::Unit(10, 3)), 0.0);
+}
+
 // NIST/SEMATECH e-Handbook, section 1.3.6.7.2.
 TEST(StudentQuantile, EqualsTheTable) {
   EXPECT_NEAR(StudentQuantile(5.0), 2.571, 3e-3);

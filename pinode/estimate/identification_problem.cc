@@ -1,5 +1,6 @@
 #include "pinode/estimate/identification_problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -39,7 +40,26 @@ bool IdentificationProblem::IsValid(std::string* error) const {
         "network or sensor parameter as free";
     return false;
   }
-  bool any_fitted = false;
+  if (!modal.IsValid(dynamics->num_dofs(), error)) return false;
+  if (!modal.empty() && num_train_records() == 0) {
+    const auto has_free = [](const ParameterBlock& block) {
+      return std::any_of(block.parameters.begin(), block.parameters.end(),
+                         [](const Parameter& p) { return p.free; });
+    };
+    for (const ParameterBlock& block : dynamics->blocks()) {
+      if (block.name == "groups" || !has_free(block)) continue;
+      *error = "modes tell of groups alone: '" + block.name +
+               "' cannot be free without a training record";
+      return false;
+    }
+    if (has_free(sensors)) {
+      *error =
+          "modes tell of groups alone: sensors cannot be free without a "
+          "training record";
+      return false;
+    }
+  }
+  bool any_fitted = !modal.empty();
   for (const IdentificationRecord& record : records) {
     const std::string prefix = "record '" + record.name + "': ";
     if (!record.excitation.has_value() || record.num_samples() < 2) {
@@ -103,7 +123,8 @@ bool IdentificationProblem::IsValid(std::string* error) const {
     }
   }
   if (!any_fitted) {
-    *error = "no training record has a fitted channel";
+    *error =
+        "no training record has a fitted channel, and no mode was measured";
     return false;
   }
   return true;

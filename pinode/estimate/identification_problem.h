@@ -1,4 +1,5 @@
-// What is identified from what: the dynamics with its unknowns, and records.
+// What is identified from what: the dynamics with its unknowns, records and
+// measured modes.
 
 #ifndef PINODE_ESTIMATE_IDENTIFICATION_PROBLEM_H_
 #define PINODE_ESTIMATE_IDENTIFICATION_PROBLEM_H_
@@ -12,6 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/measured_mode.h"
 #include "pinode/record/excitation.h"
 #include "pinode/record/filter.h"
 
@@ -65,14 +67,17 @@ struct IdentificationProblem {
   // Initial values, bounds, priors and free flags are those of its blocks.
   std::shared_ptr<const StructuralDynamics> dynamics;
   std::vector<IdentificationRecord> records;
+  // Measured modes beside the records, or alone.
+  ModalData modal;
   // Gains (initially 1), offsets (the channel's unit) and delays (s).
   ParameterBlock sensors;
 
   int num_train_records() const;
 
   // Sizes, at least two samples, finite excitations, at least one training
-  // record with a fitted channel, at least one free parameter. On failure says
-  // which record or channel.
+  // record with a fitted channel or one mode, at least one free parameter,
+  // which without a training record must be a group's. On failure says which
+  // record, channel or mode.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

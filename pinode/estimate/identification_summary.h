@@ -9,6 +9,7 @@
 #include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/measured_mode.h"
 
 namespace pinode {
 
@@ -55,6 +56,14 @@ struct ParameterEstimate {
   bool at_bound = false;
 };
 
+// A measured mode and its partners in the model before and after.
+struct ModeScore {
+  std::string name;
+  double frequency = 0.0;  // measured, as MeasuredMode::frequency
+  ModeMatch initial;
+  ModeMatch updated;
+};
+
 // An unknown force over the record in which it acts (the first training record
 // where it acts in all), at every integration step.
 struct ForceEstimate {
@@ -95,6 +104,15 @@ struct IdentificationSummary {
 
   std::vector<RecordScore> records;           // in the problem's order
   std::vector<ParameterEstimate> parameters;  // named ones
+  // Of the problem's modes, in its order; empty where a model has none.
+  std::vector<ModeScore> modes;
+  // Half the sum of squares of the modal residuals, before and after.
+  double initial_modal_cost = 0.0;
+  double final_modal_cost = 0.0;
+  // Starts of a multistart, and those of them that reached the best cost (to a
+  // thousandth).
+  int num_starts = 1;
+  int num_starts_at_best = 1;
   // Unknown forces in the dynamics' order, then networks that depend on time
   // alone and act as forces, an entry per output.
   std::vector<ForceEstimate> forces;

@@ -20,6 +20,7 @@
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/input_noise_fit.h"
+#include "pinode/estimate/modal_residual.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -98,6 +99,10 @@ constexpr double kFirstNoise = 0.05;
 // No noise estimate goes below this share of the channel's RMS.
 constexpr double kSmallestNoise = 1e-8;
 
+// Starts of a multistart whose costs differ by less than this share have
+// reached the same minimum.
+constexpr double kSameCost = 1e-3;
+
 // A noise level is estimated from what an unknown force leaves of a channel.
 // Below this share of its samples there is a second maximum of the likelihood,
 // with no noise and a force that follows every sample.
@@ -132,7 +137,15 @@ struct Solution {
   Vector decays;
   std::vector<Matrix> trajectories;  // per training record
   double free_run_error = kInfinity;
+  // Of the samples, what the fit has not used up.
+  double share_left = 1.0;
   double cost = kInfinity;
+
+  // The error to be expected of other samples of the same records, by
+  // generalised cross-validation (P. Craven, G. Wahba, Numerische Mathematik 31
+  // (1979) 377): a fit that follows the noise has a smaller error than the
+  // truth.
+  double ExpectedError() const { return free_run_error / share_left; }
 };
 
 // One start of an identification.
@@ -171,6 +184,13 @@ class Trainer {
     return shooting_options_;
   }
   bool converged() const { return converged_; }
+  // Whether this start is better than another: by what predicts, or, without
+  // records, by the cost.
+  bool IsBetterThan(const Trainer& other) const {
+    return shooting_->train_records().empty()
+               ? best_.cost < other.best_.cost
+               : best_.ExpectedError() < other.best_.ExpectedError();
+  }
   Vector Parameters(const Vector& free) const {
     Vector all = layout_.InitialValues();
     layout_.SetFree(free, &all);
@@ -191,15 +211,21 @@ class Trainer {
   IdentifiedModel ModelToKeep(const Vector& free);
   // Below the misfit that networks are allowed, the simpler one counts as the
   // better.
-  bool IsWorseThanBest(double free_run_error) const {
-    return free_run_error > std::max(1.02 * best_.free_run_error,
-                                     HasNetworks() ? kSmallestMisfit : 0.0);
+  bool IsWorseThanBest(const Solution& solution) const {
+    if (HasNetworks() && solution.free_run_error <= kSmallestMisfit) {
+      return false;
+    }
+    return !(solution.ExpectedError() <= 1.02 * best_.ExpectedError());
   }
   std::vector<int> StageLengths() const;
   bool RunStage(int samples, bool last);
+  // Where annealed noise comes down to: what the first fit has left over
+  // without a memory. The rest may be there to be learned, and is what the
+  // noise does not exceed afterwards. Without a first fit as far as it may, and
+  // no limit.
+  void MeasureNoise();
   // Draws the networks anew and raises the noise, see kAnnealedNoise.
   void BeginAnnealing();
-  void AnnealToTheFloor();
   bool HasNetworks() const { return layout_.HasNetworkDecay(); }
   // The hidden units of a network of time hardly move: its first step is that
   // of a linear fit.
@@ -233,10 +259,11 @@ class Trainer {
   std::unique_ptr<MultipleShooting> shooting_;
   std::chrono::steady_clock::time_point begin_;
   Vector first_free_;  // as the run began
-  // What annealed noise comes down to and does not exceed again, per training
-  // record: what the first fit left over. Where that is not known, zero on the
-  // way down and infinity afterwards. Empty before the annealing.
+  // What annealed noise comes down to, infinity once it has been there, and
+  // what it does not exceed afterwards, per training record. Empty before the
+  // annealing.
   std::vector<Vector> annealed_to_;
+  std::vector<Vector> ceilings_;
   Solution current_;
   Solution best_;
   std::optional<InputNoiseFit> input_noise_;
@@ -351,11 +378,33 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
   }
 }
 
-void Trainer::AnnealToTheFloor() {
-  annealed_to_.clear();
+void Trainer::MeasureNoise() {
+  std::vector<Vector> lowest, ceilings;
   for (const Vector& sigma : current_.sigmas) {
-    annealed_to_.push_back(Vector::Zero(sigma.size()));
+    lowest.push_back(Vector::Zero(sigma.size()));
+    ceilings.push_back(Vector::Constant(sigma.size(), kInfinity));
   }
+  if (!summary_->stages.empty()) {
+    // Decays found on the way are of no use.
+    const Vector decays = current_.decays;
+    // Noise grows tenfold at most at once.
+    for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
+    current_.decays = decays;
+    ceilings = current_.sigmas;
+    std::vector<Matrix> residuals;
+    if (shooting_->WeightedResiduals(current_.free, false, &residuals,
+                                     nullptr)) {
+      for (size_t r = 0; r < residuals.size(); ++r) {
+        for (Eigen::Index c = 0; c < residuals[r].rows(); ++c) {
+          lowest[r][c] = current_.sigmas[r][c] *
+                         std::sqrt(MemorylessMeanSquare(residuals[r].row(c)) /
+                                   current_.share_left);
+        }
+      }
+    }
+  }
+  annealed_to_ = std::move(lowest);
+  ceilings_ = std::move(ceilings);
 }
 
 void Trainer::BeginAnnealing() {
@@ -369,16 +418,7 @@ void Trainer::BeginAnnealing() {
     current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
   }
   if (!evidence) return;
-  AnnealToTheFloor();
-  // What the first fit has left over is where the noise comes down to. (Decays
-  // found on the way are of no use.)
-  if (!summary_->stages.empty()) {
-    const Vector decays = current_.decays;
-    // Noise grows tenfold at most at once.
-    for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
-    current_.decays = decays;
-    annealed_to_ = current_.sigmas;
-  }
+  MeasureNoise();
   for (int j = 0; j < layout_.num_free(); ++j) {
     const int g = layout_.DecayGroupOf(layout_.free()[static_cast<size_t>(j)]);
     if (g < 0 || GivenDecay(g) >= 0.0) continue;
@@ -430,8 +470,8 @@ std::vector<int> Trainer::StageLengths() const {
 IdentifiedModel Trainer::ModelToKeep(const Vector& free) {
   bool earlier = false;
   if (!annealed_to_.empty()) {
-    free_run_error_ = ScoreFreeRuns(free);
-    earlier = IsWorseThanBest(free_run_error_);
+    current_.free_run_error = free_run_error_ = ScoreFreeRuns(free);
+    earlier = IsWorseThanBest(current_);
   }
   const Solution& solution = earlier ? best_ : current_;
   IdentifiedModel model;
@@ -447,6 +487,7 @@ IdentifiedModel Trainer::ModelToKeep(const Vector& free) {
 }
 
 std::string Trainer::DescribeDivergence(const Divergence& divergence) const {
+  if (!shooting_->modal_error().empty()) return shooting_->modal_error();
   if (!divergence.Happened()) return "the trajectory is not finite";
   const IdentificationRecord& record =
       problem_.records[static_cast<size_t>(divergence.record)];
@@ -464,6 +505,7 @@ double Trainer::ScoreFreeRuns(const Vector& free) {
   const Vector parameters = Parameters(free);
   double sum = 0.0;
   const std::vector<int>& train = shooting_->train_records();
+  if (train.empty()) return 0.0;
   for (size_t t = 0; t < train.size(); ++t) {
     RecordScore score;
     ScoreRecord(problem_, train[t], parameters, shooting_->starts()[t].col(0),
@@ -600,6 +642,12 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   // Noise per channel with the degrees of freedom that the fit has used up.
   double samples = 0.0;
   double used = effective;
+  if (shooting_->modal() != nullptr) {
+    // The modes' part, which the channels need not pay for.
+    used -= (inverse_root.transpose() * shooting_->ModalInformation() *
+             inverse_root)
+                .trace();
+  }
   summary_->followed_channel.clear();
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
@@ -612,7 +660,9 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       used += problem_.dynamics->num_states();
     }
   }
-  const double share = std::clamp(1.0 - used / samples, 0.1, 1.0);
+  const double share =
+      std::clamp(1.0 - used / std::max(1.0, samples), 0.1, 1.0);
+  current_.share_left = share;
   double noise_change = 0.0;
   for (size_t r = 0; r < residuals.size(); ++r) {
     const IdentificationRecord& record =
@@ -656,13 +706,11 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       double wanted = std::max(floor, sigma * std::sqrt(mean_square));
       if (!annealed_to_.empty()) {
         double& target = annealed_to_[r][c];
-        if (target > 0.0) {
-          wanted = std::min(wanted, std::max(floor, target));
-        } else if (sigma > floor) {
-          wanted = floor;
-        } else {
-          target = kInfinity;
-        }
+        const double lowest = std::max(floor, target);
+        if (sigma <= lowest) target = kInfinity;
+        wanted = std::max(
+            floor,
+            std::min(wanted, target == kInfinity ? ceilings_[r][c] : lowest));
       }
       noise_change = std::max(noise_change, std::abs(wanted / sigma - 1.0));
       sigma = std::clamp(wanted, std::max(floor, shrink * sigma),
@@ -798,7 +846,7 @@ bool Trainer::RunStage(int samples, bool last) {
   summary_->single_shooting = single;
 
   // A stage that makes the free run worse is undone.
-  record.rolled_back = IsWorseThanBest(current_.free_run_error);
+  record.rolled_back = IsWorseThanBest(current_);
   summary_->stages.push_back(record);
   if (record.rolled_back) {
     current_ = best_;
@@ -1022,6 +1070,7 @@ std::vector<ForceEstimate> EstimateForces(const IdentificationProblem& problem,
                                           double quantile) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   std::vector<ForceEstimate> forces;
+  if (train.empty()) return forces;
   for (size_t j = 0; j < dynamics.unknown_forces().size(); ++j) {
     const UnknownForceTerm& term = dynamics.unknown_forces()[j];
     const int offset = dynamics.block_offset(
@@ -1127,6 +1176,65 @@ void ScoreEverything(const IdentificationProblem& problem,
   }
 }
 
+// Measured modes beside those of the models before and after.
+void ScoreModes(const IdentificationProblem& problem,
+                const Vector& prior_parameters, const Vector& parameters,
+                IdentificationSummary* summary) {
+  if (problem.modal.empty()) return;
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  std::vector<ModeMatch> initial, updated;
+  std::string error;
+  if (!MatchModes(problem.modal,
+                  dynamics.CorrectedModel(
+                      prior_parameters.head(dynamics.num_parameters())),
+                  &initial, &error) ||
+      !MatchModes(
+          problem.modal,
+          dynamics.CorrectedModel(parameters.head(dynamics.num_parameters())),
+          &updated, &error)) {
+    return;
+  }
+  for (size_t i = 0; i < problem.modal.modes.size(); ++i) {
+    const MeasuredMode& mode = problem.modal.modes[i];
+    summary->modes.push_back(
+        {mode.name, mode.frequency, initial[i], updated[i]});
+  }
+}
+
+// Half the sum of squares of the modal residuals; infinite where there are
+// none to be had.
+double ModalCost(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, const Vector& parameters) {
+  if (problem.modal.empty()) return 0.0;
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  Vector residuals;
+  if (!dynamics.Prepare(parameters.head(dynamics.num_parameters()), &prepared,
+                        &error) ||
+      !ModalResidual(problem.modal, dynamics, layout)
+           .Evaluate(prepared, &residuals, nullptr, &error)) {
+    return kInfinity;
+  }
+  return 0.5 * residuals.squaredNorm();
+}
+
+// Where modes have weights and no sigma, and nothing else is fitted, what is
+// left over says how large their errors are, as it does for channels. Where
+// nothing is left there is no covariance.
+bool ScaleToResiduals(const ModalResidual& modal, double cost,
+                      double effective_parameters,
+                      CovarianceEstimate* covariance) {
+  const double determined =
+      effective_parameters - static_cast<double>(covariance->null_space.cols());
+  const double left =
+      modal.num_residuals() - modal.num_eliminated() - determined;
+  if (left < 0.5) return false;
+  covariance->covariance *= 2.0 * cost / left;
+  covariance->quantile = StudentQuantile(left);
+  return true;
+}
+
 // The design's definition of "usable"; says why not.
 void Judge(IdentificationSummary* summary) {
   std::ostringstream reason;
@@ -1148,6 +1256,19 @@ void Judge(IdentificationSummary* summary) {
     } else {
       continue;
     }
+    summary->message = reason.str();
+    return;
+  }
+  const bool alone =
+      std::none_of(summary->records.begin(), summary->records.end(),
+                   [](const RecordScore& score) {
+                     return score.role == IdentificationRecord::Role::kTrain;
+                   });
+  if (!summary->modes.empty() && alone &&
+      summary->final_modal_cost >= summary->initial_modal_cost) {
+    reason << "the measured modes are not met better (cost "
+           << summary->final_modal_cost << ") than by the model before ("
+           << summary->initial_modal_cost << ")";
     summary->message = reason.str();
     return;
   }
@@ -1223,8 +1344,11 @@ void Identify(const IdentificationProblem& problem,
   const auto begin = std::chrono::steady_clock::now();
   std::unique_ptr<Trainer> best;
   IdentificationSummary best_summary;
+  int num_starts = 0;
+  std::vector<double> costs;  // of the starts that came to an end
   for (int start = 0; start < std::max(1, options.num_starts); ++start) {
     IdentificationSummary attempt;
+    ++num_starts;
     auto trainer = std::make_unique<Trainer>(problem, options, &attempt);
     Vector parameters = trainer->layout().InitialValues();
     if (start > 0) {
@@ -1239,10 +1363,10 @@ void Identify(const IdentificationProblem& problem,
     }
     const bool ok = trainer->Run(parameters, start == 0 ? initial : nullptr);
     const bool interrupted = trainer->interrupted();
+    if (ok) costs.push_back(trainer->best().cost);
     if (!ok) {
       if (best == nullptr) best_summary = attempt;
-    } else if (best == nullptr ||
-               trainer->best().free_run_error < best->best().free_run_error) {
+    } else if (best == nullptr || trainer->IsBetterThan(*best)) {
       best = std::move(trainer);
       best_summary = attempt;
     }
@@ -1257,6 +1381,11 @@ void Identify(const IdentificationProblem& problem,
 
   const Solution& solution = best->best();
   const ParameterLayout& layout = best->layout();
+  summary->num_starts = num_starts;
+  summary->num_starts_at_best = static_cast<int>(
+      std::count_if(costs.begin(), costs.end(), [&solution](double cost) {
+        return cost <= solution.cost + kSameCost * std::abs(solution.cost);
+      }));
   MultipleShooting* shooting = best->shooting();
   model->decays = solution.decays;
   model->stage = best->converged() ? 0 : best->stage();
@@ -1306,6 +1435,19 @@ void Identify(const IdentificationProblem& problem,
   ScoreEverything(problem, layout.InitialValues(), model->parameters,
                   shooting->train_records(), starts, solution.sigmas, summary,
                   model);
+
+  if (!problem.modal.empty()) {
+    ScoreModes(problem, layout.InitialValues(), model->parameters, summary);
+    summary->initial_modal_cost =
+        ModalCost(problem, layout, layout.InitialValues());
+    summary->final_modal_cost = ModalCost(problem, layout, model->parameters);
+    if (has_covariance && shooting->train_records().empty() &&
+        !problem.modal.HasSigmas()) {
+      has_covariance =
+          ScaleToResiduals(*shooting->modal(), summary->final_modal_cost,
+                           summary->effective_parameters, &covariance);
+    }
+  }
 
   std::vector<int> named;
   for (int i = 0; i < layout.num_parameters(); ++i) {

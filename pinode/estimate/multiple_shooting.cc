@@ -127,6 +127,9 @@ MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
     records_.push_back(std::move(record));
   }
   starts_.resize(records_.size());
+  if (!problem.modal.empty()) {
+    modal_ = std::make_unique<ModalResidual>(problem.modal, dynamics, layout);
+  }
   decays_ = Vector::Zero(layout.num_decay_groups());
   for (int t = 0; t < std::max(1, options.num_threads); ++t) {
     threads_.push_back(std::make_unique<Thread>(dynamics, options.derivatives,
@@ -330,6 +333,12 @@ bool MultipleShooting::EvaluateSegment(Record* record, int segment,
         thread->tangents.end_sensitivity.col(ns + columns[j]);
   }
   return true;
+}
+
+bool MultipleShooting::EvaluateModes(Matrix* jacobian) {
+  modal_error_.clear();
+  return modal_ == nullptr || modal_->Evaluate(prepared_, &modal_residuals_,
+                                               jacobian, &modal_error_);
 }
 
 double MultipleShooting::PriorCost(const Vector& free) const {
@@ -580,8 +589,9 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
     return true;
   }
   last_free_.resize(0);
-  if (!PrepareDynamics(free)) return false;
+  if (!PrepareDynamics(free) || !EvaluateModes(nullptr)) return false;
   if (!SolveStarts(free, cost)) return false;
+  *cost += ModalCost();
   last_free_ = free;
   last_cost_ = *cost;
   return true;
@@ -589,7 +599,8 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
 
 bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   if (!Evaluate(free, &system->cost)) return false;
-  if (!PrepareDynamics(free)) return false;
+  Matrix modal_jacobian;
+  if (!PrepareDynamics(free) || !EvaluateModes(&modal_jacobian)) return false;
   const int ns = problem_.dynamics->num_states();
   const int nf = layout_.num_free();
   for (auto& thread : threads_) {
@@ -668,6 +679,11 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   system->gradient = gradient;
   system->hessian = hessian.selfadjointView<Eigen::Lower>();
   AddPriors(free, system);
+  if (modal_ != nullptr) {
+    modal_information_ = modal_jacobian.transpose() * modal_jacobian;
+    system->hessian += modal_information_;
+    system->gradient.noalias() += modal_jacobian.transpose() * modal_residuals_;
+  }
   linearized_free_ = free;
   linearized_starts_ = starts_;
   linearized_cost_ = system->cost;

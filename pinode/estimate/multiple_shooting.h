@@ -11,6 +11,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/block_tridiagonal.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/modal_residual.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/segment.h"
@@ -43,7 +44,7 @@ struct Divergence {
 //
 //   F(s, theta) = 1/2 sum_i rho(|y_i - yhat_i(s, theta)|^2 / sigma_i^2)
 //               + mu/2 sum_k |D^-1 (phi_k(s_k, theta) - s_{k+1}) + lambda_k|^2
-//               + priors,
+//               + 1/2 |modal residuals(theta)|^2 + priors,
 //
 // an augmented Lagrangian for closed gaps (J. Nocedal and S. Wright, Numerical
 // Optimization, ch. 17) with scaled multipliers lambda and state scales D. The
@@ -120,7 +121,14 @@ class MultipleShooting {
 
   const Divergence& divergence() const { return divergence_; }
 
+  // Measured modes against the model's; nullptr: there are none.
+  const ModalResidual* modal() const { return modal_.get(); }
+  // Why the last evaluation of these failed; empty: it did not.
+  const std::string& modal_error() const { return modal_error_; }
+
   // Of the last successful evaluation:
+  // The cost of the modal residuals.
+  double ModalCost() const { return 0.5 * modal_residuals_.squaredNorm(); }
   // Starts, num_states x segments per training record.
   const std::vector<Matrix>& starts() const { return starts_; }
   // max |D^-1 gap|.
@@ -138,12 +146,17 @@ class MultipleShooting {
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
   double DataCurvature() const { return data_curvature_; }
+  // J'J of the modal residuals at the last Linearize, num_free x num_free;
+  // empty without modes.
+  const Matrix& ModalInformation() const { return modal_information_; }
 
  private:
   struct Record;
   struct Thread;
 
   [[nodiscard]] bool PrepareDynamics(const Vector& free);
+  // At prepared_.
+  [[nodiscard]] bool EvaluateModes(Matrix* jacobian);
   bool EvaluateSegment(Record* record, int segment, const Matrix& starts,
                        bool with_parameters, Thread* thread) const;
   void WeightRows(const Record& record, int segment, bool with_parameters,
@@ -170,6 +183,10 @@ class MultipleShooting {
   std::vector<int> train_records_;
   std::vector<std::unique_ptr<Record>> records_;
   std::vector<std::unique_ptr<Thread>> threads_;
+  std::unique_ptr<ModalResidual> modal_;
+  Vector modal_residuals_;
+  Matrix modal_information_;
+  std::string modal_error_;
   Vector decays_;
   double gap_penalty_ = 1.0;
   double data_curvature_ = 0.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -137,6 +138,39 @@ TEST(NetworkTraining, TheLastStageBeginsNearlyLinear) {
   }
   EXPECT_NEAR(annealed.free_run_error, fit.FreeRunError(expected), 1e-9);
   EXPECT_GT(annealed.free_run_error, 0.01);
+}
+
+// Annealing comes down to the noise and no further.
+TEST(NetworkTraining, NoiseIsLeftToTheRecords) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    HardeningOscillator fit;
+    std::vector<Vector> truth;
+    std::vector<double> noise;
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    for (MeasuredChannel& channel : fit.problem.records[0].channels) {
+      truth.push_back(channel.values);
+      noise.push_back(0.05 *
+                      std::sqrt((channel.values.array() - channel.values.mean())
+                                    .square()
+                                    .mean()));
+      for (double& value : channel.values)
+        value += noise.back() * normal(random);
+    }
+    fit.Run(nullptr);
+    EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+    for (int c = 0; c < 2; ++c) {
+      const size_t k = static_cast<size_t>(c);
+      // Of 160 samples the estimate has a relative standard deviation of 6 %.
+      EXPECT_NEAR(fit.model.sigmas[0][c], noise[k], 0.25 * noise[k]) << seed;
+      const Vector error =
+          fit.summary.records[0].prediction.row(c).transpose() - truth[k];
+      // 320 values for the few parameters that there are: a spring and a
+      // damper, and what there is of the network.
+      EXPECT_LT(error.norm() / std::sqrt(kSamples), 0.35 * noise[k]) << seed;
+    }
+    EXPECT_LT(fit.summary.effective_parameters, 12.0) << seed;
+  }
 }
 
 TEST(NetworkTraining, WhatIsSavedIsNeverWorseThanTheFirstFit) {

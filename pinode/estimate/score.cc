@@ -64,6 +64,7 @@ int FreeRunStart(const IdentificationProblem& problem, int record,
     channel.values = Vector(channel.values.head(samples));
   }
   beginning.records = {shortened};
+  beginning.modal = ModalData();
   const ParameterLayout layout(beginning);
   MultipleShooting shooting(beginning, layout, MultipleShooting::Options());
   shooting.SetSigmas({sigmas});

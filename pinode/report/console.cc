@@ -54,6 +54,10 @@ TextTable MakeChangeTable(const ReportDamage& damage) {
         Align::kDecimal},
        {"", Align::kLeft}});
   for (const ReportDamage::Change& change : damage.changes) {
+    if (!change.IsSeen()) {
+      table.AddRow({change.name, "", "not seen", "", ""});
+      continue;
+    }
     table.AddRow(
         {change.name, Hundredths(change.change),
          Hundredths(change.lower95) + " to " + Hundredths(change.upper95),
@@ -104,6 +108,31 @@ TextTable MakeModeTable(const ReportInput& input) {
                   ReadableNumber(mode.updated_hz, 5), change_text,
                   Percent(mode.initial_damping), Percent(mode.updated_damping),
                   ReadableNumber(mode.mac, 4)});
+  }
+  return table;
+}
+
+TextTable MakeMeasuredModeTable(const ReportInput& input) {
+  TextTable table({{"mode", Align::kLeft},
+                   {"measured Hz", Align::kDecimal},
+                   {"initial Hz", Align::kDecimal},
+                   {"error %", Align::kDecimal},
+                   {"updated Hz", Align::kDecimal},
+                   {"error %", Align::kDecimal},
+                   {"initial MAC", Align::kDecimal},
+                   {"updated MAC", Align::kDecimal}});
+  const double hz = input.hz_per_model_frequency;
+  for (const ModeScore& mode : input.summary->modes) {
+    const auto error = [&mode](double frequency) {
+      return ReadableNumber(100.0 * (frequency / mode.frequency - 1.0), 3);
+    };
+    table.AddRow({mode.name, ReadableNumber(hz * mode.frequency, 5),
+                  ReadableNumber(hz * mode.initial.frequency, 5),
+                  error(mode.initial.frequency),
+                  ReadableNumber(hz * mode.updated.frequency, 5),
+                  error(mode.updated.frequency),
+                  ReadableNumber(mode.initial.mac, 5),
+                  ReadableNumber(mode.updated.mac, 5)});
   }
   return table;
 }
@@ -197,6 +226,7 @@ std::string ConsoleReport(const ReportInput& input) {
   };
   add("Free-run error (nrmse)", MakeRecordTable(input));
   add("Parameters", MakeParameterTable(input));
+  add("Measured modes", MakeMeasuredModeTable(input));
   add("Modes", MakeModeTable(input));
   add("Sensors", MakeSensorTable(input));
   return text;

@@ -17,6 +17,10 @@ TextTable MakeChangeTable(const ReportDamage& damage);
 
 TextTable MakeParameterTable(const ReportInput& input);
 
+// Measured modes: frequencies (Hz) of them and of the model before and after,
+// errors of these in per cent, and MAC at the measured DOFs.
+TextTable MakeMeasuredModeTable(const ReportInput& input);
+
 // Frequencies (Hz), damping ratios (%) and MAC, before and after.
 TextTable MakeModeTable(const ReportInput& input);
 
@@ -31,7 +35,7 @@ TextTable MakeSensorTable(const ReportInput& input);
 // Stages of the solution.
 TextTable MakeStageTable(const ReportInput& input);
 
-// Verdict and the first four tables with a heading each, ended by a line break;
+// Verdict and the first five tables with a heading each, ended by a line break;
 // empty tables are left out.
 std::string ConsoleReport(const ReportInput& input);
 

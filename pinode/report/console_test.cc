@@ -77,6 +77,28 @@ TEST(Console, ShowsModesAndWhatIsMissingOfThem) {
   EXPECT_THAT(lines[3], ContainsRegex("2 +- +- +- +- +- +-"));
 }
 
+TEST(Console, ShowsMeasuredModesBesideTheModels) {
+  const auto example = testing::MakeReportExample();
+  // In a model whose time is in milliseconds.
+  example->input.hz_per_model_frequency = 1000.0;
+  ModeScore mode;
+  mode.name = "bending";
+  mode.frequency = 2e-3;
+  mode.initial = {0, 2.2e-3, 0.91};
+  mode.updated = {0, 1.99e-3, 0.9987};
+  example->summary.modes.push_back(mode);
+  mode.name = "sway";
+  mode.updated.mac = std::numeric_limits<double>::quiet_NaN();
+  example->summary.modes.push_back(mode);
+  const std::vector<std::string> lines =
+      Lines(MakeMeasuredModeTable(example->input).ToText());
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_THAT(lines[2],
+              ContainsRegex("bending +2\\.0000 +2\\.2000 +10\\.0+ +1\\.9900 "
+                            "+-0\\.50+ +0\\.9100+ +0\\.9987"));
+  EXPECT_THAT(lines[3], ContainsRegex("sway .* -$"));
+}
+
 TEST(Console, ShowsSensorsInTheirUnits) {
   const auto example = testing::MakeReportExample();
   example->problem.records[0].channels[2].fit = false;
@@ -106,6 +128,19 @@ TEST(Console, HasAllTables) {
   for (const std::string& line : Lines(text)) {
     EXPECT_THAT(line, Not(ContainsRegex(" $")));
   }
+}
+
+TEST(Console, ShowsChangesThatTheDataShow) {
+  ReportDamage damage;
+  damage.threshold = 0.05;
+  damage.changes = {{"k1", -0.10004, -0.1213, -0.08, 0.99987, true},
+                    {"k2", 3e6, -1e12, 1e12, 0.5, false}};
+  const std::string text = MakeChangeTable(damage).ToText();
+  EXPECT_THAT(text, HasSubstr("P(loss > 5 %)"));
+  EXPECT_THAT(text, HasSubstr("-12.13 to -8"));
+  EXPECT_THAT(text, HasSubstr("changed"));
+  EXPECT_THAT(text, HasSubstr("not seen"));
+  EXPECT_THAT(text, Not(HasSubstr("e+")));
 }
 
 }  // namespace

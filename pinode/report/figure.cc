@@ -691,11 +691,11 @@ Figure MakeForceFigure(const ReportInput& input, int force) {
 
 Figure MakeChangeFigure(const ReportDamage& damage) {
   Figure figure;
-  if (damage.changes.empty()) return figure;
   std::vector<std::string> labels;
   std::vector<double> changes, lows, highs, reds, greens, blues;
   for (const ReportDamage::Change& change : damage.changes) {
     if (static_cast<int>(labels.size()) == kMaxParameters) break;
+    if (!change.IsSeen()) continue;
     labels.push_back(change.name);
     changes.push_back(100.0 * change.change);
     lows.push_back(100.0 * change.lower95);
@@ -705,6 +705,7 @@ Figure MakeChangeFigure(const ReportDamage& damage) {
     greens.push_back(colour[1]);
     blues.push_back(colour[2]);
   }
+  if (labels.empty()) return figure;
   figure.id = "changes";
   Script script(figure.id, 900, 80 + 24 * static_cast<int>(labels.size()));
   const std::vector<double> places =

@@ -284,6 +284,9 @@ TEST_F(FigureTest, ColoursChangesByTheirProbability) {
                            "rgb(213,  40,   0)", "rgb(240, 180,  60)"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
+  // Of what the data do not show there is no bar.
+  damage.changes = {{"k1", 3e6, -1e12, 1e12, 0.5, false}};
+  EXPECT_TRUE(MakeChangeFigure(damage).empty());
   damage.changes.clear();
   EXPECT_TRUE(MakeChangeFigure(damage).empty());
 }

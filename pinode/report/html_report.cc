@@ -506,6 +506,8 @@ class PageMaker {
   }
 
   void AddModes() {
+    const TextTable measured = MakeMeasuredModeTable(input_);
+    SetIf("measured_modes", !measured.empty(), TableData(measured), &page_);
     const TextTable table = MakeModeTable(input_);
     SetIf("modes", !table.empty(), TableData(table), &page_);
     SetFigure("mode_figure", mode_figure_);
@@ -570,6 +572,13 @@ class PageMaker {
             ReadableNumber(summary_.initial_cost, 5) + " \u2192 " +
                 ReadableNumber(summary_.final_cost, 5),
             &facts);
+    if (summary_.num_starts > 1) {
+      AddFact("Starts",
+              std::to_string(summary_.num_starts_at_best) + " of " +
+                  std::to_string(summary_.num_starts) +
+                  " reached the lowest cost",
+              &facts);
+    }
     AddFact("Time",
             Duration(summary_.seconds) + ", of it derivatives " +
                 Duration(summary_.jacobian_seconds) + ", linear solver " +
@@ -577,7 +586,8 @@ class PageMaker {
             &facts);
     if (!summary_.stages.empty()) {
       AddFact("Shooting",
-              summary_.single_shooting
+              summary_.records.empty() ? "no records, measured modes alone"
+              : summary_.single_shooting
                   ? "the last stage was a free run over each whole record"
                   : "the records stay cut into segments: the free run over "
                     "the whole record was not stable or not better",

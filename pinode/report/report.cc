@@ -1,6 +1,8 @@
 #include "pinode/report/report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
@@ -51,6 +53,31 @@ std::vector<std::string> Objections(const IdentificationSummary& summary) {
   return objections;
 }
 
+// How well the measured modes are met, after a blank; empty without any.
+std::string ModeSentence(const IdentificationSummary& summary) {
+  if (summary.modes.empty()) return "";
+  double initial = 0.0, updated = 0.0;
+  double least_mac = std::numeric_limits<double>::infinity();
+  for (const ModeScore& mode : summary.modes) {
+    const auto error = [&mode](const ModeMatch& match) {
+      return std::abs(match.frequency / mode.frequency - 1.0);
+    };
+    initial = std::max(initial, error(mode.initial));
+    updated = std::max(updated, error(mode.updated));
+    if (std::isfinite(mode.updated.mac)) {
+      least_mac = std::min(least_mac, mode.updated.mac);
+    }
+  }
+  std::string sentence = " Frequencies of the measured modes are met within " +
+                         PercentOf(updated) +
+                         " (prior model: " + PercentOf(initial) + ")";
+  if (std::isfinite(least_mac)) {
+    sentence +=
+        ", shapes with a MAC of at least " + ReadableNumber(least_mac, 4);
+  }
+  return sentence + ".";
+}
+
 }  // namespace
 
 std::string Verdict(const ReportInput& input) {
@@ -74,7 +101,7 @@ std::string Verdict(const ReportInput& input) {
   if (!holdouts.empty()) {
     return std::string("Usable. The updated model predicts the hold-out ") +
            (holdouts.size() == 1 ? "record " : "records ") +
-           Join(holdouts, ", ") + ".";
+           Join(holdouts, ", ") + "." + ModeSentence(summary);
   }
   std::string verdict =
       "Usable, but untested: no record was held out, so nothing here shows how "
@@ -85,7 +112,7 @@ std::string Verdict(const ReportInput& input) {
                " (prior model: " + PercentOf(worst_training->prior_nrmse) +
                ").";
   }
-  return verdict;
+  return verdict + ModeSentence(summary);
 }
 
 std::string ChannelPlace(const ReportInput& input, int record, int channel) {

@@ -88,6 +88,10 @@ struct ReportDamage {
     // P(loss > threshold); NaN where a loss has no meaning.
     double probability = std::numeric_limits<double>::quiet_NaN();
     bool changed = false;
+
+    // Whether the data say anything of it: the numbers of what they do not show
+    // are those of rounding.
+    bool IsSeen() const { return upper95 - lower95 < 20.0; }
   };
 
   std::string sentence;
@@ -125,6 +129,8 @@ struct ReportInput {
   std::string version;
   UnitSystem units;
   double wall_seconds = 0.0;  // of the whole program
+  // Frequencies in Hz are so many times those of the summary.
+  double hz_per_model_frequency = 1.0;
   const IdentificationProblem* problem = nullptr;
   const IdentificationSummary* summary = nullptr;
   const IdentifiedModel* model = nullptr;

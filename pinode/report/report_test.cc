@@ -29,6 +29,26 @@ TEST(Verdict, SaysThatNothingWasHeldOut) {
   EXPECT_THAT(Verdict(example->input), StartsWith("Usable, but untested"));
 }
 
+TEST(Verdict, SaysHowMeasuredModesAreMet) {
+  const auto example = testing::MakeReportExample();
+  example->summary.records.clear();
+  ModeScore mode;
+  mode.frequency = 2.0;
+  mode.initial = {0, 2.2, 0.91};
+  mode.updated = {0, 1.99, 0.9987};
+  example->summary.modes.push_back(mode);
+  mode.updated = {1, 2.0, 0.75};
+  example->summary.modes.push_back(mode);
+  EXPECT_THAT(Verdict(example->input),
+              HasSubstr("Frequencies of the measured modes are met within "
+                        "0.500 % (prior model: 10.0 %), shapes with a MAC of "
+                        "at least 0.7500."));
+  for (ModeScore& score : example->summary.modes) {
+    score.updated.mac = std::nan("");
+  }
+  EXPECT_THAT(Verdict(example->input), HasSubstr("(prior model: 10.0 %)."));
+}
+
 TEST(Verdict, NamesEveryObjection) {
   const auto example = testing::MakeReportExample();
   IdentificationSummary& summary = example->summary;

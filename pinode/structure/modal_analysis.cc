@@ -19,57 +19,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 using ComplexVector = Eigen::VectorXcd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
-// Eigenvalue w^2 of each undamped mode, ascending, and mass-normalised shapes.
-struct UndampedModes {
-  Vector eigenvalues;
-  Matrix shapes;
-};
-
-bool ComputeUndampedModes(const Matrix& mass, const Matrix& stiffness,
-                          UndampedModes* modes, std::string* error) {
-  // A unit diagonal of M makes the result independent of units and of
-  // rotations beside translations.
-  if ((mass.diagonal().array() <= 0.0).any()) {
-    *error = "the mass matrix is not positive definite: a DOF has no mass";
-    return false;
-  }
-  const Vector scale = mass.diagonal().cwiseSqrt().cwiseInverse();
-  const Matrix scaled_mass = scale.asDiagonal() * mass * scale.asDiagonal();
-  const Eigen::LLT<Matrix> cholesky(scaled_mass);
-  if (cholesky.info() != Eigen::Success) {
-    *error = "the mass matrix is not positive definite";
-    return false;
-  }
-  const Matrix scaled_stiffness =
-      scale.asDiagonal() * stiffness * scale.asDiagonal();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
-      scaled_stiffness, scaled_mass);
-  if (solver.info() != Eigen::Success) {
-    *error =
-        "the eigenvalues of (K, M) did not converge; check the matrices for "
-        "extreme entries";
-    return false;
-  }
-  modes->eigenvalues = solver.eigenvalues();
-  modes->shapes = scale.asDiagonal() * solver.eigenvectors();
-
-  const Eigen::Index n = mass.rows();
-  // Dense eigenvalues carry an error of a few roundings of the largest one;
-  // nothing below that can be told from zero.
-  const double rounding = 8.0 * static_cast<double>(n) *
-                          std::numeric_limits<double>::epsilon() *
-                          modes->eigenvalues.cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (std::abs(modes->eigenvalues[i]) <= rounding) {
-      modes->eigenvalues[i] = 0.0;
-    }
-    Eigen::Index largest = 0;
-    modes->shapes.col(i).cwiseAbs().maxCoeff(&largest);
-    if (modes->shapes(largest, i) < 0.0) modes->shapes.col(i) *= -1.0;
-  }
-  return true;
-}
-
 // Eigenvalues of the damped structure, and how much each undamped mode takes
 // part in each.
 struct DampedEigenvalues {
@@ -183,6 +132,51 @@ void CheckSizes(const Matrix& mass, const Matrix& damping,
 }
 
 }  // namespace
+
+bool ComputeUndampedModes(const Matrix& mass, const Matrix& stiffness,
+                          UndampedModes* modes, std::string* error) {
+  // A unit diagonal of M makes the result independent of units and of
+  // rotations beside translations.
+  if ((mass.diagonal().array() <= 0.0).any()) {
+    *error = "the mass matrix is not positive definite: a DOF has no mass";
+    return false;
+  }
+  const Vector scale = mass.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix scaled_mass = scale.asDiagonal() * mass * scale.asDiagonal();
+  const Eigen::LLT<Matrix> cholesky(scaled_mass);
+  if (cholesky.info() != Eigen::Success) {
+    *error = "the mass matrix is not positive definite";
+    return false;
+  }
+  const Matrix scaled_stiffness =
+      scale.asDiagonal() * stiffness * scale.asDiagonal();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
+      scaled_stiffness, scaled_mass);
+  if (solver.info() != Eigen::Success) {
+    *error =
+        "the eigenvalues of (K, M) did not converge; check the matrices for "
+        "extreme entries";
+    return false;
+  }
+  modes->eigenvalues = solver.eigenvalues();
+  modes->shapes = scale.asDiagonal() * solver.eigenvectors();
+
+  const Eigen::Index n = mass.rows();
+  // Dense eigenvalues carry an error of a few roundings of the largest one;
+  // nothing below that can be told from zero.
+  const double rounding = 8.0 * static_cast<double>(n) *
+                          std::numeric_limits<double>::epsilon() *
+                          modes->eigenvalues.cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (std::abs(modes->eigenvalues[i]) <= rounding) {
+      modes->eigenvalues[i] = 0.0;
+    }
+    Eigen::Index largest = 0;
+    modes->shapes.col(i).cwiseAbs().maxCoeff(&largest);
+    if (modes->shapes(largest, i) < 0.0) modes->shapes.col(i) *= -1.0;
+  }
+  return true;
+}
 
 bool ComputeModes(const Matrix& mass, const Matrix& damping,
                   const Matrix& stiffness, ModalProperties* modes,

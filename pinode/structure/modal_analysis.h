@@ -53,6 +53,19 @@ struct ModalProperties {
                                 const Matrix& stiffness, ModalProperties* modes,
                                 std::string* error);
 
+// Modes without damping: what ComputeModes begins with.
+struct UndampedModes {
+  Vector eigenvalues;  // w^2 (1 / time^2), ascending; 0 below rounding
+  Matrix shapes;       // as ModalProperties::mode_shapes
+};
+
+// The undamped modes of M and K (n x n, finite; lower triangles are used).
+// Fails as ComputeModes does.
+[[nodiscard]] bool ComputeUndampedModes(const Matrix& mass,
+                                        const Matrix& stiffness,
+                                        UndampedModes* modes,
+                                        std::string* error);
+
 // The 2 n eigenvalues s (1 / time) of the state matrix
 // [0, I; -M^-1 K, -M^-1 C], in no particular order. M must be symmetric
 // positive definite (CHECKed: validate the model first); K and C may be

@@ -27,6 +27,7 @@ bool CompareModes(const StructuralModel& initial,
     pair.initial_shape = before.mode_shapes.col(i);
     pair.updated_frequency = pair.updated_damping = pair.mac = kNaN;
     const int partner = partners[static_cast<size_t>(i)];
+    pair.updated_mode = partner;
     if (partner >= 0) {
       pair.updated_frequency = after.frequency_hz[partner];
       pair.updated_damping = after.damping_ratio[partner];

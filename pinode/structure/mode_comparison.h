@@ -18,6 +18,7 @@ struct ModePair {
   double initial_frequency, updated_frequency;
   double initial_damping, updated_damping;  // fractions of critical
   double mac;
+  int updated_mode;                     // index of the partner, -1 without one
   Vector initial_shape, updated_shape;  // num_dofs, mass-normalised
 };
 

@@ -27,6 +27,8 @@ TEST(ModeComparison, FollowsModesThatChangePlaces) {
   EXPECT_NEAR(pairs[0].updated_frequency, 3.0 / kTwoPi, 1e-12);
   EXPECT_NEAR(pairs[1].updated_frequency, 2.0 / kTwoPi, 1e-12);
   EXPECT_NEAR(pairs[0].mac, 1.0, 1e-12);
+  EXPECT_EQ(pairs[0].updated_mode, 1);
+  EXPECT_EQ(pairs[1].updated_mode, 0);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "gtest/gtest.h"
+#include "pinode/case/baseline.h"
+#include "pinode/case/damage_analysis.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/network/initialize_weights.h"
 
@@ -66,6 +68,38 @@ CaseRun RunCase(Case c) {
   CaseRun run;
   run.c = std::move(c);
   Identify(run.c.problem, run.c.options, nullptr, &run.summary, &run.model);
+  return run;
+}
+
+const GroupChange& ChangeRun::Of(const std::string& name) const {
+  size_t j = 0;
+  while (j + 1 < subjects.size() && subjects[j].name != name) ++j;
+  EXPECT_EQ(subjects[j].name, name);
+  return estimate.groups[j];
+}
+
+ChangeRun CompareRuns(const CaseRun& healthy, const CaseRun& current) {
+  const StructuralDynamics& dynamics = *current.c.problem.dynamics;
+  const std::vector<std::string> names = FreeGroups(dynamics);
+  ChangeRun run;
+  for (const GroupTerm& term : dynamics.groups()) {
+    ChangeSubject subject;
+    subject.name = term.group.name;
+    subject.kind = KindOf(term.group.target);
+    run.subjects.push_back(std::move(subject));
+  }
+  const GroupState before =
+      GroupsOf(*healthy.c.problem.dynamics, healthy.summary, names);
+  ChangeOptions options;
+  for (const double value : before.values) {
+    options.absolute.push_back(!(1.0 + value > 0.1));
+  }
+  std::string error;
+  EXPECT_TRUE(EstimateChange({before},
+                             GroupsOf(dynamics, current.summary, names),
+                             options, &run.estimate, &error))
+      << error;
+  run.judgement = JudgeChange(run.subjects, run.estimate, options);
   return run;
 }
 

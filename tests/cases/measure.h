@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "pinode/case/case_file.h"
+#include "pinode/damage/change.h"
+#include "pinode/damage/verdict.h"
 #include "pinode/estimate/identification_summary.h"
 
 namespace pinode {
@@ -29,6 +31,16 @@ struct CaseRun {
 // read fails the test.
 Case ReadCaseOrFail(const std::string& path);
 CaseRun RunCase(Case c);
+
+// What has changed in the free groups, groups alone.
+struct ChangeRun {
+  std::vector<ChangeSubject> subjects;
+  ChangeEstimate estimate;
+  Judgement judgement;
+
+  const GroupChange& Of(const std::string& name) const;
+};
+ChangeRun CompareRuns(const CaseRun& healthy, const CaseRun& current);
 
 // Number from a case's truth.json: "elements/spring1/k3".
 double Truth(const std::string& path, const std::string& pointer);

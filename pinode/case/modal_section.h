@@ -1,0 +1,22 @@
+// [modal] and [[mode]]: what was measured of the structure's modes.
+
+#ifndef PINODE_CASE_MODAL_SECTION_H_
+#define PINODE_CASE_MODAL_SECTION_H_
+
+#include "pinode/base/units.h"
+#include "pinode/case/toml_table.h"
+#include "pinode/estimate/measured_mode.h"
+#include "pinode/structure/structural_model.h"
+
+namespace pinode {
+
+// Valid modes, frequencies in cycles per unit of the model's time.
+// `beside_records`: there are training records, beside which a mode needs a
+// sigma or a weight of its own.
+[[nodiscard]] bool ReadModes(const TomlTable& root, const UnitSystem& units,
+                             const StructuralModel& model, bool beside_records,
+                             ModalData* modal);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_MODAL_SECTION_H_

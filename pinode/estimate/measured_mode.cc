@@ -1,0 +1,152 @@
+#include "pinode/estimate/measured_mode.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pinode/base/logging.h"
+#include "pinode/structure/assignment.h"
+#include "pinode/structure/modal_analysis.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+// What a factor of e between frequencies costs beside a MAC of one.
+constexpr double kFrequencyShare = 0.5;
+// Frequencies below this share of the measured one count as that: a mode of no
+// or negative stiffness is the last to be chosen.
+constexpr double kLowestRatio = 1e-3;
+
+}  // namespace
+
+const char* ModalFormName(ModalForm form) {
+  switch (form) {
+    case ModalForm::kMac:
+      return "mac";
+    case ModalForm::kEigenvectorDifference:
+      return "eigenvector_difference";
+    case ModalForm::kDynamicResidual:
+      return "dynamic_residual";
+  }
+  return "";
+}
+
+bool ModalData::HasSigmas() const {
+  return std::any_of(modes.begin(), modes.end(), [](const MeasuredMode& mode) {
+    return mode.frequency_sigma > 0.0 || mode.shape_sigma > 0.0;
+  });
+}
+
+bool ModalData::IsValid(int num_dofs, std::string* error) const {
+  if (static_cast<int>(modes.size()) > num_dofs) {
+    *error = std::to_string(modes.size()) + " modes were measured, the model " +
+             "has " + std::to_string(num_dofs);
+    return false;
+  }
+  const bool dynamic = form == ModalForm::kDynamicResidual;
+  for (const MeasuredMode& mode : modes) {
+    const std::string where = "mode '" + mode.name + "': ";
+    const auto positive = [](double value) {
+      return value > 0.0 && std::isfinite(value);
+    };
+    if (!positive(mode.frequency)) {
+      *error = where + "its frequency must be positive";
+      return false;
+    }
+    if (!positive(mode.frequency_weight) || !positive(mode.shape_weight) ||
+        !positive(mode.residual_weight)) {
+      *error = where + "weights must be positive";
+      return false;
+    }
+    if (!(mode.frequency_sigma >= 0.0) || !(mode.shape_sigma >= 0.0) ||
+        std::isinf(mode.frequency_sigma) || std::isinf(mode.shape_sigma)) {
+      *error = where + "standard deviations must not be negative";
+      return false;
+    }
+    if (dynamic && mode.frequency_sigma > 0.0) {
+      *error = where + "the dynamic residual takes a weight, no sigma";
+      return false;
+    }
+    if (form != ModalForm::kEigenvectorDifference && mode.shape_sigma > 0.0) {
+      *error = where + "the sigma of a shape is for the eigenvector difference";
+      return false;
+    }
+    if (mode.shape.size() != static_cast<Eigen::Index>(mode.dofs.size()) ||
+        !mode.shape.allFinite()) {
+      *error = where + "its shape needs one finite value per DOF";
+      return false;
+    }
+    if (!mode.HasShape()) {
+      if (!dynamic) continue;
+      *error = where + "the dynamic residual needs its shape";
+      return false;
+    }
+    std::vector<int> dofs = mode.dofs;
+    std::sort(dofs.begin(), dofs.end());
+    if (dofs.front() < 0 || dofs.back() >= num_dofs) {
+      *error = where + "its shape has a DOF that the model does not have";
+      return false;
+    }
+    if (std::adjacent_find(dofs.begin(), dofs.end()) != dofs.end()) {
+      *error = where + "its shape names a DOF twice";
+      return false;
+    }
+    if (mode.shape.isZero(0.0)) {
+      *error = where + "its shape is zero";
+      return false;
+    }
+    if (!dynamic && dofs.size() < 2) {
+      *error = where + "a shape at one DOF says nothing; leave it out";
+      return false;
+    }
+  }
+  return true;
+}
+
+std::vector<ModeMatch> MatchModes(const ModalData& data,
+                                  const Vector& eigenvalues,
+                                  const Matrix& shapes) {
+  const int measured = static_cast<int>(data.modes.size());
+  const int count = static_cast<int>(eigenvalues.size());
+  CHECK_LE(measured, count) << "a measured mode would have no partner";
+  Matrix profit(measured, count);
+  Matrix macs(measured, count);
+  for (int i = 0; i < measured; ++i) {
+    const MeasuredMode& mode = data.modes[static_cast<size_t>(i)];
+    const double w = kTwoPi * mode.frequency;
+    for (int j = 0; j < count; ++j) {
+      macs(i, j) =
+          mode.HasShape() ? Mac(mode.shape, shapes(mode.dofs, j)) : 1.0;
+      const double ratio = std::sqrt(std::max(eigenvalues[j], 0.0)) / w;
+      const double distance = std::log(std::max(ratio, kLowestRatio));
+      profit(i, j) = macs(i, j) - kFrequencyShare * distance * distance;
+    }
+  }
+  const std::vector<int> partners = MaximumProfitAssignment(profit);
+  std::vector<ModeMatch> matches(data.modes.size());
+  for (int i = 0; i < measured; ++i) {
+    ModeMatch& match = matches[static_cast<size_t>(i)];
+    match.mode = partners[static_cast<size_t>(i)];
+    const double eigenvalue = eigenvalues[match.mode];
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    match.frequency = eigenvalue < 0.0 ? kNaN : std::sqrt(eigenvalue) / kTwoPi;
+    match.mac = data.modes[static_cast<size_t>(i)].HasShape()
+                    ? macs(i, match.mode)
+                    : kNaN;
+  }
+  return matches;
+}
+
+bool MatchModes(const ModalData& data, const StructuralModel& model,
+                std::vector<ModeMatch>* matches, std::string* error) {
+  UndampedModes modes;
+  if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, error)) {
+    return false;
+  }
+  *matches = MatchModes(data, modes.eigenvalues, modes.shapes);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,177 @@
+#include "pinode/estimate/measured_mode.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kTwoPi = 6.283185307179586;
+
+MeasuredMode Mode(double frequency, std::vector<int> dofs = {},
+                  std::vector<double> shape = {}) {
+  MeasuredMode mode;
+  mode.name = "b";
+  mode.frequency = frequency;
+  mode.dofs = std::move(dofs);
+  mode.shape =
+      Eigen::Map<const Vector>(shape.data(), static_cast<int>(shape.size()));
+  return mode;
+}
+
+Vector Eigenvalues(const std::vector<double>& frequencies) {
+  Vector values(static_cast<int>(frequencies.size()));
+  for (size_t i = 0; i < frequencies.size(); ++i) {
+    values[static_cast<int>(i)] = std::pow(kTwoPi * frequencies[i], 2);
+  }
+  return values;
+}
+
+std::vector<int> Partners(const ModalData& data, const Vector& eigenvalues,
+                          const Matrix& shapes) {
+  std::vector<int> partners;
+  for (const ModeMatch& match : MatchModes(data, eigenvalues, shapes)) {
+    partners.push_back(match.mode);
+  }
+  return partners;
+}
+
+TEST(MatchModes, FollowsShapesWhereFrequenciesHaveCrossed) {
+  ModalData data;
+  data.modes = {Mode(1.0, {0, 1}, {1.0, 0.1}), Mode(1.2, {0, 1}, {0.0, 2.0})};
+  const Matrix shapes = Matrix::Identity(2, 2);
+  EXPECT_EQ(Partners(data, Eigenvalues({1.1, 1.2}), shapes),
+            (std::vector<int>{0, 1}));
+  // The mode of the second DOF is now the lower one.
+  EXPECT_EQ(Partners(data, Eigenvalues({0.9, 1.3}),
+                     Matrix(shapes.rowwise().reverse())),
+            (std::vector<int>{1, 0}));
+}
+
+TEST(MatchModes, FrequenciesDecideBetweenShapesThatLookAlike) {
+  // At the two measured DOFs modes 1 and 3 are the same.
+  Matrix shapes(3, 3);
+  shapes << 1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 0.5, 0.1, -2.0;
+  ModalData data;
+  data.modes = {Mode(3.1, {0, 1}, {1.0, 0.95})};
+  const Vector eigenvalues = Eigenvalues({1.0, 2.0, 3.0});
+  EXPECT_EQ(Partners(data, eigenvalues, shapes), std::vector<int>{2});
+  data.modes[0].frequency = 1.3;
+  EXPECT_EQ(Partners(data, eigenvalues, shapes), std::vector<int>{0});
+}
+
+TEST(MatchModes, KeepsTheOrderOfModesWithoutShapes) {
+  // Nearest neighbours would pair 3 Hz with the model's second mode.
+  ModalData data;
+  data.modes = {Mode(1.0), Mode(2.0), Mode(3.0)};
+  EXPECT_EQ(
+      Partners(data, Eigenvalues({1.5, 3.0, 4.5, 9.0}), Matrix::Identity(4, 4)),
+      (std::vector<int>{0, 1, 2}));
+}
+
+TEST(MatchModes, LeavesModesWithoutFrequencyToTheLast) {
+  Vector eigenvalues = Eigenvalues({0.0, 0.0, 2.0});
+  eigenvalues[0] = -10.0;
+  ModalData data;
+  data.modes = {Mode(1.0)};
+  EXPECT_EQ(Partners(data, eigenvalues, Matrix::Identity(3, 3)),
+            std::vector<int>{2});
+  data.modes = {Mode(1.0), Mode(2.0), Mode(3.0)};
+  const std::vector<ModeMatch> matches =
+      MatchModes(data, eigenvalues, Matrix::Identity(3, 3));
+  EXPECT_EQ(matches[1].mode, 2);
+  EXPECT_TRUE(std::isnan(matches[0].mac));
+  EXPECT_TRUE(std::isnan(matches[0].frequency) ||
+              std::isnan(matches[2].frequency));
+}
+
+TEST(MatchModes, GivesFrequencyAndMacOfAModel) {
+  // M = I, K = [2 -1; -1 1]: w^2 = (3 -+ sqrt 5) / 2, shapes [1; golden ratio]
+  // and [golden ratio; -1].
+  const StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
+  const double golden = 0.5 * (1.0 + std::sqrt(5.0));
+  ModalData data;
+  data.modes = {Mode(0.3, {0, 1}, {1.0, -1.0}), Mode(0.1, {1, 0}, {1.0, 1.0})};
+  std::vector<ModeMatch> matches;
+  std::string error;
+  ASSERT_TRUE(MatchModes(data, model, &matches, &error)) << error;
+  EXPECT_EQ(matches[0].mode, 1);
+  EXPECT_NEAR(matches[0].frequency, golden / kTwoPi, 1e-14);
+  const double norm = 1.0 + golden * golden;
+  EXPECT_NEAR(matches[1].mac, std::pow(1.0 + golden, 2) / (2.0 * norm), 1e-14);
+  EXPECT_NEAR(matches[0].mac, std::pow(1.0 + golden, 2) / (2.0 * norm), 1e-14);
+
+  StructuralModel massless = model;
+  massless.mass(0, 0) = 0.0;
+  EXPECT_FALSE(MatchModes(data, massless, &matches, &error));
+  EXPECT_THAT(error, HasSubstr("mass"));
+}
+
+TEST(ModalData, RefusesWhatMakesNoSense) {
+  struct Bad {
+    std::function<void(ModalData*)> spoil;
+    const char* message;
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Bad> cases = {
+      {[](ModalData* d) { d->modes.resize(4, d->modes[0]); }, "4 modes"},
+      {[](ModalData* d) { d->modes[0].frequency = 0.0; }, "frequency"},
+      {[](ModalData* d) { d->modes[0].frequency = kNaN; }, "frequency"},
+      {[](ModalData* d) { d->modes[0].frequency_weight = 0.0; }, "weights"},
+      {[](ModalData* d) { d->modes[0].shape_weight = -1.0; }, "weights"},
+      {[](ModalData* d) { d->modes[0].frequency_sigma = -1.0; }, "deviations"},
+      {[](ModalData* d) { d->modes[0].shape = Vector::Ones(3); }, "per DOF"},
+      {[](ModalData* d) { d->modes[0].shape[0] = kNaN; }, "finite"},
+      {[](ModalData* d) {
+         d->modes[0].dofs = {0, 3};
+       },
+       "does not have"},
+      {[](ModalData* d) {
+         d->modes[0].dofs = {1, 1};
+       },
+       "twice"},
+      {[](ModalData* d) { d->modes[0].shape.setZero(); }, "zero"},
+      {[](ModalData* d) { d->modes[0] = Mode(1.0, {0}, {1.0}); }, "one DOF"},
+      {[](ModalData* d) {
+         d->form = ModalForm::kMac;
+         d->modes[0].shape_sigma = 0.1;
+       },
+       "eigenvector difference"},
+      {[](ModalData* d) {
+         d->form = ModalForm::kDynamicResidual;
+         d->modes[0].frequency_sigma = 0.1;
+       },
+       "no sigma"},
+      {[](ModalData* d) {
+         d->form = ModalForm::kDynamicResidual;
+         d->modes[0] = Mode(1.0);
+       },
+       "needs its shape"},
+  };
+  ModalData good;
+  good.modes = {Mode(1.0, {0, 2}, {1.0, 0.5})};
+  std::string error;
+  ASSERT_TRUE(good.IsValid(3, &error)) << error;
+  EXPECT_FALSE(good.HasSigmas());
+  for (const Bad& bad : cases) {
+    ModalData data = good;
+    bad.spoil(&data);
+    EXPECT_FALSE(data.IsValid(3, &error)) << bad.message;
+    EXPECT_THAT(error, HasSubstr(bad.message));
+  }
+  good.modes[0].shape_sigma = 0.01;
+  EXPECT_TRUE(good.HasSigmas());
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,301 @@
+#include "pinode/estimate/modal_residual.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "pinode/base/logging.h"
+#include "pinode/structure/modal_analysis.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+// Frequencies that differ by less than this (relative, in w^2) are the same:
+// shapes carry the rounding of the matrices divided by it.
+constexpr double kSameFrequency = 1e-8;
+// What couples two modes is zero below this share of what acts on either.
+constexpr double kUncoupled = 1e-8;
+
+// (2 pi f)^2.
+double MeasuredEigenvalue(const MeasuredMode& mode) {
+  const double w = kTwoPi * mode.frequency;
+  return w * w;
+}
+
+// Of 1 - w^2 / (2 pi f)^2, to first order 2 (f - f_model) / f.
+double EigenvalueWeight(const MeasuredMode& mode) {
+  return mode.frequency_sigma > 0.0
+             ? 0.5 * mode.frequency / mode.frequency_sigma
+             : mode.frequency_weight;
+}
+
+// Entries other than `largest`, in order.
+template <typename Rows>
+Matrix WithoutRow(const Rows& rows, int largest) {
+  Matrix rest(rows.rows() - 1, rows.cols());
+  rest.topRows(largest) = rows.topRows(largest);
+  rest.bottomRows(rest.rows() - largest) =
+      rows.bottomRows(rest.rows() - largest);
+  return rest;
+}
+
+}  // namespace
+
+ModalResidual::ModalResidual(const ModalData& data,
+                             const StructuralDynamics& dynamics,
+                             const ParameterLayout& layout)
+    : data_(data), layout_(layout) {
+  std::string error;
+  CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
+  // The groups are the first parameters.
+  for (size_t j = 0; j < dynamics.groups().size(); ++j) {
+    const GroupTerm& term = dynamics.groups()[j];
+    const int free = layout.FreeIndex(static_cast<int>(j));
+    if (free < 0 || term.follows != GroupTerm::Follows::kNothing ||
+        term.group.target == MatrixGroup::Target::kDamping) {
+      continue;
+    }
+    columns_.push_back({free, term.group.target, &term.group.matrix});
+  }
+  for (const MeasuredMode& mode : data.modes) {
+    Shape shape;
+    const int count = static_cast<int>(mode.dofs.size());
+    if (mode.HasShape()) {
+      mode.shape.cwiseAbs().maxCoeff(&shape.largest);
+      const double scale = mode.shape[shape.largest];
+      shape.values = data.form == ModalForm::kMac
+                         ? Vector(mode.shape.stableNormalized())
+                         : Vector(mode.shape / scale);
+      if (data.form == ModalForm::kEigenvectorDifference) {
+        shape.weight_root =
+            mode.shape_weight * Matrix::Identity(count - 1, count - 1);
+        if (mode.shape_sigma > 0.0) {
+          // The error of the largest entry is in all others: their errors have
+          // the covariance sigma^2 (I + y y'), whose inverse root is a change
+          // along y.
+          const Vector y = WithoutRow(shape.values, shape.largest);
+          const double square = y.squaredNorm();
+          shape.weight_root.setIdentity();
+          if (square > 0.0) {
+            shape.weight_root -= (1.0 - 1.0 / std::sqrt(1.0 + square)) /
+                                 square * (y * y.transpose());
+          }
+          shape.weight_root *= std::abs(scale) / mode.shape_sigma;
+        }
+      }
+    }
+    switch (data.form) {
+      case ModalForm::kMac:
+        num_residuals_ += mode.HasShape() ? 2 : 1;
+        break;
+      case ModalForm::kEigenvectorDifference:
+        num_residuals_ += mode.HasShape() ? count : 1;
+        break;
+      case ModalForm::kDynamicResidual:
+        num_residuals_ += dynamics.num_dofs();
+        for (int i = 0; i < dynamics.num_dofs(); ++i) {
+          if (std::find(mode.dofs.begin(), mode.dofs.end(), i) ==
+              mode.dofs.end()) {
+            shape.unmeasured.push_back(i);
+          }
+        }
+        num_eliminated_ += static_cast<int>(shape.unmeasured.size());
+        break;
+    }
+    shapes_.push_back(std::move(shape));
+  }
+}
+
+bool ModalResidual::Evaluate(const StructuralDynamics::Prepared& prepared,
+                             Vector* residuals, Matrix* jacobian,
+                             std::string* error) const {
+  residuals->resize(num_residuals_);
+  if (jacobian != nullptr) {
+    *jacobian = Matrix::Zero(num_residuals_, layout_.num_free());
+  }
+  const bool ok =
+      data_.form == ModalForm::kDynamicResidual
+          ? EvaluateDynamicResiduals(prepared, residuals, jacobian, error)
+          : EvaluateModes(prepared, residuals, jacobian, error);
+  if (!ok) return false;
+  if (!residuals->allFinite() ||
+      (jacobian != nullptr && !jacobian->allFinite())) {
+    *error =
+        "a shape of the model is orthogonal to the measured one, or zero "
+        "where that is largest";
+    return false;
+  }
+  return true;
+}
+
+bool ModalResidual::EvaluateModes(const StructuralDynamics::Prepared& prepared,
+                                  Vector* residuals, Matrix* jacobian,
+                                  std::string* error) const {
+  UndampedModes modes;
+  if (!ComputeUndampedModes(prepared.mass, prepared.stiffness, &modes, error)) {
+    return false;
+  }
+  const int n = static_cast<int>(modes.eigenvalues.size());
+  const int num_columns =
+      jacobian == nullptr ? 0 : static_cast<int>(columns_.size());
+  const std::vector<ModeMatch> matches =
+      MatchModes(data_, modes.eigenvalues, modes.shapes);
+  const double rounding = 8.0 * n * std::numeric_limits<double>::epsilon() *
+                          modes.eigenvalues.cwiseAbs().maxCoeff();
+  int row = 0;
+  for (size_t i = 0; i < data_.modes.size(); ++i) {
+    const MeasuredMode& mode = data_.modes[i];
+    const Shape& shape = shapes_[i];
+    const int j = matches[i].mode;
+    const double eigenvalue = modes.eigenvalues[j];
+    const auto phi = modes.shapes.col(j);
+
+    // Derivatives of the eigenvalue and of the shape, by column.
+    RowVector eigenvalue_slopes(num_columns);
+    Matrix shape_slopes(static_cast<int>(mode.dofs.size()), num_columns);
+    for (int c = 0; c < num_columns; ++c) {
+      const Column& column = columns_[static_cast<size_t>(c)];
+      const bool on_mass = column.target == MatrixGroup::Target::kMass;
+      const double factor = on_mass ? -eigenvalue : 1.0;
+      const Vector force = factor * (*column.matrix * phi);
+      Vector parts = modes.shapes.transpose() * force;
+      eigenvalue_slopes[c] = parts[j];
+      for (int k = 0; k < n; ++k) {
+        const double distance = eigenvalue - modes.eigenvalues[k];
+        if (k != j && std::abs(distance) <=
+                          rounding + kSameFrequency * std::abs(eigenvalue)) {
+          const auto other = modes.shapes.col(k);
+          const double size =
+              std::max(std::abs(parts[j]),
+                       std::abs(factor * other.dot(*column.matrix * other)));
+          if (std::abs(parts[k]) > kUncoupled * size) {
+            std::ostringstream message;
+            message << "modes " << std::min(j, k) + 1 << " and "
+                    << std::max(j, k) + 1
+                    << " of the model have the same frequency, and a free "
+                       "group mixes their shapes: there are no derivatives; "
+                       "begin with slightly different values of the groups";
+            *error = message.str();
+            return false;
+          }
+          parts[k] = 0.0;
+        } else {
+          parts[k] = k == j ? 0.0 : parts[k] / distance;
+        }
+      }
+      shape_slopes.col(c) = modes.shapes(mode.dofs, Eigen::all) * parts;
+    }
+
+    const double weight = EigenvalueWeight(mode);
+    const double measured = MeasuredEigenvalue(mode);
+    (*residuals)[row] = weight * (1.0 - eigenvalue / measured);
+    for (int c = 0; c < num_columns; ++c) {
+      (*jacobian)(row, columns_[static_cast<size_t>(c)].free) =
+          -weight / measured * eigenvalue_slopes[c];
+    }
+    ++row;
+    if (!mode.HasShape()) continue;
+
+    const Vector x = phi(mode.dofs);
+    if (data_.form == ModalForm::kMac) {
+      // With the tangent of the angle between the shapes 1 / c = sqrt(1 + t^2);
+      // 1 - c itself would be lost in rounding.
+      const Vector& y = shape.values;
+      const double along = y.dot(x);
+      const Vector across = x - along * y;
+      const double tangent_square = across.squaredNorm() / (along * along);
+      const double secant = std::sqrt(1.0 + tangent_square);
+      (*residuals)[row] = mode.shape_weight * tangent_square / (1.0 + secant);
+      const RowVector slopes =
+          mode.shape_weight / (secant * along * along) *
+          (across.transpose() * shape_slopes -
+           tangent_square * along * (y.transpose() * shape_slopes));
+      for (int c = 0; c < num_columns; ++c) {
+        (*jacobian)(row, columns_[static_cast<size_t>(c)].free) = slopes[c];
+      }
+      ++row;
+    } else {
+      const int count = static_cast<int>(x.size()) - 1;
+      const Vector scaled = x / x[shape.largest];
+      residuals->segment(row, count) =
+          shape.weight_root * WithoutRow(scaled - shape.values, shape.largest);
+      const Matrix slopes =
+          (shape_slopes - scaled * shape_slopes.row(shape.largest)) /
+          x[shape.largest];
+      const Matrix weighted =
+          shape.weight_root * WithoutRow(slopes, shape.largest);
+      for (int c = 0; c < num_columns; ++c) {
+        jacobian->col(columns_[static_cast<size_t>(c)].free)
+            .segment(row, count) = weighted.col(c);
+      }
+      row += count;
+    }
+  }
+  return true;
+}
+
+bool ModalResidual::EvaluateDynamicResiduals(
+    const StructuralDynamics::Prepared& prepared, Vector* residuals,
+    Matrix* jacobian, std::string* error) const {
+  const int n = static_cast<int>(prepared.mass.rows());
+  for (size_t i = 0; i < data_.modes.size(); ++i) {
+    const MeasuredMode& mode = data_.modes[i];
+    const Shape& shape = shapes_[i];
+    const double measured = MeasuredEigenvalue(mode);
+    const int row = static_cast<int>(i) * n;
+    const Matrix dynamic_stiffness =
+        prepared.stiffness - measured * prepared.mass;
+    const bool complete = shape.unmeasured.empty();
+    const Matrix unmeasured = dynamic_stiffness(Eigen::all, shape.unmeasured);
+    Eigen::ColPivHouseholderQR<Matrix> factor;
+    Vector psi(n);
+    psi(mode.dofs) = shape.values;
+    if (!complete) {
+      factor.compute(unmeasured);
+      if (factor.rank() < unmeasured.cols()) {
+        *error = "mode '" + mode.name +
+                 "': what was not measured of its shape cannot be found from "
+                 "the model: there its dynamic stiffness is singular";
+        return false;
+      }
+      psi(shape.unmeasured) = -factor.solve(
+          Vector(dynamic_stiffness(Eigen::all, mode.dofs) * shape.values));
+    }
+    const Vector residual = mode.residual_weight * (dynamic_stiffness * psi);
+    residuals->segment(row, n) = residual;
+    if (jacobian == nullptr) continue;
+
+    // With A_u the unmeasured columns, A_u' r = 0 fixes the change of psi_u:
+    // A_u' (dA psi + A_u dpsi_u) + dA_u' r = 0.
+    for (const Column& column : columns_) {
+      const double sign =
+          column.target == MatrixGroup::Target::kMass ? -measured : 1.0;
+      Vector slope = mode.residual_weight * sign * (*column.matrix * psi);
+      if (!complete) {
+        const Vector moved =
+            sign * (column.matrix->transpose() * residual)(shape.unmeasured);
+        // (A_u'A_u)^-1 b by the factor A_u P = Q R.
+        const auto solve_squared = [&factor, &unmeasured](const Vector& right) {
+          const Eigen::Index count = unmeasured.cols();
+          const auto root = factor.matrixR()
+                                .topLeftCorner(count, count)
+                                .template triangularView<Eigen::Upper>();
+          Vector y = factor.colsPermutation().transpose() * right;
+          y = root.transpose().solve(y);
+          y = root.solve(y);
+          return Vector(factor.colsPermutation() * y);
+        };
+        const Vector change = -factor.solve(slope) - solve_squared(moved);
+        slope += unmeasured * change;
+      }
+      jacobian->col(column.free).segment(row, n) = slope;
+    }
+  }
+  return true;
+}
+
+}  // namespace pinode

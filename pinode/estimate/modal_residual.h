@@ -1,0 +1,82 @@
+// Measured modes against those of the model, with derivatives.
+
+#ifndef PINODE_ESTIMATE_MODAL_RESIDUAL_H_
+#define PINODE_ESTIMATE_MODAL_RESIDUAL_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/measured_mode.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+
+// The weighted residuals of ModalForm as a function of the free parameters. The
+// modes are those of M and K with the groups that follow nothing.
+//
+// With K phi_j = w_j^2 M phi_j and phi_j' M phi_j = 1, a change dK, dM makes
+//
+//   d(w_j^2) = phi_j' (dK - w_j^2 dM) phi_j
+//   d phi_j  = sum_{k != j} phi_k phi_k' (dK - w_j^2 dM) phi_j
+//                           / (w_j^2 - w_k^2)  + a multiple of phi_j
+//
+// (R. L. Fox and M. P. Kapoor, "Rates of change of eigenvalues and
+// eigenvectors", AIAA Journal 6 (1968) 2426-2429), exact with all modes; the
+// multiple has no effect on residuals that do not depend on scale. What is not
+// measured of a shape in the dynamic residual is projected out with its full
+// derivative (G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973)
+// 413-432).
+class ModalResidual {
+ public:
+  // `data` is valid; all must outlive this object.
+  ModalResidual(const ModalData& data, const StructuralDynamics& dynamics,
+                const ParameterLayout& layout);
+
+  int num_residuals() const { return num_residuals_; }
+  // Of the shapes: unknowns that the residuals have used up.
+  int num_eliminated() const { return num_eliminated_; }
+
+  // `residuals`: num_residuals; `jacobian`: num_residuals x num_free, nullptr
+  // to leave it out. False, with a sentence, where M is not positive definite,
+  // where a residual is not finite (a shape orthogonal to the measured one), or
+  // where a derivative is asked for that does not exist: of one of two modes
+  // with the same frequency that a free group mixes.
+  [[nodiscard]] bool Evaluate(const StructuralDynamics::Prepared& prepared,
+                              Vector* residuals, Matrix* jacobian,
+                              std::string* error) const;
+
+ private:
+  // A free correction to M or K.
+  struct Column {
+    int free = -1;
+    MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
+    const Matrix* matrix = nullptr;
+  };
+  // A measured shape, scaled for its form.
+  struct Shape {
+    Vector values;       // of unit norm (MAC), else one at `largest`
+    int largest = 0;     // position in `dofs`
+    Matrix weight_root;  // kEigenvectorDifference
+    std::vector<int> unmeasured;
+  };
+
+  bool EvaluateModes(const StructuralDynamics::Prepared& prepared,
+                     Vector* residuals, Matrix* jacobian,
+                     std::string* error) const;
+  bool EvaluateDynamicResiduals(const StructuralDynamics::Prepared& prepared,
+                                Vector* residuals, Matrix* jacobian,
+                                std::string* error) const;
+
+  const ModalData& data_;
+  const ParameterLayout& layout_;
+  std::vector<Column> columns_;
+  std::vector<Shape> shapes_;  // one per mode
+  int num_residuals_ = 0;
+  int num_eliminated_ = 0;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_MODAL_RESIDUAL_H_

@@ -1,0 +1,199 @@
+// Power, false alarms and coverage of damage detection over many runs (ctest
+// label `study`): run by hand, the figures stand in data/README.md.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/figure_testing.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/case/baseline.h"
+#include "pinode/damage/change.h"
+#include "pinode/record/table.h"
+#include "tests/cases/measure.h"
+
+namespace pinode {
+namespace testing {
+namespace {
+
+constexpr int kRuns = 200;
+constexpr int kStoreys = 3;
+const char* const kGroups[] = {"k1", "k2", "k3", "c_mass", "c_stiffness"};
+
+struct Setting {
+  const char* name;
+  const char* case_file;  // in data/three_storey
+  double output_noise;    // of each channel's standard deviation
+  double ground_noise;
+  // The roof's accelerometer alone, and the larger loss.
+  bool roof_alone;
+  // Whether a power is asked for, or only reported.
+  bool held;
+};
+
+Matrix Columns(const std::string& file, const std::vector<std::string>& names) {
+  Table table;
+  std::string error;
+  EXPECT_TRUE(ReadCsvTable(
+      std::string(PINODE_SOURCE_DIR) + "/data/three_storey/" + file, names,
+      &table, &error))
+      << error;
+  return table.values;
+}
+
+// The groups identified from one record: `clean` has the ground's acceleration
+// and the floors'.
+GroupState Identified(const Setting& setting, const Matrix& clean,
+                      uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const auto with_noise = [&](Vector values, double share) {
+    const double sigma =
+        share * std::sqrt((values.array() - values.mean()).square().mean());
+    for (double& value : values) value += sigma * normal(random);
+    return values;
+  };
+  Case c = ReadCaseOrFail(std::string("data/three_storey/") +
+                          setting.case_file + ".toml");
+  c.options.num_threads = 1;
+  auto& records = c.problem.records;
+  records.erase(std::remove_if(records.begin(), records.end(),
+                               [](const IdentificationRecord& record) {
+                                 return record.name != "train";
+                               }),
+                records.end());
+  IdentificationRecord& record = records[0];
+  const Matrix ground =
+      with_noise(clean.col(0), setting.ground_noise).transpose();
+  record.excitation.emplace(record.excitation->start_time(),
+                            record.excitation->step(), ground,
+                            record.excitation->interpolation());
+  if (setting.ground_noise > 0.0) {
+    const auto exact = clean.col(0).array();
+    record.input_sigma = Vector::Constant(
+        1, setting.ground_noise *
+               std::sqrt((exact - exact.mean()).square().mean()));
+  }
+  auto& channels = record.channels;
+  if (setting.roof_alone) channels.erase(channels.begin(), channels.end() - 1);
+  for (size_t i = 0; i < channels.size(); ++i) {
+    channels[i].values = with_noise(clean.col(static_cast<Eigen::Index>(i) + 1),
+                                    setting.output_noise);
+  }
+  const CaseRun run = RunCase(std::move(c));
+  return GroupsOf(*run.c.problem.dynamics, run.summary,
+                  {std::begin(kGroups), std::end(kGroups)});
+}
+
+class DamageStudy : public ::testing::TestWithParam<Setting> {};
+
+TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
+  const Setting& setting = GetParam();
+  const std::vector<std::string> names =
+      setting.roof_alone
+          ? std::vector<std::string>{"ag", "a3_true"}
+          : std::vector<std::string>{"ag", "a1_true", "a2_true", "a3_true"};
+  const Matrix train = Columns("train.csv", names);
+  const Matrix healthy = Columns("holdout.csv", names);
+  std::vector<Matrix> damaged;
+  for (int storey = 1; storey <= kStoreys; ++storey) {
+    const std::string end = "_k" + std::to_string(storey);
+    damaged.push_back(
+        Columns("damaged.csv",
+                setting.roof_alone
+                    ? std::vector<std::string>{"ag", "a3" + end + "_more"}
+                    : std::vector<std::string>{"ag", "a1" + end, "a2" + end,
+                                               "a3" + end}));
+  }
+  const double loss = Truth("data/three_storey/truth.json",
+                            setting.roof_alone ? "/larger_loss" : "/loss");
+
+  std::vector<ChangeEstimate> unchanged(kRuns), changed(kRuns);
+  ParallelFor(kRuns, DefaultThreads(), [&](int run, int) {
+    const uint64_t seed = 3 * static_cast<uint64_t>(run);
+    const GroupState before = Identified(setting, train, seed + 1);
+    const GroupState same = Identified(setting, healthy, seed + 2);
+    const GroupState after = Identified(
+        setting, damaged[static_cast<size_t>(run % kStoreys)], seed + 3);
+    const size_t r = static_cast<size_t>(run);
+    std::string error;
+    EXPECT_TRUE(
+        EstimateChange({before}, same, ChangeOptions(), &unchanged[r], &error))
+        << error;
+    EXPECT_TRUE(
+        EstimateChange({before}, after, ChangeOptions(), &changed[r], &error))
+        << error;
+  });
+
+  const auto any = [](const ChangeEstimate& estimate) {
+    return std::any_of(estimate.groups.begin(), estimate.groups.end(),
+                       [](const GroupChange& group) { return group.changed; });
+  };
+  int found = 0;
+  int alarms = 0;
+  int only = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const size_t r = static_cast<size_t>(run);
+    alarms += any(unchanged[r]);
+    const auto& groups = changed[r].groups;
+    found += any(changed[r]);
+    bool exact = true;
+    for (size_t g = 0; g < groups.size(); ++g) {
+      exact =
+          exact && groups[g].changed == (static_cast<int>(g) == run % kStoreys);
+    }
+    only += exact;
+  }
+  const std::string what = std::string("damage, ") + setting.name + ", " +
+                           std::to_string(kRuns) + " runs: ";
+  ReportFigure(what + "change found, %", AtLeast(setting.held ? 95 : 0),
+               100.0 * found / kRuns);
+  EXPECT_GE(found, setting.held ? 0.95 * kRuns : 0.0);
+  ReportFigure(what + "the right storey and no other group, %", AtLeast(0),
+               100.0 * only / kRuns);
+  ReportFigure(what + "healthy runs with a false alarm", AtMost(16),
+               alarms * 200.0 / kRuns);
+  EXPECT_LE(alarms, 0.08 * kRuns);
+  for (const bool with_damage : {false, true}) {
+    for (int storey = 0; storey < kStoreys; ++storey) {
+      int covered = 0;
+      for (int run = 0; run < kRuns; ++run) {
+        const size_t r = static_cast<size_t>(run);
+        const GroupChange& group = (with_damage ? changed : unchanged)[r]
+                                       .groups[static_cast<size_t>(storey)];
+        const double truth =
+            with_damage && run % kStoreys == storey ? -loss : 0.0;
+        covered += group.lower95 <= truth && truth <= group.upper95;
+      }
+      const double percent = 100.0 * covered / kRuns;
+      ReportFigure(what + kGroups[storey] +
+                       (with_damage ? ", damaged" : ", healthy") +
+                       ", 95 % intervals that hold the truth, %",
+                   Between(92, 98), percent);
+      EXPECT_GE(percent, 92.0) << kGroups[storey];
+      EXPECT_LE(percent, 98.0) << kGroups[storey];
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ThreeStorey, DamageStudy,
+    ::testing::Values(Setting{"5 % output noise", "three_storey", 0.05, 0.0,
+                              false, true},
+                      Setting{"5 % output and 2 % ground noise", "noisy_ground",
+                              0.05, 0.02, false, false},
+                      Setting{"roof alone, 2 % loss", "three_storey", 0.05, 0.0,
+                              true, false}),
+    [](const ::testing::TestParamInfo<Setting>& setting) {
+      return std::string(setting.param.case_file) +
+             (setting.param.roof_alone ? "_roof" : "");
+    });
+
+}  // namespace
+}  // namespace testing
+}  // namespace pinode
