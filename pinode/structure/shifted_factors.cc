@@ -1,7 +1,11 @@
 #include "pinode/structure/shifted_factors.h"
 
+#include <metis.h>
+
+#include <Eigen/OrderingMethods>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace pinode {
 namespace {
@@ -9,8 +13,52 @@ namespace {
 // Pivots of a matrix with unit diagonal below this are taken for zero: a beam
 // of a thousand elements has 1e-12, rounding leaves 1e-16.
 constexpr double kSmallestPivot = 1e-13;
+// Below this many rows either order is quick, and METIS the slower one.
+constexpr Eigen::Index kNestedFrom = 2000;
+
+// The neighbours of each row, itself not among them. False where METIS finds
+// no order.
+bool NestedDissection(
+    const SparseMatrix& symmetric,
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>* inverse) {
+  idx_t size = static_cast<idx_t>(symmetric.rows());
+  std::vector<idx_t> begins = {0};
+  std::vector<idx_t> neighbours;
+  begins.reserve(static_cast<size_t>(size) + 1);
+  neighbours.reserve(static_cast<size_t>(symmetric.nonZeros()));
+  for (Eigen::Index j = 0; j < symmetric.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator entry(symmetric, j); entry; ++entry) {
+      if (entry.row() != j) {
+        neighbours.push_back(static_cast<idx_t>(entry.row()));
+      }
+    }
+    begins.push_back(static_cast<idx_t>(neighbours.size()));
+  }
+  if (neighbours.empty()) return false;
+  std::vector<idx_t> order(static_cast<size_t>(size));
+  std::vector<idx_t> places(static_cast<size_t>(size));
+  if (METIS_NodeND(&size, begins.data(), neighbours.data(), nullptr, nullptr,
+                   order.data(), places.data()) != METIS_OK) {
+    return false;
+  }
+  inverse->resize(size);
+  for (idx_t i = 0; i < size; ++i) {
+    inverse->indices()[i] = static_cast<int>(order[static_cast<size_t>(i)]);
+  }
+  return true;
+}
 
 }  // namespace
+
+void FillReducingOrdering::operator()(
+    const SparseMatrix& symmetric,
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>& inverse)
+    const {
+  if (symmetric.rows() < kNestedFrom ||
+      !NestedDissection(symmetric, &inverse)) {
+    Eigen::AMDOrdering<int>()(symmetric, inverse);
+  }
+}
 
 bool ShiftedFactors::Factorise(const SparseMatrix& mass,
                                const SparseMatrix& stiffness, double shift) {

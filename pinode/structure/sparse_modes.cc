@@ -168,7 +168,9 @@ class LowestModes {
                std::to_string(kLargestDense) + " DOFs";
       return false;
     }
-    return ChooseShift(error) && Search(error) && Finish(modes, error);
+    if (!ChooseShift(error) || !Search(error)) return false;
+    Finish(modes);
+    return true;
   }
 
  private:
@@ -270,6 +272,8 @@ class LowestModes {
         if (dense_) break;
         continue;  // those not converged, or still missing
       }
+      // The factors of the count go over those of the modes.
+      ExpandShapes();
       const CountResult result = CheckCount(complete);
       if (result == CountResult::kComplete) return true;
       if (result == CountResult::kCannotCount) {
@@ -307,6 +311,15 @@ class LowestModes {
     error_bounds_.conservativeResize(good);
   }
 
+  void ExpandShapes() {
+    const Eigen::Index count =
+        std::min<Eigen::Index>(num_modes_, pairs_.theta.size());
+    shapes_.resize(mass_.rows(), count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      shapes_.col(i) = factors_->ToShape(pairs_.vectors.col(i));
+    }
+  }
+
   enum class CountResult { kComplete, kMissing, kCannotCount };
 
   // Counts the eigenvalues below a gap behind the last wanted mode. `complete`:
@@ -341,7 +354,7 @@ class LowestModes {
     return CountResult::kMissing;  // all that was found is one cluster
   }
 
-  bool Finish(SparseModes* modes, std::string* error) {
+  void Finish(SparseModes* modes) const {
     SparseModes result;
     const int count =
         std::min(num_modes_, static_cast<int>(pairs_.theta.size()));
@@ -349,11 +362,6 @@ class LowestModes {
       result.notes.push_back("the model has " + std::to_string(count) +
                              " modes, " + std::to_string(num_modes_) +
                              " were asked for");
-    }
-    // The factors of the count have gone over those of the modes.
-    if (!IsDefinite(shift_)) {
-      *error = "the factors of K - shift M could not be repeated";
-      return false;
     }
     result.shift = shift_;
     result.eigenvalues.resize(count);
@@ -363,7 +371,7 @@ class LowestModes {
     const SparseMatrix magnitude = stiffness_.cwiseAbs();
     int on_last_digits = 0;
     for (int i = 0; i < count; ++i) {
-      Vector shape = factors_->ToShape(pairs_.vectors.col(i));
+      Vector shape = shapes_.col(i);
       shape /= std::sqrt(shape.dot(mass_ * shape));
       Eigen::Index largest = 0;
       shape.cwiseAbs().maxCoeff(&largest);
@@ -398,7 +406,6 @@ class LowestModes {
           "body modes that should be 0");
     }
     *modes = std::move(result);
-    return true;
   }
 
   const SparseMatrix& mass_;
@@ -409,6 +416,7 @@ class LowestModes {
   double unit_ = 1.0;
   std::unique_ptr<ShiftedFactors> factors_;
   InversePairs pairs_;
+  Matrix shapes_;  // of the modes asked for, not normalised
   Vector error_bounds_;
 };
 

@@ -127,6 +127,24 @@ TEST(ComputeLowestModes, HeldChain) {
   }
 }
 
+// Nothing is coupled, so there is no order of elimination to look for.
+TEST(ComputeLowestModes, DiagonalModel) {
+  constexpr int kSize = 2500;
+  SparseMatrix mass(kSize, kSize);
+  SparseMatrix stiffness(kSize, kSize);
+  mass.setIdentity();
+  stiffness.setIdentity();
+  for (int i = 0; i < kSize; ++i) stiffness.coeffRef(i, i) = kSize - i;
+  SparseModes modes;
+  std::string error;
+  ASSERT_TRUE(ComputeLowestModes(mass, stiffness, 3, &modes, &error)) << error;
+  ASSERT_EQ(modes.eigenvalues.size(), 3);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(modes.eigenvalues[i], i + 1.0, 1e-9);
+    EXPECT_NEAR(modes.mode_shapes(kSize - 1 - i, i), 1.0, 1e-9);
+  }
+}
+
 TEST(ComputeLowestModes, FreeChainsHaveRigidBodyModes) {
   for (const int n : {10, 700}) {
     for (const int copies : {1, 6}) {
