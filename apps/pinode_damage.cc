@@ -17,23 +17,19 @@
 #include <utility>
 #include <vector>
 
+#include "apps/fitting.h"
 #include "apps/program.h"
-#include "apps/progress_line.h"
 #include "apps/reporting.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/base/strings.h"
 #include "pinode/case/baseline.h"
 #include "pinode/case/case_file.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/damage_analysis.h"
 #include "pinode/case/damage_files.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
-#include "pinode/estimate/identify.h"
-#include "pinode/estimate/parameter_layout.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
-#include "pinode/report/text_table.h"
 
 DEFINE_string(baseline, "",
               "result folders of pinode_update for healthy records of the same "
@@ -55,58 +51,8 @@ DEFINE_bool(resume, false,
 DEFINE_int32(threads, 0, "threads; 0: as the case says");
 DEFINE_bool(progress, true, "show progress on standard error");
 
-namespace {
-
-using namespace pinode;
-
-// The case's model with what the baseline found: where the fit begins.
-IdentifiedModel BeginFromBaseline(const Baseline& baseline,
-                                  const std::vector<std::string>& groups,
-                                  const IdentificationProblem& problem) {
-  const ParameterLayout layout(problem);
-  IdentifiedModel model;
-  model.parameters = layout.InitialValues();
-  for (const int index : layout.free()) {
-    const Parameter& parameter = layout.parameter(index);
-    const auto name = std::find(baseline.parameter_names.begin(),
-                                baseline.parameter_names.end(), parameter.name);
-    if (!layout.IsNamed(index) || name == baseline.parameter_names.end()) {
-      continue;
-    }
-    double value =
-        baseline.parameter_values[name - baseline.parameter_names.begin()];
-    const auto group = std::find(groups.begin(), groups.end(), parameter.name);
-    if (group != groups.end()) {
-      value += baseline.offsets[group - groups.begin()];
-    }
-    model.parameters[index] =
-        std::clamp(value, parameter.lower, parameter.upper);
-  }
-  return model;
-}
-
-std::string ChangeTable(const DamageResult& result) {
-  TextTable table(
-      {{"group"},
-       {"change %", TextTable::Align::kDecimal},
-       {"95 % interval", TextTable::Align::kDecimal},
-       {"P(loss > " + FormatNumber(100.0 * result.options.threshold, 3) + " %)",
-        TextTable::Align::kDecimal},
-       {"changed"}});
-  for (size_t j = 0; j < result.names.size(); ++j) {
-    const GroupChange& group = result.estimate.groups[j];
-    table.AddRow({result.names[j], FormatNumber(100.0 * group.change, 3),
-                  FormatNumber(100.0 * group.lower95, 3) + " to " +
-                      FormatNumber(100.0 * group.upper95, 3),
-                  FormatNumber(group.probability, 3),
-                  group.changed ? "yes" : ""});
-  }
-  return table.ToText();
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
+  using namespace pinode;
   const auto begin = std::chrono::steady_clock::now();
   int status;
   if (!ParseFlags(argc, argv,
@@ -126,11 +72,11 @@ int main(int argc, char** argv) {
     return Refuse("--output_dir=FOLDER is missing; see --help");
   }
   if (FLAGS_threads < 0) return Refuse("--threads must not be negative");
-  DamageResult result;
-  result.options.threshold = FLAGS_threshold;
-  result.options.false_alarm_rate = FLAGS_false_alarm_rate;
+  ChangeOptions change_options;
+  change_options.threshold = FLAGS_threshold;
+  change_options.false_alarm_rate = FLAGS_false_alarm_rate;
   std::string error;
-  if (!result.options.IsValid(&error)) return Refuse("--" + error);
+  if (!change_options.IsValid(&error)) return Refuse("--" + error);
   if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
                          &error)) {
     return Refuse(error);
@@ -138,113 +84,78 @@ int main(int argc, char** argv) {
   Case c;
   if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
   if (FLAGS_threads > 0) c.options.num_threads = FLAGS_threads;
-  for (const GroupTerm& term : c.problem.dynamics->groups()) {
-    if (!term.alpha.free || term.follows != GroupTerm::Follows::kNothing) {
-      continue;
-    }
-    result.names.push_back(term.group.name);
-    result.targets.push_back(term.group.target);
-  }
-  if (result.names.empty()) {
+  const std::vector<std::string> groups = FreeGroups(*c.problem.dynamics);
+  if (groups.empty()) {
     return Refuse(FLAGS_case +
                   ": no [[group]] is free, expected those whose change is "
                   "asked for");
   }
-  std::vector<GroupState> healthy;
-  Vector offsets;
-  IdentifiedModel begin_from;
+  std::vector<Baseline> baselines;
   for (size_t at = 0; at <= FLAGS_baseline.size();) {
     const size_t end =
         std::min(FLAGS_baseline.find(',', at), FLAGS_baseline.size());
     const std::string folder = FLAGS_baseline.substr(at, end - at);
     at = end + 1;
     if (folder.empty()) return Refuse("--baseline has an empty name in it");
-    Baseline baseline;
-    if (!ReadBaseline(folder, *c.problem.dynamics, result.names, &baseline,
+    baselines.emplace_back();
+    if (!ReadBaseline(folder, *c.problem.dynamics, groups, &baselines.back(),
                       &error)) {
       return Refuse(error);
     }
-    // All in the terms of the first one.
-    if (healthy.empty()) {
-      begin_from = BeginFromBaseline(baseline, result.names, c.problem);
-      offsets = baseline.offsets;
-    }
-    baseline.groups.values += baseline.offsets - offsets;
-    healthy.push_back(baseline.groups);
-    result.baselines.push_back(folder);
   }
+  const IdentifiedModel begin_from =
+      BeginFromBaseline(baselines[0], groups, c.problem);
 
   // 2. The new state.
   ResultFolder folder;
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
     return Refuse(error);
   }
-  Checkpoint checkpoint;
-  const bool resumed = !folder.resume_path().empty();
-  if (resumed &&
-      !ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint, &error)) {
-    return Refuse(error);
-  }
-  CatchInterrupts();
-  ProgressLine line(FLAGS_progress);
-  CheckpointWriter writer(c.problem, folder.checkpoint_path());
-  bool warned = false;
-  c.options.callback = [&](const IdentificationProgress& progress) {
-    std::string problem;
-    if (!writer.Update(progress, &problem) && !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
-      warned = true;
-    }
-    line.Show("", progress);
-    return !Interrupted();
-  };
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, resumed ? &checkpoint.model : &begin_from,
-           &summary, &model);
-  line.End();
+  if (!FitCase(c, folder, &begin_from, FLAGS_progress, &summary, &model,
+               &error)) {
+    return Refuse(error);
+  }
 
   // 3. What changed. A fit that is not usable says nothing about that.
-  const bool interrupted = summary.termination == Termination::kInterrupted;
+  bool interrupted = summary.termination == Termination::kInterrupted;
   bool judged = false;
+  DamageResult result;
   if (summary.usable && summary.covariance.size() > 0) {
-    std::vector<int> rows;
-    GroupState current;
-    current.values.resize(static_cast<Eigen::Index>(result.names.size()));
-    for (size_t i = 0; i < result.names.size(); ++i) {
-      for (size_t j = 0; j < summary.covariance_names.size(); ++j) {
-        if (summary.covariance_names[j] == result.names[i]) {
-          rows.push_back(static_cast<int>(j));
-        }
-      }
-      for (const ParameterEstimate& parameter : summary.parameters) {
-        if (parameter.name == result.names[i]) {
-          current.values[static_cast<Eigen::Index>(i)] = parameter.value;
-        }
-      }
-    }
-    current.values -= offsets;
-    current.covariance = summary.covariance(rows, rows);
-    judged = EstimateChange(healthy, current, result.options, &result.estimate,
-                            &error);
-    if (judged) {
-      result.judgement = JudgeChange(result.names, result.targets,
-                                     result.estimate, result.options);
-    } else {
+    const FitFunction fit = [&](const std::string& what, const Case& other,
+                                const IdentifiedModel* from,
+                                IdentificationSummary* outcome,
+                                IdentifiedModel* found) {
+      FitWithProgress(what + "  ", other, from, FLAGS_progress, outcome, found);
+      interrupted =
+          interrupted || outcome->termination == Termination::kInterrupted;
+    };
+    judged = AnalyseDamage(c, baselines, change_options, summary, model, fit,
+                           &result, &error);
+    if (!judged) {
       std::fprintf(stderr, "nothing can be said about changes: %s\n",
                    error.c_str());
     }
+  }
+  if (!judged) {
+    result.fitted = c;
+    result.summary = summary;
+    result.model = model;
   }
 
   // 4. Results and report.
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  const ReportInput report =
-      MakeReportInput(c, summary, model, CommandLine(argc, argv), seconds);
+  ReportInput report =
+      MakeReportInput(result.fitted, result.summary, result.model,
+                      CommandLine(argc, argv), seconds);
+  if (judged) report.damage = MakeReportDamage(result);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  if (!WriteResultFiles(c, summary, model, folder, &error) ||
+  if (!WriteResultFiles(result.fitted, result.summary, result.model, folder,
+                        &error) ||
       (judged && !WriteFileAtomically(folder.working_path() + "/damage.json",
                                       DamageAsJson(result), &error)) ||
       !WriteHtmlReport(report, report_options,
@@ -254,7 +165,11 @@ int main(int argc, char** argv) {
   }
   if (judged) {
     std::printf("%s\n\nChange since the baseline\n%s\n",
-                result.judgement.sentence.c_str(), ChangeTable(result).c_str());
+                result.judgement.sentence.c_str(),
+                MakeChangeTable(*report.damage).ToText().c_str());
+    for (const std::string& remark : result.remarks) {
+      std::printf("%s\n", remark.c_str());
+    }
   }
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());
@@ -262,5 +177,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
     return kExitInterrupted;
   }
-  return summary.usable && judged ? kExitDone : kExitNotUsable;
+  return result.summary.usable && judged ? kExitDone : kExitNotUsable;
 }

@@ -13,15 +13,13 @@
 #include <cstdio>
 #include <string>
 
+#include "apps/fitting.h"
 #include "apps/program.h"
-#include "apps/progress_line.h"
 #include "apps/reporting.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
-#include "pinode/case/checkpoint.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
-#include "pinode/estimate/identify.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
 
@@ -68,32 +66,13 @@ int main(int argc, char** argv) {
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
     return Refuse(error);
   }
-  Checkpoint checkpoint;
-  const bool resumed = !folder.resume_path().empty();
-  if (resumed &&
-      !ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint, &error)) {
-    return Refuse(error);
-  }
 
   // 3. The fit, with a checkpoint after every iteration.
-  CatchInterrupts();
-  ProgressLine line(FLAGS_progress);
-  CheckpointWriter writer(c.problem, folder.checkpoint_path());
-  bool warned = false;
-  c.options.callback = [&](const IdentificationProgress& progress) {
-    std::string problem;
-    if (!writer.Update(progress, &problem) && !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
-      warned = true;
-    }
-    line.Show("", progress);
-    return !Interrupted();
-  };
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, resumed ? &checkpoint.model : nullptr,
-           &summary, &model);
-  line.End();
+  if (!FitCase(c, folder, nullptr, FLAGS_progress, &summary, &model, &error)) {
+    return Refuse(error);
+  }
 
   // 4. Results and report.
   const double seconds =

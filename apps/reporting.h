@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/case/case_file.h"
+#include "pinode/case/damage_analysis.h"
 #include "pinode/case/discovered_case.h"
 #include "pinode/estimate/identification_summary.h"
 #include "pinode/report/report.h"
@@ -22,6 +23,9 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
 // What discovery found, and what it was regressed from.
 std::vector<ReportEquation> MakeReportEquations(const Case& c,
                                                 const Discovery& discovery);
+
+// What has changed, without what was looked for and not found.
+ReportDamage MakeReportDamage(const DamageResult& result);
 
 }  // namespace pinode
 

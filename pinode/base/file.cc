@@ -107,8 +107,8 @@ size_t FirstInvalidUtf8(const std::string& text) {
   return std::string::npos;
 }
 
-bool ReadTextFile(const std::string& path, std::string* content,
-                  std::string* error) {
+bool ReadBinaryFile(const std::string& path, std::string* content,
+                    std::string* error) {
   CHECK(content != nullptr);
   CHECK(error != nullptr);
   // Without O_NONBLOCK, opening a named pipe would wait for its writer.
@@ -146,7 +146,14 @@ bool ReadTextFile(const std::string& path, std::string* content,
     done += static_cast<size_t>(count);
   }
   text.resize(done);
+  *content = std::move(text);
+  return true;
+}
 
+bool ReadTextFile(const std::string& path, std::string* content,
+                  std::string* error) {
+  std::string text;
+  if (!ReadBinaryFile(path, &text, error)) return false;
   const size_t bad = FirstInvalidUtf8(text);
   if (bad != std::string::npos) {
     const auto line =

@@ -1,4 +1,4 @@
-// Text files, read whole and written all or nothing.
+// Files, read whole and written all or nothing.
 
 #ifndef PINODE_BASE_FILE_H_
 #define PINODE_BASE_FILE_H_
@@ -8,9 +8,13 @@
 namespace pinode {
 
 // Reads the whole file at `path` into *content, byte for byte. Fails with a
-// message in *error if the file is missing, cannot be read, is not a regular
-// file, or is not valid UTF-8 (`path:line: ...`, the line of the first bad
-// byte). *content is untouched on failure.
+// message in *error if the file is missing, cannot be read or is not a regular
+// file. *content is untouched on failure.
+[[nodiscard]] bool ReadBinaryFile(const std::string& path, std::string* content,
+                                  std::string* error);
+
+// The same for text: fails also if the file is not valid UTF-8 (`path:line:
+// ...`, the line of the first bad byte).
 [[nodiscard]] bool ReadTextFile(const std::string& path, std::string* content,
                                 std::string* error);
 

@@ -78,6 +78,35 @@ TEST_F(FileTest, SaysWhatCannotBeRead) {
   EXPECT_EQ(content, "kept");
 }
 
+// A whole matrix file of another program may hold any byte, which text may
+// not.
+TEST_F(FileTest, BinaryFilesMayHoldAnyByte) {
+  std::string bytes;
+  for (int value = 255; value >= 0; --value) {
+    bytes.push_back(static_cast<char>(value));
+  }
+  const std::string path = Write("bytes.op4", bytes);
+  std::string content = "kept", error;
+  EXPECT_FALSE(ReadTextFile(path, &content, &error));
+  EXPECT_EQ(content, "kept");
+  ASSERT_TRUE(ReadBinaryFile(path, &content, &error)) << error;
+  EXPECT_EQ(content, bytes);
+}
+
+TEST_F(FileTest, SaysWhichBinaryFileCannotBeRead) {
+  std::string content = "kept", error;
+  const std::string missing = folder_ + "missing.op4";
+  EXPECT_FALSE(ReadBinaryFile(missing, &content, &error));
+  EXPECT_THAT(error, StartsWith(missing + ": cannot open"));
+  EXPECT_FALSE(ReadBinaryFile(folder_, &content, &error));
+  EXPECT_THAT(error, HasSubstr("is a folder"));
+  const std::string fifo = folder_ + "pipe";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_FALSE(ReadBinaryFile(fifo, &content, &error));
+  EXPECT_THAT(error, HasSubstr("not a regular file"));
+  EXPECT_EQ(content, "kept");
+}
+
 TEST(FirstInvalidUtf8Test, FollowsTheStandard) {
   for (const char* good : {"", "abc", "\xC2\x80", "\xDF\xBF", "\xE0\xA0\x80",
                            "\xED\x9F\xBF", "\xEE\x80\x80", "\xEF\xBF\xBF",

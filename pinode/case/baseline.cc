@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "pinode/base/file.h"
+#include "pinode/base/logging.h"
+#include "pinode/case/toml_value.h"
+#include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
 
@@ -15,6 +18,13 @@ namespace {
 
 using Json = nlohmann::json;
 using Target = MatrixGroup::Target;
+
+// -1: not among them.
+Eigen::Index IndexOf(const std::vector<std::string>& names,
+                     const std::string& name) {
+  const auto position = std::find(names.begin(), names.end(), name);
+  return position == names.end() ? -1 : position - names.begin();
+}
 
 // The part of result.json that is needed here.
 struct Result {
@@ -118,6 +128,29 @@ bool FindOffsets(const std::string& folder, const Result& result,
   return true;
 }
 
+// What the matrices of the baseline's own case held of each group beyond once:
+// its model.toml, whose groups begin at zero again, has `values` in it.
+bool ReadPresent(const std::string& path, const std::vector<std::string>& names,
+                 const Vector& values, Vector* present, std::string* error) {
+  std::string text;
+  TomlValue root;
+  if (!ReadTextFile(path, &text, error) ||
+      !ParseToml(text, path, &root, error)) {
+    return false;
+  }
+  *present = Vector::Zero(values.size());
+  const TomlValue* groups = root.Find("group");
+  if (groups == nullptr || !groups->IsArrayOfTables()) return true;
+  for (const TomlValue& table : groups->elements) {
+    const TomlValue* name = table.Find("name");
+    const TomlValue* now = table.Find("present");
+    if (name == nullptr || now == nullptr || !now->IsNumber()) continue;
+    const Eigen::Index i = IndexOf(names, name->text);
+    if (i >= 0) (*present)[i] = now->number - values[i] - 1.0;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
@@ -170,6 +203,10 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
     }
   }
 
+  Vector present;
+  if (!ReadPresent(path("model.toml"), names, values, &present, error)) {
+    return false;
+  }
   Table table;
   if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
     return false;
@@ -182,11 +219,60 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
     return false;
   }
   baseline->folder = folder;
-  baseline->groups = {std::move(values), table.values(rows, rows)};
+  baseline->groups = {values + present, table.values(rows, rows)};
   baseline->offsets = std::move(offsets);
   baseline->parameter_names = result.names;
   baseline->parameter_values = result.values;
   return true;
+}
+
+IdentifiedModel BeginFromBaseline(const Baseline& baseline,
+                                  const std::vector<std::string>& groups,
+                                  const IdentificationProblem& problem) {
+  const ParameterLayout layout(problem);
+  IdentifiedModel model;
+  model.parameters = layout.InitialValues();
+  for (const int index : layout.free()) {
+    const Parameter& parameter = layout.parameter(index);
+    const Eigen::Index name = IndexOf(baseline.parameter_names, parameter.name);
+    if (!layout.IsNamed(index) || name < 0) continue;
+    double value = baseline.parameter_values[name];
+    const Eigen::Index group = IndexOf(groups, parameter.name);
+    if (group >= 0) value += baseline.offsets[group];
+    model.parameters[index] =
+        std::clamp(value, parameter.lower, parameter.upper);
+  }
+  return model;
+}
+
+Vector AlreadyPresent(const StructuralDynamics& dynamics,
+                      const std::vector<std::string>& names) {
+  Vector present = Vector::Zero(static_cast<Eigen::Index>(names.size()));
+  for (const GroupTerm& term : dynamics.groups()) {
+    const Eigen::Index i = IndexOf(names, term.group.name);
+    if (i >= 0) present[i] = term.present - 1.0;
+  }
+  return present;
+}
+
+GroupState GroupsOf(const StructuralDynamics& dynamics,
+                    const IdentificationSummary& summary,
+                    const std::vector<std::string>& names) {
+  GroupState state;
+  state.values.resize(static_cast<Eigen::Index>(names.size()));
+  std::vector<Eigen::Index> rows;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const Eigen::Index row = IndexOf(summary.covariance_names, names[i]);
+    CHECK_GE(row, 0) << "'" << names[i] << "' has no covariance";
+    rows.push_back(row);
+    for (const ParameterEstimate& parameter : summary.parameters) {
+      if (parameter.name != names[i]) continue;
+      state.values[static_cast<Eigen::Index>(i)] = parameter.value;
+    }
+  }
+  state.values += AlreadyPresent(dynamics, names);
+  state.covariance = summary.covariance(rows, rows);
+  return state;
 }
 
 }  // namespace pinode

@@ -9,13 +9,15 @@
 #include "pinode/base/types.h"
 #include "pinode/damage/change.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
 
 namespace pinode {
 
 struct Baseline {
   std::string folder;
-  // In the order of the names asked for: alpha as the baseline's own case has
-  // it, so that 1 + alpha is what the group has of its nominal stiffness.
+  // In the order of the names asked for, such that 1 + value is what the
+  // structure has of the group's matrix, see GroupTerm::present.
   GroupState groups;
   // alpha of the same matrices in the new case is that much larger: not zero
   // where the new case is built on a model.toml, which holds what was found.
@@ -36,6 +38,24 @@ struct Baseline {
                                 const StructuralDynamics& dynamics,
                                 const std::vector<std::string>& names,
                                 Baseline* baseline, std::string* error);
+
+// What a fit of `problem` begins from: its own initial values, and those of the
+// baseline for the named parameters that both have, kept inside their bounds.
+// `groups`: those that `baseline` was read for.
+IdentifiedModel BeginFromBaseline(const Baseline& baseline,
+                                  const std::vector<std::string>& groups,
+                                  const IdentificationProblem& problem);
+
+// The free groups and other parameters `names` of a fit of `dynamics` with a
+// covariance; groups as in Baseline.
+GroupState GroupsOf(const StructuralDynamics& dynamics,
+                    const IdentificationSummary& summary,
+                    const std::vector<std::string>& names);
+
+// What has to be added to each group's alpha for a value as in Baseline; 0
+// where there is no group of that name.
+Vector AlreadyPresent(const StructuralDynamics& dynamics,
+                      const std::vector<std::string>& names);
 
 }  // namespace pinode
 

@@ -94,7 +94,7 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   const TomlTable root(*source, "", &errors);
   if (!root.AllowKeys({"title", "units", "model", "group", "element", "library",
                        "network", "unknown_force", "record", "options",
-                       "simulate", "discover", "reference_curve"})) {
+                       "simulate", "discover", "damage", "reference_curve"})) {
     return false;
   }
   Case c;
@@ -167,7 +167,9 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
       (!c.problem.IsValid(&message) || !c.options.IsValid(&message))) {
     return errors.Fail(0, message);
   }
-  if (!SetSubsteps(sections, &c)) return false;
+  if (!ReadDamage(root, c.problem, &c.damage) || !SetSubsteps(sections, &c)) {
+    return false;
+  }
   *result = std::move(c);
   return true;
 }

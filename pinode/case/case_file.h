@@ -10,6 +10,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
+#include "pinode/case/damage_section.h"
 #include "pinode/case/reference_curve_section.h"
 #include "pinode/case/substeps.h"
 #include "pinode/discover/discovery.h"
@@ -81,6 +82,9 @@ struct Case {
 
   // [discover]: where pinode_discover looks for equations.
   DiscoveryOptions discover;
+
+  // [damage]: what pinode_damage looks for beside changes of groups.
+  DamageSearch damage;
 
   // [[reference_curve]]: what the report draws beside the terms' forces.
   std::vector<ReferenceCurve> reference_curves;

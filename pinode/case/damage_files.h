@@ -4,27 +4,20 @@
 #define PINODE_CASE_DAMAGE_FILES_H_
 
 #include <string>
-#include <vector>
 
-#include "pinode/damage/change.h"
-#include "pinode/damage/verdict.h"
+#include "pinode/case/damage_analysis.h"
 
 namespace pinode {
 
-// What pinode_damage has found.
-struct DamageResult {
-  std::vector<std::string> baselines;  // folders
-  std::vector<std::string> names;      // of the groups
-  std::vector<MatrixGroup::Target> targets;
-  ChangeOptions options;
-  ChangeEstimate estimate;
-  Judgement judgement;
-};
-
 // {"schema": "pinode-damage-1", "verdict", "message", "baselines", "threshold",
-//  "false_alarm_rate", "between_records",
+//  "false_alarm_rate", "has_between_records",
 //  "groups": [{"name", "target", "change", "lower95", "upper95", "probability",
 //              "damaged", "p_value", "reason", "between_records"}],
+//  "nonlinearity": {"detected", "place", "dof", "force_share",
+//                   "terms": [{"basis", "share", "lower95", "upper95"}]},
+//  "masses": [{"place", "change", "lower95", "upper95", "reason"}],
+//  "rivals": [{"found", "other", "loss"}],
+//  "looked_for": [], "remarks": [],
 //  "unexplained": {"chi2", "degrees_of_freedom"}}
 std::string DamageAsJson(const DamageResult& result);
 

@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/case/grown_case.h"
 #include "pinode/case/library_section.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/discover/stepwise.h"
 #include "pinode/dynamics/library_function.h"
-#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/fitted_cost.h"
 #include "pinode/estimate/identify.h"
-#include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -30,15 +29,7 @@ constexpr double kSearchTolerance = 1e-7;
 constexpr int kMaxSearchIterations = 60;
 
 std::string LibraryName(const DiscoveredEquation& equation) {
-  // Names of DOFs are freer than those of terms.
-  std::string name = equation.network + "_" + equation.output;
-  for (char& c : name) {
-    if (std::string("/\\:*?\"'<>|&;%$#@!~`^(){}=").find(c) !=
-        std::string::npos) {
-      c = '_';
-    }
-  }
-  return name;
+  return TermName(equation.network + "_" + equation.output);
 }
 
 LibraryFunction Parsed(const DiscoveredEquation& equation,
@@ -375,15 +366,18 @@ class Refitter {
     }
     const ParameterLayout layout(c.problem);
     const Vector free = layout.Free(initial.parameters);
-    CondensedSystem system;
-    if (!Linearize(c.problem, layout, initial, free, &system, memory)) {
+    initial.decays = last_model_.decays;
+    FittedCost fitted;
+    if (!LinearizeAtFit(c.problem, layout, initial, discovery_.summary.records,
+                        c_.options.num_threads, &fitted)) {
       return true;
     }
+    *memory = fitted.memory;
 
     // Entries of the libraries count from 0, all others from where they are.
     QuadraticCost cost;
-    cost.hessian = system.hessian / *memory;
-    cost.gradient = system.gradient / *memory;
+    cost.hessian = fitted.system.hessian / *memory;
+    cost.gradient = fitted.system.gradient / *memory;
     StepwiseOptions options;
     options.price = price_;
     options.optional.assign(static_cast<size_t>(free.size()), false);
@@ -425,49 +419,6 @@ class Refitter {
       }
       (*equations)[e].terms = std::move(terms);
     }
-    return true;
-  }
-
-  // At `initial`, in one piece a record. False where that is not finite.
-  bool Linearize(const IdentificationProblem& problem,
-                 const ParameterLayout& layout, const IdentifiedModel& initial,
-                 const Vector& free, CondensedSystem* system, double* memory) {
-    MultipleShooting::Options options;
-    options.num_threads = c_.options.num_threads;
-    MultipleShooting shooting(problem, layout, options);
-    std::vector<Vector> sigmas;
-    std::vector<Vector> scales;
-    std::vector<Matrix> trajectories;
-    for (const int record : shooting.train_records()) {
-      const size_t r = static_cast<size_t>(record);
-      const RecordScore& score = discovery_.summary.records[r];
-      if (!score.finite) return false;
-      sigmas.push_back(initial.sigmas[r]);
-      trajectories.push_back(score.states);
-      scales.push_back(StateScales(problem, score.states));
-    }
-    shooting.SetSigmas(sigmas);
-    shooting.SetDecays(last_model_.decays.size() == layout.num_decay_groups()
-                           ? last_model_.decays
-                           : Vector(Vector::Zero(layout.num_decay_groups())));
-    shooting.SetStateScales(scales);
-    shooting.SetSegments(0, trajectories);
-    std::vector<Matrix> residuals;
-    if (!shooting.Linearize(free, system) || !system->hessian.allFinite() ||
-        !shooting.WeightedResiduals(free, false, &residuals, nullptr)) {
-      return false;
-    }
-    // What a lacking term leaves over has a memory, and what no candidate
-    // explains as well.
-    double sum = 0.0;
-    int count = 0;
-    for (const Matrix& record : residuals) {
-      for (Eigen::Index k = 0; k < record.rows(); ++k) {
-        sum += AutocorrelationTime(record.row(k).transpose());
-        ++count;
-      }
-    }
-    *memory = std::max(1.0, sum / std::max(count, 1));
     return true;
   }
 
@@ -634,44 +585,15 @@ bool MakeDiscoveredCase(const Case& c, const IdentifiedModel& model,
       records[r].Set("substeps", TomlValue::Integer(substeps[r]));
     }
   }
-  // Read before anything is overwritten: *discovered may be c.
-  Case result;
-  const ParameterLayout before(c.problem);
-  if (!ReadCaseTree(tree, c.path, &result, error)) return false;
-  result.options = c.options;
-  // What was read is what counts, not what the files say by now.
-  for (size_t r = 0; r < c.problem.records.size(); ++r) {
-    const IdentificationRecord& from = c.problem.records[r];
-    IdentificationRecord& to = result.problem.records[r];
-    CHECK_EQ(from.channels.size(), to.channels.size());
-    to.excitation = from.excitation;
-    for (size_t k = 0; k < from.channels.size(); ++k) {
-      to.channels[k].values = from.channels[k].values;
-    }
-  }
-
-  CHECK_EQ(model.parameters.size(), before.num_parameters());
-  std::map<std::string, double> values;
-  for (int i = 0; i < before.num_parameters(); ++i) {
-    values[before.parameter(i).name] = model.parameters[i];
-  }
+  std::map<std::string, double> values = ParametersByName(c.problem, model);
   // The equations know better than the libraries of an earlier round.
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveredTerm& term : equation.terms) {
       values[ParameterName(equation, term)] = term.coefficient;
     }
   }
-  const ParameterLayout after(result.problem);
-  IdentifiedModel start;
-  start.parameters = after.InitialValues();
-  for (int i = 0; i < after.num_parameters(); ++i) {
-    const auto found = values.find(after.parameter(i).name);
-    if (found != values.end()) start.parameters[i] = found->second;
-  }
-  start.sigmas = model.sigmas;
-  start.starts = model.starts;
-  *initial = std::move(start);
-  *discovered = std::move(result);
+  if (!RebuildCase(c, tree, discovered, error)) return false;
+  *initial = BeginFrom(values, model, discovered->problem);
   return true;
 }
 

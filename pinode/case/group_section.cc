@@ -110,7 +110,7 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
                 StructuralDynamics* dynamics) {
   for (TomlTable& table : root.Tables("group")) {
     std::vector<std::string> keys = {"name",   "adds_to", "between", "matrix",
-                                     "storey", "scale",   "follows"};
+                                     "storey", "scale",   "follows", "present"};
     keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
     if (!table.AllowKeys(keys)) return false;
     GroupTerm term;
@@ -131,6 +131,7 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
         !ReadFollows(table, *context.units, *dynamics, &term)) {
       return false;
     }
+    term.present = table.Number("present", 1.0);
     term.alpha.name = term.group.name;
     if (!ReadParameterKeys(table, 1.0, &term.alpha)) return false;
     std::string error;

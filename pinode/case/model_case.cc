@@ -75,6 +75,7 @@ class ModelCaseWriter {
       const double taken =
           term.follows == GroupTerm::Follows::kNothing ? term.alpha.value : 0.0;
       table.Set("initial", TomlValue::Float(term.alpha.value - taken));
+      table.Set("present", TomlValue::Float(term.present + taken));
       if (std::isfinite(term.alpha.lower)) {
         table.Set("lower", TomlValue::Float(term.alpha.lower - taken));
       }

@@ -147,6 +147,97 @@ class Scores {
   Vector z_;
 };
 
+// What changes of the groups in `support`, and no others, gain in twice the
+// log-likelihood.
+double Gain(const Matrix& information, const Vector& right,
+            const std::vector<int>& support) {
+  if (support.empty()) return 0.0;
+  const Vector part = right(support);
+  return part.dot(Matrix(information(support, support)).llt().solve(part));
+}
+
+std::vector<RivalChange> Rivals(const Matrix& information, const Vector& right,
+                                const std::vector<int>& found,
+                                double largest_loss) {
+  std::vector<RivalChange> rivals;
+  const double gain = Gain(information, right, found);
+  for (size_t k = 0; k < found.size(); ++k) {
+    for (int j = 0; j < right.size(); ++j) {
+      if (std::find(found.begin(), found.end(), j) != found.end()) continue;
+      std::vector<int> exchanged = found;
+      exchanged[k] = j;
+      const double loss = gain - Gain(information, right, exchanged);
+      if (loss < largest_loss) rivals.push_back({found[k], j, loss});
+    }
+  }
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const RivalChange& a, const RivalChange& b) {
+                     return a.loss < b.loss;
+                   });
+  return rivals;
+}
+
+// Both sides beside each other.
+struct Comparison {
+  Pool pool;
+  Vector healthy_value;  // what a change is a fraction of
+  Vector difference;     // as changes
+  Matrix covariance;     // of the difference
+  Matrix information;    // its inverse
+  Vector right;          // information * difference
+};
+
+bool Compare(const std::vector<GroupState>& healthy, const GroupState& current,
+             const ChangeOptions& options, Comparison* result,
+             std::string* error) {
+  if (!options.IsValid(error)) return false;
+  if (healthy.empty()) {
+    *error = "there is no healthy state";
+    return false;
+  }
+  const Eigen::Index size = current.values.size();
+  if (size == 0) {
+    *error = "there is no group";
+    return false;
+  }
+  for (size_t i = 0; i < healthy.size(); ++i) {
+    if (!IsGroupState(healthy[i], size,
+                      "healthy state " + std::to_string(i + 1), error)) {
+      return false;
+    }
+  }
+  if (!IsGroupState(current, size, "the current state", error)) return false;
+  if (!options.absolute.empty() &&
+      static_cast<Eigen::Index>(options.absolute.size()) != size) {
+    *error = "absolute has " + std::to_string(options.absolute.size()) +
+             " entries, expected " + std::to_string(size) + " or none";
+    return false;
+  }
+  const Pool pool = PoolHealthy(healthy);
+  Vector scale = pool.values.array() + 1.0;
+  for (Eigen::Index j = 0; j < size; ++j) {
+    if (!options.absolute.empty() && options.absolute[static_cast<size_t>(j)]) {
+      scale[j] = 1.0;
+    }
+    if (scale[j] <= 0.0) {
+      *error = "the healthy stiffness of group " + std::to_string(j + 1) +
+               " is not positive";
+      return false;
+    }
+  }
+  result->difference = (current.values - pool.values).cwiseQuotient(scale);
+  Matrix covariance = current.covariance + pool.covariance;
+  covariance.diagonal() += pool.between;
+  const auto inverse_scale = scale.cwiseInverse().asDiagonal();
+  result->covariance = inverse_scale * covariance * inverse_scale;
+  result->information =
+      result->covariance.llt().solve(Matrix::Identity(size, size));
+  result->right = result->information * result->difference;
+  result->pool = pool;
+  result->healthy_value = scale;
+  return true;
+}
+
 }  // namespace
 
 bool ChangeOptions::IsValid(std::string* error) const {
@@ -169,43 +260,15 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
                     const GroupState& current, const ChangeOptions& options,
                     ChangeEstimate* estimate, std::string* error) {
   *estimate = ChangeEstimate();
-  if (!options.IsValid(error)) return false;
-  if (healthy.empty()) {
-    *error = "there is no healthy state";
-    return false;
-  }
+  Comparison comparison;
+  if (!Compare(healthy, current, options, &comparison, error)) return false;
   const Eigen::Index size = current.values.size();
-  if (size == 0) {
-    *error = "there is no group";
-    return false;
-  }
-  for (size_t i = 0; i < healthy.size(); ++i) {
-    if (!IsGroupState(healthy[i], size,
-                      "healthy state " + std::to_string(i + 1), error)) {
-      return false;
-    }
-  }
-  if (!IsGroupState(current, size, "the current state", error)) return false;
-  const Pool pool = PoolHealthy(healthy);
-  for (Eigen::Index j = 0; j < size; ++j) {
-    if (1.0 + pool.values[j] <= 0.0) {
-      *error = "the healthy stiffness of group " + std::to_string(j + 1) +
-               " is not positive";
-      return false;
-    }
-  }
-
-  // Differences as fractions of the healthy value.
-  const Vector healthy_value = pool.values.array() + 1.0;
-  const Vector difference =
-      (current.values - pool.values).cwiseQuotient(healthy_value);
-  Matrix covariance = current.covariance + pool.covariance;
-  covariance.diagonal() += pool.between;
-  covariance = healthy_value.cwiseInverse().asDiagonal() * covariance *
-               healthy_value.cwiseInverse().asDiagonal();
-  const Matrix information =
-      covariance.llt().solve(Matrix::Identity(size, size));
-  const Vector right = information * difference;
+  const Pool& pool = comparison.pool;
+  const Vector& healthy_value = comparison.healthy_value;
+  const Vector& difference = comparison.difference;
+  const Matrix& covariance = comparison.covariance;
+  const Matrix& information = comparison.information;
+  const Vector& right = comparison.right;
   estimate->has_between_records = healthy.size() > 1;
   estimate->between_records =
       pool.between.cwiseSqrt().cwiseQuotient(healthy_value);
@@ -290,6 +353,7 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
     group.probability =
         NormalProbability((-options.threshold - group.change) / group.sigma);
   }
+  estimate->rivals = Rivals(information, right, found, options.rival_loss);
   Vector rest = difference;
   if (!found.empty()) {
     const Vector refit =
@@ -301,6 +365,17 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
   estimate->unexplained_chi2 = rest.dot(information * rest);
   estimate->unexplained_degrees =
       static_cast<int>(size) - static_cast<int>(found.size());
+  return true;
+}
+
+bool FindRivals(const std::vector<GroupState>& healthy,
+                const GroupState& current, const ChangeOptions& options,
+                const std::vector<int>& found, std::vector<RivalChange>* rivals,
+                std::string* error) {
+  Comparison comparison;
+  if (!Compare(healthy, current, options, &comparison, error)) return false;
+  *rivals = Rivals(comparison.information, comparison.right, found,
+                   options.rival_loss);
   return true;
 }
 

@@ -12,7 +12,8 @@ namespace pinode {
 
 // Identified factors of a structure's groups with their covariance: alpha of
 // K0 + sum_j alpha_j K_j, so that the group has 1 + alpha times its nominal
-// stiffness.
+// stiffness. Other unknowns that may change can stand among them, see
+// ChangeOptions::absolute.
 struct GroupState {
   Vector values;
   Matrix covariance;
@@ -25,6 +26,13 @@ struct ChangeOptions {
   double false_alarm_rate = 0.05;
   // Random draws for the distribution of the largest statistic.
   int num_draws = 20000;
+  // Entries whose change is wanted as it is and not as a fraction of the
+  // healthy 1 + alpha, such as a mass that may have been added; empty: none.
+  std::vector<bool> absolute;
+  // Another explanation counts as a rival of a found change where it loses less
+  // than this in twice the log-likelihood: odds of 20 (R. E. Kass and A. E.
+  // Raftery, J. Amer. Statist. Assoc. 90 (1995) 773-795).
+  double rival_loss = 6.0;
 
   // On failure *error names the option and the violated constraint.
   [[nodiscard]] bool IsValid(std::string* error) const;
@@ -47,10 +55,19 @@ struct GroupChange {
   double p_value = 1.0;
 };
 
+// The data explain themselves nearly as well with a change of group `other`
+// (not found) in place of that of group `found`.
+struct RivalChange {
+  int found = 0;
+  int other = 0;
+  double loss = 0.0;  // in twice the log-likelihood
+};
+
 struct ChangeEstimate {
   std::vector<GroupChange> groups;
+  std::vector<RivalChange> rivals;  // least loss first
   // Deviation of each healthy value from record to record beyond what its
-  // covariance says, as a fraction; zero with one healthy state.
+  // covariance says, as its change; zero with one healthy state.
   Vector between_records;
   // Whether there are several healthy states, so that records' own differences
   // have entered.
@@ -85,6 +102,16 @@ struct ChangeEstimate {
                                   const GroupState& current,
                                   const ChangeOptions& options,
                                   ChangeEstimate* estimate, std::string* error);
+
+// What else would explain the changes of the groups `found`, whatever they were
+// found by: exchanges of one of them for one of the others, least loss first.
+// False as EstimateChange is.
+[[nodiscard]] bool FindRivals(const std::vector<GroupState>& healthy,
+                              const GroupState& current,
+                              const ChangeOptions& options,
+                              const std::vector<int>& found,
+                              std::vector<RivalChange>* rivals,
+                              std::string* error);
 
 }  // namespace pinode
 

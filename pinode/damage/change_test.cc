@@ -174,5 +174,55 @@ TEST_F(EstimateChangeTest, RefusesWhatDoesNotFit) {
   EXPECT_THAT(error, HasSubstr("threshold"));
 }
 
+// Two groups that the data hardly tell apart: either explains the change.
+TEST(EstimateChangeRivals, NamesWhatExplainsTheChangeAsWell) {
+  Matrix information(3, 3);
+  information << 1e4, 0.98e4, 0.0, 0.98e4, 1e4, 0.0, 0.0, 0.0, 1e4;
+  const Matrix covariance = information.inverse();
+  const GroupState healthy = {Vector::Zero(3), 1e-6 * covariance};
+  Vector truth(3);
+  truth << -0.06, 0.0, 0.0;
+  const GroupState current = {truth, covariance};
+  ChangeOptions options;
+  ChangeEstimate estimate;
+  std::string error;
+  ASSERT_TRUE(EstimateChange({healthy}, current, options, &estimate, &error))
+      << error;
+  EXPECT_TRUE(estimate.groups[0].changed);
+  ASSERT_EQ(estimate.rivals.size(), 1u);
+  EXPECT_EQ(estimate.rivals[0].found, 0);
+  EXPECT_EQ(estimate.rivals[0].other, 1);
+  // z^2 (1 - 0.98^2), z = 6 standard deviations.
+  EXPECT_NEAR(estimate.rivals[0].loss, 36.0 * (1.0 - 0.98 * 0.98), 1e-3);
+
+  options.rival_loss = 1.0;
+  ASSERT_TRUE(EstimateChange({healthy}, current, options, &estimate, &error));
+  EXPECT_TRUE(estimate.rivals.empty());
+}
+
+// What was not there has no healthy value to be a fraction of.
+TEST(EstimateChangeAbsolute, ChangesAsTheyAre) {
+  const Matrix covariance = 1e-4 * Matrix::Identity(2, 2);
+  const GroupState healthy = {Vector::Constant(2, 1.0), covariance};
+  const GroupState current = {Vector::Constant(2, 1.5), covariance};
+  ChangeOptions options;
+  options.absolute = {false, true};
+  ChangeEstimate estimate;
+  std::string error;
+  ASSERT_TRUE(EstimateChange({healthy}, current, options, &estimate, &error))
+      << error;
+  EXPECT_NEAR(estimate.groups[0].change, 0.25, 1e-12);
+  EXPECT_NEAR(estimate.groups[1].change, 0.5, 1e-12);
+
+  // A healthy -1 would be no stiffness at all.
+  const GroupState nothing = {Vector::Constant(2, -1.0), covariance};
+  EXPECT_FALSE(EstimateChange({nothing}, current, options, &estimate, &error));
+  options.absolute = {true, true};
+  EXPECT_TRUE(EstimateChange({nothing}, current, options, &estimate, &error));
+  options.absolute = {true};
+  EXPECT_FALSE(EstimateChange({nothing}, current, options, &estimate, &error));
+  EXPECT_THAT(error, HasSubstr("absolute has 1 entries, expected 2 or none"));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -23,6 +23,50 @@ std::string Percent(double fraction) {
   return FormatNumber(100.0 * fraction, 3) + " %";
 }
 
+// P(Z > z).
+double UpperTail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
+
+// The probability of a change, in the direction that it has, beyond the
+// threshold.
+double ProbabilityBeyond(const ChangeSubject& subject,
+                         const GroupChange& change, double threshold) {
+  if (subject.kind == ChangeKind::kNonlinear) {
+    if (!(subject.force_share > 0.0)) return 0.0;
+    threshold *= std::abs(change.change) / subject.force_share;
+  } else if (change.change < 0.0) {
+    return change.probability;
+  }
+  return UpperTail((threshold - std::abs(change.change)) / change.sigma);
+}
+
+std::string Describe(const ChangeSubject& subject) {
+  switch (subject.kind) {
+    case ChangeKind::kNonlinear:
+      return "a nonlinear force at " + subject.place;
+    case ChangeKind::kMass:
+      if (!subject.place.empty()) return "the mass at " + subject.place;
+      break;
+    case ChangeKind::kStiffness:
+    case ChangeKind::kDamping:
+      break;
+  }
+  return subject.name;
+}
+
+std::string Describe(const ChangeSubject& subject, const GroupChange& change) {
+  const bool nonlinear = subject.kind == ChangeKind::kNonlinear;
+  return Describe(subject) + " (" +
+         (nonlinear
+              ? Percent(subject.force_share) + " of the restoring force"
+              : (change.change > 0.0 ? "+" : "") + Percent(change.change)) +
+         ")";
+}
+
+bool HasChanged(Reason reason) {
+  return reason == Reason::kBeyondThreshold ||
+         reason == Reason::kBetweenRecords;
+}
+
 }  // namespace
 
 const char* DamageVerdictName(DamageVerdict verdict) {
@@ -31,6 +75,8 @@ const char* DamageVerdictName(DamageVerdict verdict) {
       return "no_damage";
     case DamageVerdict::kDamage:
       return "damage";
+    case DamageVerdict::kNonlinear:
+      return "nonlinear";
     case DamageVerdict::kOtherChange:
       return "other_change";
     case DamageVerdict::kCannotTell:
@@ -39,59 +85,115 @@ const char* DamageVerdictName(DamageVerdict verdict) {
   return "";
 }
 
-Judgement JudgeChange(const std::vector<std::string>& names,
-                      const std::vector<MatrixGroup::Target>& targets,
+const char* ChangeKindName(ChangeKind kind) {
+  switch (kind) {
+    case ChangeKind::kStiffness:
+      return "stiffness";
+    case ChangeKind::kDamping:
+      return "damping";
+    case ChangeKind::kMass:
+      return "mass";
+    case ChangeKind::kNonlinear:
+      return "nonlinear";
+  }
+  return "";
+}
+
+ChangeKind KindOf(MatrixGroup::Target target) {
+  switch (target) {
+    case MatrixGroup::Target::kMass:
+      return ChangeKind::kMass;
+    case MatrixGroup::Target::kDamping:
+      return ChangeKind::kDamping;
+    case MatrixGroup::Target::kStiffness:
+      break;
+  }
+  return ChangeKind::kStiffness;
+}
+
+Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,
                       const ChangeOptions& options) {
-  CHECK_EQ(names.size(), estimate.groups.size());
-  CHECK_EQ(targets.size(), estimate.groups.size());
+  CHECK_EQ(subjects.size(), estimate.groups.size());
   Judgement judgement;
-  std::vector<std::string> damaged, other, formal, unknown;
-  for (size_t j = 0; j < names.size(); ++j) {
-    const GroupChange& group = estimate.groups[j];
-    const bool stiffness = targets[j] == MatrixGroup::Target::kStiffness;
-    // A gain as much as a loss.
+  for (size_t j = 0; j < subjects.size(); ++j) {
+    const GroupChange& change = estimate.groups[j];
     const double beyond =
-        group.change < 0.0
-            ? group.probability
-            : 0.5 * std::erfc((options.threshold - group.change) /
-                              (group.sigma * std::sqrt(2.0)));
-    const std::string text = names[j] + " (" + (group.change > 0.0 ? "+" : "") +
-                             Percent(group.change) + ")";
+        ProbabilityBeyond(subjects[j], change, options.threshold);
     Reason reason = Reason::kNone;
-    if (group.changed && beyond >= kConfidence) {
+    if (change.changed && beyond >= kConfidence) {
       reason = Reason::kBeyondThreshold;
-    } else if (group.changed && estimate.has_between_records) {
+    } else if (change.changed && estimate.has_between_records) {
       reason = Reason::kBetweenRecords;
-    } else if (group.changed) {
+    } else if (change.changed) {
       reason = Reason::kFormal;
-    } else if (stiffness && group.probability > 1.0 - kConfidence) {
+    } else if (subjects[j].kind == ChangeKind::kStiffness &&
+               change.probability > 1.0 - kConfidence) {
       reason = Reason::kUndetermined;
     }
     judgement.reasons.push_back(reason);
-    switch (reason) {
+  }
+  std::vector<std::string> ambiguous;
+  std::vector<std::string> instead;
+  for (const RivalChange& rival : estimate.rivals) {
+    const size_t found = static_cast<size_t>(rival.found);
+    const size_t other = static_cast<size_t>(rival.other);
+    if (!estimate.groups[found].changed) continue;
+    if (subjects[found].kind != subjects[other].kind) {
+      if (HasChanged(judgement.reasons[found])) {
+        judgement.reasons[found] = Reason::kAmbiguous;
+      }
+      ambiguous.push_back(Describe(subjects[other]) + " for " +
+                          Describe(subjects[found]));
+    } else {
+      instead.push_back(Describe(subjects[other]) + " for " +
+                        Describe(subjects[found]));
+    }
+  }
+
+  std::vector<std::string> damaged, nonlinear, other, formal, unknown, unsure;
+  for (size_t j = 0; j < subjects.size(); ++j) {
+    const GroupChange& change = estimate.groups[j];
+    const ChangeKind kind = subjects[j].kind;
+    const std::string text = Describe(subjects[j], change);
+    switch (judgement.reasons[j]) {
       case Reason::kBeyondThreshold:
       case Reason::kBetweenRecords:
-        (stiffness && group.change < 0.0 ? damaged : other).push_back(text);
+        if (kind == ChangeKind::kNonlinear) {
+          nonlinear.push_back(text);
+        } else {
+          (kind == ChangeKind::kStiffness && change.change < 0.0 ? damaged
+                                                                 : other)
+              .push_back(text);
+        }
         break;
       case Reason::kFormal:
         formal.push_back(text);
         break;
       case Reason::kUndetermined:
-        unknown.push_back(names[j]);
+        unknown.push_back(subjects[j].name);
+        break;
+      case Reason::kAmbiguous:
+        unsure.push_back(text);
         break;
       case Reason::kNone:
         break;
     }
   }
-  if (!damaged.empty()) {
+  const std::string lost = Join(damaged) + " lost stiffness.";
+  if (!nonlinear.empty()) {
+    judgement.verdict = DamageVerdict::kNonlinear;
+    judgement.sentence =
+        "The structure has become nonlinear: " + Join(nonlinear) + ".";
+    if (!damaged.empty()) judgement.sentence += " Besides, " + lost;
+  } else if (!damaged.empty()) {
     judgement.verdict = DamageVerdict::kDamage;
-    judgement.sentence = "Damage: " + Join(damaged) + " lost stiffness.";
+    judgement.sentence = "Damage: " + lost;
   } else if (!other.empty()) {
     judgement.verdict = DamageVerdict::kOtherChange;
     judgement.sentence = "No loss of stiffness, but " + Join(other) +
                          (other.size() > 1 ? " have" : " has") + " changed.";
-  } else if (!unknown.empty()) {
+  } else if (!unsure.empty() || !unknown.empty()) {
     judgement.verdict = DamageVerdict::kCannotTell;
     judgement.sentence = "These data cannot tell.";
   } else {
@@ -99,14 +201,27 @@ Judgement JudgeChange(const std::vector<std::string>& names,
     judgement.sentence = "No loss of stiffness beyond " +
                          Percent(options.threshold) + " in any group.";
   }
-  if (!damaged.empty() && !other.empty()) {
+  if ((!damaged.empty() || !nonlinear.empty()) && !other.empty()) {
     judgement.sentence += " Also changed: " + Join(other) + ".";
+  }
+  if (!unsure.empty()) {
+    judgement.sentence += " Something has changed, perhaps " + Join(unsure) +
+                          ": another kind of change explains it nearly as "
+                          "well.";
   }
   if (!formal.empty()) {
     judgement.sentence +=
         " Formally significant, but not beyond the threshold with certainty, "
         "and one healthy record does not show how much records differ: " +
         Join(formal) + ".";
+  }
+  if (!ambiguous.empty()) {
+    judgement.sentence +=
+        " Nearly as good an explanation: " + Join(ambiguous) + ".";
+  }
+  if (!instead.empty()) {
+    judgement.sentence +=
+        " Hardly told apart by these data: " + Join(instead) + ".";
   }
   if (!unknown.empty()) {
     judgement.sentence += " A loss beyond the threshold is not ruled out in " +

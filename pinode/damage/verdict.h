@@ -11,12 +11,35 @@
 
 namespace pinode {
 
-enum class DamageVerdict { kNoDamage, kDamage, kOtherChange, kCannotTell };
+enum class DamageVerdict {
+  kNoDamage,
+  kDamage,
+  kNonlinear,
+  kOtherChange,
+  kCannotTell
+};
 
-// "no_damage", "damage", "other_change", "cannot_tell".
+// "no_damage", "damage", "nonlinear", "other_change", "cannot_tell".
 const char* DamageVerdictName(DamageVerdict verdict);
 
-// Why a group's change counts, or does not.
+enum class ChangeKind { kStiffness, kDamping, kMass, kNonlinear };
+
+// "stiffness", "damping", "mass", "nonlinear".
+const char* ChangeKindName(ChangeKind kind);
+ChangeKind KindOf(MatrixGroup::Target target);
+
+// What may have changed: an entry of a ChangeEstimate.
+struct ChangeSubject {
+  std::string name;  // of the parameter
+  ChangeKind kind = ChangeKind::kStiffness;
+  // Where, for kMass and kNonlinear that are no groups of the user's.
+  std::string place;
+  std::string dof;  // kNonlinear: "u1", or "u1-u2" of a force between two
+  // kNonlinear: RMS of its force as a fraction of the restoring force's.
+  double force_share = 0.0;
+};
+
+// Why a change counts, or does not.
 enum class Reason {
   kNone,
   // Beyond the threshold with 95 % probability.
@@ -28,25 +51,28 @@ enum class Reason {
   kFormal,
   // A loss beyond the threshold is neither shown nor ruled out.
   kUndetermined,
+  // Something of another kind explains it nearly as well.
+  kAmbiguous,
 };
 
 struct Judgement {
   DamageVerdict verdict = DamageVerdict::kCannotTell;
-  std::vector<Reason> reasons;  // per group
+  std::vector<Reason> reasons;  // per subject
   std::string sentence;
 };
 
-// `names` and `targets` of the groups, as many as in `estimate`.
+// One subject for each entry of the estimate. Of a nonlinear force the share is
+// what is held against the threshold.
 //
-//   damage        a stiffness group has lost stiffness, beyond the threshold or
+//   nonlinear     a nonlinear force has appeared, beyond the threshold or
 //                 against the differences between records
-//   other_change  as much of damping, mass or a gain of stiffness, and no
-//   damage cannot_tell   neither, but a stiffness group may have lost more than
-//   the
+//   damage        else as much of a loss of stiffness
+//   other_change  else as much of damping, mass or a gain of stiffness
+//   cannot_tell   none of these, but one of them with a rival of another kind,
+//                 or a stiffness group that may have lost more than the
 //                 threshold with more than 5 % probability
-//   no_damage     neither, and none may
-Judgement JudgeChange(const std::vector<std::string>& names,
-                      const std::vector<MatrixGroup::Target>& targets,
+//   no_damage     none, and none may
+Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,
                       const ChangeOptions& options);
 

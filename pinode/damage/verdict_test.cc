@@ -12,11 +12,10 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using Target = MatrixGroup::Target;
-
-const std::vector<std::string> kNames = {"k1", "k2", "c"};
-const std::vector<Target> kTargets = {Target::kStiffness, Target::kStiffness,
-                                      Target::kDamping};
+const std::vector<ChangeSubject> kSubjects = {
+    {"k1", ChangeKind::kStiffness, "", "", 0.0},
+    {"k2", ChangeKind::kStiffness, "", "", 0.0},
+    {"c", ChangeKind::kDamping, "", "", 0.0}};
 
 GroupChange Change(double change, double sigma, bool changed) {
   GroupChange group;
@@ -33,7 +32,7 @@ Judgement Judge(const std::vector<GroupChange>& groups, bool between) {
   ChangeEstimate estimate;
   estimate.groups = groups;
   estimate.has_between_records = between;
-  return JudgeChange(kNames, kTargets, estimate, ChangeOptions());
+  return JudgeChange(kSubjects, estimate, ChangeOptions());
 }
 
 TEST(JudgeChange, LossBeyondTheThresholdIsDamage) {
@@ -86,6 +85,65 @@ TEST(JudgeChange, GainsAndDampingAreOtherChanges) {
                   false)
                 .verdict,
             DamageVerdict::kNoDamage);
+}
+
+// Stiffness, a mass and two nonlinear forces, one of them a small one.
+class JudgeKinds : public ::testing::Test {
+ protected:
+  JudgeKinds()
+      : subjects_({{"k1", ChangeKind::kStiffness, "", "", 0.0},
+                   {"mass.u1", ChangeKind::kMass, "u1", "", 0.0},
+                   {"nonlinear.k1", ChangeKind::kNonlinear, "k1", "", 0.2},
+                   {"nonlinear.k2", ChangeKind::kNonlinear, "k2", "", 0.01}}) {
+    estimate_.groups = {Change(0.0, 0.005, false), Change(0.0, 0.005, false),
+                        Change(0.0, 0.005, false), Change(0.0, 0.005, false)};
+  }
+  Judgement Judge() {
+    return JudgeChange(subjects_, estimate_, ChangeOptions());
+  }
+
+  std::vector<ChangeSubject> subjects_;
+  ChangeEstimate estimate_;
+};
+
+TEST_F(JudgeKinds, ANonlinearForceCountsByItsShare) {
+  estimate_.groups[0] = Change(-0.1, 0.005, true);
+  estimate_.groups[2] = Change(0.5, 0.02, true);
+  const Judgement large = Judge();
+  EXPECT_EQ(large.verdict, DamageVerdict::kNonlinear);
+  EXPECT_STREQ(DamageVerdictName(large.verdict), "nonlinear");
+  EXPECT_THAT(large.sentence,
+              HasSubstr("a nonlinear force at k1 (20 % of the restoring"));
+  EXPECT_THAT(large.sentence, HasSubstr("Besides, k1 (-10 %) lost stiffness"));
+  // As sure to be there, but a hundredth of the force.
+  estimate_.groups[0] = Change(0.0, 0.005, false);
+  estimate_.groups[2] = Change(0.0, 0.02, false);
+  estimate_.groups[3] = Change(0.5, 0.02, true);
+  const Judgement small = Judge();
+  EXPECT_EQ(small.verdict, DamageVerdict::kNoDamage);
+  EXPECT_EQ(small.reasons[3], Reason::kFormal);
+}
+
+TEST_F(JudgeKinds, AddedMassIsNoDamage) {
+  estimate_.groups[1] = Change(0.2, 0.01, true);
+  const Judgement judgement = Judge();
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kOtherChange);
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("the mass at u1 (+20 %) has changed"));
+}
+
+TEST_F(JudgeKinds, ARivalOfAnotherKindLeavesTheVerdictOpen) {
+  estimate_.groups[0] = Change(-0.1, 0.005, true);
+  estimate_.rivals = {{0, 1, 3.0}};
+  const Judgement judgement = Judge();
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  EXPECT_EQ(judgement.reasons[0], Reason::kAmbiguous);
+  EXPECT_THAT(judgement.sentence, HasSubstr("perhaps k1 (-10 %)"));
+  EXPECT_THAT(judgement.sentence, HasSubstr("the mass at u1 for k1"));
+  // Of the same kind it is damage all the same.
+  subjects_[1] = {"k2", ChangeKind::kStiffness, "", "", 0.0};
+  EXPECT_EQ(Judge().verdict, DamageVerdict::kDamage);
+  EXPECT_THAT(Judge().sentence, HasSubstr("told apart by these data: k2 for"));
 }
 
 }  // namespace

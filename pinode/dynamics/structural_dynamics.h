@@ -39,6 +39,9 @@ struct GroupTerm {
   enum class Follows { kNothing, kTime, kCovariate };
   MatrixGroup group;
   Parameter alpha;
+  // How many times the group's matrix the model's matrices hold already: alpha
+  // is a change of `present`, 0.1 more than 1 unless these were updated before.
+  double present = 1.0;
   Follows follows = Follows::kNothing;
   int input = -1;          // kCovariate
   double reference = 0.0;  // seconds, or the covariate's unit

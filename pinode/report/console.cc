@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pinode/base/strings.h"
 #include "pinode/report/number_text.h"
 
 namespace pinode {
@@ -36,7 +37,33 @@ std::string NoteOn(const ParameterEstimate& parameter) {
   return std::isfinite(parameter.sigma) ? "" : "no interval";
 }
 
+// Changes are not known to more than a hundredth of a per cent.
+std::string Hundredths(double fraction) {
+  // No negative zero.
+  return FormatNumber(std::round(1e4 * fraction) / 100.0 + 0.0, 6);
+}
+
 }  // namespace
+
+TextTable MakeChangeTable(const ReportDamage& damage) {
+  TextTable table(
+      {{"change of", Align::kLeft},
+       {"%", Align::kDecimal},
+       {"95 % interval", Align::kDecimal},
+       {"P(loss > " + FormatNumber(100.0 * damage.threshold, 3) + " %)",
+        Align::kDecimal},
+       {"", Align::kLeft}});
+  for (const ReportDamage::Change& change : damage.changes) {
+    table.AddRow(
+        {change.name, Hundredths(change.change),
+         Hundredths(change.lower95) + " to " + Hundredths(change.upper95),
+         std::isfinite(change.probability)
+             ? FormatNumber(std::round(1e3 * change.probability) / 1e3, 3)
+             : "",
+         change.changed ? "changed" : ""});
+  }
+  return table;
+}
 
 TextTable MakeParameterTable(const ReportInput& input) {
   TextTable table({{"parameter", Align::kLeft},

@@ -1,6 +1,7 @@
 #include "pinode/report/figure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -236,6 +237,58 @@ bool RelativeChange(const ParameterEstimate& parameter, bool is_group,
 
 std::vector<double> Column(const Vector& values) {
   return std::vector<double>(values.data(), values.data() + values.size());
+}
+
+// Axes for horizontal bars with intervals, per cent, one row a label from the
+// top; the rows' places.
+std::vector<double> BeginBars(const std::vector<std::string>& labels,
+                              const std::vector<double>& changes,
+                              const std::vector<double>& lows,
+                              const std::vector<double>& highs,
+                              Script* script) {
+  const int count = static_cast<int>(labels.size());
+  std::vector<std::string> ticks;
+  std::vector<double> places;
+  for (int i = 0; i < count; ++i) {
+    places.push_back(count - i);
+    ticks.push_back(GnuplotString(labels[static_cast<size_t>(i)]) + " " +
+                    std::to_string(count - i));
+  }
+  // Bars of bad parameters may be cut, changes may not.
+  Interval range;
+  range.Add(0.0);
+  for (const double change : changes) range.Add(change);
+  const double room = std::max(2.0 * range.width(), 1e-9);
+  const double low_limit = range.low - room, high_limit = range.high + room;
+  for (int i = 0; i < count; ++i) {
+    range.Add(std::max(lows[static_cast<size_t>(i)], low_limit));
+    range.Add(std::min(highs[static_cast<size_t>(i)], high_limit));
+  }
+  const double margin = std::max(0.08 * range.width(), 1e-9);
+  script->Line("unset key");
+  script->Line("set ytics (" + Join(ticks, ", ") + ")");
+  script->Line(Range("y", 0.4, count + 0.6));
+  script->Line(Range("x", range.low - margin, range.high + margin));
+  script->Line("set xlabel 'change, %'");
+  script->Line(std::string("set arrow from 0, graph 0 to 0, graph 1 nohead ") +
+               "lc rgb '#222222' lw 0.8");
+  return places;
+}
+
+// Red, green and blue of a probability: grey where a loss is out of the
+// question, over orange to vermilion where it is certain.
+std::array<double, 3> ColourOf(double probability) {
+  const double p = std::isfinite(probability) ? probability : 0.0;
+  const double none[] = {190.0, 190.0, 190.0};
+  const double half[] = {240.0, 180.0, 60.0};
+  const double certain[] = {213.0, 40.0, 0.0};
+  std::array<double, 3> colour;
+  for (size_t k = 0; k < 3; ++k) {
+    colour[k] = std::round(p < 0.5 ? none[k] + 2.0 * p * (half[k] - none[k])
+                                   : half[k] + (2.0 * p - 1.0) *
+                                                   (certain[k] - half[k]));
+  }
+  return colour;
 }
 
 }  // namespace
@@ -636,6 +689,50 @@ Figure MakeForceFigure(const ReportInput& input, int force) {
   return figure;
 }
 
+Figure MakeChangeFigure(const ReportDamage& damage) {
+  Figure figure;
+  if (damage.changes.empty()) return figure;
+  std::vector<std::string> labels;
+  std::vector<double> changes, lows, highs, reds, greens, blues;
+  for (const ReportDamage::Change& change : damage.changes) {
+    if (static_cast<int>(labels.size()) == kMaxParameters) break;
+    labels.push_back(change.name);
+    changes.push_back(100.0 * change.change);
+    lows.push_back(100.0 * change.lower95);
+    highs.push_back(100.0 * change.upper95);
+    const std::array<double, 3> colour = ColourOf(change.probability);
+    reds.push_back(colour[0]);
+    greens.push_back(colour[1]);
+    blues.push_back(colour[2]);
+  }
+  figure.id = "changes";
+  Script script(figure.id, 900, 80 + 24 * static_cast<int>(labels.size()));
+  const std::vector<double> places =
+      BeginBars(labels, changes, lows, highs, &script);
+  const std::string threshold = FormatNumber(-100.0 * damage.threshold, 6);
+  script.Line("set arrow from " + threshold + ", graph 0 to " + threshold +
+              ", graph 1 nohead lc rgb '#888888' dt 2 lw 0.8");
+  const std::string data =
+      script.Data({changes, places, lows, highs, reds, greens, blues});
+  script.Line("plot " + data +
+              " using (0):2:1:(0):(65536*$5+256*$6+$7) with vectors nohead lc "
+              "rgb variable lw "
+              "14, " +
+              data +
+              " using 1:2:3:4 with xerrorbars pt 7 ps 0.6 lc rgb '#222222' "
+              "lw 1.4");
+  figure.script = script.text();
+  figure.caption =
+      "Changes since the baseline with 95 % intervals. Colour: probability of "
+      "a loss of more than " +
+      ReadableNumber(100.0 * damage.threshold, 3) +
+      " % (dashed), from grey (none) over orange (a half) to red (certain).";
+  if (labels.size() < damage.changes.size()) {
+    figure.caption += " The others are in the table.";
+  }
+  return figure;
+}
+
 Figure MakeParameterFigure(const ReportInput& input) {
   Figure figure;
   std::vector<std::string> labels, without_scale;
@@ -667,34 +764,11 @@ Figure MakeParameterFigure(const ReportInput& input) {
   }
   if (labels.empty()) return figure;
 
-  const int count = static_cast<int>(labels.size());
   figure.id = "parameters";
+  const int count = static_cast<int>(labels.size());
   Script script(figure.id, 900, 80 + 24 * count);
-  std::vector<std::string> ticks;
-  std::vector<double> places;
-  for (int i = 0; i < count; ++i) {
-    places.push_back(count - i);
-    ticks.push_back(GnuplotString(labels[static_cast<size_t>(i)]) + " " +
-                    std::to_string(count - i));
-  }
-  // Bars of bad parameters may be cut, changes may not.
-  Interval range;
-  range.Add(0.0);
-  for (const double change : changes) range.Add(change);
-  const double room = std::max(2.0 * range.width(), 1e-9);
-  const double low_limit = range.low - room, high_limit = range.high + room;
-  for (int i = 0; i < count; ++i) {
-    range.Add(std::max(lows[static_cast<size_t>(i)], low_limit));
-    range.Add(std::min(highs[static_cast<size_t>(i)], high_limit));
-  }
-  const double margin = std::max(0.08 * range.width(), 1e-9);
-  script.Line("unset key");
-  script.Line("set ytics (" + Join(ticks, ", ") + ")");
-  script.Line(Range("y", 0.4, count + 0.6));
-  script.Line(Range("x", range.low - margin, range.high + margin));
-  script.Line("set xlabel 'change, %'");
-  script.Line(std::string("set arrow from 0, graph 0 to 0, graph 1 nohead ") +
-              "lc rgb '#222222' lw 0.8");
+  const std::vector<double> places =
+      BeginBars(labels, changes, lows, highs, &script);
   const std::string data = script.Data({changes, places, lows, highs});
   script.Line("plot " + data +
               " using (0):2:1:(0) with vectors nohead lc rgb '#9cc7e0' lw 9, " +

@@ -41,6 +41,10 @@ Figure MakeChannelFigure(const ReportInput& input, int record, int channel);
 Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
                       int number);
 
+// Changes since healthy records with their intervals, bars coloured by the
+// probability of a loss beyond the threshold.
+Figure MakeChangeFigure(const ReportDamage& damage);
+
 // An unknown force with its 95 % band, beside what it was in truth where that
 // is given: the whole record and the part where the force is largest.
 Figure MakeForceFigure(const ReportInput& input, int force);

@@ -270,5 +270,23 @@ TEST_F(FigureTest, ShowsAForceWithoutABand) {
   EXPECT_TRUE(MakeForceFigure(example_->input, 0).empty());
 }
 
+TEST_F(FigureTest, ColoursChangesByTheirProbability) {
+  ReportDamage damage;
+  damage.threshold = 0.05;
+  damage.changes = {{"k1", 0.002, -0.01, 0.014, 0.0, false},
+                    {"k2", -0.1, -0.12, -0.08, 1.0, true},
+                    {"k3", -0.05, -0.1, 0.0, 0.5, false}};
+  const Figure figure = MakeChangeFigure(damage);
+  const std::string svg = Draw(figure);
+  EXPECT_THAT(figure.caption, HasSubstr("a loss of more than 5"));
+  // Grey, red and orange.
+  for (const char* text : {"k1", "k2", "k3", "change, %", "rgb(190, 190, 190)",
+                           "rgb(213,  40,   0)", "rgb(240, 180,  60)"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  damage.changes.clear();
+  EXPECT_TRUE(MakeChangeFigure(damage).empty());
+}
+
 }  // namespace
 }  // namespace pinode

@@ -115,6 +115,14 @@ Data TableData(const TextTable& table, const std::vector<bool>& strong = {}) {
   return data;
 }
 
+std::string Joined(const std::vector<std::string>& texts) {
+  std::string result;
+  for (const std::string& text : texts) {
+    result += (result.empty() ? "" : ", ") + text;
+  }
+  return result;
+}
+
 std::string CovarianceSentence(const std::string& method) {
   if (method == "plain") {
     return "plain: inverse of the Gauss-Newton Hessian. It takes the residuals "
@@ -255,6 +263,7 @@ class PageMaker {
     PlanFigures();
     gallery_.Draw(options_);
     AddHead();
+    AddDamage();
     AddScores();
     AddEquations();
     AddParameters();
@@ -276,6 +285,9 @@ class PageMaker {
   };
 
   void PlanFigures() {
+    if (input_.damage.has_value()) {
+      change_figure_ = gallery_.Add(MakeChangeFigure(*input_.damage));
+    }
     parameter_figure_ = gallery_.Add(MakeParameterFigure(input_));
     for (size_t f = 0; f < summary_.forces.size(); ++f) {
       const int figure =
@@ -355,6 +367,37 @@ class PageMaker {
     page_.set("command", input_.command_line);
     page_.set("footer", "pinode " + input_.version + ", " +
                             Duration(input_.wall_seconds) + " in all.");
+  }
+
+  void AddDamage() {
+    if (!input_.damage.has_value()) {
+      page_.set("damage", Data(false));
+      return;
+    }
+    const ReportDamage& damage = *input_.damage;
+    Data data;
+    data.set("sentence", damage.sentence);
+    data.set("alarm", damage.alarm);
+    std::vector<bool> strong;
+    for (const ReportDamage::Change& change : damage.changes) {
+      strong.push_back(change.changed);
+    }
+    data.set("changes", TableData(MakeChangeTable(damage), strong));
+    SetIf("change_figure", change_figure_ >= 0,
+          change_figure_ >= 0 ? gallery_.DataOf(change_figure_) : Data(),
+          &data);
+    std::string text = "Compared with " + Joined(damage.baselines) + ". ";
+    text += damage.places.empty() ? "No other kind of change was looked for."
+                                  : "Other kinds of change were looked for: " +
+                                        Joined(damage.places) + ".";
+    data.set("text", text);
+    Data remarks = List();
+    for (const std::string& remark : damage.remarks) {
+      remarks.push_back(Text(remark));
+    }
+    data.set("has_remarks", !damage.remarks.empty());
+    data.set("remarks", remarks);
+    page_.set("damage", data);
   }
 
   void AddScores() {
@@ -594,6 +637,7 @@ class PageMaker {
   const IdentificationSummary& summary_;
   const HtmlReportOptions& options_;
   Gallery gallery_;
+  int change_figure_ = -1;
   int parameter_figure_ = -1;
   std::vector<int> force_figures_;
   int mode_figure_ = -1;

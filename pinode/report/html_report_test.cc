@@ -269,5 +269,32 @@ TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {
   EXPECT_THAT(html, HasSubstr("&lt;blow&gt;, the force identified in"));
 }
 
+TEST(HtmlReport, BeginsWithWhatHasChanged) {
+  auto example = testing::MakeReportExample();
+  EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
+              Not(HasSubstr("Change since the baseline")));
+  ReportDamage damage;
+  damage.sentence = "Damage: k<2> (-10 %) lost stiffness.";
+  damage.alarm = true;
+  damage.threshold = 0.05;
+  damage.changes = {{"k2", -0.1, -0.12, -0.08, 1.0, true},
+                    {"c_mass", 0.01, -0.02, 0.04, std::nan(""), false}};
+  damage.baselines = {"results/last_year"};
+  damage.places = {"mass at u1"};
+  damage.remarks = {"Something to know."};
+  example->input.damage = damage;
+  const std::string page = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(page);
+  for (const char* text :
+       {"<p class=\"verdict bad\">Damage: k&lt;2&gt; (-10 %) lost stiffness.",
+        "Change since the baseline", "P(loss &gt; 5 %)", "-12 to -8",
+        "Compared with results/last_year.", "looked for: mass at u1.",
+        "<li>Something to know.</li>", "Colour: probability of a loss"}) {
+    EXPECT_THAT(page, HasSubstr(text));
+  }
+  EXPECT_LT(page.find("Change since the baseline"),
+            page.find("How well the model predicts"));
+}
+
 }  // namespace
 }  // namespace pinode

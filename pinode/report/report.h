@@ -4,6 +4,7 @@
 #define PINODE_REPORT_REPORT_H_
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,28 @@ struct ReportEquation {
   Vector equation_values;
 };
 
+// What has changed since healthy records.
+struct ReportDamage {
+  struct Change {
+    std::string name;
+    // Fractions; of a nonlinear force, of the linear one at its place.
+    double change = 0.0;
+    double lower95 = 0.0;
+    double upper95 = 0.0;
+    // P(loss > threshold); NaN where a loss has no meaning.
+    double probability = std::numeric_limits<double>::quiet_NaN();
+    bool changed = false;
+  };
+
+  std::string sentence;
+  bool alarm = false;  // something has changed
+  double threshold = 0.0;
+  std::vector<Change> changes;
+  std::vector<std::string> baselines;
+  std::vector<std::string> places;  // where else was looked
+  std::vector<std::string> remarks;
+};
+
 // What an unknown force was in truth, where a case gives it.
 struct ReportForceTruth {
   std::string name;
@@ -108,6 +131,7 @@ struct ReportInput {
   std::vector<ReportRecord> records;  // in the problem's order, or empty
   std::vector<ReportMode> modes;
   std::vector<ReportEquation> equations;
+  std::optional<ReportDamage> damage;
   std::vector<ReportForceTruth> force_truths;
   std::vector<ReportCurve> curves;
   // About the data as they were read, a sentence each.

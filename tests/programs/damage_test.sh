@@ -9,37 +9,15 @@
 set -euo pipefail
 
 programs=$(cd -- "$1" && pwd)
-data=$(cd -- "$(dirname -- "$0")/../../data/three_storey" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/three_storey" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 cp -- "$data"/*.toml "$data"/*.csv "$scratch"
 cd -- "$scratch"
 
-Fail() {
-  echo "$1"
-  [[ ! -s stdout ]] || cat stdout
-  [[ ! -s stderr ]] || cat stderr
-  exit 1
-}
-
-# Run STATUS PROGRAM ARGUMENT...
-Run() {
-  local expected=$1 program=$2 status=0
-  shift 2
-  "$programs/$program" "$@" >stdout 2>stderr || status=$?
-  [[ $status -eq $expected ]] ||
-    Fail "$program $*: status $status, expected $expected"
-}
-
-# One line on standard error that holds TEXT, and nothing written.
-Refused() {
-  local text=$1
-  shift
-  Run 2 pinode_damage "$@"
-  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
-  grep -qF -- "$text" stderr || Fail "expected '$text'"
-  [[ ! -s stdout && ! -e E ]] || Fail "something was written"
-}
+tested=pinode_damage
+source "$here/testing.sh"
 
 # With the initial value of the group NAME in CASE replaced.
 WithInitial() {
@@ -59,6 +37,11 @@ WithResponses() {
          { sub("GROUND", ground); print }'
 }
 
+# Groups alone, which is quicker.
+GroupsAlone() {
+  printf '\n[damage]\nkinds = []\n' >>"$1"
+}
+
 Run 0 pinode_update --case=three_storey.toml --output_dir=D --progress=false
 # 1 + alpha is 0.8697: the loss of a tenth is -0.08697.
 WithInitial D/model.toml k2 -0.08697 >D/damaged.toml
@@ -66,6 +49,31 @@ Run 0 pinode_simulate --case=D/damaged.toml --output_dir=damaged \
   --noise_percent=2 --seed=3
 Run 0 pinode_simulate --case=D/model.toml --output_dir=healthy \
   --noise_percent=2 --seed=4
+# A tenth more mass on the second floor, and a second storey whose stiffness
+# differs by sign: 15 % less than the healthy one's 3.39e6 N/m one way, as much
+# more the other way.
+{ cat D/model.toml; cat <<'END'; } >D/heavy.toml
+[[group]]
+name    = "added"
+adds_to = "mass"
+between = ["ground", "u2"]
+scale   = 2000.0
+initial = 0.1
+free    = false
+END
+{ cat D/model.toml; cat <<'END'; } >D/open.toml
+[[library]]
+name    = "crack"
+inputs  = ["d[u1,u2]"]
+output  = "u2-u1"
+acts_as = "force"
+terms   = [{basis = "abs(d[u1,u2])", initial = -508500.0, free = false}]
+END
+for state in heavy open; do
+  Run 0 pinode_simulate --case=D/$state.toml --output_dir=$state \
+    --noise_percent=2 --seed=5
+  WithResponses three_storey.toml $state >$state.toml
+done
 WithResponses three_storey.toml damaged >damaged.toml
 WithResponses three_storey.toml healthy >healthy.toml
 
@@ -90,18 +98,59 @@ Near "$(Change k2)" -10 0.3 || Fail "change of k2: $(Change k2)"
 WithResponses D/model.toml ../damaged |
   sed -e 's|"train.csv"|"../train.csv"|; s|"holdout.csv"|"../holdout.csv"|' \
     >D/again.toml
+GroupsAlone D/again.toml
 Run 0 pinode_damage --baseline=D --case=D/again.toml --output_dir=again \
   --progress=false
 Near "$(Change k2)" -10 0.3 || Fail "change of k2 by model.toml: $(Change k2)"
 
-# Nothing where nothing has changed, two baselines included.
+# Nothing where nothing has changed; two baselines.
+GroupsAlone healthy.toml
+cp damaged.toml groups.toml
+GroupsAlone groups.toml
 Run 0 pinode_damage --baseline=D --case=healthy.toml --output_dir=none \
   --progress=false
 grep -qF '"verdict": "no_damage"' none/damage.json || Fail "not healthy"
-Run 0 pinode_damage --baseline=D,none --case=damaged.toml --output_dir=both \
+Run 0 pinode_damage --baseline=D,none --case=groups.toml --output_dir=both \
   --progress=false
 grep -qF '"has_between_records": true' both/damage.json || Fail "one baseline"
 grep -qF '"verdict": "damage"' both/damage.json || Fail "no damage beside two"
+
+# A second baseline that is built on the first one's model: its groups begin
+# where those have ended.
+WithResponses D/model.toml ../healthy |
+  sed -e 's|"train.csv"|"../train.csv"|; s|"holdout.csv"|"../holdout.csv"|' \
+    -e 's|^initial = 0.0$|initial = 0.01|' >D/second.toml
+Run 0 pinode_update --case=D/second.toml --output_dir=D2 --progress=false
+Run 0 pinode_damage --baseline=D,D2 --case=groups.toml --output_dir=two \
+  --progress=false
+Near "$(Change k2)" -10 0.3 || Fail "change of k2 since D and D2: $(Change k2)"
+Run 0 pinode_damage --baseline=D2,D --case=groups.toml --output_dir=swapped \
+  --progress=false
+Near "$(Change k2)" -10 0.3 || Fail "change of k2 since D2 and D: $(Change k2)"
+
+# Other kinds of change are not taken for a loss of stiffness.
+Run 0 pinode_damage --baseline=D --case=heavy.toml --output_dir=mass \
+  --progress=false
+grep -qF '"verdict": "other_change"' mass/damage.json || Fail "no added mass"
+[[ $(grep -c '"reason": "beyond_threshold"' mass/damage.json) -eq 1 ]] ||
+  Fail "not the mass alone"
+Near "$(Change mass.u2)" 10 0.3 || Fail "added mass: $(Change mass.u2)"
+Run 0 pinode_damage --baseline=D --case=open.toml --output_dir=crack \
+  --progress=false
+grep -qF '"verdict": "nonlinear"' crack/damage.json || Fail "not nonlinear"
+grep -qF '"dof": "u2-u1"' crack/damage.json || Fail "not in the second storey"
+grep -qF '"detected": true' crack/damage.json || Fail "not detected"
+[[ $(grep -c '"damaged": true' crack/damage.json) -eq 0 ]] ||
+  Fail "a group counts as changed"
+
+# Without the healthy records kinds are not told apart, which is said.
+mv train.csv away.csv
+sed -e 's|"train.csv"|"away.csv"|' damaged.toml >moved.toml
+Run 0 pinode_damage --baseline=D --case=moved.toml --output_dir=moved \
+  --progress=false
+grep -qF 'were not told apart' stdout || Fail "nothing is said of kinds"
+grep -qF 'were not told apart' moved/damage.json || Fail "no remark"
+mv away.csv train.csv
 
 # What is wrong is said before anything is written.
 Refused "--baseline=FOLDER is missing" --case=damaged.toml --output_dir=E

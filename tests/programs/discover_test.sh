@@ -10,7 +10,8 @@
 set -euo pipefail
 
 programs=$(cd -- "$1" && pwd)
-data=$(cd -- "$(dirname -- "$0")/../../data/four_dof_free" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/four_dof_free" && pwd)
 scratch=$(mktemp -d)
 running=
 Clean() {
@@ -21,31 +22,8 @@ trap Clean EXIT
 cp -- "$data"/*.toml "$data"/*.csv "$data"/../quarter_car/*.{toml,csv} "$scratch"
 cd -- "$scratch"
 
-Fail() {
-  echo "$1"
-  [[ ! -s stdout ]] || cat stdout
-  [[ ! -s stderr ]] || cat stderr
-  exit 1
-}
-
-# Run STATUS PROGRAM ARGUMENT...
-Run() {
-  local expected=$1 program=$2 status=0
-  shift 2
-  "$programs/$program" "$@" >stdout 2>stderr || status=$?
-  [[ $status -eq $expected ]] ||
-    Fail "$program $*: status $status, expected $expected"
-}
-
-# One line on standard error that holds TEXT, and nothing written.
-Refused() {
-  local text=$1
-  shift
-  Run 2 pinode_discover "$@"
-  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
-  grep -qF -- "$text" stderr || Fail "expected '$text'"
-  [[ ! -s stdout && ! -e E ]] || Fail "something was written"
-}
+tested=pinode_discover
+source "$here/testing.sh"
 
 Run 0 pinode_update --case=scheme3.toml --output_dir=D --progress=false
 

@@ -8,28 +8,15 @@
 set -euo pipefail
 
 programs=$(cd -- "$1" && pwd)
-data=$(cd -- "$(dirname -- "$0")/../../data/three_storey" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/three_storey" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 cp -- "$data"/*.toml "$data"/*.csv "$scratch"
 cd -- "$scratch"
 case=three_storey.toml
 
-Fail() {
-  echo "$1"
-  [[ ! -s stdout ]] || cat stdout
-  [[ ! -s stderr ]] || cat stderr
-  exit 1
-}
-
-# Run STATUS PROGRAM ARGUMENT...
-Run() {
-  local expected=$1 program=$2 status=0
-  shift 2
-  "$programs/$program" "$@" >stdout 2>stderr || status=$?
-  [[ $status -eq $expected ]] ||
-    Fail "$program $*: status $status, expected $expected"
-}
+source "$here/testing.sh"
 
 # Simulation: what is in the folder.
 Run 0 pinode_simulate --case=$case --output_dir=clean --noise_percent=0

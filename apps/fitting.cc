@@ -1,0 +1,55 @@
+#include "apps/fitting.h"
+
+#include <cstdio>
+
+#include "apps/program.h"
+#include "apps/progress_line.h"
+#include "pinode/case/checkpoint.h"
+#include "pinode/estimate/identify.h"
+
+namespace pinode {
+
+bool FitCase(const Case& c, const ResultFolder& folder,
+             const IdentifiedModel* begin_from, bool show_progress,
+             IdentificationSummary* summary, IdentifiedModel* model,
+             std::string* error) {
+  Checkpoint checkpoint;
+  if (!folder.resume_path().empty()) {
+    if (!ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint, error)) {
+      return false;
+    }
+    begin_from = &checkpoint.model;
+  }
+  CatchInterrupts();
+  ProgressLine line(show_progress);
+  CheckpointWriter writer(c.problem, folder.checkpoint_path());
+  bool warned = false;
+  IdentificationOptions options = c.options;
+  options.callback = [&](const IdentificationProgress& progress) {
+    std::string problem;
+    if (!writer.Update(progress, &problem) && !warned) {
+      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
+      warned = true;
+    }
+    line.Show("", progress);
+    return !Interrupted();
+  };
+  Identify(c.problem, options, begin_from, summary, model);
+  line.End();
+  return true;
+}
+
+void FitWithProgress(const std::string& prefix, const Case& c,
+                     const IdentifiedModel* begin_from, bool show_progress,
+                     IdentificationSummary* summary, IdentifiedModel* model) {
+  ProgressLine line(show_progress);
+  IdentificationOptions options = c.options;
+  options.callback = [&](const IdentificationProgress& progress) {
+    line.Show(prefix, progress);
+    return !Interrupted();
+  };
+  Identify(c.problem, options, begin_from, summary, model);
+  line.End();
+}
+
+}  // namespace pinode

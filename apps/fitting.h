@@ -1,0 +1,31 @@
+// A case's fit as the programs run it.
+
+#ifndef PINODE_APPS_FITTING_H_
+#define PINODE_APPS_FITTING_H_
+
+#include <string>
+
+#include "pinode/case/case_file.h"
+#include "pinode/case/result_folder.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+
+// Identifies the case's unknowns with progress on standard error, a checkpoint
+// in `folder` at most once a second, and an end at an interrupt. Begins from
+// the checkpoint that `folder` resumes, else from `begin_from` (nullptr: from
+// the case's own values). False, with *error, where that checkpoint is of no
+// use: nothing has been done then.
+[[nodiscard]] bool FitCase(const Case& c, const ResultFolder& folder,
+                           const IdentifiedModel* begin_from,
+                           bool show_progress, IdentificationSummary* summary,
+                           IdentifiedModel* model, std::string* error);
+
+// As FitCase, without a checkpoint; `prefix` stands before the progress.
+void FitWithProgress(const std::string& prefix, const Case& c,
+                     const IdentifiedModel* begin_from, bool show_progress,
+                     IdentificationSummary* summary, IdentifiedModel* model);
+
+}  // namespace pinode
+
+#endif  // PINODE_APPS_FITTING_H_

@@ -1,0 +1,415 @@
+#include "pinode/case/damage_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "pinode/base/logging.h"
+#include "pinode/case/change_candidates.h"
+#include "pinode/case/grown_case.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/fitted_cost.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+namespace {
+
+// The share of the false-alarm rate that other kinds of change may use up.
+constexpr double kShareOfKinds = 0.2;
+// What is found may change what else is.
+constexpr int kMaxRounds = 3;
+
+using Candidates = std::vector<ChangeCandidate>;
+
+struct Fit {
+  Case fitted;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+};
+
+bool Has(const Candidates& candidates, const ChangeCandidate& candidate) {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [&](const ChangeCandidate& other) {
+                       return other.subject.name == candidate.subject.name;
+                     });
+}
+
+Candidates Without(const Candidates& all, const Candidates& taken) {
+  Candidates rest;
+  for (const ChangeCandidate& candidate : all) {
+    if (!Has(taken, candidate)) rest.push_back(candidate);
+  }
+  return rest;
+}
+
+// The entries behind the groups in the unit of their candidates.
+void Scale(const Candidates& candidates, GroupState* state) {
+  Vector unit = Vector::Ones(state->values.size());
+  for (size_t j = 0; j < candidates.size(); ++j) {
+    unit[unit.size() - static_cast<Eigen::Index>(candidates.size() - j)] =
+        candidates[j].unit;
+  }
+  state->values = state->values.cwiseQuotient(unit);
+  const auto inverse = unit.cwiseInverse().asDiagonal();
+  state->covariance = inverse * state->covariance * inverse;
+}
+
+// log(1 + alpha) in place of alpha of groups and masses. Where the ground
+// shakes a structure, all of them times the same factor is the same structure;
+// that direction is then the same on both sides, whatever has changed between
+// them.
+bool ToLogarithms(size_t num_groups, const Candidates& candidates,
+                  GroupState* state, std::string* error) {
+  Vector scale = Vector::Ones(state->values.size());
+  for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
+    if (j >= num_groups &&
+        candidates[j - num_groups].subject.kind != ChangeKind::kMass) {
+      continue;
+    }
+    const Eigen::Index i = static_cast<Eigen::Index>(j);
+    scale[i] = 1.0 + state->values[i];
+    if (!(scale[i] > 0.0)) {
+      *error = "a group or mass is not positive";
+      return false;
+    }
+    state->values[i] = std::log(scale[i]);
+  }
+  const auto inverse = scale.cwiseInverse().asDiagonal();
+  state->covariance = inverse * state->covariance * inverse;
+  return true;
+}
+
+// Groups and candidates as one Gauss-Newton step from `fit` leaves them, which
+// may lack the candidates.
+bool StateNear(const Fit& fit, const std::vector<std::string>& groups,
+               const Candidates& candidates, GroupState* state,
+               std::string* error) {
+  Candidates missing;
+  const std::map<std::string, double> values =
+      ParametersByName(fit.fitted.problem, fit.model);
+  for (const ChangeCandidate& candidate : candidates) {
+    if (values.find(candidate.subject.name) == values.end()) {
+      missing.push_back(candidate);
+    }
+  }
+  Case extended;
+  if (!AddCandidates(fit.fitted, missing, &extended, error)) return false;
+  const ParameterLayout layout(extended.problem);
+  IdentifiedModel at = BeginFrom(values, fit.model, extended.problem);
+  at.decays = fit.model.decays;
+  FittedCost cost;
+  Matrix root, null_space;
+  if (!LinearizeAtFit(extended.problem, layout, at, fit.summary.records,
+                      extended.options.num_threads, &cost) ||
+      !InvertInformation(cost.system.hessian / cost.memory, &root,
+                         &null_space)) {
+    *error = "the model with all kinds of change in it is not finite";
+    return false;
+  }
+  const Matrix covariance = root * root.transpose();
+  const Vector solution = layout.Free(at.parameters) -
+                          covariance * cost.system.gradient / cost.memory;
+  std::vector<std::string> names = groups;
+  for (const ChangeCandidate& candidate : candidates) {
+    names.push_back(candidate.subject.name);
+  }
+  std::vector<int> rows(names.size(), -1);
+  for (const int index : layout.free()) {
+    const auto name =
+        std::find(names.begin(), names.end(), layout.parameter(index).name);
+    if (name != names.end()) {
+      rows[static_cast<size_t>(name - names.begin())] = layout.FreeIndex(index);
+    }
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (rows[i] < 0) {
+      *error = "'" + names[i] + "' is not free in " + fit.fitted.path;
+      return false;
+    }
+  }
+  state->values =
+      solution(rows) + AlreadyPresent(*fit.fitted.problem.dynamics, names);
+  state->covariance = covariance(rows, rows);
+  Scale(candidates, state);
+  return true;
+}
+
+// Segments are for fits that begin far away.
+void BeginNearTheEnd(IdentificationOptions* options) {
+  options->shooting = IdentificationOptions::Shooting::kSingle;
+}
+
+class Analyst {
+ public:
+  Analyst(const Case& c, const std::vector<Baseline>& baselines,
+          const ChangeOptions& options, const FitFunction& fit,
+          DamageResult* result)
+      : c_(c),
+        baselines_(baselines),
+        options_(options),
+        fit_(fit),
+        groups_(FreeGroups(*c.problem.dynamics)),
+        result_(*result) {}
+
+  bool Run(const IdentificationSummary& summary, const IdentifiedModel& model,
+           std::string* error) {
+    for (const Baseline& baseline : baselines_) {
+      result_.baselines.push_back(baseline.folder);
+    }
+    result_.options = options_;
+    fit_of_new_ = {c_, summary, model};
+    candidates_ = MakeChangeCandidates(c_, summary, model);
+    for (const ChangeCandidate& candidate : candidates_) {
+      const std::string place =
+          std::string(ChangeKindName(candidate.subject.kind)) + " at " +
+          candidate.subject.place;
+      if (std::find(result_.places.begin(), result_.places.end(), place) ==
+          result_.places.end()) {
+        result_.places.push_back(place);
+      }
+    }
+    std::string problem;
+    const bool kinds = !candidates_.empty() && RefitBaselines(&problem) &&
+                       LookForKinds(&problem);
+    if (!problem.empty()) {
+      result_.remarks.push_back(
+          "Kinds of change were not told apart from one another: " + problem +
+          ".");
+    }
+    if (!kinds) {
+      found_.clear();
+      fit_of_new_ = {c_, summary, model};
+    }
+    return Conclude(kinds, error);
+  }
+
+ private:
+  ChangeOptions OptionsFor(const Candidates& candidates, double rate) const {
+    ChangeOptions options = options_;
+    options.false_alarm_rate = rate;
+    options.absolute.assign(groups_.size(), false);
+    options.absolute.resize(groups_.size() + candidates.size(), true);
+    return options;
+  }
+
+  // For groups and all candidates, of which changes of logarithms are taken.
+  ChangeOptions WideOptions(double rate) const {
+    ChangeOptions options = OptionsFor(candidates_, rate);
+    options.absolute.assign(options.absolute.size(), true);
+    return options;
+  }
+
+  bool RefitBaselines(std::string* problem) {
+    for (const Baseline& baseline : baselines_) {
+      Fit fit;
+      if (!ReadCase(
+              (std::filesystem::path(baseline.folder) / "model.toml").string(),
+              &fit.fitted, problem)) {
+        return false;
+      }
+      fit.fitted.options.num_threads = c_.options.num_threads;
+      BeginNearTheEnd(&fit.fitted.options);
+      fit_("healthy", fit.fitted, nullptr, &fit.summary, &fit.model);
+      // No better than before, so not "usable".
+      if (fit.summary.termination != Termination::kConverged) {
+        *problem = baseline.folder + ": " + fit.summary.message;
+        return false;
+      }
+      fits_of_healthy_.push_back(std::move(fit));
+    }
+    return true;
+  }
+
+  bool HealthyStates(const Candidates& candidates,
+                     std::vector<GroupState>* states, std::string* problem) {
+    states->clear();
+    for (size_t i = 0; i < baselines_.size(); ++i) {
+      GroupState state;
+      if (!StateNear(fits_of_healthy_[i], groups_, candidates, &state,
+                     problem)) {
+        return false;
+      }
+      states->push_back(std::move(state));
+    }
+    return true;
+  }
+
+  bool CurrentState(GroupState* state, std::string* problem) {
+    return StateNear(fit_of_new_, groups_, candidates_, state, problem) &&
+           ToLogarithms(groups_.size(), candidates_, state, problem);
+  }
+
+  // found_ and fit_of_new_, where masses or nonlinear forces are among what the
+  // data ask for.
+  bool LookForKinds(std::string* problem) {
+    if (!HealthyStates(candidates_, &healthy_, problem)) return false;
+    for (GroupState& state : healthy_) {
+      if (!ToLogarithms(groups_.size(), candidates_, &state, problem)) {
+        return false;
+      }
+    }
+    for (int round = 0; round < kMaxRounds; ++round) {
+      ChangeEstimate wide;
+      if (!CurrentState(&current_, problem) ||
+          !EstimateChange(
+              healthy_, current_,
+              WideOptions(kShareOfKinds * options_.false_alarm_rate), &wide,
+              problem)) {
+        return false;
+      }
+      Candidates asked_for;
+      for (size_t j = 0; j < candidates_.size(); ++j) {
+        if (wide.groups[groups_.size() + j].changed) {
+          asked_for.push_back(candidates_[j]);
+        }
+      }
+      if (Without(asked_for, found_).empty() &&
+          Without(found_, asked_for).empty()) {
+        return true;
+      }
+      Fit fit;
+      if (!AddCandidates(c_, asked_for, &fit.fitted, problem)) return false;
+      BeginNearTheEnd(&fit.fitted.options);
+      IdentifiedModel begin = BeginFrom(
+          ParametersByName(fit_of_new_.fitted.problem, fit_of_new_.model),
+          fit_of_new_.model, fit.fitted.problem);
+      fit_("with " + std::to_string(asked_for.size()) + " more", fit.fitted,
+           &begin, &fit.summary, &fit.model);
+      if (!fit.summary.usable || fit.summary.covariance.size() == 0) {
+        *problem = "the fit with " + asked_for[0].subject.name +
+                   (asked_for.size() > 1 ? " and others" : "") +
+                   " is not usable: " + fit.summary.message;
+        return false;
+      }
+      found_ = std::move(asked_for);
+      fit_of_new_ = std::move(fit);
+    }
+    return true;
+  }
+
+  bool Conclude(bool kinds, std::string* error) {
+    for (const GroupTerm& term : c_.problem.dynamics->groups()) {
+      if (std::find(groups_.begin(), groups_.end(), term.group.name) ==
+          groups_.end()) {
+        continue;
+      }
+      ChangeSubject subject;
+      subject.name = term.group.name;
+      subject.kind = KindOf(term.group.target);
+      result_.subjects.push_back(std::move(subject));
+    }
+    SetForceShares(fit_of_new_.fitted, fit_of_new_.summary, fit_of_new_.model,
+                   &found_);
+    std::vector<std::string> names = groups_;
+    for (const ChangeCandidate& candidate : found_) {
+      names.push_back(candidate.subject.name);
+      result_.subjects.push_back(candidate.subject);
+    }
+    std::vector<GroupState> healthy;
+    if (!found_.empty()) {
+      if (!HealthyStates(found_, &healthy, error)) return false;
+    } else {
+      for (const Baseline& baseline : baselines_) {
+        healthy.push_back(baseline.groups);
+      }
+    }
+    GroupState current = GroupsOf(*fit_of_new_.fitted.problem.dynamics,
+                                  fit_of_new_.summary, names);
+    Scale(found_, &current);
+    const double rate =
+        (kinds ? 1.0 - kShareOfKinds : 1.0) * options_.false_alarm_rate;
+    if (!EstimateChange(healthy, current, OptionsFor(found_, rate),
+                        &result_.estimate, error)) {
+      return false;
+    }
+    if (kinds && !AddRivals(error)) return false;
+    result_.judgement =
+        JudgeChange(result_.subjects, result_.estimate, options_);
+    result_.fitted = std::move(fit_of_new_.fitted);
+    result_.summary = std::move(fit_of_new_.summary);
+    result_.model = std::move(fit_of_new_.model);
+    return true;
+  }
+
+  // Those among all candidates; a candidate that is one becomes a subject.
+  bool AddRivals(std::string* error) {
+    const auto wide_index = [this](size_t subject) {
+      if (subject < groups_.size()) return static_cast<int>(subject);
+      for (size_t j = 0; j < candidates_.size(); ++j) {
+        if (candidates_[j].subject.name == result_.subjects[subject].name) {
+          return static_cast<int>(groups_.size() + j);
+        }
+      }
+      LOG(FATAL) << "no candidate is " << result_.subjects[subject].name;
+      return -1;
+    };
+    std::vector<int> found;
+    std::map<int, int> subject_of;
+    for (size_t j = 0; j < result_.subjects.size(); ++j) {
+      const int index = wide_index(j);
+      subject_of[index] = static_cast<int>(j);
+      if (result_.estimate.groups[j].changed) found.push_back(index);
+    }
+    std::vector<RivalChange> rivals;
+    if (!FindRivals(healthy_, current_, WideOptions(options_.false_alarm_rate),
+                    found, &rivals, error)) {
+      return false;
+    }
+    result_.estimate.rivals.clear();
+    for (const RivalChange& rival : rivals) {
+      if (subject_of.find(rival.other) == subject_of.end()) {
+        subject_of[rival.other] = static_cast<int>(result_.subjects.size());
+        result_.subjects.push_back(
+            candidates_[static_cast<size_t>(rival.other) - groups_.size()]
+                .subject);
+        result_.estimate.groups.emplace_back();
+        result_.estimate.between_records.conservativeResize(
+            result_.estimate.between_records.size() + 1);
+        result_.estimate.between_records.tail(1).setZero();
+      }
+      result_.estimate.rivals.push_back(
+          {subject_of[rival.found], subject_of[rival.other], rival.loss});
+    }
+    return true;
+  }
+
+  const Case& c_;
+  const std::vector<Baseline>& baselines_;
+  const ChangeOptions& options_;
+  const FitFunction& fit_;
+  const std::vector<std::string> groups_;
+  DamageResult& result_;
+
+  Candidates candidates_, found_;
+  std::vector<Fit> fits_of_healthy_;
+  Fit fit_of_new_;
+  // Groups and all candidates, see ToLogarithms.
+  std::vector<GroupState> healthy_;
+  GroupState current_;
+};
+
+}  // namespace
+
+std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics) {
+  std::vector<std::string> names;
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.alpha.free && term.follows == GroupTerm::Follows::kNothing) {
+      names.push_back(term.group.name);
+    }
+  }
+  return names;
+}
+
+bool AnalyseDamage(const Case& c, const std::vector<Baseline>& baselines,
+                   const ChangeOptions& options,
+                   const IdentificationSummary& summary,
+                   const IdentifiedModel& model, const FitFunction& fit,
+                   DamageResult* result, std::string* error) {
+  CHECK(!baselines.empty());
+  *result = DamageResult();
+  return Analyst(c, baselines, options, fit, result).Run(summary, model, error);
+}
+
+}  // namespace pinode

@@ -1,0 +1,52 @@
+#include "pinode/estimate/fitted_cost.h"
+
+#include <algorithm>
+
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/initial_states.h"
+
+namespace pinode {
+
+bool LinearizeAtFit(const IdentificationProblem& problem,
+                    const ParameterLayout& layout, const IdentifiedModel& model,
+                    const std::vector<RecordScore>& scores, int num_threads,
+                    FittedCost* cost) {
+  MultipleShooting::Options options;
+  options.num_threads = num_threads;
+  MultipleShooting shooting(problem, layout, options);
+  std::vector<Vector> sigmas;
+  std::vector<Vector> scales;
+  std::vector<Matrix> trajectories;
+  for (const int record : shooting.train_records()) {
+    const size_t r = static_cast<size_t>(record);
+    if (!scores[r].finite) return false;
+    sigmas.push_back(model.sigmas[r]);
+    trajectories.push_back(scores[r].states);
+    scales.push_back(StateScales(problem, scores[r].states));
+  }
+  shooting.SetSigmas(sigmas);
+  shooting.SetDecays(model.decays.size() == layout.num_decay_groups()
+                         ? model.decays
+                         : Vector(Vector::Zero(layout.num_decay_groups())));
+  shooting.SetStateScales(scales);
+  shooting.SetSegments(0, trajectories);
+  const Vector free = layout.Free(model.parameters);
+  std::vector<Matrix> residuals;
+  if (!shooting.Linearize(free, &cost->system) ||
+      !cost->system.hessian.allFinite() ||
+      !shooting.WeightedResiduals(free, false, &residuals, nullptr)) {
+    return false;
+  }
+  double sum = 0.0;
+  int count = 0;
+  for (const Matrix& record : residuals) {
+    for (Eigen::Index k = 0; k < record.rows(); ++k) {
+      sum += AutocorrelationTime(record.row(k).transpose());
+      ++count;
+    }
+  }
+  cost->memory = std::max(1.0, sum / std::max(count, 1));
+  return true;
+}
+
+}  // namespace pinode

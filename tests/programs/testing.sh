@@ -1,0 +1,29 @@
+# Sourced by the tests of programs. `programs` names the folder that holds them,
+# `tested` the one that Refused calls.
+
+Fail() {
+  echo "$1"
+  [[ ! -s stdout ]] || cat stdout
+  [[ ! -s stderr ]] || cat stderr
+  exit 1
+}
+
+# Run STATUS PROGRAM ARGUMENT...
+Run() {
+  local expected=$1 program=$2 status=0
+  shift 2
+  "$programs/$program" "$@" >stdout 2>stderr || status=$?
+  [[ $status -eq $expected ]] ||
+    Fail "$program $*: status $status, expected $expected"
+}
+
+# Refused TEXT ARGUMENT...: one line on standard error that holds TEXT, and
+# nothing written, in no folder E either.
+Refused() {
+  local text=$1
+  shift
+  Run 2 "$tested" "$@"
+  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
+  grep -qF -- "$text" stderr || Fail "expected '$text'"
+  [[ ! -s stdout && ! -e E ]] || Fail "something was written"
+}
