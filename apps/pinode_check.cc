@@ -13,6 +13,7 @@
 
 #include "apps/program.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/finite_element_section.h"
 #include "pinode/estimate/assessment.h"
 #include "pinode/record/excitation.h"
 #include "pinode/structure/modal_analysis.h"
@@ -21,6 +22,66 @@ DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
 
 namespace pinode {
 namespace {
+
+void PrintNumber(double value, const char* format, int width) {
+  if (std::isfinite(value)) {
+    std::printf(format, value);
+  } else {
+    std::printf("%*s", width, "-");
+  }
+}
+
+void PrintFiniteElementModel(const Case& c) {
+  if (c.finite_element == nullptr) return;
+  const FiniteElementCase& source = *c.finite_element;
+  const ReducedModel& reduced = source.reduced;
+  const SparseModes& modes = reduced.whole_modes;
+  const SpecialDofs special = FindSpecialDofs(source.model);
+  std::printf(
+      "Finite-element model: %d DOFs, %zu of them removed; of the others %zu "
+      "without mass\n%d rigid-body modes, %ld non-zeros in K, damping %s\n",
+      source.exported.num_dofs(), source.removed_dofs.size(),
+      special.massless.size(), modes.num_rigid_body_modes,
+      static_cast<long>(source.model.stiffness.nonZeros()),
+      source.exported.has_damping() ? "exported" : "not exported");
+  for (const std::string& note : source.notes) {
+    std::printf("  %s\n", note.c_str());
+  }
+  if (source.is_reduced) {
+    std::printf("Reduced by %s to %zu coordinates:",
+                ReductionMethodName(source.options.method),
+                reduced.coordinate_names.size());
+    for (const std::string& name : reduced.coordinate_names) {
+      std::printf(" %s", name.c_str());
+    }
+    std::printf("\n");
+  }
+  std::printf(
+      "\nMode   whole Hz   expected Hz   error %%   reduced: error %%      "
+      "MAC\n");
+  const double to_hz = c.HzPerModelFrequency();
+  for (int i = 0; i < modes.frequency_hz.size(); ++i) {
+    const double hz = to_hz * modes.frequency_hz[i];
+    std::printf("%4d ", i + 1);
+    PrintNumber(hz, "%10.5g", 10);
+    const int place = i - modes.num_rigid_body_modes;
+    const bool expected =
+        place >= 0 && place < static_cast<int>(source.expected_hz.size());
+    const double listed = expected
+                              ? source.expected_hz[static_cast<size_t>(place)]
+                              : std::nan("");
+    std::printf("    ");
+    PrintNumber(listed, "%10.5g", 10);
+    PrintNumber(100.0 * (hz / listed - 1.0), "%10.3f", 10);
+    const bool compared = i < reduced.mac.size();
+    std::printf("        ");
+    PrintNumber(compared ? 100.0 * reduced.frequency_error[i] : std::nan(""),
+                "%10.3f", 10);
+    PrintNumber(compared ? reduced.mac[i] : std::nan(""), "%9.5f", 9);
+    std::printf("\n");
+  }
+  std::printf("\n");
+}
 
 void PrintModel(const Case& c) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
@@ -137,6 +198,7 @@ int main(int argc, char** argv) {
   std::string error;
   if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
   if (!c.title.empty()) std::printf("%s\n\n", c.title.c_str());
+  PrintFiniteElementModel(c);
   PrintModel(c);
   PrintRecords(c);
   for (const std::string& remark : c.remarks) {

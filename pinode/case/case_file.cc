@@ -106,8 +106,9 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
     return false;
   }
   ModelSection model;
-  if (!ReadModelSection(root, &model)) return false;
+  if (!ReadModelSection(root, c.units, &model)) return false;
   c.expected_hz = model.expected_hz;
+  c.finite_element = model.finite_element;
 
   // The inputs of the dynamics are known before its terms, which may look at
   // them; the numbers of the records are read after the terms, which decide

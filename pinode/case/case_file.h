@@ -19,6 +19,7 @@
 
 namespace pinode {
 
+struct FiniteElementCase;
 struct TomlValue;
 
 // What a writer must know about a channel beside
@@ -72,6 +73,10 @@ struct Case {
 
   // Frequencies that the user expects of the model (Hz); may be empty.
   std::vector<double> expected_hz;
+
+  // The finite-element model of which the problem's is a reduction
+  // (finite_element_section.h); null where the case has none.
+  std::shared_ptr<const FiniteElementCase> finite_element;
 
   // As far as the case file names any.
   std::vector<ForceTruth> force_truths;

@@ -18,6 +18,8 @@ namespace {
 
 // The share of the false-alarm rate that other kinds of change may use up.
 constexpr double kShareOfKinds = 0.2;
+// A group of which so little is left is no measure of its own change.
+constexpr double kNearlyGone = 0.1;
 // What is found may change what else is.
 constexpr int kMaxRounds = 3;
 
@@ -59,26 +61,27 @@ void Scale(const Candidates& candidates, GroupState* state) {
 // log(1 + alpha) in place of alpha of groups and masses. Where the ground
 // shakes a structure, all of them times the same factor is the same structure;
 // that direction is then the same on both sides, whatever has changed between
-// them.
-bool ToLogarithms(size_t num_groups, const Candidates& candidates,
-                  GroupState* state, std::string* error) {
-  Vector scale = Vector::Ones(state->values.size());
+// them. What is nearly gone in one of the states stays as it is in all of them.
+void ToLogarithms(size_t num_groups, const Candidates& candidates,
+                  const std::vector<GroupState*>& states) {
   for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
+    const Eigen::Index i = static_cast<Eigen::Index>(j);
     if (j >= num_groups &&
         candidates[j - num_groups].subject.kind != ChangeKind::kMass) {
       continue;
     }
-    const Eigen::Index i = static_cast<Eigen::Index>(j);
-    scale[i] = 1.0 + state->values[i];
-    if (!(scale[i] > 0.0)) {
-      *error = "a group or mass is not positive";
-      return false;
+    if (std::any_of(states.begin(), states.end(), [&](GroupState* state) {
+          return !(1.0 + state->values[i] > kNearlyGone);
+        })) {
+      continue;
     }
-    state->values[i] = std::log(scale[i]);
+    for (GroupState* state : states) {
+      const double scale = 1.0 + state->values[i];
+      state->values[i] = std::log(scale);
+      state->covariance.row(i) /= scale;
+      state->covariance.col(i) /= scale;
+    }
   }
-  const auto inverse = scale.cwiseInverse().asDiagonal();
-  state->covariance = inverse * state->covariance * inverse;
-  return true;
 }
 
 // Groups and candidates as one Gauss-Newton step from `fit` leaves them, which
@@ -236,23 +239,24 @@ class Analyst {
     return true;
   }
 
-  bool CurrentState(GroupState* state, std::string* problem) {
-    return StateNear(fit_of_new_, groups_, candidates_, state, problem) &&
-           ToLogarithms(groups_.size(), candidates_, state, problem);
+  // Groups and all candidates of the healthy records and the new ones.
+  bool WideStates(std::string* problem) {
+    if (!HealthyStates(candidates_, &healthy_, problem) ||
+        !StateNear(fit_of_new_, groups_, candidates_, &current_, problem)) {
+      return false;
+    }
+    std::vector<GroupState*> states = {&current_};
+    for (GroupState& state : healthy_) states.push_back(&state);
+    ToLogarithms(groups_.size(), candidates_, states);
+    return true;
   }
 
   // found_ and fit_of_new_, where masses or nonlinear forces are among what the
   // data ask for.
   bool LookForKinds(std::string* problem) {
-    if (!HealthyStates(candidates_, &healthy_, problem)) return false;
-    for (GroupState& state : healthy_) {
-      if (!ToLogarithms(groups_.size(), candidates_, &state, problem)) {
-        return false;
-      }
-    }
     for (int round = 0; round < kMaxRounds; ++round) {
       ChangeEstimate wide;
-      if (!CurrentState(&current_, problem) ||
+      if (!WideStates(problem) ||
           !EstimateChange(
               healthy_, current_,
               WideOptions(kShareOfKinds * options_.false_alarm_rate), &wide,
@@ -318,10 +322,19 @@ class Analyst {
     GroupState current = GroupsOf(*fit_of_new_.fitted.problem.dynamics,
                                   fit_of_new_.summary, names);
     Scale(found_, &current);
-    const double rate =
-        (kinds ? 1.0 - kShareOfKinds : 1.0) * options_.false_alarm_rate;
-    if (!EstimateChange(healthy, current, OptionsFor(found_, rate),
-                        &result_.estimate, error)) {
+    ChangeOptions options =
+        OptionsFor(found_, (kinds ? 1.0 - kShareOfKinds : 1.0) *
+                               options_.false_alarm_rate);
+    // What a damper of a simple model loses can be more than it had: its change
+    // then is one of the group's nominal value.
+    for (size_t j = 0; j < groups_.size(); ++j) {
+      for (const GroupState& state : healthy) {
+        if (!(1.0 + state.values[static_cast<Eigen::Index>(j)] > kNearlyGone)) {
+          options.absolute[j] = true;
+        }
+      }
+    }
+    if (!EstimateChange(healthy, current, options, &result_.estimate, error)) {
       return false;
     }
     if (kinds && !AddRivals(error)) return false;

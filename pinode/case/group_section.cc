@@ -1,7 +1,9 @@
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/finite_element_section.h"
 #include "pinode/case/parameter_keys.h"
 #include "pinode/case/terms_section.h"
 #include "pinode/structure/shear_building.h"
@@ -23,25 +25,44 @@ bool ParseTarget(const std::string& name, MatrixGroup::Target* target) {
   return false;
 }
 
+// *exported is what the group is over all DOFs of a finite-element model.
 bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
-                     MatrixGroup* group) {
+                     MatrixGroup* group, FiniteElementCase::Group* exported) {
   const StructuralModel& model = section.model;
-  const int count =
-      table.Has("between") + table.Has("matrix") + table.Has("storey");
+  const bool from_export =
+      table.Has("changed_export") || table.Has("set_export");
+  const int count = table.Has("between") + table.Has("matrix") +
+                    table.Has("storey") + table.Has("changed_export") +
+                    table.Has("set_export");
   if (count != 1) {
     return table.Fail("name", "it has " + std::to_string(count) +
-                                  " of the keys between, matrix, storey; "
-                                  "expected exactly one");
+                                  " of the keys between, matrix, storey, "
+                                  "changed_export, set_export; expected "
+                                  "exactly one");
+  }
+  if (table.Has("factor") && !table.Has("changed_export")) {
+    return table.Fail("factor", "'factor' goes with 'changed_export' only");
+  }
+  if (from_export && section.finite_element == nullptr) {
+    return table.Fail(table.Has("set_export") ? "set_export" : "changed_export",
+                      "an export without a [model.finite_element], expected "
+                      "'between' or 'matrix'");
   }
   if (table.Has("scale") && !table.Has("between")) {
     return table.Fail("scale", "'scale' goes with 'between' only");
+  }
+  if (from_export) {
+    return ReadExportedGroup(table, *section.finite_element, group, exported);
   }
   if (table.Has("between")) {
     int from = -1;
     int to = -1;
     if (!ReadBetween(model, table, &from, &to)) return false;
-    group->matrix = table.PositiveNumber("scale", 1.0) *
-                    SpringMatrix(model.num_dofs(), from, to);
+    const double scale = table.PositiveNumber("scale", 1.0);
+    group->matrix = scale * SpringMatrix(model.num_dofs(), from, to);
+    if (section.finite_element != nullptr) {
+      *exported = SpringGroup(*section.finite_element, scale, from, to);
+    }
     return table.errors()->ok();
   }
   if (table.Has("matrix")) {
@@ -109,8 +130,9 @@ bool ReadFollows(const TomlTable& table, const UnitSystem& units,
 bool ReadGroups(const TomlTable& root, const TermsContext& context,
                 StructuralDynamics* dynamics) {
   for (TomlTable& table : root.Tables("group")) {
-    std::vector<std::string> keys = {"name",   "adds_to", "between", "matrix",
-                                     "storey", "scale",   "follows", "present"};
+    std::vector<std::string> keys = {
+        "name",    "adds_to", "between",        "matrix",     "storey", "scale",
+        "follows", "present", "changed_export", "set_export", "factor"};
     keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
     if (!table.AllowKeys(keys)) return false;
     GroupTerm term;
@@ -127,7 +149,8 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
       return table.Fail("adds_to", "'adds_to' is '" + target +
                                        "', expected one of " + kTargets);
     }
-    if (!ReadGroupMatrix(table, *context.model, &term.group) ||
+    FiniteElementCase::Group exported;
+    if (!ReadGroupMatrix(table, *context.model, &term.group, &exported) ||
         !ReadFollows(table, *context.units, *dynamics, &term)) {
       return false;
     }
@@ -136,6 +159,16 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
     if (!ReadParameterKeys(table, 1.0, &term.alpha)) return false;
     std::string error;
     if (!dynamics->AddGroup(term, &error)) return table.Fail("name", error);
+    if (context.model->finite_element != nullptr) {
+      if (exported.matrix.rows() == 0) {
+        context.remarks->push_back(
+            "Group '" + term.group.name +
+            "' is given for the coordinates of the reduced model and has no "
+            "part in the matrices of the finite-element model that are "
+            "written back.");
+      }
+      context.model->finite_element->groups.push_back(std::move(exported));
+    }
   }
   return root.errors()->ok();
 }

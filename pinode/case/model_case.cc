@@ -57,6 +57,7 @@ class ModelCaseWriter {
     TomlValue& model = *root_.Find("model");
     model.Set("dofs", TomlValue::Strings(updated.dof_names));
     model.Erase("shear_building");
+    if (c_.finite_element != nullptr) SetReducedModel(updated, &model);
     model.Set("mass", TomlValue::String("M.mtx"));
     model.Set("stiffness", TomlValue::String("K.mtx"));
     model.Set("damping", TomlValue::String("C.mtx"));
@@ -65,12 +66,33 @@ class ModelCaseWriter {
            WriteMatrixMarket(Path("C.mtx"), updated.damping, error_);
   }
 
+  // What [model.finite_element] and [model.reduction] came to.
+  static void SetReducedModel(const StructuralModel& reduced,
+                              TomlValue* model) {
+    model->Erase("finite_element");
+    model->Erase("reduction");
+    TomlValue influence = TomlValue::Table();
+    TomlValue coupling = TomlValue::Table();
+    for (int d = 0; d < reduced.num_directions(); ++d) {
+      const std::string& name = reduced.directions[static_cast<size_t>(d)];
+      const Vector r = reduced.influence.col(d);
+      const Vector m = reduced.support_mass_coupling.col(d);
+      influence.Set(name, TomlValue::Numbers({r.begin(), r.end()}));
+      coupling.Set(name, TomlValue::Numbers({m.begin(), m.end()}));
+    }
+    model->Set("influence", influence);
+    model->Set("support_mass_coupling", coupling);
+  }
+
   bool WriteGroups() {
     for (size_t j = 0; j < dynamics_.groups().size(); ++j) {
       const GroupTerm& term = dynamics_.groups()[j];
       const std::string file = "group_" + term.group.name + ".mtx";
       TomlValue& table = root_.Find("group")->elements[j];
-      for (const char* key : {"between", "storey", "scale"}) table.Erase(key);
+      for (const char* key : {"between", "storey", "scale", "changed_export",
+                              "set_export", "factor"}) {
+        table.Erase(key);
+      }
       table.Set("matrix", TomlValue::String(file));
       const double taken =
           term.follows == GroupTerm::Follows::kNothing ? term.alpha.value : 0.0;

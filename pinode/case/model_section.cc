@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/finite_element_section.h"
 #include "pinode/structure/damping.h"
 #include "pinode/structure/matrix_io.h"
 
@@ -246,20 +247,49 @@ bool ReadBetween(const StructuralModel& model, const TomlTable& table,
          FindDof(model, table, "between", ends[1], true, to);
 }
 
-bool ReadModelSection(const TomlTable& root, ModelSection* section) {
+bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
+                      ModelSection* section) {
   CaseErrors* errors = root.errors();
   if (!root.RequireKey("model", "a table [model]")) return false;
   const TomlTable table = root.Table("model", "[model]");
   if (!table.AllowKeys({"dofs", "mass", "stiffness", "damping", "influence",
                         "support_mass_coupling", "expected_hz",
-                        "shear_building"})) {
+                        "shear_building", "finite_element", "reduction"})) {
     return false;
+  }
+  const bool is_finite_element = table.Has("finite_element");
+  if (table.Has("reduction") && !is_finite_element) {
+    return table.Fail("reduction",
+                      "[model.reduction] without a [model.finite_element], "
+                      "which it reduces");
   }
   std::vector<std::string> dofs;
   if (!ReadDofNames(table, &dofs)) return false;
   StructuralModel& model = section->model;
   std::string error;
-  if (table.Has("shear_building")) {
+  if (is_finite_element) {
+    if (table.Has("shear_building")) {
+      return table.Fail("shear_building",
+                        "[model.shear_building] beside "
+                        "[model.finite_element], expected one of the two");
+    }
+    if (!ReadFiniteElementSection(root, table, units, &section->finite_element,
+                                  &model)) {
+      return false;
+    }
+    const bool damped = section->finite_element->exported.has_damping();
+    if (damped && table.Has("damping")) {
+      return table.Fail("damping",
+                        "'damping' beside that of [model.finite_element], "
+                        "expected one of the two");
+    }
+    if (!damped &&
+        !table.RequireKey("damping",
+                          "{rayleigh = [a0, a1]}, {ratios = [...]} or \"none\" "
+                          "here, or a matrix in [model.finite_element]")) {
+      return false;
+    }
+  } else if (table.Has("shear_building")) {
     for (const char* key : {"mass", "stiffness"}) {
       if (table.Has(key)) {
         return table.Fail(key, std::string("'") + key +
@@ -308,10 +338,12 @@ bool ReadModelSection(const TomlTable& root, ModelSection* section) {
   const auto line_key = [&table](const std::string& message) {
     for (const char* key : {"mass", "stiffness", "damping"}) {
       if (message.find(std::string("the ") + key + " matrix") == 0) {
-        return std::string(table.Has(key) ? key : "shear_building");
+        return std::string(table.Has(key)                ? key
+                           : table.Has("finite_element") ? "finite_element"
+                                                         : "shear_building");
       }
     }
-    return std::string("dofs");
+    return std::string(table.Has("finite_element") ? "finite_element" : "dofs");
   };
   if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
   if (table.Has("damping") &&

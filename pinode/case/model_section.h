@@ -3,6 +3,7 @@
 #ifndef PINODE_CASE_MODEL_SECTION_H_
 #define PINODE_CASE_MODEL_SECTION_H_
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,16 +18,22 @@ namespace pinode {
 // `name` as seen from the folder of the case file `case_path`.
 std::string ResolvePath(const std::string& case_path, const std::string& name);
 
+struct FiniteElementCase;
+
 [[nodiscard]] bool ReadUnits(const TomlTable& root, UnitSystem* units);
 
 struct ModelSection {
   StructuralModel model;  // valid
   // Where the case has one: what `storey` in a group refers to.
   std::optional<ShearBuilding> building;
+  // Where the matrices come from a finite-element program; null otherwise.
+  // What its groups are over all DOFs is added as they are read.
+  std::shared_ptr<FiniteElementCase> finite_element;
   std::vector<double> expected_hz;
 };
 
 [[nodiscard]] bool ReadModelSection(const TomlTable& root,
+                                    const UnitSystem& units,
                                     ModelSection* section);
 
 // The matrix under `key` of `table`: a file's name, rows [[...], ...] or

@@ -21,6 +21,18 @@
 namespace pinode {
 namespace {
 
+// Whether all values that are present are the same.
+bool IsConstant(const Vector& values) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+  }
+  return lowest == highest;
+}
+
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // One file on its own grid, its columns as they are.
@@ -397,6 +409,12 @@ class RecordDataReader {
                         StandardDeviationOfPresent(channel.values);
       } else if (signal.sigma > 0.0) {
         channel.sigma = signal.sigma;
+      } else if (channel.fit && !simulation_ && IsConstant(channel.values)) {
+        // With no noise of its own it would outweigh all others.
+        return signal.table.Fail(
+            "column",
+            "it has the same value in every sample, as a dead sensor has; "
+            "expected one that works, 'fit = false', or its 'sigma'");
       }
     }
     return true;

@@ -12,6 +12,7 @@
 namespace pinode {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -169,6 +170,29 @@ TEST(RecordDataTest, GapsInAResponseAreKept) {
   EXPECT_EQ(CountPresent(values), 199);
   EXPECT_THAT(c.records[0].remarks,
               Contains(HasSubstr("1 of 200 samples are missing")));
+}
+
+// Its noise would be taken for none at all, and its weight for infinite.
+TEST(RecordDataTest, ADeadSensorIsRefused) {
+  TemporaryFolder folder;
+  std::string record = "t,ag,a1,d2\n";
+  for (int i = 0; i < 200; ++i) {
+    record += FormatNumber(0.01 * i, 6) + "," +
+              FormatNumber(80.0 * std::sin(0.09 * i), 9) + ",0.25," +
+              FormatNumber(std::sin(0.08 * i), 9) + "\n";
+  }
+  folder.Write("quake.csv", record);
+  const auto read = [&](const std::string& more) {
+    Case c;
+    std::string error;
+    const std::string path = folder.Write(
+        "case.toml",
+        Replaced(SmallCase(), "unit = \"g\"", "unit = \"g\"" + more));
+    return ReadCase(path, &c, &error) ? std::string() : error;
+  };
+  EXPECT_THAT(read(""), AllOf(HasSubstr("a1"), HasSubstr("dead sensor")));
+  EXPECT_EQ(read("\n  fit = false"), "");
+  EXPECT_EQ(read("\n  sigma = 0.01"), "");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/checkpoint.h"
+#include "pinode/case/finite_element_result.h"
 #include "pinode/case/folded_matrices.h"
 #include "pinode/case/model_case.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -46,6 +47,8 @@ class ResultWriter {
     std::string json;
     return WriteModelCase(c_, model_, folder_.working_path(),
                           folder_.final_path(), error_) &&
+           WriteFiniteElementResult(c_, summary_, model_,
+                                    folder_.working_path(), error_) &&
            WriteFolded() && WriteText("parameters.csv", Parameters()) &&
            WriteText("covariance.csv", Covariance()) &&
            WriteText("history.csv", History()) && WritePredictions() &&

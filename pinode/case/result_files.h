@@ -31,10 +31,10 @@ Vector FileTimes(const Case& c, size_t r);
 // Writes to folder.working_path() everything that a result folder holds but the
 // report (see pinode/case/README.md): result.json, parameters.csv,
 // covariance.csv, history.csv, prediction_<record>.csv, force_<name>.csv,
-// initial_states.csv, the
-// model case with its matrices and networks, folded matrices where there are
-// any, and checkpoint.json. `summary` and `model` are what Identify returned
-// for `c`, whatever the outcome.
+// initial_states.csv, what goes back to a finite-element program, the model
+// case with its matrices and networks, folded matrices where there are any, and
+// checkpoint.json. `summary` and `model` are what Identify returned for `c`,
+// whatever the outcome.
 [[nodiscard]] bool WriteResultFiles(const Case& c,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,

@@ -80,7 +80,9 @@ bool AssessProblem(const IdentificationProblem& problem,
     *error = "no finite trajectory at the initial values";
     return false;
   }
-  const CovarianceEstimate& covariance = point.covariance;
+  CovarianceEstimate& covariance = point.covariance;
+  covariance.null_space = WithUnseenGroups(
+      problem, layout, covariance.covariance, covariance.null_space);
   for (int j = 0; j < layout.num_free(); ++j) {
     const int index = layout.free()[static_cast<size_t>(j)];
     if (!layout.IsNamed(index)) continue;

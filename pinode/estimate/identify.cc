@@ -1335,7 +1335,9 @@ void Identify(const IdentificationProblem& problem,
             named[static_cast<size_t>(a)], named[static_cast<size_t>(b)]);
       }
     }
-    summary->undetermined = DescribeNullSpace(layout, covariance.null_space);
+    summary->undetermined = DescribeNullSpace(
+        layout, WithUnseenGroups(problem, layout, covariance.covariance,
+                                 covariance.null_space));
   }
   summary->seconds = Seconds(begin);
   Judge(summary);

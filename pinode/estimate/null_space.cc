@@ -40,4 +40,28 @@ std::vector<std::string> DescribeNullSpace(const ParameterLayout& layout,
   return sentences;
 }
 
+Matrix WithUnseenGroups(const IdentificationProblem& problem,
+                        const ParameterLayout& layout, const Matrix& covariance,
+                        const Matrix& directions) {
+  constexpr double kUnseen = 10.0;
+  Matrix result = directions;
+  if (result.rows() == 0) result.resize(layout.num_free(), 0);
+  for (const GroupTerm& term : problem.dynamics->groups()) {
+    if (!term.alpha.free || term.follows != GroupTerm::Follows::kNothing) {
+      continue;
+    }
+    for (int j = 0; j < layout.num_free(); ++j) {
+      const int index = layout.free()[static_cast<size_t>(j)];
+      if (layout.parameter(index).name != term.group.name ||
+          !(covariance(j, j) > kUnseen * kUnseen) ||
+          (result.cols() > 0 && result.row(j).cwiseAbs().maxCoeff() > 0.1)) {
+        continue;
+      }
+      result.conservativeResize(Eigen::NoChange, result.cols() + 1);
+      result.col(result.cols() - 1) = Vector::Unit(layout.num_free(), j);
+    }
+  }
+  return result;
+}
+
 }  // namespace pinode

@@ -17,6 +17,14 @@ namespace pinode {
 std::vector<std::string> DescribeNullSpace(const ParameterLayout& layout,
                                            const Matrix& directions);
 
+// `directions` and, as unit vectors, the groups whose factor the data leave
+// with a standard deviation of more than ten times what is there: rounding
+// alone, or noise, holds these, though not by so little that the numbers show
+// it. `covariance`: num_free x num_free.
+Matrix WithUnseenGroups(const IdentificationProblem& problem,
+                        const ParameterLayout& layout, const Matrix& covariance,
+                        const Matrix& directions);
+
 }  // namespace pinode
 
 #endif  // PINODE_ESTIMATE_NULL_SPACE_H_

@@ -4,7 +4,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -14,6 +13,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/structure/shifted_factors.h"
 
 namespace pinode {
 namespace {
@@ -21,9 +21,6 @@ namespace {
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// Pivots of a matrix with unit diagonal below this are taken for zero: a beam
-// of a thousand elements has 1e-12, rounding leaves 1e-16.
-constexpr double kSmallestPivot = 1e-13;
 // What each mode is held to.
 constexpr double kLargestErrorBound = 1e-8;
 // Eigenvalues nearer to each other than this (relative) are one cluster: the
@@ -34,81 +31,6 @@ constexpr int kAlwaysDense = 300;
 // And above this many it takes more time and memory than anybody expects.
 constexpr int kLargestDense = 4000;
 
-// P S (K - shift M) S P' = L D L', with S a diagonal that makes the diagonal of
-// the matrix one, so that units, rotations and penalties do not matter.
-class Factors {
- public:
-  using Solver = Eigen::SimplicialLDLT<SparseMatrix>;
-
-  bool Factorise(const SparseMatrix& mass, const SparseMatrix& stiffness,
-                 double shift) {
-    SparseMatrix shifted = stiffness - shift * mass;
-    const Eigen::Index n = shifted.rows();
-    scale_ = Vector::Zero(n);
-    for (Eigen::Index j = 0; j < n; ++j) {
-      double largest = 0.0;
-      double diagonal = 0.0;
-      for (SparseMatrix::InnerIterator entry(shifted, j); entry; ++entry) {
-        largest = std::max(largest, std::abs(entry.value()));
-        if (entry.row() == j) diagonal = std::abs(entry.value());
-      }
-      // An indefinite matrix may have small numbers on its diagonal.
-      const double size = std::max(diagonal, 1e-6 * largest);
-      scale_[j] = size > 0.0 ? 1.0 / std::sqrt(size) : 1.0;
-    }
-    shifted = SparseMatrix(scale_.asDiagonal() * shifted * scale_.asDiagonal());
-    solver_.compute(shifted);
-    if (solver_.info() != Eigen::Success) return false;
-    pivots_ = solver_.vectorD();
-    if (!pivots_.allFinite()) return false;
-    root_ = pivots_.cwiseAbs().cwiseSqrt();
-    return true;
-  }
-
-  const Vector& pivots() const { return pivots_; }
-  // The DOF of a pivot.
-  Eigen::Index DofOfPivot(Eigen::Index pivot) const {
-    return solver_.permutationPinv().indices()[pivot];
-  }
-
-  Eigen::Index NumNegative() const { return (pivots_.array() < 0.0).count(); }
-
-  // How well the factors solve a system whose solution is known: the relative
-  // error of the right side, in the scaled matrix.
-  double SolveError(const SparseMatrix& mass, const SparseMatrix& stiffness,
-                    double shift) const {
-    const Eigen::Index n = mass.rows();
-    Vector right(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      right[i] = std::sin(1.0 + 1.7 * static_cast<double>(i));
-    }
-    const Vector x = scale_.cwiseProduct(solver_.solve(right));
-    const Vector back =
-        scale_.cwiseProduct(Vector(stiffness * x) - shift * Vector(mass * x));
-    return (back - right).norm() / right.norm();
-  }
-
-  // x = S P' L^-T |D|^-1/2 y: the shape of a vector of the iteration.
-  Vector ToShape(const Vector& y) const {
-    Vector x = y.cwiseQuotient(root_);
-    solver_.matrixU().solveInPlace(x);
-    x = solver_.permutationPinv() * x;
-    return scale_.cwiseProduct(x);
-  }
-  // The transpose of ToShape.
-  Vector FromForce(const Vector& f) const {
-    Vector y = solver_.permutationP() * scale_.cwiseProduct(f);
-    solver_.matrixL().solveInPlace(y);
-    return y.cwiseQuotient(root_);
-  }
-
- private:
-  Vector scale_;
-  Solver solver_;
-  Vector pivots_;
-  Vector root_;
-};
-
 // With K - shift M = F F' positive definite, H = F^-1 M F^-T is symmetric
 // and positive semidefinite with eigenvalues 1 / (w^2 - shift); those of
 // massless motions are zero. Unlike the usual (K - shift M)^-1 M it needs no
@@ -118,7 +40,7 @@ class InverseOperator {
  public:
   using Scalar = double;  // what Spectra calls it
 
-  InverseOperator(const Factors& factors, const SparseMatrix& mass,
+  InverseOperator(const ShiftedFactors& factors, const SparseMatrix& mass,
                   const Matrix& found)
       : factors_(factors), mass_(mass), found_(found) {}
 
@@ -142,7 +64,7 @@ class InverseOperator {
     return y - found_ * (found_.transpose() * y);
   }
 
-  const Factors& factors_;
+  const ShiftedFactors& factors_;
   const SparseMatrix& mass_;
   const Matrix& found_;
 };
@@ -209,7 +131,7 @@ bool DenseInversePairs(const InverseOperator& inverse, Matrix* basis,
 }
 
 // Up to `count` further eigenvectors of largest theta.
-Matrix LanczosVectors(const Factors& factors, const SparseMatrix& mass,
+Matrix LanczosVectors(const ShiftedFactors& factors, const SparseMatrix& mass,
                       const Matrix& found, int count) {
   InverseOperator inverse(factors, mass, found);
   const Eigen::Index n = inverse.rows();
@@ -256,9 +178,9 @@ class LowestModes {
 
   // Whether K - shift M is positive definite beyond rounding.
   bool IsDefinite(double shift) {
-    factors_ = std::make_unique<Factors>();
+    factors_ = std::make_unique<ShiftedFactors>();
     return factors_->Factorise(mass_, stiffness_, shift) &&
-           factors_->pivots().minCoeff() > kSmallestPivot;
+           factors_->IsDefinite();
   }
 
   bool ChooseShift(std::string* error) {
@@ -404,7 +326,7 @@ class LowestModes {
       }
       if (!(high - low > kClusterWidth * (high - shift_))) continue;
       // One set of factors of a large model at a time.
-      factors_ = std::make_unique<Factors>();
+      factors_ = std::make_unique<ShiftedFactors>();
       for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
         const double bound = low + part * (high - low);
         if (!factors_->Factorise(mass_, stiffness_, bound) ||
@@ -485,7 +407,7 @@ class LowestModes {
   bool dense_ = false;
   double shift_ = 0.0;
   double unit_ = 1.0;
-  std::unique_ptr<Factors> factors_;
+  std::unique_ptr<ShiftedFactors> factors_;
   InversePairs pairs_;
   Vector error_bounds_;
 };

@@ -1,0 +1,552 @@
+#include "pinode/case/finite_element_section.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/model_section.h"
+#include "pinode/case/named_dofs.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kDefaultFrequencyTolerance = 0.01;
+// Without a reduction all DOFs become states of the identification.
+constexpr int kLargestWhole = 100;
+// Names are compared with all others for a hint only where that is quick.
+constexpr int kLargestHinted = 5000;
+// Two exports of one number differ by less than this (relative) where only
+// their last digits were rounded.
+constexpr double kRoundingOfExports = 1e-11;
+
+struct MethodName {
+  const char* name;
+  ReductionMethod method;
+};
+constexpr MethodName kMethods[] = {
+    {"guyan", ReductionMethod::kGuyan},
+    {"serep", ReductionMethod::kSerep},
+    {"craig_bampton", ReductionMethod::kCraigBampton},
+    {"modal", ReductionMethod::kModal}};
+
+// "name", or {file = "name", variable = "K"}.
+bool ReadSource(const TomlTable& table, const std::string& key,
+                MatrixSource* source) {
+  const TomlValue* value = table.Find(key);
+  if (value == nullptr) return true;
+  std::string file;
+  if (value->IsTable()) {
+    const TomlTable inner = table.Table(key, table.name() + " " + key);
+    if (!inner.AllowKeys({"file", "variable"})) return false;
+    file = inner.RequiredString("file");
+    source->variable = inner.String("variable");
+  } else {
+    file = table.RequiredString(key);
+  }
+  if (!table.errors()->ok()) return false;
+  source->path = ResolvePath(table.errors()->path(), file);
+  std::error_code status;
+  if (std::filesystem::exists(source->path, status)) return true;
+  return table.Fail(
+      key, "'" + key + "' names the file '" + file + "', which does not exist");
+}
+
+std::string HintAmong(const std::string& name,
+                      const FiniteElementModel& model) {
+  return model.num_dofs() <= kLargestHinted
+             ? NameHint(name, model.dof_names)
+             : ", expected a name such as '" + model.dof_names.front() + "'";
+}
+
+// The direction at the end of a name such as "12.3" or "12.3#1"; 0 where there
+// is none.
+int DirectionOf(const std::string& name) {
+  const std::string plain = name.substr(0, name.find('#'));
+  const size_t point = plain.rfind('.');
+  if (point == std::string::npos || point + 2 != plain.size()) return 0;
+  const char digit = plain[point + 1];
+  return digit >= '1' && digit <= '6' ? digit - '0' : 0;
+}
+
+class SectionReader {
+ public:
+  SectionReader(const TomlTable& root, const TomlTable& model_table,
+                const UnitSystem& units, FiniteElementCase* section)
+      : root_(root),
+        model_table_(model_table),
+        table_(model_table.Table("finite_element", "[model.finite_element]")),
+        reduction_(model_table.Table("reduction", "[model.reduction]")),
+        units_(units),
+        section_(section) {}
+
+  bool Read(StructuralModel* model) {
+    return ReadExport() && RemoveNamedDofs() && ReadMethod() && FindKept() &&
+           ReadExpected() && Reduce() && CheckExpected() && MakeModel(model);
+  }
+
+ private:
+  bool ReadExport() {
+    if (!table_.AllowKeys({"mass", "damping", "stiffness", "dofs",
+                           "remove_dofs", "ground_directions",
+                           "expected_frequencies", "frequency_tolerance"}) ||
+        !table_.RequireKey("mass", "the file of the mass matrix") ||
+        !table_.RequireKey("stiffness", "the file of the stiffness matrix")) {
+      return false;
+    }
+    for (const char* key :
+         {"dofs", "mass", "stiffness", "influence", "expected_hz"}) {
+      if (model_table_.Has(key)) {
+        return model_table_.Fail(
+            key, std::string("'") + key +
+                     "' beside [model.finite_element], which says it; "
+                     "expected it there, or not at all");
+      }
+    }
+    MatrixSource names;
+    FiniteElementFiles& files = section_->files;
+    if (!ReadSource(table_, "mass", &files.mass) ||
+        !ReadSource(table_, "damping", &files.damping) ||
+        !ReadSource(table_, "stiffness", &files.stiffness) ||
+        !ReadSource(table_, "dofs", &names)) {
+      return false;
+    }
+    files.dof_names = names.path;
+    std::string error;
+    return ReadFiniteElementModel(files, &section_->exported, &error) ||
+           table_.errors()->FailAsIs(error);
+  }
+
+  bool RemoveNamedDofs() {
+    const FiniteElementModel& exported = section_->exported;
+    for (const std::string& name : table_.Strings("remove_dofs")) {
+      const int dof = exported.DofIndex(name);
+      if (dof < 0) {
+        return table_.Fail("remove_dofs",
+                           "'" + name +
+                               "' is not a DOF of the finite-element model" +
+                               HintAmong(name, exported));
+      }
+      section_->removed_dofs.push_back(dof);
+    }
+    if (!table_.errors()->ok()) return false;
+    std::vector<int>& removed = section_->removed_dofs;
+    std::sort(removed.begin(), removed.end());
+    removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
+    if (static_cast<int>(removed.size()) == exported.num_dofs()) {
+      return table_.Fail("remove_dofs",
+                         "'remove_dofs' names every DOF, expected one to stay");
+    }
+    section_->model =
+        removed.empty() ? exported : RemoveDofs(exported, removed);
+    section_->notes = exported.notes;
+    for (std::string& note : DescribeSpecialDofs(section_->model)) {
+      section_->notes.push_back(std::move(note));
+    }
+    return true;
+  }
+
+  bool ReadMethod() {
+    if (!reduction_.AllowKeys({"method", "keep", "modes", "compare"})) {
+      return false;
+    }
+    ReductionOptions& options = section_->options;
+    section_->is_reduced = model_table_.Has("reduction");
+    options.method = ReductionMethod::kGuyan;
+    if (!section_->is_reduced) return true;
+    if (!reduction_.RequireKey("method", "guyan, serep or craig_bampton")) {
+      return false;
+    }
+    const std::string method = reduction_.String("method");
+    if (method == "modal") {
+      return reduction_.Fail(
+          "method",
+          "'modal' keeps no DOF that a sensor could be at; expected guyan, "
+          "serep (exact modes at the kept DOFs) or craig_bampton");
+    }
+    for (const MethodName& entry : kMethods) {
+      if (method == entry.name) options.method = entry.method;
+    }
+    reduction_.Choice("method", {"guyan", "serep", "craig_bampton"}, method);
+    options.num_modes = reduction_.Integer("modes", 0, 0);
+    options.num_compared_modes =
+        reduction_.Integer("compare", options.num_compared_modes, 1);
+    return reduction_.errors()->ok();
+  }
+
+  // What the case names has to be kept; without `keep`, that is what is kept.
+  bool FindKept() {
+    const FiniteElementModel& model = section_->model;
+    std::vector<std::string>& kept = section_->options.kept_dofs;
+    if (!section_->is_reduced) {
+      if (model.num_dofs() > kLargestWhole) {
+        return table_.Fail("stiffness", "the finite-element model has " +
+                                            std::to_string(model.num_dofs()) +
+                                            " DOFs, which is too much without "
+                                            "a [model.reduction]; at most " +
+                                            std::to_string(kLargestWhole) +
+                                            " were expected");
+      }
+      kept = model.dof_names;
+    } else if (reduction_.Has("keep")) {
+      kept = reduction_.Strings("keep");
+      if (!reduction_.errors()->ok()) return false;
+    }
+    const bool given = !kept.empty();
+    const auto is_dof = [&model](const std::string& name) {
+      return model.DofIndex(name) >= 0;
+    };
+    for (const NamedDof& dof : NamedDofs(root_.entries(), is_dof)) {
+      if (IsModeName(dof.name)) continue;
+      if (!is_dof(dof.name)) {
+        const bool removed = section_->exported.DofIndex(dof.name) >= 0;
+        return root_.errors()->Fail(
+            dof.line, "'" + dof.name +
+                          "' is not a DOF of the finite-element model" +
+                          (removed ? ": [model.finite_element] removes it"
+                                   : HintAmong(dof.name, model)));
+      }
+      if (!given) {
+        kept.push_back(dof.name);
+      } else if (std::find(kept.begin(), kept.end(), dof.name) == kept.end()) {
+        return root_.errors()->Fail(
+            dof.line, "'" + dof.name +
+                          "' is not among the DOFs that [model.reduction] "
+                          "keeps, expected it there");
+      }
+    }
+    return true;
+  }
+
+  // q1, q2, ... of Craig and Bampton.
+  bool IsModeName(const std::string& name) const {
+    if (section_->model.DofIndex(name) >= 0 || name.size() < 2 ||
+        name[0] != 'q') {
+      return false;
+    }
+    double number = 0.0;
+    return ParseDouble(name.substr(1), &number) && number >= 1.0 &&
+           number <= section_->options.num_modes;
+  }
+
+  bool ReadExpected() {
+    section_->expected_hz = table_.Numbers("expected_frequencies");
+    tolerance_ = table_.PositiveNumber("frequency_tolerance",
+                                       kDefaultFrequencyTolerance);
+    if (!table_.errors()->ok()) return false;
+    int& compared = section_->options.num_compared_modes;
+    compared =
+        std::max(compared, static_cast<int>(section_->expected_hz.size()));
+    return true;
+  }
+
+  bool Reduce() {
+    std::string error;
+    if (!ReduceModel(section_->model, section_->options, &section_->reduced,
+                     &error)) {
+      return section_->is_reduced
+                 ? reduction_.Fail(reduction_.Has("keep") ? "keep" : "method",
+                                   error)
+                 : table_.Fail("stiffness", error);
+    }
+    // Rigid-body modes come first, and none is expected of them.
+    SparseModes& modes = section_->reduced.whole_modes;
+    const auto needed = static_cast<int>(section_->expected_hz.size()) +
+                        modes.num_rigid_body_modes;
+    if (modes.eigenvalues.size() < needed && needed <= NumModes() &&
+        !ComputeLowestModes(section_->model.mass, section_->model.stiffness,
+                            needed, &modes, &error)) {
+      return table_.Fail("expected_frequencies", error);
+    }
+    for (const auto* notes : {&modes.notes, &section_->reduced.notes}) {
+      section_->notes.insert(section_->notes.end(), notes->begin(),
+                             notes->end());
+    }
+    const int num_removed = static_cast<int>(section_->removed_dofs.size());
+    const Matrix& basis = section_->reduced.basis;
+    section_->expansion =
+        Matrix::Zero(basis.rows() + num_removed, basis.cols());
+    size_t next_removed = 0;
+    Eigen::Index row = 0;
+    for (int i = 0; i < section_->exported.num_dofs(); ++i) {
+      if (next_removed < section_->removed_dofs.size() &&
+          section_->removed_dofs[next_removed] == i) {
+        ++next_removed;
+      } else {
+        section_->expansion.row(i) = basis.row(row++);
+      }
+    }
+    return true;
+  }
+
+  int NumModes() const {
+    const Vector diagonal = section_->model.mass.diagonal();
+    return static_cast<int>((diagonal.array() > 0.0).count());
+  }
+
+  bool CheckExpected() {
+    if (section_->expected_hz.empty()) return true;
+    // The modes are in the model's unit of time.
+    double second = 1.0;
+    std::string error;
+    if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
+      return table_.Fail("expected_frequencies", error);
+    }
+    SparseModes in_hz = section_->reduced.whole_modes;
+    in_hz.frequency_hz *= second;
+    if (!CheckExpectedFrequencies(in_hz, section_->expected_hz, tolerance_,
+                                  &error)) {
+      return table_.Fail("expected_frequencies", error);
+    }
+    return true;
+  }
+
+  // r over all DOFs, a column per direction of ground motion.
+  bool ReadInfluence(std::vector<std::string>* directions, Matrix* influence) {
+    const FiniteElementModel& model = section_->model;
+    const int n = model.num_dofs();
+    std::vector<int> direction_of;
+    bool has_directions = true;
+    for (const std::string& name : model.dof_names) {
+      direction_of.push_back(DirectionOf(name));
+      has_directions = has_directions && direction_of.back() > 0;
+    }
+    std::vector<int> numbers;
+    if (table_.Has("ground_directions")) {
+      const TomlTable inner = table_.Table("ground_directions",
+                                           "[model.finite_element] "
+                                           "ground_directions");
+      for (const auto& [name, value] : inner.entries()) {
+        (void)value;
+        directions->push_back(name);
+        numbers.push_back(inner.Integer(name, 1, 1));
+        if (!table_.errors()->ok()) return false;
+        if (numbers.back() > 3) {
+          return inner.Fail(name, "'" + name + "' is " +
+                                      std::to_string(numbers.back()) +
+                                      ", expected 1, 2 or 3, the number "
+                                      "behind the point in names of DOFs");
+        }
+      }
+      if (!table_.errors()->ok()) return false;
+      if (!has_directions) {
+        return table_.Fail(
+            "ground_directions",
+            "the names of the DOFs do not say their directions (expected "
+            "node.direction, as 12.3), which 'ground_directions' needs");
+      }
+    } else if (has_directions) {
+      for (int number = 1; number <= 3; ++number) {
+        if (std::find(direction_of.begin(), direction_of.end(), number) ==
+            direction_of.end()) {
+          continue;
+        }
+        directions->push_back(std::string(1, "xyz"[number - 1]));
+        numbers.push_back(number);
+      }
+    } else {
+      *directions = {"x"};
+      *influence = Matrix::Ones(n, 1);
+      return true;
+    }
+    *influence = Matrix::Zero(n, static_cast<Eigen::Index>(directions->size()));
+    for (size_t d = 0; d < numbers.size(); ++d) {
+      for (int i = 0; i < n; ++i) {
+        if (direction_of[static_cast<size_t>(i)] == numbers[d]) {
+          (*influence)(i, static_cast<Eigen::Index>(d)) = 1.0;
+        }
+      }
+    }
+    return true;
+  }
+
+  bool MakeModel(StructuralModel* model) {
+    const ReducedModel& reduced = section_->reduced;
+    *model = MakeStructuralModel(reduced.mass, reduced.damping,
+                                 reduced.stiffness, reduced.coordinate_names);
+    Matrix influence;
+    model->directions.clear();
+    if (!ReadInfluence(&model->directions, &influence)) return false;
+    const ReducedInfluence ground =
+        ReduceInfluence(section_->model, reduced, influence);
+    model->influence = ground.influence;
+    model->support_mass_coupling = ground.support_mass_coupling;
+    return true;
+  }
+
+  const TomlTable& root_;
+  const TomlTable& model_table_;
+  const TomlTable table_;
+  const TomlTable reduction_;
+  const UnitSystem& units_;
+  FiniteElementCase* section_;
+  double tolerance_ = kDefaultFrequencyTolerance;
+};
+
+// The target's matrix of an export that is otherwise the model's own.
+bool ReadOtherExport(const TomlTable& table, const std::string& key,
+                     const FiniteElementCase& section,
+                     MatrixGroup::Target target, SparseMatrix* matrix,
+                     std::string* path) {
+  FiniteElementFiles files = section.files;
+  MatrixSource* source = target == MatrixGroup::Target::kMass ? &files.mass
+                         : target == MatrixGroup::Target::kDamping
+                             ? &files.damping
+                             : &files.stiffness;
+  *source = MatrixSource();
+  if (!ReadSource(table, key, source)) return false;
+  *path = source->path;
+  FiniteElementModel other;
+  std::string error;
+  if (!ReadFiniteElementModel(files, &other, &error)) {
+    return table.errors()->FailAsIs(error);
+  }
+  if (other.num_dofs() != section.exported.num_dofs()) {
+    return table.Fail(key, "its DOFs are not those of the model: there are " +
+                               std::to_string(other.num_dofs()) +
+                               ", expected " +
+                               std::to_string(section.exported.num_dofs()));
+  }
+  for (size_t i = 0; i < other.dof_names.size(); ++i) {
+    if (other.dof_names[i] == section.exported.dof_names[i]) continue;
+    return table.Fail(key, "its DOFs are not those of the model: row " +
+                               std::to_string(i + 1) + " is '" +
+                               other.dof_names[i] + "', expected '" +
+                               section.exported.dof_names[i] + "'");
+  }
+  *matrix = target == MatrixGroup::Target::kMass      ? other.mass
+            : target == MatrixGroup::Target::kDamping ? other.damping
+                                                      : other.stiffness;
+  return true;
+}
+
+const SparseMatrix& TargetMatrix(const FiniteElementModel& model,
+                                 MatrixGroup::Target target) {
+  switch (target) {
+    case MatrixGroup::Target::kMass:
+      return model.mass;
+    case MatrixGroup::Target::kDamping:
+      return model.damping;
+    case MatrixGroup::Target::kStiffness:
+      break;
+  }
+  return model.stiffness;
+}
+
+// (changed - whole) / (factor - 1) without what rounding leaves of entries that
+// did not change.
+SparseMatrix SetFromExports(const SparseMatrix& whole,
+                            const SparseMatrix& changed, double factor) {
+  SparseMatrix difference = changed - whole;
+  const SparseMatrix size =
+      SparseMatrix(changed.cwiseAbs()) + SparseMatrix(whole.cwiseAbs());
+  difference.prune(
+      [&size](Eigen::Index row, Eigen::Index column, double value) {
+        return std::abs(value) > kRoundingOfExports * size.coeff(row, column);
+      });
+  difference /= factor - 1.0;
+  return difference;
+}
+
+}  // namespace
+
+const char* ReductionMethodName(ReductionMethod method) {
+  for (const MethodName& entry : kMethods) {
+    if (entry.method == method) return entry.name;
+  }
+  return "";
+}
+
+bool ReadFiniteElementSection(const TomlTable& root, const TomlTable& table,
+                              const UnitSystem& units,
+                              std::shared_ptr<FiniteElementCase>* section,
+                              StructuralModel* model) {
+  auto result = std::make_shared<FiniteElementCase>();
+  if (!SectionReader(root, table, units, result.get()).Read(model)) {
+    return false;
+  }
+  *section = std::move(result);
+  return true;
+}
+
+bool ReadExportedGroup(const TomlTable& table, const FiniteElementCase& section,
+                       MatrixGroup* group, FiniteElementCase::Group* exported) {
+  const bool changed = table.Has("changed_export");
+  const std::string key = changed ? "changed_export" : "set_export";
+  const SparseMatrix& whole = TargetMatrix(section.exported, group->target);
+  if (whole.rows() == 0) {
+    return table.Fail(key, "'" + key +
+                               "' of damping, and [model.finite_element] has "
+                               "no damping; expected it there");
+  }
+  double factor = 0.0;
+  if (changed) {
+    if (!table.RequireKey("factor",
+                          "by how much the set's property was multiplied for "
+                          "that export")) {
+      return false;
+    }
+    factor = table.Number("factor", 0.0);
+    if (!table.errors()->ok()) return false;
+    if (factor == 1.0) {
+      return table.Fail("factor",
+                        "'factor' is 1, with which nothing changes; expected "
+                        "another number, such as 1.1");
+    }
+  }
+  SparseMatrix other;
+  if (!ReadOtherExport(table, key, section, group->target, &other,
+                       &exported->source)) {
+    return false;
+  }
+  exported->matrix =
+      changed ? SetFromExports(whole, other, factor) : std::move(other);
+  exported->is_element_set = true;
+  if (exported->matrix.nonZeros() == 0 || exported->matrix.norm() == 0.0) {
+    return table.Fail(key, changed ? "the two exports do not differ, expected "
+                                     "the set's property to be changed"
+                                   : "the matrix is zero, expected the "
+                                     "element set's own");
+  }
+  // A set is a part of the whole: what is left must not be negative.
+  const Vector part = exported->matrix.diagonal();
+  const Vector all = whole.diagonal();
+  for (Eigen::Index i = 0; i < part.size(); ++i) {
+    if (part[i] <= all[i] + 1e-6 * std::abs(all[i])) continue;
+    return table.Fail(
+        changed ? "factor" : key,
+        "the element set alone has " + FormatNumber(part[i], 4) + " at '" +
+            section.exported.dof_names[static_cast<size_t>(i)] +
+            "' where the whole model has " + FormatNumber(all[i], 4) +
+            ", expected no more" +
+            (changed ? ": is this the factor of that export?" : ""));
+  }
+  group->matrix = ReduceMatrix(exported->matrix, section.expansion);
+  return true;
+}
+
+FiniteElementCase::Group SpringGroup(const FiniteElementCase& section,
+                                     double scale, int from, int to) {
+  FiniteElementCase::Group group;
+  const std::vector<std::string>& names = section.reduced.coordinate_names;
+  std::vector<int> ends;
+  for (const int coordinate : {from, to}) {
+    if (coordinate < 0) continue;
+    const int dof =
+        section.exported.DofIndex(names[static_cast<size_t>(coordinate)]);
+    if (dof < 0) return group;
+    ends.push_back(dof);
+  }
+  const int n = section.exported.num_dofs();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const int a : ends) {
+    for (const int b : ends)
+      entries.emplace_back(a, b, a == b ? scale : -scale);
+  }
+  group.matrix.resize(n, n);
+  group.matrix.setFromTriplets(entries.begin(), entries.end());
+  return group;
+}
+
+}  // namespace pinode
