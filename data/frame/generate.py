@@ -303,6 +303,62 @@ def static_deck(factors):
         "%d,2,-70." % FORCE_Y, "*NODE PRINT,NSET=SENSORS", "U", "*END STEP"]
 
 
+# What the case files say of the model: first guesses of the damping, and the
+# DOFs that the reduction keeps, as many as modes: sensors, forces, the ends of
+# the braces, and two of beams, which the tenth to twelfth mode bend.
+GUESSED_RAYLEIGH = (0.7, 1.4e-5)
+BRACE_ENDS = [f"{column_node(3, station(1), 4)}.1",
+              f"{column_node(3, station(2), 4)}.1", f"{FORCE_X}.1"]
+SENSORS = [f"{node}.{k}" for node in SENSOR_NODES for k in (1, 2)]
+KEPT = SENSORS + [f"{FORCE_X}.1", f"{FORCE_Y}.2"] + BRACE_ENDS[:2] + [
+    "5102.2", "5264.1"]
+
+
+def case_lines(state, frequencies):
+    """Case file of a state; all differ by their record alone."""
+    def quoted(names):
+        return ", ".join(f'"{name}"' for name in names)
+    lines = [
+        "# Written by generate.py; data/README.md describes the frame.",
+        f'title = "Steel frame, {state}"',
+        "[units]", 'force = "N"', 'length = "m"', 'time = "s"',
+        "[model]",
+        "damping = {rayleigh = [%g, %g]}   # a guess; see c_mass, c_stiffness"
+        % GUESSED_RAYLEIGH,
+        "[model.finite_element]",
+        'mass = "frame.mas.gz"', 'stiffness = "frame.sti.gz"',
+        "expected_frequencies = [" +
+        ", ".join("%.7g" % f for f in frequencies[:6]) + "]   # CalculiX' own",
+        "frequency_tolerance = 1e-6",
+        "[model.reduction]", 'method = "serep"',
+        f"keep = [{quoted(KEPT[:6])},", f"        {quoted(KEPT[6:])}]",
+        f"compare = {len(KEPT)}"]
+    for group in AS_BUILT:
+        kind = "mass" if group.startswith("mass") else "stiffness"
+        lines += ["[[group]]", f'name = "{group}"', f'adds_to = "{kind}"',
+                  f'changed_export = "{group}.{export_names(group)}.gz"',
+                  "factor = %g" % EXPORT_FACTOR, "lower = -0.9", "upper = 2.0"]
+    for of, scale in zip(("mass", "stiffness"), GUESSED_RAYLEIGH):
+        lines += ["[[group]]", f'name = "c_{of}"', 'adds_to = "damping"',
+                  f'proportional_to = "{of}"', "scale = %g" % scale,
+                  "lower = -0.99", "upper = 20.0"]
+    lines += ["[[record]]", f'name = "{state}"', f'file = "{state}.csv"',
+              'time = "t"', 'interpolation = "cubic"', 'start = "rest"']
+    for column, dof in (("fx", f"{FORCE_X}.1"), ("fy", f"{FORCE_Y}.2")):
+        lines += ["  [[record.force]]", f'  dof = "{dof}"',
+                  f'  column = "{column}"', '  unit = "N"']
+    for column, dof in zip(HEADER[3:], SENSORS):
+        lines += ["  [[record.channel]]", f'  column = "{column}"',
+                  '  quantity = "absolute_acceleration"', f'  dof = "{dof}"',
+                  '  unit = "m/s^2"', "  sigma_percent = %g" % (100 * NOISE)]
+    # Added mass is what the groups mass_1 ... are for.
+    lines += ["[damage]", 'kinds = ["nonlinear"]']
+    for storey, below in zip(STOREYS, ["ground"] + BRACE_ENDS):
+        lines += ["  [[damage.place]]", f'  name = "brace_{storey}"',
+                  f'  between = ["{below}", "{BRACE_ENDS[storey - 1]}"]']
+    return lines
+
+
 class Runs:
     """CalculiX in a folder; a deck that has been run there is not run again."""
 
@@ -513,7 +569,13 @@ def generate(folder, output):
         os.path.join(output, "responses.npz"),
         **{name: a.astype(np.float32) for name, a in responses.items()})
     shutil.copyfile(runs.path("gap.inp"), os.path.join(output, "gap.inp"))
-    reference.write_json(os.path.join(output, "truth.json"), truth(runs))
+    known = truth(runs)
+    reference.write_json(os.path.join(output, "truth.json"), known)
+    for state in STATES:
+        with open(os.path.join(output, state + ".toml"), "w",
+                  encoding="utf-8") as file:
+            file.write("\n".join(case_lines(
+                state, known["design_frequencies_hz"])) + "\n")
     write_records(output, clean_responses(output), 1)
 
 
