@@ -3,8 +3,8 @@
 
 Writes the deck of the design model (frame.inp), the matrices that CalculiX
 exports from it and from it with one group changed at a time (.sti.gz .mas.gz,
-frame.dof), a record per state of the structure (.csv), the same responses
-without noise (responses.npz) and truth.json.  Every response is CalculiX'; the
+frame.dof), a record (.csv) and a case file (.toml) per state of the structure,
+the responses without noise (responses.npz) and truth.json.  Every response is CalculiX'; the
 record of the loose joint by its nonlinear *DYNAMIC, the others by *MODAL
 DYNAMIC.
 

@@ -567,6 +567,11 @@ TEST(CaseFileTest, ReadsEveryCaseOfTheProject) {
            fs::path(PINODE_SOURCE_DIR) / "data",
            fs::directory_options::follow_directory_symlink)) {
     if (entry.path().extension() != ".toml") continue;
+    // The frame's differ by their records alone, and read a dozen exports each.
+    if (entry.path().parent_path().filename() == "frame" &&
+        entry.path().stem() != "gap") {
+      continue;
+    }
     Case c;
     std::string error;
     EXPECT_TRUE(ReadCase(entry.path().string(), &c, &error)) << error;

@@ -38,10 +38,11 @@ for folder in sys.argv[2:]:
         sys.exit(1)
 EOF
 
+missed=()
 for state in "$@"; do
   Run 0 pinode_damage --baseline=D1,D2,D3 --case="$data/$state.toml" \
     --output_dir="$state" --progress=false
-  python3 - "$data/truth.json" "$state" <<'EOF' || Fail "$state"
+  python3 - "$data/truth.json" "$state" <<'EOF' || missed+=("$state")
 import json, sys
 state = sys.argv[2]
 truth = json.load(open(sys.argv[1]))["states"][state]
@@ -49,9 +50,10 @@ damage = json.load(open(state + "/damage.json"))
 print("%s: %s" % (state, damage["verdict"]))
 if state == "gap":
     nonlinearity = damage["nonlinearity"]
-    print("  ", nonlinearity)
+    print("   force at %s, %.2f %% of the restoring force" %
+          (nonlinearity["place"], 100 * nonlinearity["force_share"]))
     sys.exit(damage["verdict"] != "nonlinear" or
-             truth["gap"]["joint"] not in json.dumps(nonlinearity))
+             nonlinearity["place"] != truth["gap"]["joint"])
 changes = truth["changes"]
 verdict = ("no_damage" if not changes else
            "damage" if min(changes.values()) < 0 else "other_change")
@@ -70,3 +72,4 @@ for group in damage["groups"]:
 sys.exit(not good)
 EOF
 done
+[[ ${#missed[@]} -eq 0 ]] || Fail "not as the truth: ${missed[*]}"
