@@ -11,10 +11,13 @@
 #include <system_error>
 #include <utility>
 
+#include "pinode/base/compression.h"
 #include "pinode/base/logging.h"
 
 namespace pinode {
 namespace {
+
+constexpr size_t kLargestUnpacked = size_t{4} << 30;
 
 std::string ErrorText(int error_number) {
   return std::generic_category().message(error_number);
@@ -150,10 +153,26 @@ bool ReadBinaryFile(const std::string& path, std::string* content,
   return true;
 }
 
+std::string WithoutGz(const std::string& path) {
+  constexpr char kEnd[] = ".gz";
+  constexpr size_t kLength = sizeof(kEnd) - 1;
+  const bool ends = path.size() > kLength &&
+                    path.compare(path.size() - kLength, kLength, kEnd) == 0;
+  return ends ? path.substr(0, path.size() - kLength) : path;
+}
+
 bool ReadTextFile(const std::string& path, std::string* content,
                   std::string* error) {
   std::string text;
   if (!ReadBinaryFile(path, &text, error)) return false;
+  if (WithoutGz(path) != path) {
+    std::string what;
+    if (!Unpack(CompressedFormat::kGzip, text, kLargestUnpacked, &text,
+                &what)) {
+      *error = path + ": " + what + ", and a file of gzip was expected";
+      return false;
+    }
+  }
   const size_t bad = FirstInvalidUtf8(text);
   if (bad != std::string::npos) {
     const auto line =

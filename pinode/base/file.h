@@ -14,9 +14,14 @@ namespace pinode {
                                   std::string* error);
 
 // The same for text: fails also if the file is not valid UTF-8 (`path:line:
-// ...`, the line of the first bad byte).
+// ...`, the line of the first bad byte). A file whose name ends in .gz is
+// unpacked on the way, up to 4 GiB.
 [[nodiscard]] bool ReadTextFile(const std::string& path, std::string* content,
                                 std::string* error);
+
+// `path` without .gz at its end, by which a reader tells what a compressed file
+// holds.
+std::string WithoutGz(const std::string& path);
 
 // Writes `content` to `path` so that a reader sees the old file or the whole
 // new one, whatever happens in between: a temporary file in the same folder is

@@ -56,6 +56,28 @@ TEST_F(FileTest, ReadsByteForByte) {
   EXPECT_EQ(content, large);
 }
 
+TEST_F(FileTest, UnpacksTextByItsName) {
+  // gzip.compress(b"1 1 2.5\n", mtime=0) of Python.
+  const unsigned char packed[] = {0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00,
+                                  0x00, 0x02, 0x03, 0x33, 0x54, 0x30, 0x54,
+                                  0x30, 0xd2, 0x33, 0xe5, 0x02, 0x00, 0x72,
+                                  0x3e, 0x0a, 0xc7, 0x08, 0x00, 0x00, 0x00};
+  const std::string bytes(packed, packed + sizeof(packed));
+  std::string content, error;
+  ASSERT_TRUE(ReadTextFile(Write("K.sti.gz", bytes), &content, &error))
+      << error;
+  EXPECT_EQ(content, "1 1 2.5\n");
+  ASSERT_TRUE(ReadBinaryFile(folder_ + "K.sti.gz", &content, &error)) << error;
+  EXPECT_EQ(content, bytes);
+  EXPECT_FALSE(ReadTextFile(Write("text.gz", "1 1 2.5\n"), &content, &error));
+  EXPECT_THAT(error, EndsWith("text.gz: the compressed data are damaged or cut "
+                              "off, and a file of gzip was expected"));
+  EXPECT_EQ(content, bytes);
+  EXPECT_EQ(WithoutGz("a/K.sti.gz"), "a/K.sti");
+  EXPECT_EQ(WithoutGz("a/K.sti"), "a/K.sti");
+  EXPECT_EQ(WithoutGz(".gz"), ".gz");
+}
+
 TEST_F(FileTest, SaysWhatCannotBeRead) {
   std::string content = "kept", error;
   const std::string missing = folder_ + "missing.csv";

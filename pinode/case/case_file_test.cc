@@ -393,6 +393,44 @@ TEST(CaseFileTest, ShearBuilding) {
   EXPECT_EQ(c.problem.dynamics->groups()[0].group.matrix(1, 1), 100.0);
 }
 
+// Rayleigh's damping with unknown factors: groups that are the model's mass and
+// stiffness.
+TEST(CaseFileTest, DampingInProportion) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  std::string text = Replaced(SmallCase(), "damping = {ratios = [0.02]}",
+                              "damping = {rayleigh = [0.5, 0.25]}");
+  const auto group = [](const std::string& name, const std::string& of) {
+    return "[[group]]\nname = \"" + name +
+           "\"\nadds_to = \"damping\"\nproportional_to = \"" + of + "\"\n";
+  };
+  const Case c = ReadOrFail(folder.Write(
+      "case.toml", text + group("c_mass", "mass") + "scale = 0.5\n" +
+                       group("c_stiffness", "stiffness") + "scale = 0.25\n"));
+  const std::vector<GroupTerm>& groups = c.problem.dynamics->groups();
+  ASSERT_EQ(groups.size(), 3u);
+  EXPECT_EQ(groups[1].group.target, MatrixGroup::Target::kDamping);
+  const StructuralModel& model = c.problem.dynamics->model();
+  // Together they are all of it.
+  EXPECT_NEAR((groups[1].group.matrix + groups[2].group.matrix - model.damping)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              0.0, 1e-12);
+  EXPECT_EQ(groups[1].group.matrix(0, 1), 0.0);
+  EXPECT_EQ(groups[2].group.matrix(0, 1), -25.0);
+
+  Case unread;
+  std::string error;
+  EXPECT_FALSE(ReadCase(
+      folder.Write("case.toml", text + Replaced(group("c", "mass"), "\"damping",
+                                                "\"stiffness")),
+      &unread, &error));
+  EXPECT_THAT(error, HasSubstr("is for groups that add to damping"));
+  EXPECT_FALSE(ReadCase(folder.Write("case.toml", text + group("c", "masses")),
+                        &unread, &error));
+  EXPECT_THAT(error, HasSubstr("mass"));
+}
+
 // A sensor's gain is one unknown over all records; an offset is not.
 TEST(CaseFileTest, GainsAreSharedOffsetsAreNot) {
   TemporaryFolder folder;
@@ -529,6 +567,11 @@ TEST(CaseFileTest, ReadsEveryCaseOfTheProject) {
            fs::path(PINODE_SOURCE_DIR) / "data",
            fs::directory_options::follow_directory_symlink)) {
     if (entry.path().extension() != ".toml") continue;
+    // The frame's differ by their records alone, and read a dozen exports each.
+    if (entry.path().parent_path().filename() == "frame" &&
+        entry.path().stem() != "gap") {
+      continue;
+    }
     Case c;
     std::string error;
     EXPECT_TRUE(ReadCase(entry.path().string(), &c, &error)) << error;

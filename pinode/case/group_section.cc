@@ -25,6 +25,27 @@ bool ParseTarget(const std::string& name, MatrixGroup::Target* target) {
   return false;
 }
 
+// A part of Rayleigh's damping: the model's own mass or stiffness, scaled.
+bool ReadProportional(const TomlTable& table, const ModelSection& section,
+                      MatrixGroup* group, FiniteElementCase::Group* exported) {
+  const std::string of =
+      table.Choice("proportional_to", {"mass", "stiffness"}, "mass");
+  const double scale = table.PositiveNumber("scale", 1.0);
+  if (!table.errors()->ok()) return false;
+  const bool of_mass = of == "mass";
+  if (group->target != MatrixGroup::Target::kDamping) {
+    return table.Fail("proportional_to",
+                      "'proportional_to' is for groups that add to damping");
+  }
+  group->matrix =
+      scale * (of_mass ? section.model.mass : section.model.stiffness);
+  if (section.finite_element != nullptr) {
+    const FiniteElementModel& whole = section.finite_element->exported;
+    exported->matrix = scale * (of_mass ? whole.mass : whole.stiffness);
+  }
+  return true;
+}
+
 // *exported is what the group is over all DOFs of a finite-element model.
 bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
                      MatrixGroup* group, FiniteElementCase::Group* exported) {
@@ -32,13 +53,13 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
   const bool from_export =
       table.Has("changed_export") || table.Has("set_export");
   const int count = table.Has("between") + table.Has("matrix") +
-                    table.Has("storey") + table.Has("changed_export") +
-                    table.Has("set_export");
+                    table.Has("storey") + table.Has("proportional_to") +
+                    table.Has("changed_export") + table.Has("set_export");
   if (count != 1) {
     return table.Fail("name", "it has " + std::to_string(count) +
                                   " of the keys between, matrix, storey, "
-                                  "changed_export, set_export; expected "
-                                  "exactly one");
+                                  "proportional_to, changed_export, "
+                                  "set_export; expected exactly one");
   }
   if (table.Has("factor") && !table.Has("changed_export")) {
     return table.Fail("factor", "'factor' goes with 'changed_export' only");
@@ -48,11 +69,16 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
                       "an export without a [model.finite_element], expected "
                       "'between' or 'matrix'");
   }
-  if (table.Has("scale") && !table.Has("between")) {
-    return table.Fail("scale", "'scale' goes with 'between' only");
+  if (table.Has("scale") && !table.Has("between") &&
+      !table.Has("proportional_to")) {
+    return table.Fail("scale",
+                      "'scale' goes with 'between' and 'proportional_to' only");
   }
   if (from_export) {
     return ReadExportedGroup(table, *section.finite_element, group, exported);
+  }
+  if (table.Has("proportional_to")) {
+    return ReadProportional(table, section, group, exported);
   }
   if (table.Has("between")) {
     int from = -1;
@@ -131,8 +157,9 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
                 StructuralDynamics* dynamics) {
   for (TomlTable& table : root.Tables("group")) {
     std::vector<std::string> keys = {
-        "name",    "adds_to", "between",        "matrix",     "storey", "scale",
-        "follows", "present", "changed_export", "set_export", "factor"};
+        "name",       "adds_to", "between", "matrix",          "storey",
+        "scale",      "follows", "present", "proportional_to", "changed_export",
+        "set_export", "factor"};
     keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
     if (!table.AllowKeys(keys)) return false;
     GroupTerm term;

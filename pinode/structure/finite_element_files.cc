@@ -40,7 +40,7 @@ const std::vector<std::string>& UsualNames(int role) {
 }
 
 std::string Extension(const std::string& path) {
-  return LowerCase(std::filesystem::path(path).extension().string());
+  return LowerCase(std::filesystem::path(WithoutGz(path)).extension().string());
 }
 
 // A matrix as its file has it.
@@ -110,6 +110,11 @@ class ModelReader {
     const std::string extension = Extension(path);
     LoadedMatrix& loaded = loaded_[role];
     if (extension == ".op4" || extension == ".mat" || extension == ".npz") {
+      if (WithoutGz(path) != path) {
+        return Fail(path,
+                    "of compressed files only text (.mtx, .sti, .mas, .csv) is "
+                    "read, and it was expected unpacked");
+      }
       return LoadFromContainer(role, extension, &loaded);
     }
     if (!sources_[role]->variable.empty()) {
@@ -121,8 +126,9 @@ class ModelReader {
     if (extension == ".sti" || extension == ".mas") {
       loaded.kind = LoadedMatrix::Kind::kIndexed;
       if (default_names_path_.empty()) {
-        const std::string beside =
-            std::filesystem::path(path).replace_extension(".dof").string();
+        const std::string beside = std::filesystem::path(WithoutGz(path))
+                                       .replace_extension(".dof")
+                                       .string();
         std::error_code status;
         if (std::filesystem::is_regular_file(beside, status)) {
           default_names_path_ = beside;

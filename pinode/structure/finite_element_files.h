@@ -41,6 +41,7 @@ struct FiniteElementFiles {
 //   .npz              NumPy, SciPy
 //   .csv              full matrix as text (matrix_io.h)
 //
+// .mtx, .sti, .mas, .csv and .dof may be compressed with gzip (.sti.gz).
 // Abaqus matrices are put together by DOF name, for each file names only the
 // DOFs that it has entries for; all others by position. Repeated DOF names are
 // numbered, special DOFs described in model->notes. On failure *model is

@@ -313,6 +313,36 @@ TEST(ReadFiniteElementModel, MatlabFilesThatPromiseTooMuchAreRefused) {
   }
 }
 
+// The frame of data/: compressed exports, internal DOFs, a singular M.
+TEST(ReadFiniteElementModel, CompressedCalculixFrame) {
+  const std::string folder = std::string(PINODE_SOURCE_DIR) + "/data/frame/";
+  const FiniteElementModel model = ReadOrFail(
+      Files({folder + "frame.mas.gz", ""}, {folder + "frame.sti.gz", ""}));
+  ASSERT_EQ(model.num_dofs(), 1620);
+  EXPECT_EQ(model.dof_names[0], "1011.1");
+  SparseModes modes;
+  std::string error;
+  ASSERT_TRUE(
+      ComputeLowestModes(model.mass, model.stiffness, 12, &modes, &error))
+      << error;
+  // As CalculiX prints them, seven digits.
+  const nlohmann::json truth =
+      nlohmann::json::parse(FileContent(folder + "truth.json"));
+  const std::vector<double> hertz = truth["design_frequencies_hz"];
+  ASSERT_EQ(hertz.size(), 12u);
+  EXPECT_TRUE(CheckExpectedFrequencies(modes, hertz, 1e-6, &error)) << error;
+}
+
+TEST(ReadFiniteElementModel, CompressedContainersAreRefused) {
+  TemporaryFolder folder;
+  const std::string path = folder.Write("model.npz.gz", "");
+  FiniteElementModel model;
+  std::string error;
+  EXPECT_FALSE(
+      ReadFiniteElementModel(Files({path, "M"}, {path, "K"}), &model, &error));
+  EXPECT_THAT(error, HasSubstr("of compressed files only text"));
+}
+
 TEST(ReadFiniteElementModel, CalculixWithoutDofFileCountsIndices) {
   TemporaryFolder folder;
   const std::string stiffness =

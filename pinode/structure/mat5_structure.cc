@@ -1,11 +1,11 @@
 #include "pinode/structure/mat5_structure.h"
 
-#include <zlib.h>
-
 #include <cstdint>
 #include <cstring>
 #include <string_view>
 #include <vector>
+
+#include "pinode/base/compression.h"
 
 namespace pinode {
 namespace {
@@ -49,7 +49,11 @@ class Walker {
       if (!Next(&rest, /*padded=*/false, &element)) return false;
       if (element.type == kCompressed) {
         std::string unpacked;
-        if (!Unpack(element.data, &unpacked)) return false;
+        std::string what;
+        if (!Unpack(CompressedFormat::kZlib, element.data, kLargestUnpacked,
+                    &unpacked, &what)) {
+          return Fail("a compressed element is broken");
+        }
         std::string_view inner = unpacked;
         Element matrix;
         if (!Next(&inner, /*padded=*/false, &matrix)) return false;
@@ -99,26 +103,6 @@ class Walker {
     element->data = rest->substr(8, length);
     rest->remove_prefix(8 + taken);
     return true;
-  }
-
-  bool Unpack(std::string_view packed, std::string* unpacked) {
-    z_stream stream = {};
-    if (inflateInit(&stream) != Z_OK) return Fail("zlib cannot start");
-    // zlib does not write to its input.
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-    stream.avail_in = static_cast<uInt>(packed.size());
-    std::vector<char> buffer(65536);
-    int status = Z_OK;
-    while (status == Z_OK && unpacked->size() < kLargestUnpacked) {
-      stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
-      stream.avail_out = static_cast<uInt>(buffer.size());
-      status = inflate(&stream, Z_NO_FLUSH);
-      unpacked->append(buffer.data(), buffer.size() - stream.avail_out);
-    }
-    const bool all = stream.avail_in == 0;
-    inflateEnd(&stream);
-    return (status == Z_STREAM_END && all) ||
-           Fail("a compressed element is broken");
   }
 
   // The parts of a variable: flags, dimensions, name, data.

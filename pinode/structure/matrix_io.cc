@@ -80,7 +80,7 @@ bool ReadMatrix(const std::string& path, Matrix* matrix, std::string* error) {
   CHECK(matrix != nullptr);
   CHECK(error != nullptr);
   const std::string extension =
-      LowerCase(std::filesystem::path(path).extension().string());
+      LowerCase(std::filesystem::path(WithoutGz(path)).extension().string());
   if (extension != ".csv" && extension != ".mtx") {
     *error = path +
              ": a matrix file ends in .csv or .mtx (Matrix Market), and one of "
