@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # From a bare Debian 12 to the first report: installs what is missing, builds
-# the programs, checks the three-storey case and updates its model.
+# the programs, and follows a steel frame from its finite-element export over
+# three healthy records to a verdict on a damaged one.
 #
 #   apps/quickstart.sh
 #
@@ -11,22 +12,32 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 cd -- "$root"
 build=$root/build-quickstart
-case_file=data/three_storey/three_storey.toml
-result=$build/three_storey_result
+frame=data/frame
 
 apps/install_packages.sh apps/packages.txt
 
 cmake --preset quickstart
 cmake --build --preset quickstart --parallel "$(nproc)"
 
+began=$SECONDS
 echo
 echo "== pinode_check: what the case holds, and what its sensors can see"
-"$build/apps/pinode_check" --case="$case_file"
+"$build/apps/pinode_check" --case="$frame/healthy_1.toml"
+
+baselines=
+for number in 1 2 3; do
+  echo
+  echo "== pinode_update: healthy record $number"
+  "$build/apps/pinode_update" --case="$frame/healthy_$number.toml" \
+    --output_dir="$build/frame_healthy_$number" --overwrite
+  baselines+=${baselines:+,}$build/frame_healthy_$number
+done
 
 echo
-echo "== pinode_update: the identification"
-"$build/apps/pinode_update" --case="$case_file" --output_dir="$result" \
-  --overwrite
+echo "== pinode_damage: a record after a fifth of a column's stiffness was lost"
+"$build/apps/pinode_damage" --baseline="$baselines" \
+  --case="$frame/column_20.toml" --output_dir="$build/frame_damage" --overwrite
 
 echo
-echo "The report: $result/report.html"
+echo "From sensors to verdict in $((SECONDS - began)) s."
+echo "The report: $build/frame_damage/report.html"
