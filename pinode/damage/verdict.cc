@@ -1,5 +1,6 @@
 #include "pinode/damage/verdict.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pinode/base/logging.h"
@@ -10,13 +11,21 @@ namespace {
 
 constexpr double kConfidence = 0.95;
 
-std::string Join(const std::vector<std::string>& names) {
-  std::string text;
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) text += i + 1 == names.size() ? " and " : ", ";
-    text += names[i];
+// Each once: several terms may describe one place.
+std::string Join(const std::vector<std::string>& texts) {
+  std::vector<std::string> different;
+  for (const std::string& text : texts) {
+    if (std::find(different.begin(), different.end(), text) ==
+        different.end()) {
+      different.push_back(text);
+    }
   }
-  return text;
+  std::string joined;
+  for (size_t i = 0; i < different.size(); ++i) {
+    if (i > 0) joined += i + 1 == different.size() ? " and " : ", ";
+    joined += different[i];
+  }
+  return joined;
 }
 
 std::string Percent(double fraction) {

@@ -124,6 +124,15 @@ TEST_F(JudgeKinds, ANonlinearForceCountsByItsShare) {
   EXPECT_EQ(small.reasons[3], Reason::kFormal);
 }
 
+TEST_F(JudgeKinds, APlaceIsNamedOnce) {
+  subjects_[3] = {"nonlinear.k1.b", ChangeKind::kNonlinear, "k1", "", 0.2};
+  estimate_.groups[2] = Change(0.5, 0.02, true);
+  estimate_.groups[3] = Change(-0.3, 0.02, true);
+  EXPECT_EQ(Judge().sentence,
+            "The structure has become nonlinear: a nonlinear force at k1 "
+            "(20 % of the restoring force).");
+}
+
 TEST_F(JudgeKinds, AddedMassIsNoDamage) {
   estimate_.groups[1] = Change(0.2, 0.01, true);
   const Judgement judgement = Judge();
