@@ -289,7 +289,7 @@ std::vector<std::string> DescribeSpecialDofs(const FiniteElementModel& model) {
     sentences.push_back(
         DofCount(special.uncoupled) + " coupled to no other (" +
         SomeNames(model.dof_names, special.uncoupled) +
-        "): probably constrained DOFs that the export kept with a placeholder "
+        "): probably constrained DOFs that the export kept with a number "
         "on the diagonal; where they have mass, remove them, or their own "
         "frequency stands among the modes");
   }
