@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/fit_flags.h"
 #include "apps/fitting.h"
 #include "apps/program.h"
 #include "apps/reporting.h"
@@ -34,23 +35,10 @@
 DEFINE_string(baseline, "",
               "result folders of pinode_update for healthy records of the same "
               "structure, separated by commas");
-DEFINE_string(case, "",
-              "case file (TOML) with the new records; see "
-              "pinode/case/README.md");
-DEFINE_string(output_dir, "",
-              "folder for the results; must not exist without --overwrite or "
-              "--resume");
 DEFINE_double(threshold, 0.05,
               "loss of stiffness from which damage is called, as a fraction");
 DEFINE_double(false_alarm_rate, 0.05,
               "probability of calling any change where there is none");
-DEFINE_bool(overwrite, false, "replace an existing output folder");
-DEFINE_bool(resume, false,
-            "continue an interrupted fit from its checkpoint in the output "
-            "folder");
-DEFINE_int32(threads, 0, "threads; 0: as the case says");
-DEFINE_bool(progress, true, "show progress on standard error");
-
 int main(int argc, char** argv) {
   using namespace pinode;
   const auto begin = std::chrono::steady_clock::now();
@@ -67,23 +55,13 @@ int main(int argc, char** argv) {
   if (FLAGS_baseline.empty()) {
     return Refuse("--baseline=FOLDER is missing; see --help");
   }
-  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
-  if (FLAGS_output_dir.empty()) {
-    return Refuse("--output_dir=FOLDER is missing; see --help");
-  }
-  if (FLAGS_threads < 0) return Refuse("--threads must not be negative");
   ChangeOptions change_options;
   change_options.threshold = FLAGS_threshold;
   change_options.false_alarm_rate = FLAGS_false_alarm_rate;
   std::string error;
   if (!change_options.IsValid(&error)) return Refuse("--" + error);
-  if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
-                         &error)) {
-    return Refuse(error);
-  }
   Case c;
-  if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
-  if (FLAGS_threads > 0) c.options.num_threads = FLAGS_threads;
+  if (!ReadFitFlags(&c, &error)) return Refuse(error);
   const std::vector<std::string> groups = FreeGroups(*c.problem.dynamics);
   if (groups.empty()) {
     return Refuse(FLAGS_case +

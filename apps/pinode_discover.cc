@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/progress_line.h"
 #include "apps/reporting.h"
@@ -37,18 +38,6 @@
 DEFINE_string(model, "",
               "result folder of pinode_update for this case; none with source "
               "= \"derivatives\" in its section [discover]");
-DEFINE_string(case, "",
-              "case file (TOML) of that result; its section [discover] may be "
-              "changed since. See pinode/case/README.md");
-DEFINE_string(output_dir, "",
-              "folder for the results; must not exist without --overwrite or "
-              "--resume");
-DEFINE_bool(overwrite, false, "replace an existing output folder");
-DEFINE_bool(resume, false,
-            "continue an interrupted refit from its checkpoint in the output "
-            "folder");
-DEFINE_int32(threads, 0, "threads; 0: as the case says");
-DEFINE_bool(progress, true, "show progress on standard error");
 
 int main(int argc, char** argv) {
   using namespace pinode;
@@ -64,30 +53,20 @@ int main(int argc, char** argv) {
   }
 
   // 1. Everything that can be wrong with the input, before any work.
-  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
-  if (FLAGS_output_dir.empty()) {
-    return Refuse("--output_dir=FOLDER is missing; see --help");
-  }
-  if (FLAGS_threads < 0) return Refuse("--threads must not be negative");
   std::string error;
-  if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
-                         &error)) {
-    return Refuse(error);
-  }
+  Case c;
+  if (!ReadFitFlags(&c, &error)) return Refuse(error);
   std::error_code ignored;
   if (!FLAGS_model.empty() &&
       std::filesystem::equivalent(FLAGS_model, FLAGS_output_dir, ignored)) {
     return Refuse(
         "--output_dir is the folder of --model, expected another one");
   }
-  Case c;
-  if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
   if (c.problem.num_train_records() == 0) {
     return Refuse(FLAGS_case +
                   ": no training record, expected one to discover "
                   "equations from");
   }
-  if (FLAGS_threads > 0) c.options.num_threads = FLAGS_threads;
   c.discover.num_threads = c.options.num_threads;
   const bool from_networks =
       c.discover.source == DiscoveryOptions::Source::kNetwork;

@@ -7,12 +7,11 @@
 //   pinode_update --case=data/three_storey/three_storey.toml --output_dir=out
 //   pinode_update --case=... --output_dir=out --resume
 
-#include <gflags/gflags.h>
-
 #include <chrono>
 #include <cstdio>
 #include <string>
 
+#include "apps/fit_flags.h"
 #include "apps/fitting.h"
 #include "apps/program.h"
 #include "apps/reporting.h"
@@ -22,17 +21,6 @@
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
-
-DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
-DEFINE_string(output_dir, "",
-              "folder for the results; must not exist without --overwrite or "
-              "--resume");
-DEFINE_bool(overwrite, false, "replace an existing output folder");
-DEFINE_bool(resume, false,
-            "continue an interrupted run from its checkpoint in the output "
-            "folder");
-DEFINE_int32(threads, 0, "threads; 0: as the case says");
-DEFINE_bool(progress, true, "show progress on standard error");
 
 int main(int argc, char** argv) {
   using namespace pinode;
@@ -47,19 +35,9 @@ int main(int argc, char** argv) {
   }
 
   // 1. Everything that can be wrong with the input, before any work.
-  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
-  if (FLAGS_output_dir.empty()) {
-    return Refuse("--output_dir=FOLDER is missing; see --help");
-  }
-  if (FLAGS_threads < 0) return Refuse("--threads must not be negative");
   std::string error;
-  if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
-                         &error)) {
-    return Refuse(error);
-  }
   Case c;
-  if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
-  if (FLAGS_threads > 0) c.options.num_threads = FLAGS_threads;
+  if (!ReadFitFlags(&c, &error)) return Refuse(error);
 
   // 2. A folder that nobody sees until it is complete.
   ResultFolder folder;

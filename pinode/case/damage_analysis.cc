@@ -18,8 +18,6 @@ namespace {
 
 // The share of the false-alarm rate that other kinds of change may use up.
 constexpr double kShareOfKinds = 0.2;
-// A group of which so little is left is no measure of its own change.
-constexpr double kNearlyGone = 0.1;
 // What is found may change what else is.
 constexpr int kMaxRounds = 3;
 
@@ -63,23 +61,20 @@ void Scale(const Candidates& candidates, GroupState* state) {
 // that direction is then the same on both sides, whatever has changed between
 // them. What is nearly gone in one of the states stays as it is in all of them.
 void ToLogarithms(size_t num_groups, const Candidates& candidates,
-                  const std::vector<GroupState*>& states) {
+                  std::vector<GroupState>* states) {
+  const std::vector<bool> gone = NearlyGone(*states);
   for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
+    if (gone[j] ||
+        (j >= num_groups &&
+         candidates[j - num_groups].subject.kind != ChangeKind::kMass)) {
+      continue;
+    }
     const Eigen::Index i = static_cast<Eigen::Index>(j);
-    if (j >= num_groups &&
-        candidates[j - num_groups].subject.kind != ChangeKind::kMass) {
-      continue;
-    }
-    if (std::any_of(states.begin(), states.end(), [&](GroupState* state) {
-          return !(1.0 + state->values[i] > kNearlyGone);
-        })) {
-      continue;
-    }
-    for (GroupState* state : states) {
-      const double scale = 1.0 + state->values[i];
-      state->values[i] = std::log(scale);
-      state->covariance.row(i) /= scale;
-      state->covariance.col(i) /= scale;
+    for (GroupState& state : *states) {
+      const double scale = 1.0 + state.values[i];
+      state.values[i] = std::log(scale);
+      state.covariance.row(i) /= scale;
+      state.covariance.col(i) /= scale;
     }
   }
 }
@@ -245,9 +240,10 @@ class Analyst {
         !StateNear(fit_of_new_, groups_, candidates_, &current_, problem)) {
       return false;
     }
-    std::vector<GroupState*> states = {&current_};
-    for (GroupState& state : healthy_) states.push_back(&state);
-    ToLogarithms(groups_.size(), candidates_, states);
+    healthy_.push_back(std::move(current_));
+    ToLogarithms(groups_.size(), candidates_, &healthy_);
+    current_ = std::move(healthy_.back());
+    healthy_.pop_back();
     return true;
   }
 
@@ -325,14 +321,10 @@ class Analyst {
     ChangeOptions options =
         OptionsFor(found_, (kinds ? 1.0 - kShareOfKinds : 1.0) *
                                options_.false_alarm_rate);
-    // What a damper of a simple model loses can be more than it had: its change
-    // then is one of the group's nominal value.
+    // The change of what is nearly gone is one of the group's nominal value.
+    const std::vector<bool> gone = NearlyGone(healthy);
     for (size_t j = 0; j < groups_.size(); ++j) {
-      for (const GroupState& state : healthy) {
-        if (!(1.0 + state.values[static_cast<Eigen::Index>(j)] > kNearlyGone)) {
-          options.absolute[j] = true;
-        }
-      }
+      if (gone[j]) options.absolute[j] = true;
     }
     if (!EstimateChange(healthy, current, options, &result_.estimate, error)) {
       return false;

@@ -256,6 +256,19 @@ bool ChangeOptions::IsValid(std::string* error) const {
   return true;
 }
 
+std::vector<bool> NearlyGone(const std::vector<GroupState>& healthy) {
+  constexpr double kNearlyGone = 0.1;
+  std::vector<bool> gone;
+  for (const GroupState& state : healthy) {
+    gone.resize(static_cast<size_t>(state.values.size()), false);
+    for (size_t j = 0; j < gone.size(); ++j) {
+      const double value = 1.0 + state.values[static_cast<Eigen::Index>(j)];
+      gone[j] = gone[j] || !(value > kNearlyGone);
+    }
+  }
+  return gone;
+}
+
 bool EstimateChange(const std::vector<GroupState>& healthy,
                     const GroupState& current, const ChangeOptions& options,
                     ChangeEstimate* estimate, std::string* error) {

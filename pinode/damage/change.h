@@ -78,6 +78,12 @@ struct ChangeEstimate {
   int unexplained_degrees = 0;
 };
 
+// Of which entries so little is there in one of the healthy states (1 + alpha
+// not above a tenth) that it is no measure of their change: dampers of a simple
+// model, for instance. For ChangeOptions::absolute. All states have the same
+// size.
+std::vector<bool> NearlyGone(const std::vector<GroupState>& healthy);
+
 // The change of every group from the healthy states (at least one, the same
 // groups in each) to the current one.
 //

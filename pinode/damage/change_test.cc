@@ -200,6 +200,17 @@ TEST(EstimateChangeRivals, NamesWhatExplainsTheChangeAsWell) {
   EXPECT_TRUE(estimate.rivals.empty());
 }
 
+TEST(NearlyGone, AsksAllStates) {
+  GroupState one, other;
+  one.values = Vector::Zero(4);
+  other.values = Vector::Zero(4);
+  one.values[1] = -0.95;
+  other.values[2] = -3.0;
+  other.values[3] = -0.85;
+  EXPECT_EQ(NearlyGone({one, other}),
+            std::vector<bool>({false, true, true, false}));
+}
+
 // What was not there has no healthy value to be a fraction of.
 TEST(EstimateChangeAbsolute, ChangesAsTheyAre) {
   const Matrix covariance = 1e-4 * Matrix::Identity(2, 2);

@@ -91,9 +91,7 @@ ChangeRun CompareRuns(const CaseRun& healthy, const CaseRun& current) {
   const GroupState before =
       GroupsOf(*healthy.c.problem.dynamics, healthy.summary, names);
   ChangeOptions options;
-  for (const double value : before.values) {
-    options.absolute.push_back(!(1.0 + value > 0.1));
-  }
+  options.absolute = NearlyGone({before});
   std::string error;
   EXPECT_TRUE(EstimateChange({before},
                              GroupsOf(dynamics, current.summary, names),

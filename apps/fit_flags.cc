@@ -1,0 +1,40 @@
+#include "apps/fit_flags.h"
+
+#include "pinode/case/result_folder.h"
+
+DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+DEFINE_string(output_dir, "",
+              "folder for the results; must not exist without --overwrite or "
+              "--resume");
+DEFINE_bool(overwrite, false, "replace an existing output folder");
+DEFINE_bool(resume, false,
+            "continue an interrupted fit from its checkpoint in the output "
+            "folder");
+DEFINE_int32(threads, 0, "threads; 0: as the case says");
+DEFINE_bool(progress, true, "show progress on standard error");
+
+namespace pinode {
+
+bool ReadFitFlags(Case* c, std::string* error) {
+  if (FLAGS_case.empty()) {
+    *error = "--case=FILE is missing; see --help";
+    return false;
+  }
+  if (FLAGS_output_dir.empty()) {
+    *error = "--output_dir=FOLDER is missing; see --help";
+    return false;
+  }
+  if (FLAGS_threads < 0) {
+    *error = "--threads must not be negative";
+    return false;
+  }
+  if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
+                         error) ||
+      !ReadCase(FLAGS_case, c, error)) {
+    return false;
+  }
+  if (FLAGS_threads > 0) c->options.num_threads = FLAGS_threads;
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,27 @@
+// Flags of the programs that fit a case and write a result folder.
+
+#ifndef PINODE_APPS_FIT_FLAGS_H_
+#define PINODE_APPS_FIT_FLAGS_H_
+
+#include <gflags/gflags.h>
+
+#include <string>
+
+#include "pinode/case/case_file.h"
+
+DECLARE_string(case);
+DECLARE_string(output_dir);
+DECLARE_bool(overwrite);
+DECLARE_bool(resume);
+DECLARE_bool(progress);
+
+namespace pinode {
+
+// Checks these flags and --threads, which goes into the case's options, and
+// reads the case. False, with one line in *error, where something is wrong;
+// nothing has been written then.
+[[nodiscard]] bool ReadFitFlags(Case* c, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_APPS_FIT_FLAGS_H_
