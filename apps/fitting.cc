@@ -5,26 +5,26 @@
 #include "apps/program.h"
 #include "apps/progress_line.h"
 #include "pinode/case/checkpoint.h"
+#include "pinode/case/renewed_basis.h"
 #include "pinode/estimate/identify.h"
 
 namespace pinode {
 
-bool FitCase(const Case& c, const ResultFolder& folder,
-             const IdentifiedModel* begin_from, bool show_progress,
-             IdentificationSummary* summary, IdentifiedModel* model,
-             std::string* error) {
+bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
+             bool show_progress, Case* c, IdentificationSummary* summary,
+             IdentifiedModel* model, std::string* error) {
   Checkpoint checkpoint;
   if (!folder.resume_path().empty()) {
-    if (!ReadCheckpoint(folder.resume_path(), c.problem, &checkpoint, error)) {
+    if (!ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error)) {
       return false;
     }
     begin_from = &checkpoint.model;
   }
   CatchInterrupts();
   ProgressLine line(show_progress);
-  CheckpointWriter writer(c.problem, folder.checkpoint_path());
+  CheckpointWriter writer(c->problem, folder.checkpoint_path());
   bool warned = false;
-  IdentificationOptions options = c.options;
+  IdentificationOptions options = c->options;
   options.callback = [&](const IdentificationProgress& progress) {
     std::string problem;
     if (!writer.Update(progress, &problem) && !warned) {
@@ -34,8 +34,18 @@ bool FitCase(const Case& c, const ResultFolder& folder,
     line.Show("", progress);
     return !Interrupted();
   };
-  Identify(c.problem, options, begin_from, summary, model);
+  Identify(c->problem, options, begin_from, summary, model);
   line.End();
+  if (RenewsBasis(*c) && summary->usable) {
+    const FitFunction fit = [show_progress](const std::string& what,
+                                            const Case& other,
+                                            const IdentifiedModel* from,
+                                            IdentificationSummary* outcome,
+                                            IdentifiedModel* found) {
+      FitWithProgress(what + "  ", other, from, show_progress, outcome, found);
+    };
+    RenewBasisUntilSettled(fit, c, summary, model);
+  }
   return true;
 }
 

@@ -16,9 +16,13 @@ namespace pinode {
 // the checkpoint that `folder` resumes, else from `begin_from` (nullptr: from
 // the case's own values). False, with *error, where that checkpoint is of no
 // use: nothing has been done then.
-[[nodiscard]] bool FitCase(const Case& c, const ResultFolder& folder,
+//
+// Where the case renews the basis of its reduction, it is fitted again with
+// that of the values found; *c is then the case with the last one.
+[[nodiscard]] bool FitCase(const ResultFolder& folder,
                            const IdentifiedModel* begin_from,
-                           bool show_progress, IdentificationSummary* summary,
+                           bool show_progress, Case* c,
+                           IdentificationSummary* summary,
                            IdentifiedModel* model, std::string* error);
 
 // As FitCase, without a checkpoint; `prefix` stands before the progress.

@@ -27,6 +27,7 @@
 #include "pinode/case/case_file.h"
 #include "pinode/case/damage_analysis.h"
 #include "pinode/case/damage_files.h"
+#include "pinode/case/renewed_basis.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
@@ -76,13 +77,15 @@ int main(int argc, char** argv) {
     at = end + 1;
     if (folder.empty()) return Refuse("--baseline has an empty name in it");
     baselines.emplace_back();
-    if (!ReadBaseline(folder, *c.problem.dynamics, groups, &baselines.back(),
-                      &error)) {
+    if (!ReadBaseline(folder, c, groups, &baselines.back(), &error)) {
       return Refuse(error);
     }
   }
-  const IdentifiedModel begin_from =
+  IdentifiedModel begin_from =
       BeginFromBaseline(baselines[0], groups, c.problem);
+  if (RenewsBasis(c) && !RenewBasis(c, begin_from, &c, &begin_from, &error)) {
+    return Refuse(error);
+  }
 
   // 2. The new state.
   ResultFolder folder;
@@ -91,7 +94,7 @@ int main(int argc, char** argv) {
   }
   IdentificationSummary summary;
   IdentifiedModel model;
-  if (!FitCase(c, folder, &begin_from, FLAGS_progress, &summary, &model,
+  if (!FitCase(folder, &begin_from, FLAGS_progress, &c, &summary, &model,
                &error)) {
     return Refuse(error);
   }

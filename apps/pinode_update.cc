@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   // 3. The fit, with a checkpoint after every iteration.
   IdentificationSummary summary;
   IdentifiedModel model;
-  if (!FitCase(c, folder, nullptr, FLAGS_progress, &summary, &model, &error)) {
+  if (!FitCase(folder, nullptr, FLAGS_progress, &c, &summary, &model, &error)) {
     return Refuse(error);
   }
 

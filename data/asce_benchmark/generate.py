@@ -13,7 +13,8 @@ faces; noise of 10 % of each channel's RMS, at least 0.1 % of the largest.  Patt
 the first storey removed; 2, those of the first and the third.
 
 Writes M.csv, K.csv, brace_<direction><storey>.csv, healthy.csv, again.csv,
-pattern1.csv, pattern2.csv, y_only.csv and truth.json.
+pattern1.csv, pattern2.csv, y_only.csv, truth.json and exact.csv, what the
+sensors of the first two of these records would have shown without noise.
 """
 
 import argparse
@@ -128,7 +129,7 @@ def main():
 
     times = np.arange(int(DURATION * RATE) + 1) / RATE
     low_pass = butter(4, BAND, fs=RATE, output="sos")
-    frequencies = {}
+    frequencies, exact = {}, {}
     for number, (state, gone) in enumerate(removed.items()):
         random = np.random.default_rng([arguments.seed, number])
         stiffness = healthy - sum((braces[name] for name in gone),
@@ -148,6 +149,9 @@ def main():
                     forces[:, 3 * floor + k] = drawn[:, 2 * floor + k]
         measured = response(mass, modal_damping(mass, stiffness), stiffness,
                             forces) @ sensors.T
+        if state in ("healthy", "again"):
+            exact.update({f"{state}_{name}": column for name, column in
+                          zip(names, measured.T.copy())})
         rms = np.sqrt((measured**2).mean(axis=0))
         sigma = NOISE_PERCENT / 100 * np.maximum(rms, 0.01 * rms.max())
         measured += sigma * random.standard_normal(measured.shape)
@@ -157,6 +161,9 @@ def main():
             ["t"] + [f"F{'xy'[f % 3]}{f // 3 + 1}" for f in loaded] + names,
             [times, *forces[:, loaded].T, *measured.T],
             ["%.6g"] + ["%.7g"] * len(loaded) + ["%.5g"] * len(names))
+
+    reference.write_csv(os.path.join(folder, "exact.csv"), list(exact),
+                        list(exact.values()), ["%.5g"] * len(exact))
 
     reference.write_json(os.path.join(folder, "truth.json"), {
         "removed": removed,

@@ -8,10 +8,13 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
+#include "pinode/case/finite_element_section.h"
+#include "pinode/case/renewed_basis.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
+#include "pinode/structure/matrix_market.h"
 
 namespace pinode {
 namespace {
@@ -67,63 +70,115 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   return true;
 }
 
+// The model's matrices that a baseline is held against: those of the
+// coordinates, or, where their basis follows the parameters and differs from
+// case to case, those of the finite-element model.
+struct ComparedMatrices {
+  Target target;
+  std::string path;  // of the updated matrix
+  SparseMatrix expected;
+  // One per group of the dynamics; 0 x 0 for those of another target.
+  std::vector<SparseMatrix> groups;
+};
+
+std::vector<ComparedMatrices> WhatIsCompared(const std::string& folder,
+                                             const Case& c) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  const StructuralModel& model = dynamics.model();
+  const bool over_all = RenewsBasis(c);
+  std::vector<ComparedMatrices> all;
+  for (const Target target :
+       {Target::kMass, Target::kDamping, Target::kStiffness}) {
+    // Damping of a reduced model is mostly made from its matrices.
+    if (over_all && target == Target::kDamping) continue;
+    ComparedMatrices compared;
+    compared.target = target;
+    const char* letter = target == Target::kMass      ? "M"
+                         : target == Target::kDamping ? "C"
+                                                      : "K";
+    compared.path = (std::filesystem::path(folder) /
+                     (std::string(letter) + (over_all ? "_full.mtx" : ".mtx")))
+                        .string();
+    if (over_all) {
+      const FiniteElementModel& exported = c.finite_element->exported;
+      compared.expected =
+          target == Target::kMass ? exported.mass : exported.stiffness;
+    } else {
+      compared.expected = (target == Target::kMass      ? model.mass
+                           : target == Target::kDamping ? model.damping
+                                                        : model.stiffness)
+                              .sparseView(0.0, 0.0);
+    }
+    for (size_t j = 0; j < dynamics.groups().size(); ++j) {
+      const MatrixGroup& group = dynamics.groups()[j].group;
+      compared.groups.push_back(group.target != target ? SparseMatrix()
+                                : over_all ? c.finite_element->groups[j].matrix
+                                           : group.matrix.sparseView(0.0, 0.0));
+    }
+    all.push_back(std::move(compared));
+  }
+  return all;
+}
+
 // By how much each group of the case would have to change for the case's matrix
 // to be the one that the baseline's own case had before its groups.
-bool FindOffsets(const std::string& folder, const Result& result,
-                 const StructuralDynamics& dynamics, Target target,
+bool FindOffsets(const Result& result, const StructuralDynamics& dynamics,
+                 const ComparedMatrices& compared,
                  const std::vector<std::string>& names, Vector* offsets,
                  std::string* error) {
-  const StructuralModel& model = dynamics.model();
-  const char* file = target == Target::kMass      ? "M.mtx"
-                     : target == Target::kDamping ? "C.mtx"
-                                                  : "K.mtx";
-  const Matrix& expected = target == Target::kMass      ? model.mass
-                           : target == Target::kDamping ? model.damping
-                                                        : model.stiffness;
-  const std::string path = (std::filesystem::path(folder) / file).string();
-  Matrix updated;
-  if (!ReadMatrix(path, &updated, error)) return false;
+  SparseMatrix updated;
+  if (!ReadMatrixMarket(compared.path, &updated, error)) return false;
+  const SparseMatrix& expected = compared.expected;
   const std::string different =
-      path +
+      compared.path +
       ": cannot be the updated matrix of the case's structure, expected a "
       "baseline of the same structure in the same units";
   if (updated.rows() != expected.rows() || updated.cols() != expected.cols()) {
     *error = different;
     return false;
   }
-  std::vector<const GroupTerm*> groups;
-  for (const GroupTerm& term : dynamics.groups()) {
-    if (term.group.target != target) continue;
-    groups.push_back(&term);
+  const double size = std::max(expected.norm(), updated.norm());
+  std::vector<size_t> used;
+  for (size_t j = 0; j < compared.groups.size(); ++j) {
+    if (compared.groups[j].rows() == 0) continue;
+    used.push_back(j);
     // Of a group that the case does not free the value has to be the same.
-    const auto value =
-        std::find(result.names.begin(), result.names.end(), term.group.name);
-    if (value != result.names.end()) {
-      updated -=
-          result.values[value - result.names.begin()] * term.group.matrix;
+    const Eigen::Index value =
+        IndexOf(result.names, dynamics.groups()[j].group.name);
+    if (value >= 0) {
+      updated =
+          SparseMatrix(updated - result.values[value] * compared.groups[j]);
     }
   }
-  Matrix columns(updated.size(), static_cast<Eigen::Index>(groups.size()));
-  for (size_t j = 0; j < groups.size(); ++j) {
-    columns.col(static_cast<Eigen::Index>(j)) =
-        groups[j]->group.matrix.reshaped() / groups[j]->group.matrix.norm();
+  SparseMatrix difference = updated - expected;
+  const auto count = static_cast<Eigen::Index>(used.size());
+  Matrix products(count, count);
+  Vector right(count);
+  Vector norms(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SparseMatrix& a = compared.groups[used[static_cast<size_t>(i)]];
+    norms[i] = a.norm();
+    right[i] = a.cwiseProduct(difference).sum() / norms[i];
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const SparseMatrix& b = compared.groups[used[static_cast<size_t>(j)]];
+      products(i, j) = products(j, i) =
+          a.cwiseProduct(b).sum() / (norms[i] * norms[j]);
+    }
   }
-  const Vector difference = (updated - expected).reshaped();
-  Vector shares = Vector::Zero(columns.cols());
-  if (columns.cols() > 0) {
-    shares = columns.completeOrthogonalDecomposition().solve(difference);
+  Vector shares = Vector::Zero(count);
+  if (count > 0) {
+    shares = products.completeOrthogonalDecomposition().solve(right);
   }
-  if ((difference - columns * shares).norm() >
-      1e-7 * std::max(expected.norm(), updated.norm())) {
+  shares = shares.cwiseQuotient(norms);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const size_t j = used[static_cast<size_t>(i)];
+    difference = SparseMatrix(difference - shares[i] * compared.groups[j]);
+    const Eigen::Index name = IndexOf(names, dynamics.groups()[j].group.name);
+    if (name >= 0) (*offsets)[name] = shares[i];
+  }
+  if (difference.norm() > 1e-7 * size) {
     *error = different;
     return false;
-  }
-  for (size_t j = 0; j < groups.size(); ++j) {
-    const auto name =
-        std::find(names.begin(), names.end(), groups[j]->group.name);
-    const double offset =
-        shares[static_cast<Eigen::Index>(j)] / groups[j]->group.matrix.norm();
-    if (name != names.end()) (*offsets)[name - names.begin()] = offset;
   }
   return true;
 }
@@ -153,9 +208,10 @@ bool ReadPresent(const std::string& path, const std::vector<std::string>& names,
 
 }  // namespace
 
-bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
+bool ReadBaseline(const std::string& folder, const Case& c,
                   const std::vector<std::string>& names, Baseline* baseline,
                   std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
   const auto path = [&folder](const std::string& name) {
     return (std::filesystem::path(folder) / name).string();
   };
@@ -179,8 +235,12 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
         std::find(result.names.begin(), result.names.end(), names[i]);
     values[static_cast<Eigen::Index>(i)] =
         result.values[value - result.names.begin()];
-    for (const GroupTerm& term : dynamics.groups()) {
-      if (term.group.name != names[i]) continue;
+    for (size_t j = 0; j < dynamics.groups().size(); ++j) {
+      const GroupTerm& term = dynamics.groups()[j];
+      if (term.group.name != names[i] ||
+          (RenewsBasis(c) && c.finite_element->groups[j].matrix.rows() > 0)) {
+        continue;
+      }
       const std::string file = path("group_" + names[i] + ".mtx");
       Matrix matrix;
       if (!ReadMatrix(file, &matrix, error)) return false;
@@ -195,10 +255,8 @@ bool ReadBaseline(const std::string& folder, const StructuralDynamics& dynamics,
   }
 
   Vector offsets = Vector::Zero(values.size());
-  for (const Target target :
-       {Target::kMass, Target::kDamping, Target::kStiffness}) {
-    if (!FindOffsets(folder, result, dynamics, target, names, &offsets,
-                     error)) {
+  for (const ComparedMatrices& compared : WhatIsCompared(folder, c)) {
+    if (!FindOffsets(result, dynamics, compared, names, &offsets, error)) {
       return false;
     }
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/case/case_file.h"
 #include "pinode/damage/change.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/identification_problem.h"
@@ -28,14 +29,15 @@ struct Baseline {
 };
 
 // Reads the result folder of pinode_update for a healthy record of the
-// structure of `dynamics`: result.json, covariance.csv and the groups'
-// matrices. `names`: the groups whose change is asked for.
+// structure of the case: result.json, covariance.csv and matrices. `names`: the
+// groups whose change is asked for.
 //
 // Refused, with *error naming file and group: a folder that is not a result,
 // one that is not usable, a group that it lacks or has fixed, one whose matrix
-// differs from that of `dynamics` (another structure), and other units.
-[[nodiscard]] bool ReadBaseline(const std::string& folder,
-                                const StructuralDynamics& dynamics,
+// differs from that of the case (another structure), and other units. Where the
+// case renews its basis, M and K of the finite-element model are what has to be
+// the same.
+[[nodiscard]] bool ReadBaseline(const std::string& folder, const Case& c,
                                 const std::vector<std::string>& names,
                                 Baseline* baseline, std::string* error);
 

@@ -134,11 +134,6 @@ bool StateNear(const Fit& fit, const std::vector<std::string>& groups,
   return true;
 }
 
-// Segments are for fits that begin far away.
-void BeginNearTheEnd(IdentificationOptions* options) {
-  options->shooting = IdentificationOptions::Shooting::kSingle;
-}
-
 class Analyst {
  public:
   Analyst(const Case& c, const std::vector<Baseline>& baselines,

@@ -3,12 +3,12 @@
 #ifndef PINODE_CASE_DAMAGE_ANALYSIS_H_
 #define PINODE_CASE_DAMAGE_ANALYSIS_H_
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "pinode/case/baseline.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/grown_case.h"
 #include "pinode/damage/change.h"
 #include "pinode/damage/verdict.h"
 #include "pinode/estimate/identification_summary.h"
@@ -34,11 +34,6 @@ struct DamageResult {
   IdentificationSummary summary;
   IdentifiedModel model;
 };
-
-// Fits c.problem from `begin`; `what` is for the progress line.
-using FitFunction = std::function<void(
-    const std::string& what, const Case& c, const IdentifiedModel* begin,
-    IdentificationSummary* summary, IdentifiedModel* model)>;
 
 // Names of the groups whose change is asked for: the free ones that follow
 // nothing.

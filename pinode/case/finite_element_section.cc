@@ -70,6 +70,128 @@ int DirectionOf(const std::string& name) {
   return digit >= '1' && digit <= '6' ? digit - '0' : 0;
 }
 
+// The target's matrix of an export that is otherwise the model's own.
+bool ReadOtherExport(const TomlTable& table, const std::string& key,
+                     const FiniteElementCase& section,
+                     MatrixGroup::Target target, SparseMatrix* matrix,
+                     std::string* path) {
+  FiniteElementFiles files = section.files;
+  MatrixSource* source = target == MatrixGroup::Target::kMass ? &files.mass
+                         : target == MatrixGroup::Target::kDamping
+                             ? &files.damping
+                             : &files.stiffness;
+  *source = MatrixSource();
+  if (!ReadSource(table, key, source)) return false;
+  *path = source->path;
+  FiniteElementModel other;
+  std::string error;
+  if (!ReadFiniteElementModel(files, &other, &error)) {
+    return table.errors()->FailAsIs(error);
+  }
+  if (other.num_dofs() != section.exported.num_dofs()) {
+    return table.Fail(key, "its DOFs are not those of the model: there are " +
+                               std::to_string(other.num_dofs()) +
+                               ", expected " +
+                               std::to_string(section.exported.num_dofs()));
+  }
+  for (size_t i = 0; i < other.dof_names.size(); ++i) {
+    if (other.dof_names[i] == section.exported.dof_names[i]) continue;
+    return table.Fail(key, "its DOFs are not those of the model: row " +
+                               std::to_string(i + 1) + " is '" +
+                               other.dof_names[i] + "', expected '" +
+                               section.exported.dof_names[i] + "'");
+  }
+  *matrix = target == MatrixGroup::Target::kMass      ? other.mass
+            : target == MatrixGroup::Target::kDamping ? other.damping
+                                                      : other.stiffness;
+  return true;
+}
+
+const SparseMatrix& TargetMatrix(const FiniteElementModel& model,
+                                 MatrixGroup::Target target) {
+  switch (target) {
+    case MatrixGroup::Target::kMass:
+      return model.mass;
+    case MatrixGroup::Target::kDamping:
+      return model.damping;
+    case MatrixGroup::Target::kStiffness:
+      break;
+  }
+  return model.stiffness;
+}
+
+// (changed - whole) / (factor - 1) without what rounding leaves of entries that
+// did not change.
+SparseMatrix SetFromExports(const SparseMatrix& whole,
+                            const SparseMatrix& changed, double factor) {
+  SparseMatrix difference = changed - whole;
+  const SparseMatrix size =
+      SparseMatrix(changed.cwiseAbs()) + SparseMatrix(whole.cwiseAbs());
+  difference.prune(
+      [&size](Eigen::Index row, Eigen::Index column, double value) {
+        return std::abs(value) > kRoundingOfExports * size.coeff(row, column);
+      });
+  difference /= factor - 1.0;
+  return difference;
+}
+
+// The matrix over all DOFs from `changed_export` and `factor` or `set_export`.
+bool ReadSetMatrix(const TomlTable& table, const FiniteElementCase& section,
+                   MatrixGroup::Target target,
+                   FiniteElementCase::Group* exported) {
+  const bool changed = table.Has("changed_export");
+  const std::string key = changed ? "changed_export" : "set_export";
+  const SparseMatrix& whole = TargetMatrix(section.exported, target);
+  if (whole.rows() == 0) {
+    return table.Fail(key, "'" + key +
+                               "' of damping, and [model.finite_element] has "
+                               "no damping; expected it there");
+  }
+  double factor = 0.0;
+  if (changed) {
+    if (!table.RequireKey("factor",
+                          "by how much the set's property was multiplied for "
+                          "that export")) {
+      return false;
+    }
+    factor = table.Number("factor", 0.0);
+    if (!table.errors()->ok()) return false;
+    if (factor == 1.0) {
+      return table.Fail("factor",
+                        "'factor' is 1, with which nothing changes; expected "
+                        "another number, such as 1.1");
+    }
+  }
+  SparseMatrix other;
+  if (!ReadOtherExport(table, key, section, target, &other,
+                       &exported->source)) {
+    return false;
+  }
+  exported->matrix =
+      changed ? SetFromExports(whole, other, factor) : std::move(other);
+  exported->is_element_set = true;
+  if (exported->matrix.nonZeros() == 0 || exported->matrix.norm() == 0.0) {
+    return table.Fail(key, changed ? "the two exports do not differ, expected "
+                                     "the set's property to be changed"
+                                   : "the matrix is zero, expected the "
+                                     "element set's own");
+  }
+  // A set is a part of the whole: what is left must not be negative.
+  const Vector part = exported->matrix.diagonal();
+  const Vector all = whole.diagonal();
+  for (Eigen::Index i = 0; i < part.size(); ++i) {
+    if (part[i] <= all[i] + 1e-6 * std::abs(all[i])) continue;
+    return table.Fail(
+        changed ? "factor" : key,
+        "the element set alone has " + FormatNumber(part[i], 4) + " at '" +
+            section.exported.dof_names[static_cast<size_t>(i)] +
+            "' where the whole model has " + FormatNumber(all[i], 4) +
+            ", expected no more" +
+            (changed ? ": is this the factor of that export?" : ""));
+  }
+  return true;
+}
+
 class SectionReader {
  public:
   SectionReader(const TomlTable& root, const TomlTable& model_table,
@@ -83,7 +205,8 @@ class SectionReader {
 
   bool Read(StructuralModel* model) {
     return ReadExport() && RemoveNamedDofs() && ReadMethod() && FindKept() &&
-           ReadExpected() && Reduce() && CheckExpected() && MakeModel(model);
+           ReadExpected() && ReadBasisPoint() && Reduce() && CheckExpected() &&
+           MakeModel(model);
   }
 
  private:
@@ -148,7 +271,8 @@ class SectionReader {
   }
 
   bool ReadMethod() {
-    if (!reduction_.AllowKeys({"method", "keep", "modes", "compare"})) {
+    if (!reduction_.AllowKeys(
+            {"method", "keep", "modes", "compare", "renew", "basis_at"})) {
       return false;
     }
     ReductionOptions& options = section_->options;
@@ -172,6 +296,7 @@ class SectionReader {
     options.num_modes = reduction_.Integer("modes", 0, 0);
     options.num_compared_modes =
         reduction_.Integer("compare", options.num_compared_modes, 1);
+    section_->renew_basis = reduction_.Boolean("renew", false);
     return reduction_.errors()->ok();
   }
 
@@ -241,25 +366,101 @@ class SectionReader {
     return true;
   }
 
+  // M and K where the basis is to be taken.
+  bool ReadBasisPoint() {
+    section_->mass_at_basis = section_->exported.mass;
+    section_->stiffness_at_basis = section_->exported.stiffness;
+    const TomlTable at =
+        reduction_.Table("basis_at", "[model.reduction] basis_at");
+    const std::vector<TomlTable> groups = root_.Tables("group");
+    for (const auto& [name, value] : at.entries()) {
+      (void)value;
+      const double alpha = at.Number(name, 0.0);
+      if (!at.errors()->ok()) return false;
+      const auto table = std::find_if(groups.begin(), groups.end(),
+                                      [&name = name](const TomlTable& group) {
+                                        return group.String("name") == name;
+                                      });
+      MatrixGroup::Target target = MatrixGroup::Target::kDamping;
+      FiniteElementCase::Group group;
+      if (table != groups.end() &&
+          ParseTarget(table->String("adds_to"), &target) &&
+          target != MatrixGroup::Target::kDamping &&
+          !ReadGroupOverAll(*table, target, &group)) {
+        return false;
+      }
+      if (group.matrix.rows() == 0) {
+        return at.Fail(name, "'" + name +
+                                 "' is not a group of mass or stiffness that "
+                                 "is given over the DOFs of the finite-element "
+                                 "model (changed_export, set_export, between)");
+      }
+      SparseMatrix& matrix = target == MatrixGroup::Target::kMass
+                                 ? section_->mass_at_basis
+                                 : section_->stiffness_at_basis;
+      matrix = SparseMatrix(matrix + alpha * group.matrix);
+      section_->groups_at_basis[name] = std::move(group);
+    }
+    return true;
+  }
+
+  bool HasBasisPoint() const { return !section_->groups_at_basis.empty(); }
+
+  // What [[group]] will be read as once there is a basis; 0 x 0 where it is not
+  // given over all DOFs.
+  bool ReadGroupOverAll(const TomlTable& table, MatrixGroup::Target target,
+                        FiniteElementCase::Group* group) {
+    if (table.Has("changed_export") || table.Has("set_export")) {
+      return ReadSetMatrix(table, *section_, target, group);
+    }
+    if (!table.Has("between")) return true;
+    std::vector<int> ends;
+    const std::vector<std::string>& kept = section_->options.kept_dofs;
+    for (const std::string& name : table.Strings("between")) {
+      const auto place = std::find(kept.begin(), kept.end(), name);
+      ends.push_back(
+          place == kept.end() ? -1 : static_cast<int>(place - kept.begin()));
+    }
+    const double scale = table.PositiveNumber("scale", 1.0);
+    if (!table.errors()->ok()) return false;
+    if (ends.size() == 2) {
+      *group = SpringGroup(*section_, scale, ends[0], ends[1]);
+    }
+    return true;
+  }
+
+  // `model` with its matrices at the basis.
+  bool ModelAtBasis(FiniteElementModel* at) {
+    *at = section_->exported;
+    at->mass = section_->mass_at_basis;
+    at->stiffness = section_->stiffness_at_basis;
+    if (!section_->removed_dofs.empty()) {
+      *at = RemoveDofs(*at, section_->removed_dofs);
+    }
+    std::string error;
+    return at->IsValid(&error) ||
+           reduction_.Fail("basis_at",
+                           "with the groups at 'basis_at' " + error);
+  }
+
   bool Reduce() {
     std::string error;
-    if (!ReduceModel(section_->model, section_->options, &section_->reduced,
-                     &error)) {
+    ReducedModel& reduced = section_->reduced;
+    FiniteElementModel at;
+    if (HasBasisPoint() && !ModelAtBasis(&at)) return false;
+    if (!ReduceModel(HasBasisPoint() ? at : section_->model, section_->options,
+                     &reduced, &error)) {
       return section_->is_reduced
                  ? reduction_.Fail(reduction_.Has("keep") ? "keep" : "method",
                                    error)
                  : table_.Fail("stiffness", error);
     }
-    // Rigid-body modes come first, and none is expected of them.
-    SparseModes& modes = section_->reduced.whole_modes;
-    const auto needed = static_cast<int>(section_->expected_hz.size()) +
-                        modes.num_rigid_body_modes;
-    if (modes.eigenvalues.size() < needed && needed <= NumModes() &&
-        !ComputeLowestModes(section_->model.mass, section_->model.stiffness,
-                            needed, &modes, &error)) {
-      return table_.Fail("expected_frequencies", error);
+    if (HasBasisPoint()) {
+      reduced.mass = ReduceMatrix(section_->model.mass, reduced.basis);
+      reduced.stiffness =
+          ReduceMatrix(section_->model.stiffness, reduced.basis);
     }
-    for (const auto* notes : {&modes.notes, &section_->reduced.notes}) {
+    for (const auto* notes : {&reduced.whole_modes.notes, &reduced.notes}) {
       section_->notes.insert(section_->notes.end(), notes->begin(),
                              notes->end());
     }
@@ -293,7 +494,19 @@ class SectionReader {
     if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
       return table_.Fail("expected_frequencies", error);
     }
+    // The export's own modes. Rigid-body modes come first, and none is expected
+    // of them.
     SparseModes in_hz = section_->reduced.whole_modes;
+    const auto needed = static_cast<int>(section_->expected_hz.size()) +
+                        in_hz.num_rigid_body_modes;
+    if ((HasBasisPoint() || in_hz.eigenvalues.size() < needed) &&
+        needed <= NumModes()) {
+      if (!ComputeLowestModes(section_->model.mass, section_->model.stiffness,
+                              needed, &in_hz, &error)) {
+        return table_.Fail("expected_frequencies", error);
+      }
+      if (!HasBasisPoint()) section_->reduced.whole_modes = in_hz;
+    }
     in_hz.frequency_hz *= second;
     if (!CheckExpectedFrequencies(in_hz, section_->expected_hz, tolerance_,
                                   &error)) {
@@ -384,71 +597,6 @@ class SectionReader {
   double tolerance_ = kDefaultFrequencyTolerance;
 };
 
-// The target's matrix of an export that is otherwise the model's own.
-bool ReadOtherExport(const TomlTable& table, const std::string& key,
-                     const FiniteElementCase& section,
-                     MatrixGroup::Target target, SparseMatrix* matrix,
-                     std::string* path) {
-  FiniteElementFiles files = section.files;
-  MatrixSource* source = target == MatrixGroup::Target::kMass ? &files.mass
-                         : target == MatrixGroup::Target::kDamping
-                             ? &files.damping
-                             : &files.stiffness;
-  *source = MatrixSource();
-  if (!ReadSource(table, key, source)) return false;
-  *path = source->path;
-  FiniteElementModel other;
-  std::string error;
-  if (!ReadFiniteElementModel(files, &other, &error)) {
-    return table.errors()->FailAsIs(error);
-  }
-  if (other.num_dofs() != section.exported.num_dofs()) {
-    return table.Fail(key, "its DOFs are not those of the model: there are " +
-                               std::to_string(other.num_dofs()) +
-                               ", expected " +
-                               std::to_string(section.exported.num_dofs()));
-  }
-  for (size_t i = 0; i < other.dof_names.size(); ++i) {
-    if (other.dof_names[i] == section.exported.dof_names[i]) continue;
-    return table.Fail(key, "its DOFs are not those of the model: row " +
-                               std::to_string(i + 1) + " is '" +
-                               other.dof_names[i] + "', expected '" +
-                               section.exported.dof_names[i] + "'");
-  }
-  *matrix = target == MatrixGroup::Target::kMass      ? other.mass
-            : target == MatrixGroup::Target::kDamping ? other.damping
-                                                      : other.stiffness;
-  return true;
-}
-
-const SparseMatrix& TargetMatrix(const FiniteElementModel& model,
-                                 MatrixGroup::Target target) {
-  switch (target) {
-    case MatrixGroup::Target::kMass:
-      return model.mass;
-    case MatrixGroup::Target::kDamping:
-      return model.damping;
-    case MatrixGroup::Target::kStiffness:
-      break;
-  }
-  return model.stiffness;
-}
-
-// (changed - whole) / (factor - 1) without what rounding leaves of entries that
-// did not change.
-SparseMatrix SetFromExports(const SparseMatrix& whole,
-                            const SparseMatrix& changed, double factor) {
-  SparseMatrix difference = changed - whole;
-  const SparseMatrix size =
-      SparseMatrix(changed.cwiseAbs()) + SparseMatrix(whole.cwiseAbs());
-  difference.prune(
-      [&size](Eigen::Index row, Eigen::Index column, double value) {
-        return std::abs(value) > kRoundingOfExports * size.coeff(row, column);
-      });
-  difference /= factor - 1.0;
-  return difference;
-}
-
 }  // namespace
 
 const char* ReductionMethodName(ReductionMethod method) {
@@ -472,55 +620,11 @@ bool ReadFiniteElementSection(const TomlTable& root, const TomlTable& table,
 
 bool ReadExportedGroup(const TomlTable& table, const FiniteElementCase& section,
                        MatrixGroup* group, FiniteElementCase::Group* exported) {
-  const bool changed = table.Has("changed_export");
-  const std::string key = changed ? "changed_export" : "set_export";
-  const SparseMatrix& whole = TargetMatrix(section.exported, group->target);
-  if (whole.rows() == 0) {
-    return table.Fail(key, "'" + key +
-                               "' of damping, and [model.finite_element] has "
-                               "no damping; expected it there");
-  }
-  double factor = 0.0;
-  if (changed) {
-    if (!table.RequireKey("factor",
-                          "by how much the set's property was multiplied for "
-                          "that export")) {
-      return false;
-    }
-    factor = table.Number("factor", 0.0);
-    if (!table.errors()->ok()) return false;
-    if (factor == 1.0) {
-      return table.Fail("factor",
-                        "'factor' is 1, with which nothing changes; expected "
-                        "another number, such as 1.1");
-    }
-  }
-  SparseMatrix other;
-  if (!ReadOtherExport(table, key, section, group->target, &other,
-                       &exported->source)) {
+  const auto known = section.groups_at_basis.find(table.String("name"));
+  if (known != section.groups_at_basis.end()) {
+    *exported = known->second;
+  } else if (!ReadSetMatrix(table, section, group->target, exported)) {
     return false;
-  }
-  exported->matrix =
-      changed ? SetFromExports(whole, other, factor) : std::move(other);
-  exported->is_element_set = true;
-  if (exported->matrix.nonZeros() == 0 || exported->matrix.norm() == 0.0) {
-    return table.Fail(key, changed ? "the two exports do not differ, expected "
-                                     "the set's property to be changed"
-                                   : "the matrix is zero, expected the "
-                                     "element set's own");
-  }
-  // A set is a part of the whole: what is left must not be negative.
-  const Vector part = exported->matrix.diagonal();
-  const Vector all = whole.diagonal();
-  for (Eigen::Index i = 0; i < part.size(); ++i) {
-    if (part[i] <= all[i] + 1e-6 * std::abs(all[i])) continue;
-    return table.Fail(
-        changed ? "factor" : key,
-        "the element set alone has " + FormatNumber(part[i], 4) + " at '" +
-            section.exported.dof_names[static_cast<size_t>(i)] +
-            "' where the whole model has " + FormatNumber(all[i], 4) +
-            ", expected no more" +
-            (changed ? ": is this the factor of that export?" : ""));
   }
   group->matrix = ReduceMatrix(exported->matrix, section.expansion);
   return true;
@@ -529,14 +633,14 @@ bool ReadExportedGroup(const TomlTable& table, const FiniteElementCase& section,
 FiniteElementCase::Group SpringGroup(const FiniteElementCase& section,
                                      double scale, int from, int to) {
   FiniteElementCase::Group group;
-  const std::vector<std::string>& names = section.reduced.coordinate_names;
+  // Coordinates are the kept DOFs, then modes.
+  const std::vector<std::string>& kept = section.options.kept_dofs;
   std::vector<int> ends;
   for (const int coordinate : {from, to}) {
     if (coordinate < 0) continue;
-    const int dof =
-        section.exported.DofIndex(names[static_cast<size_t>(coordinate)]);
-    if (dof < 0) return group;
-    ends.push_back(dof);
+    const size_t place = static_cast<size_t>(coordinate);
+    if (place >= kept.size()) return group;
+    ends.push_back(section.exported.DofIndex(kept[place]));
   }
   const int n = section.exported.num_dofs();
   std::vector<Eigen::Triplet<double>> entries;

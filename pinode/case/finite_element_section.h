@@ -4,6 +4,7 @@
 #ifndef PINODE_CASE_FINITE_ELEMENT_SECTION_H_
 #define PINODE_CASE_FINITE_ELEMENT_SECTION_H_
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,15 @@ struct FiniteElementCase {
 
   ReductionOptions options;
   bool is_reduced = false;  // false: all DOFs of `model` are kept
+  // The basis is to be taken again where the groups are found to be.
+  bool renew_basis = false;
+  // The groups of M and K that `basis_at` names, read before the others.
+  std::map<std::string, Group> groups_at_basis;
+  // M and K of `exported` with the groups at `basis_at`: whose reduction the
+  // basis is, and what damping in proportion to them means.
+  SparseMatrix mass_at_basis, stiffness_at_basis;
+  // Of these: the basis, the modes and what the reduction costs. Its matrices
+  // are those of `model` in that basis.
   ReducedModel reduced;
   // T in the order of `exported`, zero rows for what was removed.
   Matrix expansion;
@@ -65,6 +75,7 @@ const char* ReductionMethodName(ReductionMethod method);
 
 // A spring of stiffness `scale` between two of the coordinates (-1: the ground)
 // over all DOFs; its matrix is 0 x 0 where an end is a coordinate of a mode.
+// Needs no basis yet.
 FiniteElementCase::Group SpringGroup(const FiniteElementCase& section,
                                      double scale, int from, int to);
 

@@ -13,18 +13,6 @@ namespace {
 
 constexpr char kTargets[] = "stiffness, damping, mass";
 
-bool ParseTarget(const std::string& name, MatrixGroup::Target* target) {
-  for (const auto candidate :
-       {MatrixGroup::Target::kStiffness, MatrixGroup::Target::kDamping,
-        MatrixGroup::Target::kMass}) {
-    if (name == TargetName(candidate)) {
-      *target = candidate;
-      return true;
-    }
-  }
-  return false;
-}
-
 // A part of Rayleigh's damping: the model's own mass or stiffness, scaled.
 bool ReadProportional(const TomlTable& table, const ModelSection& section,
                       MatrixGroup* group, FiniteElementCase::Group* exported) {
@@ -37,12 +25,15 @@ bool ReadProportional(const TomlTable& table, const ModelSection& section,
     return table.Fail("proportional_to",
                       "'proportional_to' is for groups that add to damping");
   }
-  group->matrix =
-      scale * (of_mass ? section.model.mass : section.model.stiffness);
-  if (section.finite_element != nullptr) {
-    const FiniteElementModel& whole = section.finite_element->exported;
-    exported->matrix = scale * (of_mass ? whole.mass : whole.stiffness);
+  if (section.finite_element == nullptr) {
+    group->matrix =
+        scale * (of_mass ? section.model.mass : section.model.stiffness);
+    return true;
   }
+  const FiniteElementCase& source = *section.finite_element;
+  exported->matrix =
+      scale * (of_mass ? source.mass_at_basis : source.stiffness_at_basis);
+  group->matrix = ReduceMatrix(exported->matrix, source.expansion);
   return true;
 }
 

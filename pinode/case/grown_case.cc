@@ -46,6 +46,10 @@ std::map<std::string, double> ParametersByName(
   return values;
 }
 
+void BeginNearTheEnd(IdentificationOptions* options) {
+  options->shooting = IdentificationOptions::Shooting::kSingle;
+}
+
 IdentifiedModel BeginFrom(const std::map<std::string, double>& values,
                           const IdentifiedModel& model,
                           const IdentificationProblem& problem) {

@@ -3,6 +3,7 @@
 #ifndef PINODE_CASE_GROWN_CASE_H_
 #define PINODE_CASE_GROWN_CASE_H_
 
+#include <functional>
 #include <map>
 #include <string>
 
@@ -25,6 +26,16 @@ std::string TermName(std::string text);
 // The parameters of `problem` by name, as in `model`.
 std::map<std::string, double> ParametersByName(
     const IdentificationProblem& problem, const IdentifiedModel& model);
+
+// Fits c.problem from `begin` (nullptr: from the case's own values); `what` is
+// for the progress line.
+using FitFunction = std::function<void(
+    const std::string& what, const Case& c, const IdentifiedModel* begin,
+    IdentificationSummary* summary, IdentifiedModel* model)>;
+
+// For a fit that begins where one of much the same case ended: segments are for
+// those that begin far away.
+void BeginNearTheEnd(IdentificationOptions* options);
 
 // What a fit of `problem` begins from: `values` where it has parameters of
 // these names, its own initial values elsewhere; noise and starts of `model`, a

@@ -346,9 +346,15 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
     return std::string(table.Has("finite_element") ? "finite_element" : "dofs");
   };
   if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
-  if (table.Has("damping") &&
-      !ReadDamping(table, n, model.mass, model.stiffness, &model.damping)) {
-    return false;
+  if (table.Has("damping")) {
+    Matrix mass = model.mass;
+    Matrix stiffness = model.stiffness;
+    if (is_finite_element) {
+      const FiniteElementCase& source = *section->finite_element;
+      mass = ReduceMatrix(source.mass_at_basis, source.expansion);
+      stiffness = ReduceMatrix(source.stiffness_at_basis, source.expansion);
+    }
+    if (!ReadDamping(table, n, mass, stiffness, &model.damping)) return false;
   }
 
   if (table.Has("influence")) {

@@ -222,6 +222,19 @@ const char* TargetName(MatrixGroup::Target target) {
   return nullptr;
 }
 
+bool ParseTarget(const std::string& name, MatrixGroup::Target* target) {
+  CHECK(target != nullptr);
+  for (const auto candidate :
+       {MatrixGroup::Target::kMass, MatrixGroup::Target::kDamping,
+        MatrixGroup::Target::kStiffness}) {
+    if (name == TargetName(candidate)) {
+      *target = candidate;
+      return true;
+    }
+  }
+  return false;
+}
+
 bool AreGroupsValid(const StructuralModel& model,
                     const std::vector<MatrixGroup>& groups,
                     std::string* error) {

@@ -82,6 +82,9 @@ struct MatrixGroup {
 
 // "mass", "damping" or "stiffness".
 const char* TargetName(MatrixGroup::Target target);
+// The reverse; false, with *target untouched, for any other name.
+[[nodiscard]] bool ParseTarget(const std::string& name,
+                               MatrixGroup::Target* target);
 
 // Checks every group, and that no two share a name.
 [[nodiscard]] bool AreGroupsValid(const StructuralModel& model,

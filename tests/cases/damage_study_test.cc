@@ -36,14 +36,28 @@ struct Setting {
   bool held;
 };
 
+// `file` in data/.
 Matrix Columns(const std::string& file, const std::vector<std::string>& names) {
   Table table;
   std::string error;
-  EXPECT_TRUE(ReadCsvTable(
-      std::string(PINODE_SOURCE_DIR) + "/data/three_storey/" + file, names,
-      &table, &error))
+  EXPECT_TRUE(ReadCsvTable(std::string(PINODE_SOURCE_DIR) + "/data/" + file,
+                           names, &table, &error))
       << error;
   return table.values;
+}
+
+// With noise of a share of the standard deviation.
+Vector WithNoise(Vector values, double share, std::mt19937_64* random) {
+  std::normal_distribution<double> normal;
+  const double sigma =
+      share * std::sqrt((values.array() - values.mean()).square().mean());
+  for (double& value : values) value += sigma * normal(*random);
+  return values;
+}
+
+bool AnyChanged(const ChangeEstimate& estimate) {
+  return std::any_of(estimate.groups.begin(), estimate.groups.end(),
+                     [](const GroupChange& group) { return group.changed; });
 }
 
 // The groups identified from one record: `clean` has the ground's acceleration
@@ -51,13 +65,6 @@ Matrix Columns(const std::string& file, const std::vector<std::string>& names) {
 GroupState Identified(const Setting& setting, const Matrix& clean,
                       uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  const auto with_noise = [&](Vector values, double share) {
-    const double sigma =
-        share * std::sqrt((values.array() - values.mean()).square().mean());
-    for (double& value : values) value += sigma * normal(random);
-    return values;
-  };
   Case c = ReadCaseOrFail(std::string("data/three_storey/") +
                           setting.case_file + ".toml");
   c.options.num_threads = 1;
@@ -69,7 +76,7 @@ GroupState Identified(const Setting& setting, const Matrix& clean,
                 records.end());
   IdentificationRecord& record = records[0];
   const Matrix ground =
-      with_noise(clean.col(0), setting.ground_noise).transpose();
+      WithNoise(clean.col(0), setting.ground_noise, &random).transpose();
   record.excitation.emplace(record.excitation->start_time(),
                             record.excitation->step(), ground,
                             record.excitation->interpolation());
@@ -82,8 +89,8 @@ GroupState Identified(const Setting& setting, const Matrix& clean,
   auto& channels = record.channels;
   if (setting.roof_alone) channels.erase(channels.begin(), channels.end() - 1);
   for (size_t i = 0; i < channels.size(); ++i) {
-    channels[i].values = with_noise(clean.col(static_cast<Eigen::Index>(i) + 1),
-                                    setting.output_noise);
+    channels[i].values = WithNoise(clean.col(static_cast<Eigen::Index>(i) + 1),
+                                   setting.output_noise, &random);
   }
   const CaseRun run = RunCase(std::move(c));
   return GroupsOf(*run.c.problem.dynamics, run.summary,
@@ -98,13 +105,13 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
       setting.roof_alone
           ? std::vector<std::string>{"ag", "a3_true"}
           : std::vector<std::string>{"ag", "a1_true", "a2_true", "a3_true"};
-  const Matrix train = Columns("train.csv", names);
-  const Matrix healthy = Columns("holdout.csv", names);
+  const Matrix train = Columns("three_storey/train.csv", names);
+  const Matrix healthy = Columns("three_storey/holdout.csv", names);
   std::vector<Matrix> damaged;
   for (int storey = 1; storey <= kStoreys; ++storey) {
     const std::string end = "_k" + std::to_string(storey);
     damaged.push_back(
-        Columns("damaged.csv",
+        Columns("three_storey/damaged.csv",
                 setting.roof_alone
                     ? std::vector<std::string>{"ag", "a3" + end + "_more"}
                     : std::vector<std::string>{"ag", "a1" + end, "a2" + end,
@@ -130,18 +137,14 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
         << error;
   });
 
-  const auto any = [](const ChangeEstimate& estimate) {
-    return std::any_of(estimate.groups.begin(), estimate.groups.end(),
-                       [](const GroupChange& group) { return group.changed; });
-  };
   int found = 0;
   int alarms = 0;
   int only = 0;
   for (int run = 0; run < kRuns; ++run) {
     const size_t r = static_cast<size_t>(run);
-    alarms += any(unchanged[r]);
+    alarms += AnyChanged(unchanged[r]);
     const auto& groups = changed[r].groups;
-    found += any(changed[r]);
+    found += AnyChanged(changed[r]);
     bool exact = true;
     for (size_t g = 0; g < groups.size(); ++g) {
       exact =
@@ -193,6 +196,62 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(setting.param.case_file) +
              (setting.param.roof_alone ? "_roof" : "");
     });
+
+// The ASCE structure, undamaged, as the record `name` shows it with other
+// noise.
+CaseRun UndamagedAsce(const std::string& name, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Case c = ReadCaseOrFail("data/asce_benchmark/" + name + ".toml");
+  c.options.num_threads = 1;
+  // It begins at the truth.
+  c.options.shooting = IdentificationOptions::Shooting::kSingle;
+  std::vector<std::string> columns;
+  for (const CaseChannel& channel : c.records[0].channels) {
+    columns.push_back(name + "_" + channel.name);
+  }
+  const Matrix exact = Columns("asce_benchmark/exact.csv", columns);
+  auto& channels = c.problem.records[0].channels;
+  for (size_t i = 0; i < channels.size(); ++i) {
+    channels[i].values =
+        WithNoise(exact.col(static_cast<Eigen::Index>(i)), 0.1, &random);
+  }
+  return RunCase(std::move(c));
+}
+
+TEST(AsceStudy, FalseAlarmsOfUndamagedSeeds) {
+  constexpr int kSeeds = 100;
+  std::vector<ChangeRun> runs(kSeeds);
+  ParallelFor(kSeeds, DefaultThreads(), [&](int seed, int) {
+    const uint64_t s = 2 * static_cast<uint64_t>(seed);
+    runs[static_cast<size_t>(seed)] =
+        CompareRuns(UndamagedAsce("healthy", s), UndamagedAsce("again", s + 1));
+  });
+  const auto alarms = std::count_if(
+      runs.begin(), runs.end(),
+      [](const ChangeRun& run) { return AnyChanged(run.estimate); });
+  const auto damaged =
+      std::count_if(runs.begin(), runs.end(), [](const ChangeRun& run) {
+        return run.judgement.verdict == DamageVerdict::kDamage;
+      });
+  int covered = 0;
+  int groups = 0;
+  for (const ChangeRun& run : runs) {
+    for (const GroupChange& group : run.estimate.groups) {
+      covered += group.lower95 <= 0.0 && 0.0 <= group.upper95;
+      ++groups;
+    }
+  }
+  ReportFigure("ASCE, 100 undamaged seeds: alarms at the 5 % level", AtMost(10),
+               static_cast<double>(alarms));
+  ReportFigure("ASCE, 100 undamaged seeds: verdicts of damage", AtMost(10),
+               static_cast<double>(damaged));
+  ReportFigure(
+      "ASCE, 100 undamaged seeds: 95 % intervals that hold the truth, %",
+      Between(92, 98), 100.0 * covered / groups);
+  EXPECT_LE(alarms, 10);
+  EXPECT_GE(covered, 0.92 * groups);
+  EXPECT_LE(covered, 0.98 * groups);
+}
 
 }  // namespace
 }  // namespace testing
