@@ -15,6 +15,7 @@
 
 #include "apps/program.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/csv_file.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/estimate/parameter_layout.h"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/change_candidates.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/estimate/covariance.h"
@@ -21,6 +22,10 @@ constexpr double kShareOfKinds = 0.2;
 // What is found may change what else is.
 constexpr int kMaxRounds = 3;
 
+// Times the error of the healthy records: more is left by a change that was
+// not looked for.
+constexpr double kErrorLeft = 1.5;
+
 using Candidates = std::vector<ChangeCandidate>;
 
 struct Fit {
@@ -28,6 +33,17 @@ struct Fit {
   IdentificationSummary summary;
   IdentifiedModel model;
 };
+
+// Of the training records, a fraction.
+double LargestError(const IdentificationSummary& summary) {
+  double largest = 0.0;
+  for (const RecordScore& record : summary.records) {
+    if (record.role == IdentificationRecord::Role::kTrain) {
+      largest = std::max(largest, record.nrmse);
+    }
+  }
+  return largest;
+}
 
 bool Has(const Candidates& candidates, const ChangeCandidate& candidate) {
   return std::any_of(candidates.begin(), candidates.end(),
@@ -325,12 +341,29 @@ class Analyst {
       return false;
     }
     if (kinds && !AddRivals(error)) return false;
+    SayWhatIsLeft();
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_);
     result_.fitted = std::move(fit_of_new_.fitted);
     result_.summary = std::move(fit_of_new_.summary);
     result_.model = std::move(fit_of_new_.model);
     return true;
+  }
+
+  void SayWhatIsLeft() {
+    double healthy = 0.0;
+    for (const Fit& fit : fits_of_healthy_) {
+      healthy = std::max(healthy, LargestError(fit.summary));
+    }
+    const double left = LargestError(fit_of_new_.summary);
+    if (healthy > 0.0 && left > kErrorLeft * healthy) {
+      result_.remarks.push_back(
+          "The model misses the new records by " +
+          FormatNumber(100.0 * left, 2) + " %, the healthy ones by " +
+          FormatNumber(100.0 * healthy, 2) +
+          " %: a part of what has changed is none of the kinds that were "
+          "looked for, and small changes may stand in for it.");
+    }
   }
 
   // Those among all candidates; a candidate that is one becomes a subject.

@@ -5,16 +5,14 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
-#include "pinode/base/strings.h"
+#include "pinode/case/csv_file.h"
 #include "pinode/case/finite_element_section.h"
+#include "pinode/case/result_files.h"
 #include "pinode/structure/matrix_market.h"
+#include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
-
-std::string Cell(double value) {
-  return std::isfinite(value) ? FormatNumber(value) : "";
-}
 
 // Rounding of sums must not leave one triangle different from the other.
 SparseMatrix Symmetric(const SparseMatrix& matrix) {
@@ -40,17 +38,66 @@ std::string ElementFactors(const FiniteElementCase& source,
     }
     // What the export has of the set already counts as one.
     const auto factor = [&term](double alpha) {
-      return Cell((term.present + alpha) / term.present);
+      return CsvCell((term.present + alpha) / term.present);
     };
     text += term.group.name + "," + TargetName(term.group.target) + "," +
             factor(estimate.value) + "," +
-            Cell(estimate.sigma / std::abs(term.present)) + "," +
+            CsvCell(estimate.sigma / std::abs(term.present)) + "," +
             factor(estimate.lower95) + "," + factor(estimate.upper95) + "," +
             (estimate.free ? "1" : "0") + ",\"" +
             std::filesystem::path(source.groups[j].source).filename().string() +
             "\"\n";
   }
   return text;
+}
+
+// T times the modes of the coordinates.
+bool WriteModes(const Case& c, const StructuralDynamics& dynamics,
+                const std::string& path, std::string* error) {
+  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
+  UndampedModes modes;
+  if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, error)) {
+    return false;
+  }
+  const FiniteElementCase& source = *c.finite_element;
+  const Matrix shapes = source.expansion * modes.shapes;
+  std::string text = "dof";
+  for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
+    text += ",mode_" + std::to_string(k + 1);
+  }
+  text += "\nfrequency_hz";
+  for (const double square : modes.eigenvalues) {
+    text += "," + CsvCell(c.HzPerModelFrequency() * std::sqrt(square) /
+                          (2.0 * std::acos(-1.0)));
+  }
+  for (Eigen::Index i = 0; i < shapes.rows(); ++i) {
+    text += "\n" + CsvCell(source.exported.dof_names[static_cast<size_t>(i)]);
+    for (const double entry : shapes.row(i)) text += "," + CsvCell(entry);
+  }
+  return WriteFileAtomically(path, text + "\n", error);
+}
+
+// T times the coordinates.
+bool WriteResponses(const Case& c, const IdentificationSummary& summary,
+                    const std::string& folder, std::string* error) {
+  const FiniteElementCase& source = *c.finite_element;
+  if (source.expanded_dofs.empty()) return true;
+  for (size_t r = 0; r < summary.records.size(); ++r) {
+    const RecordScore& score = summary.records[r];
+    // A run that never became finite has nothing to show.
+    if (score.states.cols() != c.problem.records[r].num_samples()) continue;
+    const Matrix coordinates = score.states.topRows(source.expansion.cols());
+    std::vector<CsvColumn> columns = {{"time", FileTimes(c, r)}};
+    for (const int dof : source.expanded_dofs) {
+      columns.push_back(
+          {source.exported.dof_names[static_cast<size_t>(dof)],
+           (source.expansion.row(dof) * coordinates).transpose()});
+    }
+    const std::filesystem::path file = std::filesystem::path(folder) /
+                                       ("response_full_" + score.name + ".csv");
+    if (!WriteCsv(file.string(), columns, error)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -94,7 +141,10 @@ bool WriteFiniteElementResult(const Case& c,
                             error)) &&
          WriteFileAtomically(path("dofs_full.txt"), names, error) &&
          WriteFileAtomically(path("element_factors.csv"),
-                             ElementFactors(source, dynamics, summary), error);
+                             ElementFactors(source, dynamics, summary),
+                             error) &&
+         WriteModes(c, dynamics, path("modes_full.csv"), error) &&
+         WriteResponses(c, summary, folder, error);
 }
 
 }  // namespace pinode

@@ -14,9 +14,13 @@ namespace pinode {
 // others: M_full.mtx, K_full.mtx and, where the export has damping, C_full.mtx,
 // the exported matrices with the groups at the values found, in the export's
 // order of DOFs and with its sparsity (a spring between DOFs that the export
-// does not couple adds its entries), symmetric; dofs_full.txt, their names; and
-// element_factors.csv, by what to multiply each element set's property. Groups
-// that follow time or a covariate are as they were.
+// does not couple adds its entries), symmetric; dofs_full.txt, their names;
+// element_factors.csv, by what to multiply each element set's property;
+// modes_full.csv, the undamped mode shapes of the updated model at all these
+// DOFs, Phi' M Phi = I in its coordinates, under a line with their frequencies
+// in Hz; and, where the case asks for it, response_full_<record>.csv, the
+// displacements of the free run at these DOFs in the model's unit. Groups that
+// follow time or a covariate are as they were.
 [[nodiscard]] bool WriteFiniteElementResult(
     const Case& c, const IdentificationSummary& summary,
     const IdentifiedModel& model, const std::string& folder,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include "pinode/base/strings.h"
@@ -271,8 +272,8 @@ class SectionReader {
   }
 
   bool ReadMethod() {
-    if (!reduction_.AllowKeys(
-            {"method", "keep", "modes", "compare", "renew", "basis_at"})) {
+    if (!reduction_.AllowKeys({"method", "keep", "modes", "compare", "renew",
+                               "basis_at", "expand"})) {
       return false;
     }
     ReductionOptions& options = section_->options;
@@ -297,6 +298,32 @@ class SectionReader {
     options.num_compared_modes =
         reduction_.Integer("compare", options.num_compared_modes, 1);
     section_->renew_basis = reduction_.Boolean("renew", false);
+    return reduction_.errors()->ok() && ReadExpanded();
+  }
+
+  // "all", or names of DOFs.
+  bool ReadExpanded() {
+    const FiniteElementModel& exported = section_->exported;
+    const TomlValue* value = reduction_.Find("expand");
+    if (value == nullptr) return true;
+    std::vector<int>& dofs = section_->expanded_dofs;
+    if (value->type == TomlValue::Type::kString) {
+      if (value->text != "all") {
+        return reduction_.Fail("expand", "'expand' is '" + value->text +
+                                             "', expected \"all\" or names of "
+                                             "DOFs [\"...\", ...]");
+      }
+      dofs.resize(static_cast<size_t>(exported.num_dofs()));
+      std::iota(dofs.begin(), dofs.end(), 0);
+      return true;
+    }
+    for (const std::string& name : reduction_.Strings("expand")) {
+      dofs.push_back(exported.DofIndex(name));
+      if (dofs.back() >= 0) continue;
+      return reduction_.Fail(
+          "expand", "'" + name + "' is not a DOF of the finite-element model" +
+                        HintAmong(name, exported));
+    }
     return reduction_.errors()->ok();
   }
 

@@ -50,6 +50,9 @@ struct FiniteElementCase {
   // T in the order of `exported`, zero rows for what was removed.
   Matrix expansion;
 
+  // Positions in `exported` whose responses are written (`expand`).
+  std::vector<int> expanded_dofs;
+
   std::vector<double> expected_hz;
   // Special DOFs, rigid-body modes, ...: sentences.
   std::vector<std::string> notes;

@@ -10,6 +10,7 @@
 #include "pinode/case/named_dofs.h"
 #include "pinode/case/rod_testing.h"
 #include "pinode/case/testing.h"
+#include "pinode/record/table.h"
 #include "pinode/structure/matrix_market.h"
 
 namespace pinode {
@@ -107,6 +108,44 @@ TEST_F(FiniteElementSectionTest, ResultGoesBackToTheWholeModel) {
                  "lower,stiffness,0.9,0.01,0.88,0.92,1,\"K_lower.mtx\"\n"
                  "upper,stiffness,1.1,"));
   EXPECT_THAT(factors, Not(HasSubstr("brace")));
+}
+
+// Springs in a row deflect evenly between the two that are kept.
+TEST_F(FiniteElementSectionTest, ResponsesAndShapesReachAllDofs) {
+  const Case c =
+      ReadOrFail(Replaced(kCase, "method = \"guyan\"",
+                          "method = \"guyan\"\nexpand = [\"2.1\", \"6.1\"]"));
+  IdentifiedModel model;
+  model.parameters = c.problem.dynamics->Parameters();
+  IdentificationSummary summary;
+  RecordScore score;
+  score.name = "quake";
+  const int samples = c.problem.records[0].num_samples();
+  score.states = Matrix::Zero(4, samples);
+  score.states.row(0).setConstant(3.0);
+  score.states.row(1).setConstant(7.0);
+  summary.records = {score};
+  std::string error;
+  ASSERT_TRUE(
+      WriteFiniteElementResult(c, summary, model, folder_.Path(""), &error))
+      << error;
+  Table table;
+  ASSERT_TRUE(ReadCsvTable(folder_.Path("response_full_quake.csv"),
+                           {"time", "2.1", "6.1"}, &table, &error))
+      << error;
+  EXPECT_EQ(table.values.rows(), samples);
+  EXPECT_LT((table.values.col(1).array() - 1.0).abs().maxCoeff(), 1e-12);
+  EXPECT_LT((table.values.col(2).array() - 5.0).abs().maxCoeff(), 1e-12);
+
+  ASSERT_TRUE(ReadCsvTable(folder_.Path("modes_full.csv"), {"mode_1", "mode_2"},
+                           &table, &error))
+      << error;
+  // Frequencies, the support, three springs to the first of the kept DOFs.
+  ASSERT_EQ(table.values.rows(), 1 + kNodes);
+  EXPECT_NEAR(table.values(0, 0),
+              c.finite_element->reduced.whole_modes.frequency_hz[0], 0.05);
+  EXPECT_EQ(table.values.row(1).norm(), 0.0);
+  EXPECT_NEAR(table.values(2, 0), table.values(4, 0) / 3.0, 1e-12);
 }
 
 // Without the FE program's files, and counting nothing twice.
@@ -207,6 +246,12 @@ TEST_F(FiniteElementSectionTest, RefusesMapsThatDoNotMatch) {
 TEST_F(FiniteElementSectionTest, RefusesKeysThatDoNotFit) {
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"modal\""),
               HasSubstr("keeps no DOF"));
+  EXPECT_THAT(
+      Refusal("method = \"guyan\"", "method = \"guyan\"\nexpand = [\"9.1\"]"),
+      HasSubstr(":12: [model.reduction]: '9.1' is not a DOF"));
+  EXPECT_THAT(
+      Refusal("method = \"guyan\"", "method = \"guyan\"\nexpand = \"some\""),
+      HasSubstr("expected \"all\""));
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"irons\""),
               HasSubstr("craig_bampton"));
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"guyan\"\nmodes = 2"),

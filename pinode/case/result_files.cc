@@ -8,6 +8,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/checkpoint.h"
+#include "pinode/case/csv_file.h"
 #include "pinode/case/finite_element_result.h"
 #include "pinode/case/folded_matrices.h"
 #include "pinode/case/model_case.h"
@@ -19,18 +20,6 @@ namespace pinode {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Cell(const std::string& text) {
-  if (text.find_first_of(",;\t\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
-// At full precision; an empty cell for what is not a number.
-std::string Cell(double value) {
-  return std::isfinite(value) ? FormatNumber(value) : "";
-}
 
 class ResultWriter {
  public:
@@ -83,9 +72,10 @@ class ResultWriter {
     std::string text =
         "name,unit,initial,value,sigma,lower95,upper95,free,at_bound\n";
     for (const ParameterEstimate& p : summary_.parameters) {
-      text += Cell(p.name) + "," + Cell(p.unit) + "," + Cell(p.initial) + "," +
-              Cell(p.value) + "," + Cell(p.sigma) + "," + Cell(p.lower95) +
-              "," + Cell(p.upper95) + "," + (p.free ? "1" : "0") + "," +
+      text += CsvCell(p.name) + "," + CsvCell(p.unit) + "," +
+              CsvCell(p.initial) + "," + CsvCell(p.value) + "," +
+              CsvCell(p.sigma) + "," + CsvCell(p.lower95) + "," +
+              CsvCell(p.upper95) + "," + (p.free ? "1" : "0") + "," +
               (p.at_bound ? "1" : "0") + "\n";
     }
     return text;
@@ -94,13 +84,13 @@ class ResultWriter {
   std::string Covariance() const {
     std::string text = "name";
     for (const std::string& name : summary_.covariance_names) {
-      text += "," + Cell(name);
+      text += "," + CsvCell(name);
     }
     text += "\n";
     for (Eigen::Index i = 0; i < summary_.covariance.rows(); ++i) {
-      text += Cell(summary_.covariance_names[static_cast<size_t>(i)]);
+      text += CsvCell(summary_.covariance_names[static_cast<size_t>(i)]);
       for (Eigen::Index j = 0; j < summary_.covariance.cols(); ++j) {
-        text += "," + Cell(summary_.covariance(i, j));
+        text += "," + CsvCell(summary_.covariance(i, j));
       }
       text += "\n";
     }
@@ -112,12 +102,12 @@ class ResultWriter {
         "stage,segment_samples,iteration,cost,gradient_norm,step_norm,"
         "trust_region_radius,largest_gap,accepted,seconds\n";
     for (const IterationRecord& it : summary_.iterations) {
-      text += std::to_string(it.stage) + "," +
-              std::to_string(it.segment_samples) + "," +
-              std::to_string(it.iteration) + "," + Cell(it.cost) + "," +
-              Cell(it.gradient_norm) + "," + Cell(it.step_norm) + "," +
-              Cell(it.trust_region_radius) + "," + Cell(it.largest_gap) + "," +
-              (it.accepted ? "1" : "0") + "," + Cell(it.seconds) + "\n";
+      text +=
+          std::to_string(it.stage) + "," + std::to_string(it.segment_samples) +
+          "," + std::to_string(it.iteration) + "," + CsvCell(it.cost) + "," +
+          CsvCell(it.gradient_norm) + "," + CsvCell(it.step_norm) + "," +
+          CsvCell(it.trust_region_radius) + "," + CsvCell(it.largest_gap) +
+          "," + (it.accepted ? "1" : "0") + "," + CsvCell(it.seconds) + "\n";
     }
     return text;
   }
@@ -166,13 +156,13 @@ class ResultWriter {
   std::string InitialStates() const {
     std::string text = "record";
     for (const std::string& name : c_.problem.dynamics->StateNames()) {
-      text += "," + Cell(name);
+      text += "," + CsvCell(name);
     }
     text += "\n";
     for (const RecordScore& score : summary_.records) {
       if (score.start.size() != c_.problem.dynamics->num_states()) continue;
-      text += Cell(score.name);
-      for (const double value : score.start) text += "," + Cell(value);
+      text += CsvCell(score.name);
+      for (const double value : score.start) text += "," + CsvCell(value);
       text += "\n";
     }
     return text;
@@ -195,26 +185,6 @@ class ResultWriter {
 };
 
 }  // namespace
-
-bool WriteCsv(const std::string& path, const std::vector<CsvColumn>& columns,
-              std::string* error) {
-  CHECK(!columns.empty());
-  std::string text;
-  for (size_t j = 0; j < columns.size(); ++j) {
-    CHECK_EQ(columns[j].values.size(), columns[0].values.size())
-        << "column '" << columns[j].name << "' differs in length";
-    text += (j > 0 ? "," : "") + Cell(columns[j].name);
-  }
-  text += "\n";
-  for (Eigen::Index i = 0; i < columns[0].values.size(); ++i) {
-    for (size_t j = 0; j < columns.size(); ++j) {
-      if (j > 0) text += ",";
-      text += Cell(columns[j].values[i]);
-    }
-    text += "\n";
-  }
-  return WriteFileAtomically(path, text, error);
-}
 
 Vector FileTimes(const Case& c, size_t r) {
   const Excitation& excitation = *c.problem.records[r].excitation;

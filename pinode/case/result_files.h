@@ -14,17 +14,6 @@
 
 namespace pinode {
 
-// One column of a CSV file; NaN is written as an empty cell.
-struct CsvColumn {
-  std::string name;
-  Vector values;
-};
-
-// Columns of equal length under a header line.
-[[nodiscard]] bool WriteCsv(const std::string& path,
-                            const std::vector<CsvColumn>& columns,
-                            std::string* error);
-
 // The time of each sample of record `r` in the unit of its file.
 Vector FileTimes(const Case& c, size_t r);
 

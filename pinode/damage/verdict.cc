@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
@@ -10,8 +11,12 @@ namespace pinode {
 namespace {
 
 constexpr double kConfidence = 0.95;
+// A sentence with more names is read by nobody; the table has them all.
+constexpr size_t kMostNames = 4;
+// Of the largest nonlinear force: less may be what its form leaves over.
+constexpr double kMinorForce = 0.25;
 
-// Each once: several terms may describe one place.
+// Each once: several terms may describe one place. The first few.
 std::string Join(const std::vector<std::string>& texts) {
   std::vector<std::string> different;
   for (const std::string& text : texts) {
@@ -19,6 +24,11 @@ std::string Join(const std::vector<std::string>& texts) {
         different.end()) {
       different.push_back(text);
     }
+  }
+  if (different.size() > kMostNames + 1) {
+    const size_t more = different.size() - kMostNames;
+    different.resize(kMostNames);
+    different.push_back(std::to_string(more) + " more");
   }
   std::string joined;
   for (size_t i = 0; i < different.size(); ++i) {
@@ -160,8 +170,26 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
     }
   }
 
-  std::vector<std::string> damaged, nonlinear, other, formal, unknown, unsure;
+  std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
+      unsure;
+  // Large ones first.
+  std::vector<size_t> order(subjects.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto size_of = [&](size_t j) {
+    return subjects[j].kind == ChangeKind::kNonlinear
+               ? subjects[j].force_share
+               : std::abs(estimate.groups[j].change);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return size_of(a) > size_of(b); });
+  double largest_force = 0.0;
   for (size_t j = 0; j < subjects.size(); ++j) {
+    if (subjects[j].kind == ChangeKind::kNonlinear &&
+        HasChanged(judgement.reasons[j])) {
+      largest_force = std::max(largest_force, subjects[j].force_share);
+    }
+  }
+  for (const size_t j : order) {
     const GroupChange& change = estimate.groups[j];
     const ChangeKind kind = subjects[j].kind;
     const std::string text = Describe(subjects[j], change);
@@ -169,7 +197,9 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
       case Reason::kBeyondThreshold:
       case Reason::kBetweenRecords:
         if (kind == ChangeKind::kNonlinear) {
-          nonlinear.push_back(text);
+          (subjects[j].force_share < kMinorForce * largest_force ? minor
+                                                                 : nonlinear)
+              .push_back(text);
         } else {
           (kind == ChangeKind::kStiffness && change.change < 0.0 ? damaged
                                                                  : other)
@@ -194,6 +224,12 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
     judgement.verdict = DamageVerdict::kNonlinear;
     judgement.sentence =
         "The structure has become nonlinear: " + Join(nonlinear) + ".";
+    if (!minor.empty()) {
+      judgement.sentence +=
+          " Smaller, and perhaps only what the form of that "
+          "leaves over: " +
+          Join(minor) + ".";
+    }
     if (!damaged.empty()) judgement.sentence += " Besides, " + lost;
   } else if (!damaged.empty()) {
     judgement.verdict = DamageVerdict::kDamage;
@@ -223,6 +259,12 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
         " Formally significant, but not beyond the threshold with certainty, "
         "and one healthy record does not show how much records differ: " +
         Join(formal) + ".";
+  }
+  // A nonlinear force of another form than those tried for it leaves something
+  // for all others to explain; which of them do it best is of no interest.
+  if (judgement.verdict == DamageVerdict::kNonlinear) {
+    ambiguous.clear();
+    instead.clear();
   }
   if (!ambiguous.empty()) {
     judgement.sentence +=

@@ -133,6 +133,31 @@ TEST_F(JudgeKinds, APlaceIsNamedOnce) {
             "(20 % of the restoring force).");
 }
 
+TEST_F(JudgeKinds, TheLargestForceIsNamedFirstAndSmallOnesApart) {
+  subjects_[3].force_share = 0.3;
+  subjects_[2].force_share = 0.06;
+  estimate_.groups[2] = Change(0.5, 0.005, true);
+  estimate_.groups[3] = Change(0.5, 0.005, true);
+  EXPECT_EQ(Judge().sentence,
+            "The structure has become nonlinear: a nonlinear force at k2 "
+            "(30 % of the restoring force). Smaller, and perhaps only what the "
+            "form of that leaves over: a nonlinear force at k1 (6 % of the "
+            "restoring force).");
+}
+
+TEST_F(JudgeKinds, NamesAFewOfMany) {
+  subjects_.clear();
+  estimate_.groups.clear();
+  for (int j = 0; j < 7; ++j) {
+    subjects_.push_back(
+        {"k" + std::to_string(j), ChangeKind::kStiffness, "", "", 0.0});
+    estimate_.groups.push_back(Change(-0.1 - 0.01 * j, 0.005, true));
+  }
+  EXPECT_EQ(Judge().sentence,
+            "Damage: k6 (-16 %), k5 (-15 %), k4 (-14 %), k3 (-13 %) and 3 more "
+            "lost stiffness.");
+}
+
 TEST_F(JudgeKinds, AddedMassIsNoDamage) {
   estimate_.groups[1] = Change(0.2, 0.01, true);
   const Judgement judgement = Judge();

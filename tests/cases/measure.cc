@@ -64,10 +64,10 @@ Case ReadCaseOrFail(const std::string& path) {
   return c;
 }
 
-CaseRun RunCase(Case c) {
+CaseRun RunCase(Case c, const IdentifiedModel* begin) {
   CaseRun run;
   run.c = std::move(c);
-  Identify(run.c.problem, run.c.options, nullptr, &run.summary, &run.model);
+  Identify(run.c.problem, run.c.options, begin, &run.summary, &run.model);
   return run;
 }
 

@@ -30,7 +30,8 @@ struct CaseRun {
 // `path` relative to the project's root, or absolute. A case that cannot be
 // read fails the test.
 Case ReadCaseOrFail(const std::string& path);
-CaseRun RunCase(Case c);
+// Begins from `begin`, or from the case's own values.
+CaseRun RunCase(Case c, const IdentifiedModel* begin = nullptr);
 
 // What has changed in the free groups, groups alone.
 struct ChangeRun {
