@@ -1,6 +1,5 @@
 #include "pinode/discover/discovery.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "pinode/discover/regression_problem.h"
 #include "pinode/discover/smooth_motion.h"
 #include "pinode/dynamics/observation.h"
+#include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -470,21 +470,13 @@ std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
   if (!shooting.Linearize(free, &system) || !system.hessian.allFinite()) {
     return result;
   }
-  // Scaled to a unit diagonal. Directions in which nothing is determined would
-  // make up any uncertainty, also where the output does not change along them.
-  // Starts of trajectories that diverge leave rounding behind, and the Hessian
-  // need not be positive: what is below the rounding is not determined.
+  // Directions in which nothing is determined would make up any uncertainty,
+  // also where the output does not change along them.
   const Vector scale = system.hessian.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Matrix hessian = scale.cwiseInverse().asDiagonal() * system.hessian *
                          scale.cwiseInverse().asDiagonal();
-  Eigen::LLT<Matrix> factor;
-  for (double least = 1e-10; least <= 1.0; least *= 10.0) {
-    Matrix determined = hessian;
-    determined.diagonal().array() += least;
-    factor.compute(determined);
-    if (factor.info() == Eigen::Success) break;
-  }
-  if (factor.info() != Eigen::Success) return result;
+  Matrix lower;
+  if (!FactorizeInformation(hessian, &lower)) return result;
 
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
     const NetworkTerm& term = dynamics.networks()[j];
@@ -504,7 +496,11 @@ std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
         if (k >= 0) jacobian.row(k) = weights.col(w).transpose() / scale[k];
       }
       result[j].col(static_cast<Eigen::Index>(i)) =
-          factor.matrixL().solve(jacobian).colwise().norm().transpose();
+          lower.triangularView<Eigen::Lower>()
+              .solve(jacobian)
+              .colwise()
+              .norm()
+              .transpose();
     }
   }
   return result;

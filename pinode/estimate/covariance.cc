@@ -1,5 +1,6 @@
 #include "pinode/estimate/covariance.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -81,6 +82,20 @@ std::vector<Matrix> ResidualsOfADraw(const std::vector<Matrix>& residuals,
 }
 
 }  // namespace
+
+bool FactorizeInformation(const Matrix& information, Matrix* lower) {
+  CHECK(lower != nullptr);
+  if (!information.allFinite()) return false;
+  for (double least = 1e-10; least < 2.0; least *= 10.0) {
+    Matrix determined = information;
+    determined.diagonal().array() += least;
+    const Eigen::LLT<Matrix> factor(determined);
+    if (factor.info() != Eigen::Success) continue;
+    *lower = factor.matrixL();
+    return true;
+  }
+  return false;
+}
 
 double LjungBoxExcess(const Vector& residuals, int num_lags) {
   const int n = static_cast<int>(residuals.size());

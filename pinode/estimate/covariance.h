@@ -61,6 +61,15 @@ struct CovarianceEstimate {
 [[nodiscard]] bool InvertInformation(const Matrix& information,
                                      Matrix* inverse_root, Matrix* null_space);
 
+// L of H + e I = L L' with the least e of 1e-10, 1e-9, ..., 1 that makes it
+// positive definite; H (n x n, symmetric) is an information matrix scaled to a
+// unit diagonal. Starts of trajectories that diverge leave rounding behind
+// which can make H indefinite; along directions below e nothing is determined,
+// and L^-1 gives them a large variance. False, with *lower untouched, where H
+// is not finite or no such e is enough.
+[[nodiscard]] bool FactorizeInformation(const Matrix& information,
+                                        Matrix* lower);
+
 // Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
 // its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65
 // (1978) 297-303).

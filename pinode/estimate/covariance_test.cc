@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -289,6 +290,37 @@ TEST(StudentQuantile, EqualsTheTable) {
   EXPECT_NEAR(StudentQuantile(30.0), 2.042, 1e-3);
   EXPECT_NEAR(StudentQuantile(100.0), 1.984, 1e-3);
   EXPECT_NEAR(StudentQuantile(1e6), 1.95996, 1e-4);
+}
+
+// The eigenvalues are 2 and `least`, with vectors (1, 1) and (1, -1).
+Matrix PairWith(double least) {
+  Matrix pair(2, 2);
+  pair << 1.0, 1.0 - least, 1.0 - least, 1.0;
+  return pair;
+}
+
+TEST(FactorizeInformation, LeavesOpenWhatRoundingLeavesOfADirection) {
+  const Eigen::Vector2d along(1.0, 1.0);
+  const Eigen::Vector2d across(1.0, -1.0);
+  for (const double least : {1e-3, 1e-14, 0.0, -1e-12, -1e-7}) {
+    Matrix lower;
+    ASSERT_TRUE(FactorizeInformation(PairWith(least), &lower)) << least;
+    const auto solver = lower.triangularView<Eigen::Lower>();
+    EXPECT_NEAR(solver.solve(along).norm(), 1.0, 1e-3) << least;
+    const double deviation = std::sqrt(2.0 / std::max(least, 1e-10));
+    if (least > 0.0) {
+      EXPECT_NEAR(solver.solve(across).norm(), deviation, 1e-3 * deviation);
+    } else {
+      EXPECT_GT(solver.solve(across).norm(), 1e3) << least;
+    }
+  }
+}
+
+TEST(FactorizeInformation, RefusesWhatIsNoInformation) {
+  Matrix lower = Matrix::Ones(1, 1);
+  EXPECT_FALSE(FactorizeInformation(PairWith(-2.0), &lower));
+  EXPECT_FALSE(FactorizeInformation(PairWith(std::nan("")), &lower));
+  EXPECT_EQ(lower.size(), 1);
 }
 
 }  // namespace
