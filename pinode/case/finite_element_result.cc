@@ -112,6 +112,7 @@ bool WriteFiniteElementResult(const Case& c,
   dynamics.SetParameters(model.parameters.head(dynamics.num_parameters()));
   CHECK_EQ(source.groups.size(), dynamics.groups().size());
   FiniteElementModel updated = source.exported;
+  updated.damping = source.damping;
   for (size_t j = 0; j < source.groups.size(); ++j) {
     const GroupTerm& term = dynamics.groups()[j];
     const SparseMatrix& matrix = source.groups[j].matrix;
@@ -123,7 +124,7 @@ bool WriteFiniteElementResult(const Case& c,
                            : term.group.target == MatrixGroup::Target::kDamping
                                ? &updated.damping
                                : &updated.stiffness;
-    // Dampers beside an export without damping: C_full.mtx is not written.
+    // Dampers beside damping that is known for the coordinates alone.
     if (target->rows() == 0) continue;
     *target = SparseMatrix(*target + term.alpha.value * matrix);
   }
@@ -136,7 +137,7 @@ bool WriteFiniteElementResult(const Case& c,
                            error) &&
          WriteMatrixMarket(path("K_full.mtx"), Symmetric(updated.stiffness),
                            error) &&
-         (!source.exported.has_damping() ||
+         (!updated.has_damping() ||
           WriteMatrixMarket(path("C_full.mtx"), Symmetric(updated.damping),
                             error)) &&
          WriteFileAtomically(path("dofs_full.txt"), names, error) &&

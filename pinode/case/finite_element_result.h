@@ -11,8 +11,9 @@
 namespace pinode {
 
 // Writes to `folder`, for cases with a finite-element model and nothing for
-// others: M_full.mtx, K_full.mtx and, where the export has damping, C_full.mtx,
-// the exported matrices with the groups at the values found, in the export's
+// others: M_full.mtx, K_full.mtx and, unless the damping is given in ratios or
+// for the coordinates alone, C_full.mtx, the exported matrices (or Rayleigh's
+// damping of them) with the groups at the values found, in the export's
 // order of DOFs and with its sparsity (a spring between DOFs that the export
 // does not couple adds its entries), symmetric; dofs_full.txt, their names;
 // element_factors.csv, by what to multiply each element set's property;

@@ -238,8 +238,11 @@ class SectionReader {
     }
     files.dof_names = names.path;
     std::string error;
-    return ReadFiniteElementModel(files, &section_->exported, &error) ||
-           table_.errors()->FailAsIs(error);
+    if (!ReadFiniteElementModel(files, &section_->exported, &error)) {
+      return table_.errors()->FailAsIs(error);
+    }
+    section_->damping = section_->exported.damping;
+    return true;
   }
 
   bool RemoveNamedDofs() {

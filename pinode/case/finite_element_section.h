@@ -44,6 +44,9 @@ struct FiniteElementCase {
   // M and K of `exported` with the groups at `basis_at`: whose reduction the
   // basis is, and what damping in proportion to them means.
   SparseMatrix mass_at_basis, stiffness_at_basis;
+  // Damping without groups over all DOFs of `exported`: its own, or Rayleigh's
+  // of the two above; 0 x 0 where it is given for the coordinates alone.
+  SparseMatrix damping;
   // Of these: the basis, the modes and what the reduction costs. Its matrices
   // are those of `model` in that basis.
   ReducedModel reduced;

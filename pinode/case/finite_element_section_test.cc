@@ -110,6 +110,39 @@ TEST_F(FiniteElementSectionTest, ResultGoesBackToTheWholeModel) {
   EXPECT_THAT(factors, Not(HasSubstr("brace")));
 }
 
+TEST_F(FiniteElementSectionTest, RayleighDampingGoesBackToo) {
+  const std::string ratios = "damping = {ratios = [0.02]}";
+  const std::string damper =
+      "[[group]]\nname = \"c\"\nadds_to = \"damping\"\n"
+      "proportional_to = \"stiffness\"\nscale = 0.002\n[[record]]\nname";
+  const auto write = [&](const std::string& damping) {
+    const Case c = ReadOrFail(
+        Replaced(Replaced(kCase, ratios, damping), "[[record]]\nname", damper));
+    IdentifiedModel model;
+    model.parameters = c.problem.dynamics->Parameters();
+    EXPECT_EQ(model.parameters.size(), 4);
+    model.parameters[3] = 0.5;
+    std::string error;
+    EXPECT_TRUE(WriteFiniteElementResult(c, IdentificationSummary(), model,
+                                         folder_.Path(""), &error))
+        << error;
+  };
+  write(ratios);
+  std::string error;
+  SparseMatrix damping;
+  EXPECT_FALSE(ReadMatrixMarket(folder_.Path("C_full.mtx"), &damping, &error));
+  write("damping = {rayleigh = [0.3, 0.001]}");
+  ASSERT_TRUE(ReadMatrixMarket(folder_.Path("C_full.mtx"), &damping, &error))
+      << error;
+  const Matrix expected = 0.3 * 2.0 * Matrix::Identity(kNodes, kNodes) +
+                          0.002 * Matrix(Rod(1.0, 1.0));
+  EXPECT_LT((Matrix(damping) - expected).norm(), 1e-12 * expected.norm());
+  write("damping = \"none\"");
+  ASSERT_TRUE(ReadMatrixMarket(folder_.Path("C_full.mtx"), &damping, &error))
+      << error;
+  EXPECT_LT((Matrix(damping) - 0.001 * Matrix(Rod(1.0, 1.0))).norm(), 1e-12);
+}
+
 // Springs in a row deflect evenly between the two that are kept.
 TEST_F(FiniteElementSectionTest, ResponsesAndShapesReachAllDofs) {
   const Case c =

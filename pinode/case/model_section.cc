@@ -85,6 +85,20 @@ bool ReadDamping(const TomlTable& table, int num_dofs, const Matrix& mass,
   return true;
 }
 
+// The damping that has been read, over all DOFs where that can be said.
+void SetWholeDamping(const TomlTable& table, FiniteElementCase* source) {
+  const TomlValue& value = *table.Find("damping");
+  const Eigen::Index n = source->exported.num_dofs();
+  if (value.type == TomlValue::Type::kString && value.text == "none") {
+    source->damping = SparseMatrix(n, n);
+  } else if (value.IsTable() && value.Find("rayleigh") != nullptr) {
+    const std::vector<double> factors =
+        table.Table("damping", table.name() + " damping").Numbers("rayleigh");
+    source->damping = factors[0] * source->mass_at_basis +
+                      factors[1] * source->stiffness_at_basis;
+  }
+}
+
 bool ReadShearBuilding(const TomlTable& table, ShearBuilding* building) {
   const TomlTable inner =
       table.Table("shear_building", "[model.shear_building]");
@@ -355,6 +369,9 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
       stiffness = ReduceMatrix(source.stiffness_at_basis, source.expansion);
     }
     if (!ReadDamping(table, n, mass, stiffness, &model.damping)) return false;
+    if (is_finite_element) {
+      SetWholeDamping(table, section->finite_element.get());
+    }
   }
 
   if (table.Has("influence")) {
