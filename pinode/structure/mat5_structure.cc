@@ -11,6 +11,9 @@ namespace pinode {
 namespace {
 
 constexpr size_t kHeaderSize = 128;
+constexpr uint32_t kInt8 = 1;
+constexpr uint32_t kInt32 = 5;
+constexpr uint32_t kUint32 = 6;
 constexpr uint32_t kMatrix = 14;
 constexpr uint32_t kCompressed = 15;
 constexpr size_t kLargestUnpacked = size_t{4} << 30;
@@ -118,7 +121,11 @@ class Walker {
       }
       parts.push_back(part);
     }
-    if (parts.size() < 3 || parts[0].data.size() != 8) {
+    // Of another type a part would not be read, and what is in it taken for the
+    // next one's tag.
+    if (parts.size() < 3 || parts[0].data.size() != 8 ||
+        parts[0].type != kUint32 || parts[1].type != kInt32 ||
+        parts[2].type != kInt8) {
       return Fail("a variable lacks its flags, dimensions or name");
     }
     const uint32_t flags = WordAt(parts[0].data, 0);
@@ -138,9 +145,15 @@ class Walker {
       count *= WordAt(parts[1].data, at);
     }
     if (kind == kClassSparse) {
-      return (parts.size() == 5 + numeric_parts &&
-              parts[3].data.size() % 4 == 0 && parts[4].data.size() % 4 == 0) ||
-             Fail("a sparse matrix lacks its indices or numbers");
+      bool whole = parts.size() == 5 + numeric_parts;
+      for (size_t i = 3; whole && i < 5; ++i) {
+        whole = (parts[i].type == kInt32 || parts[i].type == kUint32) &&
+                parts[i].data.size() % 4 == 0;
+      }
+      for (size_t i = 5; whole && i < parts.size(); ++i) {
+        whole = TypeSize(parts[i].type) > 0;
+      }
+      return whole || Fail("a sparse matrix lacks its indices or numbers");
     }
     if (kind < kClassDouble || kind > kClassUint64) {
       return IsContainerWhole(kind, count, parts) ||
@@ -165,7 +178,7 @@ class Walker {
                         const std::vector<Element>& parts) const {
     if (kind == kClassText) {
       return count == 0.0 ||
-             (parts.size() == 4 &&
+             (parts.size() == 4 && TypeSize(parts[3].type) > 0 &&
               count <= static_cast<double>(parts[3].data.size()));
     }
     size_t fixed = 3;
@@ -174,7 +187,8 @@ class Walker {
       // Behind the name: an object's class, the length of a field's name, the
       // names.
       fixed = kind == kClassStruct ? 5 : 6;
-      if (parts.size() < fixed || parts[fixed - 2].data.size() != 4) {
+      if (parts.size() < fixed || parts[fixed - 2].data.size() != 4 ||
+          parts[fixed - 2].type != kInt32 || parts[fixed - 1].type != kInt8) {
         return false;
       }
       const uint32_t length = WordAt(parts[fixed - 2].data, 0);
