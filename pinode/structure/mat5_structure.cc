@@ -63,10 +63,9 @@ class Walker {
         if (matrix.type != kMatrix || !inner.empty()) {
           return Fail("a compressed element holds no single variable");
         }
-        element = matrix;
-        if (!WalkMatrix(element.data, 0)) return false;
-      } else if (element.type == kMatrix) {
-        if (!WalkMatrix(element.data, 0)) return false;
+        if (!WalkVariable(matrix)) return false;
+      } else if (!WalkVariable(element)) {
+        return false;
       }
     }
     return true;
@@ -106,6 +105,13 @@ class Walker {
     element->data = rest->substr(8, length);
     rest->remove_prefix(8 + taken);
     return true;
+  }
+
+  bool WalkVariable(const Element& element) {
+    if (element.type != kMatrix || element.data.empty()) {
+      return Fail("an element is no variable");
+    }
+    return WalkMatrix(element.data, 0);
   }
 
   // The parts of a variable: flags, dimensions, name, data.
