@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
@@ -22,6 +23,9 @@ namespace testing {
 namespace {
 
 constexpr int kRuns = 200;
+// Each healthy record is compared with as many baselines, so that the rate of
+// false alarms, one in twenty, does not hang on which is with which.
+constexpr int kPairings = 20;
 constexpr int kStoreys = 3;
 const char* const kGroups[] = {"k1", "k2", "k3", "c_mass", "c_stiffness"};
 
@@ -127,32 +131,44 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
                             setting.roof_alone ? "/larger_loss" : "/loss");
 
   const CaseRun first = Identified(setting, train, 0, nullptr);
+  std::vector<GroupState> before(kRuns), same(kRuns);
   std::vector<ChangeEstimate> unchanged(kRuns), changed(kRuns);
   ParallelFor(kRuns, DefaultThreads(), [&](int run, int) {
     const uint64_t seed = 3 * static_cast<uint64_t>(run);
-    const GroupState before =
-        GroupsIn(Identified(setting, train, seed + 1, &first));
-    const GroupState same =
-        GroupsIn(Identified(setting, healthy, seed + 2, &first));
+    const size_t r = static_cast<size_t>(run);
+    before[r] = GroupsIn(Identified(setting, train, seed + 1, &first));
+    same[r] = GroupsIn(Identified(setting, healthy, seed + 2, &first));
     const GroupState after = GroupsIn(
         Identified(setting, damaged[static_cast<size_t>(run % kStoreys)],
                    seed + 3, &first));
-    const size_t r = static_cast<size_t>(run);
     std::string error;
-    EXPECT_TRUE(
-        EstimateChange({before}, same, ChangeOptions(), &unchanged[r], &error))
+    EXPECT_TRUE(EstimateChange({before[r]}, same[r], ChangeOptions(),
+                               &unchanged[r], &error))
         << error;
-    EXPECT_TRUE(
-        EstimateChange({before}, after, ChangeOptions(), &changed[r], &error))
+    EXPECT_TRUE(EstimateChange({before[r]}, after, ChangeOptions(), &changed[r],
+                               &error))
         << error;
+  });
+  std::vector<int> alarms(kRuns, 0);
+  ParallelFor(kRuns, DefaultThreads(), [&](int run, int) {
+    for (int p = 0; p < kPairings; ++p) {
+      const int with = (run + p * kRuns / kPairings) % kRuns;
+      ChangeEstimate estimate;
+      std::string error;
+      EXPECT_TRUE(EstimateChange({before[static_cast<size_t>(with)]},
+                                 same[static_cast<size_t>(run)],
+                                 ChangeOptions(), &estimate, &error))
+          << error;
+      alarms[static_cast<size_t>(run)] += AnyChanged(estimate);
+    }
   });
 
   int found = 0;
-  int alarms = 0;
+  int first_alarms = 0;
   int only = 0;
   for (int run = 0; run < kRuns; ++run) {
     const size_t r = static_cast<size_t>(run);
-    alarms += AnyChanged(unchanged[r]);
+    first_alarms += AnyChanged(unchanged[r]);
     const auto& groups = changed[r].groups;
     found += AnyChanged(changed[r]);
     bool exact = true;
@@ -169,9 +185,13 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
   EXPECT_GE(found, setting.held ? 0.95 * kRuns : 0.0);
   ReportFigure(what + "the right storey and no other group, %", AtLeast(0),
                100.0 * only / kRuns);
-  ReportFigure(what + "healthy runs with a false alarm", AtMost(16),
-               alarms * 200.0 / kRuns);
-  EXPECT_LE(alarms, 0.08 * kRuns);
+  const double mean_alarms =
+      std::accumulate(alarms.begin(), alarms.end(), 0.0) / kPairings;
+  ReportFigure(what + "false alarms in 200 healthy runs, mean of 20 pairings",
+               AtMost(16), mean_alarms * 200.0 / kRuns);
+  ReportFigure(what + "of the first pairing", Nothing(),
+               first_alarms * 200.0 / kRuns);
+  EXPECT_LE(mean_alarms, 0.08 * kRuns);
   for (const bool with_damage : {false, true}) {
     for (int storey = 0; storey < kStoreys; ++storey) {
       int covered = 0;
