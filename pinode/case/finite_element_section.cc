@@ -168,8 +168,8 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementCase& section,
                        &exported->source)) {
     return false;
   }
-  exported->matrix =
-      changed ? SetFromExports(whole, other, factor) : std::move(other);
+  if (changed) other = SetFromExports(whole, other, factor);
+  exported->matrix.swap(other);
   exported->is_element_set = true;
   if (exported->matrix.nonZeros() == 0 || exported->matrix.norm() == 0.0) {
     return table.Fail(key, changed ? "the two exports do not differ, expected "

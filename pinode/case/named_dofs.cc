@@ -26,9 +26,9 @@ class Collector {
         }
       } else if (key == "inputs" || key == "features") {
         ForEachText(child, at, &Collector::AddFeature);
-      } else if (key == "output" && child.IsArrayOfTables()) {
-        Walk(child, at);  // [[discover.output]]
-      } else if (key == "output" || key == "outputs") {
+      } else if (key == "outputs" ||
+                 // [[discover.output]] are tables.
+                 (key == "output" && !child.IsArrayOfTables())) {
         ForEachText(child, at, &Collector::AddOutput);
       } else {
         Walk(child, at);

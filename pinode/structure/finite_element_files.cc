@@ -291,7 +291,7 @@ class ModelReader {
                           ", and " + SizeText(n, n) + " was expected by " +
                           SizeSource());
         }
-        Target(role) = std::move(loaded.matrix);
+        Target(role).swap(loaded.matrix);
       } else if (loaded.kind == LoadedMatrix::Kind::kIndexed) {
         if (loaded.size > n) {
           return Fail(path, "the " + std::string(RoleName(role)) +

@@ -199,7 +199,8 @@ class Walker {
       }
       const uint32_t length = WordAt(parts[fixed - 2].data, 0);
       if (length == 0) return false;
-      fields = static_cast<double>(parts[fixed - 1].data.size() / length);
+      const size_t num_fields = parts[fixed - 1].data.size() / length;
+      fields = static_cast<double>(num_fields);
     } else if (kind != kClassCell) {
       return count <= 1.0;
     }
