@@ -547,7 +547,8 @@ TEST(ReadFiniteElementModel, BadOp4IsRefused) {
   };
   EXPECT_THAT(error_of(""), HasSubstr("a.op4:1: the file is empty"));
   EXPECT_THAT(error_of("solid\n"), HasSubstr("a.op4:1: the line is 'solid'"));
-  EXPECT_THAT(error_of("\x01\xff\xfe\x00\x12"), HasSubstr("24 or 48"));
+  EXPECT_THAT(error_of(std::string("\x01\xff\xfe\x00\x12", 5)),
+              HasSubstr("24 or 48"));
   // Sizes.
   EXPECT_THAT(error_of(Replaced(dense, "       4       4       6",
                                 "99999999       4       6")),

@@ -165,7 +165,7 @@ bool AssembleMatrix(int rows, int columns, bool mirrored,
     }
   }
   result.finalize();
-  *matrix = std::move(result);
+  matrix->swap(result);
   return true;
 }
 

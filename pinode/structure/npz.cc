@@ -194,7 +194,8 @@ bool ParseShape(std::string_view text, std::vector<int64_t>* shape) {
 enum class ArrayKind { kUsable, kOther, kBroken };
 
 // `what` says what is broken.
-ArrayKind ParseArray(std::string bytes, Array* array, std::string* what) {
+ArrayKind ParseArray(const std::string& bytes, Array* array,
+                     std::string* what) {
   constexpr std::string_view kMagic = "\x93NUMPY";
   const std::string_view view = bytes;
   if (view.size() < 10 || view.substr(0, kMagic.size()) != kMagic) {
@@ -325,7 +326,7 @@ bool ReadArrays(const std::string& path, const std::string& content,
     Array array;
     ArrayKind kind = ArrayKind::kBroken;
     if (ReadMember(archive.get(), index, &bytes, &what)) {
-      kind = ParseArray(std::move(bytes), &array, &what);
+      kind = ParseArray(bytes, &array, &what);
     }
     if (kind == ArrayKind::kBroken) {
       *error = path + ": array " + Quote(name) + " " + what;

@@ -195,7 +195,7 @@ class AsciiReader {
   }
 
   // "1p,5e16.9": five numbers a line, 16 places each.
-  bool ReadFormat(std::string format, std::string* error) {
+  bool ReadFormat(const std::string& format, std::string* error) {
     per_line_ = 5;
     width_ = 16;
     if (format.empty()) return true;
