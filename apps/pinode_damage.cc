@@ -40,6 +40,7 @@ DEFINE_double(threshold, 0.05,
               "loss of stiffness from which damage is called, as a fraction");
 DEFINE_double(false_alarm_rate, 0.05,
               "probability of calling any change where there is none");
+
 int main(int argc, char** argv) {
   using namespace pinode;
   const auto begin = std::chrono::steady_clock::now();

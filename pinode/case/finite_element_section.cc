@@ -16,6 +16,8 @@ namespace {
 constexpr double kDefaultFrequencyTolerance = 0.01;
 // Without a reduction all DOFs become states of the identification.
 constexpr int kLargestWhole = 100;
+// Responses at more DOFs are no text file that anybody opens.
+constexpr int kMostExpanded = 5000;
 // Names are compared with all others for a hint only where that is quick.
 constexpr int kLargestHinted = 5000;
 // Two exports of one number differ by less than this (relative) where only
@@ -315,6 +317,13 @@ class SectionReader {
         return reduction_.Fail("expand", "'expand' is '" + value->text +
                                              "', expected \"all\" or names of "
                                              "DOFs [\"...\", ...]");
+      }
+      if (exported.num_dofs() > kMostExpanded) {
+        return reduction_.Fail(
+            "expand",
+            "'expand' is \"all\" of " + std::to_string(exported.num_dofs()) +
+                " DOFs, expected at most " + std::to_string(kMostExpanded) +
+                "; name those that are wanted");
       }
       dofs.resize(static_cast<size_t>(exported.num_dofs()));
       std::iota(dofs.begin(), dofs.end(), 0);

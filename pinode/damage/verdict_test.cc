@@ -145,6 +145,17 @@ TEST_F(JudgeKinds, TheLargestForceIsNamedFirstAndSmallOnesApart) {
             "restoring force).");
 }
 
+TEST_F(JudgeKinds, BesideANonlinearForceRivalsAreNotListed) {
+  estimate_.groups[0] = Change(0.0, 0.005, false);
+  estimate_.groups[2] = Change(0.5, 0.02, true);
+  estimate_.rivals = {{2, 3, 1.0}, {2, 1, 2.0}};
+  subjects_[1].kind = ChangeKind::kNonlinear;
+  const Judgement judgement = Judge();
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kNonlinear);
+  EXPECT_THAT(judgement.sentence, Not(HasSubstr("told apart")));
+  EXPECT_THAT(judgement.sentence, Not(HasSubstr("explanation")));
+}
+
 TEST_F(JudgeKinds, NamesAFewOfMany) {
   subjects_.clear();
   estimate_.groups.clear();

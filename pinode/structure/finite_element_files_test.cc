@@ -291,6 +291,10 @@ TEST(ReadFiniteElementModel, MatrixInAWholeMatlabWorkspace) {
 TEST(ReadFiniteElementModel, MatlabFilesThatPromiseTooMuchAreRefused) {
   EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_allocation.mat"), false)),
               HasSubstr("an element of at most 4 bytes has more"));
+  EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_types.mat"), false)),
+              HasSubstr("a sparse matrix lacks its indices or numbers"));
+  EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_empty_variable.mat"), false)),
+              HasSubstr("an element is no variable"));
   TemporaryFolder folder;
   const std::string content = FileContent(Sample("mat/workspace.mat"));
   // An array begins so; its class (a sparse one's rows cost nothing) and two
