@@ -143,6 +143,29 @@ TEST_F(FiniteElementSectionTest, RayleighDampingGoesBackToo) {
   EXPECT_LT((Matrix(damping) - 0.001 * Matrix(Rod(1.0, 1.0))).norm(), 1e-12);
 }
 
+TEST_F(FiniteElementSectionTest, DoesNotWriteAllOfAVeryLargeModel) {
+  constexpr int kSize = 5001;
+  SparseMatrix diagonal(kSize, kSize);
+  diagonal.setIdentity();
+  std::string error;
+  ASSERT_TRUE(WriteMatrixMarket(folder_.Path("large.mtx"), diagonal, &error));
+  std::string names;
+  for (int i = 1; i <= kSize; ++i) names += std::to_string(i) + ".1\n";
+  folder_.Write("large.txt", names);
+  const std::string large =
+      Replaced(Replaced(Replaced(kCase, "\"M.mtx\"", "\"large.mtx\""),
+                        "{file = \"K.mtx\"}", "\"large.mtx\""),
+               "dofs.txt", "large.txt");
+  Case c;
+  EXPECT_FALSE(
+      ReadCase(folder_.Write("case.toml", Replaced(large, "method = \"guyan\"",
+                                                   "method = \"guyan\"\n"
+                                                   "expand = \"all\"")),
+               &c, &error));
+  EXPECT_THAT(error, HasSubstr(":12: [model.reduction]: 'expand' is \"all\" of "
+                               "5001 DOFs, expected at most 5000"));
+}
+
 // Springs in a row deflect evenly between the two that are kept.
 TEST_F(FiniteElementSectionTest, ResponsesAndShapesReachAllDofs) {
   const Case c =
