@@ -72,6 +72,11 @@ TEST_P(Nsd, LinearNetworkNeedsAccelerationsOnly) {
                WorstContinuation(run, "phase1"));
 }
 
+TEST_P(Nsd, NetworkOnDriftAndVelocityFindsTheDevice) {
+  ExpectDevice(RunCase(ReadPhase2("phase2_network2")), What("NN2, x1 and v1"),
+               0.01, 0.02);
+}
+
 // The committed records, made with SciPy, against what makes the records on
 // measured ground motions.
 TEST(NsdTwin, RespondsAsTheCommittedRecords) {
