@@ -5,7 +5,7 @@
 # one test program pinode_<folder>_test of the *_test.cc files beside it, whose
 # tests carry the folder's name as their label. SLOW_TESTS become a program of
 # their own, pinode_<folder>_slow_test, labelled `slow`, which the sanitizer run
-# leaves out.
+# leaves out (PINODE_BUILD_SLOW_TESTS).
 #
 # pinode_install_package() adds the umbrella target pinode::pinode and
 # everything that find_package(pinode) needs.
@@ -81,7 +81,7 @@ function(pinode_add_floor folder)
     pinode_add_unit_test(${target}_test ${folder} ${folder}
       "${target};${FLOOR_PRIVATE}" ${FLOOR_TESTS})
   endif()
-  if(PINODE_BUILD_TESTS AND FLOOR_SLOW_TESTS)
+  if(PINODE_BUILD_TESTS AND PINODE_BUILD_SLOW_TESTS AND FLOOR_SLOW_TESTS)
     pinode_add_unit_test(${target}_slow_test ${folder} slow
       "${target};${FLOOR_PRIVATE}" ${FLOOR_SLOW_TESTS})
   endif()

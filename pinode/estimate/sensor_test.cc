@@ -145,7 +145,6 @@ TEST_F(SensorTest, ReproducesADelayedSine) {
     parameters[layout.num_dynamics() + 2] = fraction * kStep;
     ApplySensors(problem_, layout, parameters, record_, false, &prediction,
                  &rows, &valid);
-    double squares = 0.0;
     double worst = 0.0;
     int count = 0;
     for (int i = 0; i < kSamples; ++i) {
@@ -157,7 +156,6 @@ TEST_F(SensorTest, ReproducesADelayedSine) {
       if (position < 1.0 || position > kSamples - 2.0) continue;
       const double error =
           prediction[2 * i + 1] - std::sin(kTwoPi * 0.1 * position);
-      squares += error * error;
       worst = std::max(worst, std::abs(error));
       ++count;
     }
