@@ -11,6 +11,7 @@
 #include "pinode/case/library_section.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/discover/stepwise.h"
+#include "pinode/discover/term_prices.h"
 #include "pinode/dynamics/library_function.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/fitted_cost.h"
@@ -118,26 +119,14 @@ int NumFittedValues(const IdentificationProblem& problem) {
   return count;
 }
 
-// What a term must gain in twice the log-likelihood, by the extended BIC.
-double PriceOfATerm(int num_values,
-                    const std::vector<DiscoveredEquation>& equations) {
-  int num_candidates = 0;
-  for (const DiscoveredEquation& equation : equations) {
-    num_candidates += equation.num_candidates;
-  }
-  return std::log(std::max(num_values, 3)) +
-         2.0 * std::log(std::max(num_candidates, 1));
-}
-
 // Takes out the term that is least worth its place; false where all are.
 bool DropWeakest(const DiscoveryOptions& options,
-                 const IdentificationSummary& summary, double price,
+                 const IdentificationSummary& summary, const TermPrices& prices,
                  std::vector<DiscoveredEquation>* equations) {
   // Below 1: to be dropped.
   double weakest = 1.0;
   DiscoveredEquation* from = nullptr;
   size_t index = 0;
-  const double needed = std::sqrt(price);
   for (DiscoveredEquation& equation : *equations) {
     for (size_t k = 0; k < equation.terms.size(); ++k) {
       const DiscoveredTerm& term = equation.terms[k];
@@ -152,8 +141,9 @@ bool DropWeakest(const DiscoveryOptions& options,
       // is not finite is not evidence against it.
       if (estimate->at_bound && term.sign != 0) worth = 0.0;
       if (estimate->sigma > 0.0) {
-        worth = std::min(
-            worth, std::abs(term.coefficient) / (needed * estimate->sigma));
+        worth = std::min(worth, std::abs(term.coefficient) /
+                                    (std::sqrt(prices.Of(equation, term)) *
+                                     estimate->sigma));
       }
       if (worth < weakest) {
         weakest = worth;
@@ -293,7 +283,7 @@ class Refitter {
   bool Run(const std::vector<DiscoveredEquation>& equations,
            const std::vector<DiscoveredEquation>& begin) {
     discovery_.equations = begin;
-    price_ = PriceOfATerm(NumFittedValues(c_.problem), equations);
+    prices_ = TermPrices(NumFittedValues(c_.problem), equations);
     exact_ = false;
     if (!FirstSteps() || !Fit(1)) return false;
     if (discovery_.summary.termination != Termination::kInterrupted &&
@@ -334,7 +324,7 @@ class Refitter {
 
   // Drops terms one by one, each followed by a fit of the others.
   bool Prune(int factor) {
-    while (Good() && DropWeakest(c_.discover, discovery_.summary, price_,
+    while (Good() && DropWeakest(c_.discover, discovery_.summary, prices_,
                                  &discovery_.equations)) {
       if (!Left()) return true;
       if (!Fit(factor)) return false;
@@ -390,9 +380,9 @@ class Refitter {
     IdentificationSummary summary;
     summary.termination = Termination::kConverged;
     summary.records = std::move(scores);
-    const int more = CountTerms(discovery_.equations) - CountTerms(equations);
-    if (Good() && Deviance(c_.problem, discovery_.summary) + price_ * more <
-                      Deviance(c_.problem, summary)) {
+    if (Good() && Deviance(c_.problem, discovery_.summary) +
+                          prices_.Sum(discovery_.equations) <
+                      Deviance(c_.problem, summary) + prices_.Sum(equations)) {
       return true;
     }
     discovery_.equations = std::move(equations);
@@ -434,12 +424,12 @@ class Refitter {
       if (SameTerms(before.equations, discovery_.equations)) return true;
       if (!Fit(1) || !Prune(1)) return false;
       if (discovery_.summary.termination == Termination::kInterrupted) break;
-      const bool better = Good() && Left() &&
-                          (Deviance(c_.problem, before.summary) -
-                           Deviance(c_.problem, discovery_.summary)) /
-                                  memory >
-                              price_ * (CountTerms(discovery_.equations) -
-                                        CountTerms(before.equations));
+      const bool better =
+          Good() && Left() &&
+          (Deviance(c_.problem, before.summary) -
+           Deviance(c_.problem, discovery_.summary)) /
+                  memory >
+              prices_.Sum(discovery_.equations) - prices_.Sum(before.equations);
       if (!better) {
         discovery_ = before;
         last_model_ = model_before;
@@ -476,7 +466,7 @@ class Refitter {
     cost.hessian = fitted.system.hessian / *memory;
     cost.gradient = fitted.system.gradient / *memory;
     StepwiseOptions options;
-    options.price = price_;
+    options.prices = Vector::Zero(free.size());
     options.optional.assign(static_cast<size_t>(free.size()), false);
     options.signs.assign(static_cast<size_t>(free.size()), 0);
     options.smallest = Vector::Zero(free.size());
@@ -494,6 +484,7 @@ class Refitter {
         if (term.given || found == entries.end()) continue;
         const int j = found->second;
         from_zero[j] = free[j];
+        options.prices[j] = prices_.Of(wide[e], term);
         options.optional[static_cast<size_t>(j)] = true;
         options.signs[static_cast<size_t>(j)] = term.sign;
         options.smallest[j] = c_.discover.prune_fraction *
@@ -610,7 +601,7 @@ class Refitter {
   std::string* error_;
   IdentifiedModel last_model_;
   std::vector<int> substeps_;
-  double price_ = 0.0;
+  TermPrices prices_;
   int num_fits_ = 0;
   bool unfitted_ = false;  // begun without terms, and without a fit
   bool exact_ = true;

@@ -81,7 +81,11 @@ bool CandidateLibrary::Create(const std::vector<std::string>& feature_names,
   }
 
   std::vector<std::string> texts;
-  if (options.constant) texts.emplace_back("1");
+  std::vector<int> degrees;
+  if (options.constant) {
+    texts.emplace_back("1");
+    degrees.push_back(0);
+  }
 
   const std::vector<std::string>& polynomial =
       options.polynomial_features.empty() ? feature_names
@@ -96,6 +100,7 @@ bool CandidateLibrary::Create(const std::vector<std::string>& feature_names,
        ++degree) {
     few = AppendMonomials(polynomial, options.products, degree, 0, &exponents,
                           &texts);
+    degrees.resize(texts.size(), degree);
   }
 
   const auto append = [&](const char* what,
@@ -127,7 +132,10 @@ bool CandidateLibrary::Create(const std::vector<std::string>& feature_names,
     return false;
   }
 
+  degrees.resize(texts.size(), kNotAMonomial);
+
   CandidateLibrary created;
+  created.degrees_ = std::move(degrees);
   created.feature_names_ = feature_names;
   std::set<std::string> seen;
   for (const std::string& text : texts) {

@@ -45,6 +45,7 @@ struct CandidateLibraryOptions {
 class CandidateLibrary {
  public:
   static constexpr int kMaxCandidates = 2000;
+  static constexpr int kNotAMonomial = -1;
 
   // False, with *library untouched, for an unknown feature, a feature or a
   // candidate twice, an expression that cannot be read (with its column), no
@@ -64,6 +65,11 @@ class CandidateLibrary {
     return functions_[static_cast<size_t>(candidate)];
   }
 
+  // Of a monomial its total degree, of the constant 0, else kNotAMonomial.
+  int degree(int candidate) const {
+    return degrees_[static_cast<size_t>(candidate)];
+  }
+
   // theta (samples x size()) at `features` (samples x features). False if an
   // entry of theta is not finite; *error names candidate and sample.
   [[nodiscard]] bool Evaluate(const Matrix& features, Matrix* theta,
@@ -77,6 +83,7 @@ class CandidateLibrary {
  private:
   std::vector<std::string> feature_names_;
   std::vector<LibraryFunction> functions_;
+  std::vector<int> degrees_;
 };
 
 }  // namespace pinode

@@ -30,11 +30,19 @@ TEST(CandidateLibrary, NamesEveryKindInOrder) {
   options.sign_features = {"v[1]"};
   options.signed_square_features = {"x[1]"};
   options.expressions = {"tanh( v[1] / 0.01 )"};
-  EXPECT_THAT(Created({"x[1]", "v[1]"}, options).Names(),
+  const CandidateLibrary library = Created({"x[1]", "v[1]"}, options);
+  EXPECT_THAT(library.Names(),
               ElementsAre("1", "x[1]", "v[1]", "x[1]^2", "x[1]*v[1]", "v[1]^2",
                           "x[1]^3", "x[1]^2*v[1]", "x[1]*v[1]^2", "v[1]^3",
                           "sin(x[1])", "cos(v[1])", "abs(v[1])", "sign(v[1])",
                           "abs(x[1])*x[1]", "tanh(v[1]/0.01)"));
+  EXPECT_EQ(library.degree(0), 0);
+  EXPECT_EQ(library.degree(2), 1);
+  EXPECT_EQ(library.degree(4), 2);
+  EXPECT_EQ(library.degree(9), 3);
+  for (int k = 10; k < library.size(); ++k) {
+    EXPECT_EQ(library.degree(k), CandidateLibrary::kNotAMonomial);
+  }
 }
 
 TEST(CandidateLibrary, ProductsAndFeaturesAreChosen) {

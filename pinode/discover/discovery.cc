@@ -106,6 +106,7 @@ class EquationFinder {
       *error = Place() + *error;
       return false;
     }
+    std::vector<int> degrees;  // of the regression's candidates
     for (int k = 0; k < library.size(); ++k) {
       const std::string name = library.Names()[static_cast<size_t>(k)];
       const bool plain = std::find(equation_.feature_names.begin(),
@@ -113,6 +114,7 @@ class EquationFinder {
                                    name) != equation_.feature_names.end();
       if (without_slope && plain) continue;
       regression.candidates.push_back(name);
+      degrees.push_back(library.degree(k));
       const Eigen::Index column = regression.theta.cols();
       regression.theta.conservativeResize(theta.rows(), column + 1);
       regression.theta.col(column) = theta.col(k);
@@ -139,6 +141,7 @@ class EquationFinder {
       candidate.basis = output().candidates[static_cast<size_t>(k)];
       candidate.rms = Rms(output().theta.col(k));
       candidate.sign = map_.signs()[static_cast<size_t>(map_.free(k))];
+      candidate.degree = degrees[static_cast<size_t>(k)];
       equation_.candidates.push_back(std::move(candidate));
     }
     equation_.sample_features = features_;

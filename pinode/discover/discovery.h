@@ -67,10 +67,8 @@ struct DiscoveryOptions {
   int num_threads = 1;
 
   // After the refit through the ODE a term is dropped if it adds less than
-  // this fraction of `tolerance`, or is not worth its place by the extended
-  // BIC (J. Chen, Z. Chen, Biometrika 95 (2008) 759): (xi / sigma_xi)^2 <=
-  // ln(number of fitted values) + 2 ln(number of candidates). The second part
-  // is the price of having searched: of many candidates some fit the noise.
+  // this fraction of `tolerance`, or is not worth its price, (xi /
+  // sigma_xi)^2 <= TermPrices.
   double prune_fraction = 0.1;
 
   // Whether the selected terms are fitted to the trajectories.
@@ -111,6 +109,7 @@ struct DiscoveryCandidate {
   std::string basis;
   double rms = 0.0;  // of the basis over the samples
   int sign = 0;      // as DiscoveredTerm::sign
+  int degree = CandidateLibrary::kNotAMonomial;
 };
 
 // One point of the Pareto curve.

@@ -22,7 +22,7 @@ constexpr int kMaxForced = 50;
 struct Change {
   int out = -1;
   int in = -1;
-  double gain = 0.0;  // in 2 f + price * (number of entries)
+  double gain = 0.0;  // in 2 f + prices of the entries
 };
 
 // The minimum over the entries of a support, of a cost that is scaled to a unit
@@ -108,11 +108,14 @@ QuadraticCost Scaled(const QuadraticCost& cost, const Vector& scales) {
   return scaled;
 }
 
-// Descent on 2 f + price * (number of entries) over supports.
+// Descent on 2 f + prices of the entries over supports.
 class Descent {
  public:
   Descent(const QuadraticCost& cost, const StepwiseOptions& options)
-      : options_(options), scales_(Scales(cost)), cost_(Scaled(cost, scales_)) {
+      : options_(options),
+        scales_(Scales(cost)),
+        cost_(Scaled(cost, scales_)),
+        rounding_(kRounding * options.prices.lpNorm<Eigen::Infinity>()) {
     for (int j = 0; j < Count(); ++j) {
       if (!Optional(j)) required_.push_back(j);
     }
@@ -133,8 +136,9 @@ class Descent {
     return options_.optional[static_cast<size_t>(j)];
   }
   double Criterion(const Face& face) const {
-    return face.twice_cost() +
-           options_.price * static_cast<double>(face.support().size());
+    double criterion = face.twice_cost();
+    for (int j : face.support()) criterion += options_.prices[j];
+    return criterion;
   }
   // Entries that came in with a value that is allowed may have lost it since.
   bool IsAllowed(const Face& face) const {
@@ -146,8 +150,7 @@ class Descent {
     return true;
   }
   bool Keep(Face face, Face* best) const {
-    const bool lower =
-        Criterion(face) < Criterion(*best) - kRounding * options_.price;
+    const bool lower = Criterion(face) < Criterion(*best) - rounding_;
     if (!IsAllowed(face) || (IsAllowed(*best) && !lower)) return false;
     *best = std::move(face);
     return true;
@@ -200,22 +203,24 @@ class Descent {
       if (taken[static_cast<size_t>(j)]) continue;
       double value;
       const double gain = origin.Gain(j, -1, &value);
-      if (gain > 0.0 && Allowed(j, value)) gains.emplace_back(-gain, j);
+      if (gain > 0.0 && Allowed(j, value)) {
+        gains.emplace_back(options_.prices[j] - gain, j);
+      }
     }
     std::sort(gains.begin(), gains.end());
     if (gains.size() > kMaxForced) gains.resize(kMaxForced);
-    for (const auto& [gain, j] : gains) attempt(-1, j);
+    for (const auto& [loss, j] : gains) attempt(-1, j);
     return improved;
   }
 
   Change Leaving(const Face& face, int locked) const {
     Change best;
-    best.gain = kRounding * options_.price;
+    best.gain = rounding_;
     for (size_t a = 0; a < face.support().size(); ++a) {
       const int i = face.support()[a];
       if (!Optional(i) || i == locked) continue;
       const double gain =
-          options_.price - face.Loss(static_cast<Eigen::Index>(a));
+          options_.prices[i] - face.Loss(static_cast<Eigen::Index>(a));
       if (gain > best.gain) best = {i, -1, gain};
     }
     return best;
@@ -227,7 +232,7 @@ class Descent {
     for (int j = 0; j < Count(); ++j) {
       if (taken[static_cast<size_t>(j)] || j == banned) continue;
       double value;
-      const double gain = face.Gain(j, -1, &value) - options_.price;
+      const double gain = face.Gain(j, -1, &value) - options_.prices[j];
       if (gain > best.gain && Allowed(j, value)) best = {-1, j, gain};
     }
     return best;
@@ -236,16 +241,17 @@ class Descent {
   Change Exchange(const Face& face, const std::vector<bool>& taken, int banned,
                   int locked) const {
     Change best;
-    best.gain = kRounding * options_.price;
+    best.gain = rounding_;
     for (size_t a = 0; a < face.support().size(); ++a) {
       const int i = face.support()[a];
       if (!Optional(i) || i == locked) continue;
       const Eigen::Index row = static_cast<Eigen::Index>(a);
-      const double loss = face.Loss(row);
+      const double loss = face.Loss(row) - options_.prices[i];
       for (int j = 0; j < Count(); ++j) {
         if (taken[static_cast<size_t>(j)] || j == banned) continue;
         double value;
-        const double gain = face.Gain(j, row, &value) - loss;
+        const double gain =
+            face.Gain(j, row, &value) - options_.prices[j] - loss;
         if (gain > best.gain && Allowed(j, value)) best = {i, j, gain};
       }
     }
@@ -269,6 +275,7 @@ class Descent {
   const StepwiseOptions& options_;
   const Vector scales_;
   const QuadraticCost cost_;
+  const double rounding_;
   std::vector<int> required_;
 };
 
@@ -278,6 +285,7 @@ std::vector<int> SelectStepwise(const QuadraticCost& cost,
                                 const StepwiseOptions& options,
                                 const std::vector<int>& start) {
   const size_t count = static_cast<size_t>(cost.gradient.size());
+  CHECK_EQ(options.prices.size(), static_cast<Eigen::Index>(count));
   CHECK_EQ(options.optional.size(), count);
   CHECK_EQ(options.signs.size(), count);
   CHECK_EQ(options.smallest.size(), static_cast<Eigen::Index>(count));

@@ -25,7 +25,8 @@ class Stepwise : public ::testing::Test {
         2.0 * x_.col(1) - x_.col(4) + Vector(gaussian.Draw(400, 1));
     cost_.hessian = x_.transpose() * x_;
     cost_.gradient = -x_.transpose() * y;
-    options_.price = std::log(400.0) + 2.0 * std::log(8.0);
+    options_.prices =
+        Vector::Constant(8, std::log(400.0) + 2.0 * std::log(8.0));
     options_.optional.assign(8, true);
     options_.signs.assign(8, 0);
     options_.smallest = Vector::Zero(8);
@@ -46,6 +47,17 @@ TEST_F(Stepwise, FindsTheTrueEntriesFromAnyStart) {
   EXPECT_NEAR(theta[1], 2.0, 0.15);
   EXPECT_NEAR(theta[4], -1.0, 0.15);
   EXPECT_EQ(theta[0], 0.0);
+}
+
+// Of two columns that do nearly the same work.
+TEST_F(Stepwise, PrefersTheCheaperEntry) {
+  const double loss = cost_.gradient.dot(MinimizeOn(cost_, {2, 4})) -
+                      cost_.gradient.dot(MinimizeOn(cost_, {1, 4}));
+  ASSERT_GT(loss, 0.0);
+  options_.prices[1] += loss + 0.1;
+  EXPECT_THAT(SelectStepwise(cost_, options_, {1, 4}), ElementsAre(2, 4));
+  options_.prices[1] -= 0.2;
+  EXPECT_THAT(SelectStepwise(cost_, options_, {2, 4}), ElementsAre(1, 4));
 }
 
 // What the sum leaves of y asks for neither part alone.

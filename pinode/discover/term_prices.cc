@@ -1,0 +1,41 @@
+#include "pinode/discover/term_prices.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pinode {
+
+TermPrices::TermPrices(int num_values,
+                       const std::vector<DiscoveredEquation>& equations)
+    : of_a_parameter_(std::log(std::max(num_values, 3))) {
+  std::map<int, int> kinds;
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      ++kinds[candidate.degree];
+    }
+  }
+  const double num_kinds = static_cast<double>(kinds.size());
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      prices_[KeyOf(equation, candidate.basis)] =
+          of_a_parameter_ + 2.0 * std::log(num_kinds * kinds[candidate.degree]);
+    }
+  }
+}
+
+double TermPrices::Of(const DiscoveredEquation& equation,
+                      const DiscoveredTerm& term) const {
+  if (term.given) return 0.0;
+  const auto found = prices_.find(KeyOf(equation, term.basis));
+  return found != prices_.end() ? found->second : of_a_parameter_;
+}
+
+double TermPrices::Sum(const std::vector<DiscoveredEquation>& equations) const {
+  double sum = 0.0;
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveredTerm& term : equation.terms) sum += Of(equation, term);
+  }
+  return sum;
+}
+
+}  // namespace pinode
