@@ -8,8 +8,14 @@
 
 #include <cstddef>
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define PINODE_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PINODE_SANITIZED 1
+#endif
+#endif
+#if defined(__GLIBC__) && !defined(PINODE_SANITIZED)
 #define PINODE_COUNTS_ALLOCATIONS 1
 #endif
 
