@@ -174,3 +174,17 @@ sed -i -e 's/"usable": true/"usable": false/' none/result.json
 Refused "not usable" --baseline=none --case=damaged.toml --output_dir=E
 echo '{' >none/result.json
 Refused "is not a result" --baseline=none --case=damaged.toml --output_dir=E
+
+# A stiffness that follows the temperature is some 3 % higher in the second
+# record, which is colder while the frame shakes. That is no change.
+cp -- "$data"/../three_storey_force/{temperature.toml,*.csv} .
+Run 0 pinode_update --case=temperature.toml --output_dir=warm --progress=false
+sed -e '/^name  = "temperature"$/,/^name  = "temperature_holdout"$/{
+    /^name  = "temperature_holdout"$/!d; }' \
+  -e 's/"holdout"/"train"/' temperature.toml >cold.toml
+Run 0 pinode_damage --baseline=warm --case=cold.toml --output_dir=cold \
+  --progress=false
+grep -qF '"verdict": "no_damage"' cold/damage.json || Fail "not told from damage"
+[[ $(awk '/"change": / { v = $2 + 0; n += (v < 1e-3 && v > -1e-3) }
+    END { print n }' cold/damage.json) -eq 3 ]] ||
+  Fail "temperature taken for a change"
