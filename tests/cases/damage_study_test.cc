@@ -22,8 +22,8 @@ namespace pinode {
 namespace testing {
 namespace {
 
-// What is asked is asked of so many runs. One such set may have twice the false
-// alarms of another; what is held is the mean of a setting's sets.
+// What is asked of false alarms is asked of so many runs, and held in each set.
+// One may have twice those of another; more than one tell the rate.
 constexpr int kRunsOfASet = 200;
 constexpr int kStoreys = 3;
 const char* const kGroups[] = {"k1", "k2", "k3", "c_mass", "c_stiffness"};
@@ -180,12 +180,12 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
                      std::to_string(last - kRunsOfASet + 1) + " to " +
                      std::to_string(last),
                  AtMost(16), alarms[set]);
+    EXPECT_LE(alarms[set], 16);
   }
   const double mean_alarms =
       std::accumulate(alarms.begin(), alarms.end(), 0.0) / setting.num_sets;
   ReportFigure(what + "healthy runs with a false alarm, mean of the sets",
-               AtMost(16), mean_alarms);
-  EXPECT_LE(mean_alarms, 16.0);
+               Nothing(), mean_alarms);
   for (const bool with_damage : {false, true}) {
     for (int storey = 0; storey < kStoreys; ++storey) {
       int covered = 0;
