@@ -109,7 +109,7 @@ struct DiscoveryCandidate {
   std::string basis;
   double rms = 0.0;  // of the basis over the samples
   int sign = 0;      // as DiscoveredTerm::sign
-  int degree = CandidateLibrary::kNotAMonomial;
+  int degree = CandidateLibrary::kNotAMonomial;  // CandidateLibrary::degree
 };
 
 // One point of the Pareto curve.

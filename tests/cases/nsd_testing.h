@@ -213,7 +213,7 @@ class Nsd : public ::testing::TestWithParam<const char*> {
     std::vector<double> truth;
     for (const char* name : {"phase2_a_next", "phase2_b_next"}) {
       const Matrix& states = run.Record(name).states;
-      if (states.size() == 0) {
+      if (states.rows() == 0 || states.cols() < 2) {
         ADD_FAILURE() << name << " diverges";
         return std::nan("");
       }
