@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/program.h"
+#include "pinode/base/constants.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/csv_file.h"
 #include "pinode/case/result_files.h"
@@ -40,7 +41,6 @@ class Gaussian {
   explicit Gaussian(uint64_t seed) : random_(seed) {}
   double operator()() {
     // Box-Muller; the second number is not kept.
-    constexpr double kTwoPi = 6.283185307179586;
     // Two statements: compilers may evaluate factors in either order.
     const double radius = std::sqrt(-2.0 * std::log(Uniform()));
     return radius * std::cos(kTwoPi * Uniform());

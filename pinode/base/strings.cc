@@ -154,4 +154,12 @@ std::string Join(const std::vector<std::string>& parts,
   return joined;
 }
 
+void ReplaceAll(const std::string& from, const std::string& to,
+                std::string* text) {
+  for (size_t at = text->find(from); at != std::string::npos;
+       at = text->find(from, at + to.size())) {
+    text->replace(at, from.size(), to);
+  }
+}
+
 }  // namespace pinode

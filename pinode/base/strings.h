@@ -44,6 +44,10 @@ std::string_view StripBlanks(std::string_view text);
 std::string Join(const std::vector<std::string>& parts,
                  std::string_view separator);
 
+// Every `from` (not empty) in *text becomes `to`.
+void ReplaceAll(const std::string& from, const std::string& to,
+                std::string* text);
+
 }  // namespace pinode
 
 #endif  // PINODE_BASE_STRINGS_H_

@@ -92,6 +92,15 @@ TEST(FormatNumberTest, RoundTripsAndIsPlain) {
   }
 }
 
+TEST(ReplaceAllTest, LeavesWhatItPutsIn) {
+  std::string text = "a*b**";
+  ReplaceAll("*", "**", &text);
+  EXPECT_EQ(text, "a**b****");
+  ReplaceAll("a", "", &text);
+  ReplaceAll("none", "x", &text);
+  EXPECT_EQ(text, "**b****");
+}
+
 TEST(JoinTest, JoinsAndStrips) {
   EXPECT_EQ(Join({}, ", "), "");
   EXPECT_EQ(Join({"a"}, ", "), "a");

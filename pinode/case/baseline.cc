@@ -19,7 +19,7 @@
 namespace pinode {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 using Target = MatrixGroup::Target;
 
 // -1: not among them.

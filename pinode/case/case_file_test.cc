@@ -20,13 +20,6 @@ using ::testing::Not;
 
 constexpr double kGravity = 9.80665;
 
-Case ReadOrFail(const std::string& path) {
-  Case c;
-  std::string error;
-  EXPECT_TRUE(ReadCase(path, &c, &error)) << error;
-  return c;
-}
-
 TEST(CaseFileTest, SmallCase) {
   TemporaryFolder folder;
   folder.Write("quake.csv", SmallRecord());

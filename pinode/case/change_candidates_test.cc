@@ -7,13 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/case/testing.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // A fit of the small case in which u1 swings as 0.01 sin and u2 as 0.03 sin.
 class ChangeCandidates : public ::testing::Test {

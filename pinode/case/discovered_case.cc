@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/case/library_section.h"
@@ -22,8 +23,7 @@
 namespace pinode {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kLargestRefinement = 32;
+constexpr int kLargestRefitFactor = 32;
 // Each search that is kept lowers the criterion; more than a few are none.
 constexpr int kMaxSearches = 20;
 // Fits of terms that may not stay need not be exact; wrong terms have long
@@ -292,7 +292,7 @@ class Refitter {
     }
     if (!Search() || !Prune(1)) return false;
     exact_ = true;
-    for (int factor = 2; factor <= kLargestRefinement && Good() && Left();
+    for (int factor = 2; factor <= kLargestRefitFactor && Good() && Left();
          factor *= 2) {
       const std::vector<DiscoveredEquation> before = discovery_.equations;
       const Discovery coarse = discovery_;

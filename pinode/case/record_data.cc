@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/unknown_force_section.h"
 #include "pinode/record/at2.h"
@@ -32,8 +33,6 @@ bool IsConstant(const Vector& values) {
   }
   return lowest == highest;
 }
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // One file on its own grid, its columns as they are.
 struct SourceFile {

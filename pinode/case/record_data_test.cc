@@ -53,13 +53,6 @@ TEST(IntegrateTwiceTest, IsExactForTheInterpolation) {
   }
 }
 
-Case ReadOrFail(const std::string& path) {
-  Case c;
-  std::string error;
-  EXPECT_TRUE(ReadCase(path, &c, &error)) << error;
-  return c;
-}
-
 TEST(RecordDataTest, OffsetWindowAndFilter) {
   TemporaryFolder folder;
   folder.Write("quake.csv", SmallRecord(400));

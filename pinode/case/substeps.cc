@@ -3,9 +3,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/integrate/free_run.h"
@@ -21,7 +21,6 @@ constexpr double kRmsShare = 1e-4;
 // A free run that six halvings do not bring to its limit is chaotic, or grows
 // without bound: the step is not what it lacks.
 constexpr int kLargestRefinement = 64;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The state at the first sample, as far as a free run needs one. False where
 // the record does not say.
@@ -103,7 +102,7 @@ class Prior {
   Vector start_;
 };
 
-double Rms(const RowVector& values) {
+double RowRms(const RowVector& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
@@ -119,11 +118,11 @@ bool CompareChannels(const IdentificationRecord& record, const Matrix& coarse,
     // A simulation has no measurement to compare with.
     const double measured_rms = RmsOfPresent(channel.values);
     const double rms =
-        std::isfinite(measured_rms) ? measured_rms : Rms(fine.row(row));
+        std::isfinite(measured_rms) ? measured_rms : RowRms(fine.row(row));
     const double limit =
         channel.sigma > 0.0 ? kSigmaShare * channel.sigma : kRmsShare * rms;
     if (limit == 0.0) continue;  // a dead channel says nothing
-    const double error = Rms(fine.row(row) - coarse.row(row));
+    const double error = RowRms(fine.row(row) - coarse.row(row));
     const double ratio = error / limit;
     if (ratio > worst) {
       worst = ratio;

@@ -4,53 +4,14 @@
 #define PINODE_CASE_TESTING_H_
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "gtest/gtest.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/temporary_folder_testing.h"
+#include "pinode/case/case_file.h"
 
 namespace pinode {
-
-// A folder that exists as long as this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    static int count = 0;
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(info->test_suite_name()) + "_" +
-                       info->name() + "_" + std::to_string(++count);
-    for (char& c : name) {
-      if (c == '/') c = '_';
-    }
-    path_ = std::filesystem::path(::testing::TempDir()) / ("pinode_" + name);
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  std::string Path(const std::string& name) const {
-    return (path_ / name).string();
-  }
-  std::string Write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return Path(name);
-  }
-  std::string Read(const std::string& name) const {
-    std::ifstream file(path_ / name, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 // `text` with the first `from` replaced; the test fails if there is none.
 inline std::string Replaced(std::string text, const std::string& from,
@@ -61,6 +22,13 @@ inline std::string Replaced(std::string text, const std::string& from,
     return text;
   }
   return text.replace(at, from.size(), to);
+}
+
+inline Case ReadOrFail(const std::string& path) {
+  Case c;
+  std::string error;
+  EXPECT_TRUE(ReadCase(path, &c, &error)) << error;
+  return c;
 }
 
 // Two storeys with a ground motion, line by line: tests count on line numbers.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/discover/ensemble.h"
@@ -25,8 +26,6 @@
 
 namespace pinode {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double Rms(const Vector& values) {
   return values.norm() / std::sqrt(static_cast<double>(values.size()));

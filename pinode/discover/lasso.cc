@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "pinode/base/logging.h"
@@ -19,7 +18,7 @@ namespace {
 // In units in which b and all columns have length 1.
 constexpr double kEntryTolerance = 1e-10;
 // What an optimal solution without polish may lack, relative to the penalty.
-constexpr double kOptimalityTolerance = 1e-5;
+constexpr double kSubgradientTolerance = 1e-5;
 // Starts anew at one lambda; each is followed by a whole minimisation.
 constexpr int kMaxRestarts = 30;
 
@@ -265,7 +264,7 @@ LassoSolution PathSolver::SolveAt(double lambda) {
                              ? Pull(j, gradient[j]) - penalty[j]
                              : std::abs(std::abs(gradient[j]) - penalty[j]);
       if (usable_[static_cast<size_t>(j)] &&
-          off > kOptimalityTolerance * penalty[j]) {
+          off > kSubgradientTolerance * penalty[j]) {
         solution.converged = false;
       }
     }

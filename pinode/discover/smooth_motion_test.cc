@@ -25,7 +25,7 @@ double Motion(int derivative, double t) {
   return wave(3.0, 2.0, 0.0) + wave(0.5, 7.0, M_PI / 2.0);
 }
 
-MotionChannel Channel(int derivative, double noise, uint64_t seed) {
+MotionChannel NoisyChannel(int derivative, double noise, uint64_t seed) {
   testing::Gaussian gaussian(seed);
   MotionChannel channel;
   channel.derivative = derivative;
@@ -51,8 +51,8 @@ TEST(SmoothMotion, KnowsHowWrongItIs) {
   constexpr int kSeeds = 20;
   for (int seed = 0; seed < kSeeds; ++seed) {
     const std::vector<MotionChannel> channels = {
-        Channel(0, 0.02, 2 * static_cast<uint64_t>(seed)),
-        Channel(1, 0.1, 2 * static_cast<uint64_t>(seed) + 1)};
+        NoisyChannel(0, 0.02, 2 * static_cast<uint64_t>(seed)),
+        NoisyChannel(1, 0.1, 2 * static_cast<uint64_t>(seed) + 1)};
     ASSERT_TRUE(SmoothMotion(kStep, channels, &smoothed, &error)) << error;
     EXPECT_NEAR(smoothed.noise[0], 0.02, 0.005);
     EXPECT_NEAR(smoothed.noise[1], 0.1, 0.02);
@@ -67,8 +67,8 @@ TEST(SmoothMotion, KnowsHowWrongItIs) {
 }
 
 TEST(SmoothMotion, TakesGivenNoiseAndGaps) {
-  std::vector<MotionChannel> channels = {Channel(0, 0.02, 1),
-                                         Channel(2, 0.5, 2)};
+  std::vector<MotionChannel> channels = {NoisyChannel(0, 0.02, 1),
+                                         NoisyChannel(2, 0.5, 2)};
   channels[0].sigma = 0.02;
   for (int i = 50; i < 60; ++i) {
     channels[0].values[i] = std::numeric_limits<double>::quiet_NaN();
@@ -87,7 +87,8 @@ TEST(SmoothMotion, TakesGivenNoiseAndGaps) {
 TEST(SmoothMotion, OfNoiseFreeRecordsIsNearlyExact) {
   SmoothedMotion smoothed;
   std::string error;
-  ASSERT_TRUE(SmoothMotion(kStep, {Channel(0, 0.0, 1), Channel(1, 0.0, 1)},
+  ASSERT_TRUE(SmoothMotion(kStep,
+                           {NoisyChannel(0, 0.0, 1), NoisyChannel(1, 0.0, 1)},
                            &smoothed, &error))
       << error;
   EXPECT_LT(AccelerationError(smoothed), 0.01);
@@ -96,9 +97,10 @@ TEST(SmoothMotion, OfNoiseFreeRecordsIsNearlyExact) {
 TEST(SmoothMotion, NeedsADisplacement) {
   SmoothedMotion smoothed;
   std::string error;
-  EXPECT_FALSE(SmoothMotion(kStep, {Channel(2, 0.1, 1)}, &smoothed, &error));
+  EXPECT_FALSE(
+      SmoothMotion(kStep, {NoisyChannel(2, 0.1, 1)}, &smoothed, &error));
   EXPECT_THAT(error, HasSubstr("displacement"));
-  MotionChannel zero = Channel(0, 0.0, 1);
+  MotionChannel zero = NoisyChannel(0, 0.0, 1);
   zero.values.setZero();
   EXPECT_FALSE(SmoothMotion(kStep, {zero}, &smoothed, &error));
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/autodiff_law.h"
@@ -10,7 +11,6 @@
 namespace pinode {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
 
 // |x|^p with a derivative that stays finite at x = 0, where Jets would

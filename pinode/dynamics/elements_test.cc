@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-struct Example {
+struct WorkedForce {
   std::string type;
   std::vector<double> parameters;
   double deformation;
@@ -19,7 +19,7 @@ struct Example {
 };
 
 // Forces worked out by hand from the table in pinode/case/README.md.
-class ElementForce : public ::testing::TestWithParam<Example> {};
+class ElementForce : public ::testing::TestWithParam<WorkedForce> {};
 
 TEST_P(ElementForce, MatchesTheTable) {
   std::string error;
@@ -35,15 +35,15 @@ TEST_P(ElementForce, MatchesTheTable) {
 INSTANTIATE_TEST_SUITE_P(
     Table, ElementForce,
     ::testing::Values(
-        Example{"linear", {10.0, 0.5}, 0.3, -2.0, 2.0},
-        Example{"cubic", {2.0}, -0.5, 0.0, -0.25},
-        Example{"quadratic_stiffness", {3.0}, -0.5, 0.0, -0.75},
-        Example{"amplitude_damping", {3.0}, -0.5, 2.0, 3.0},
-        Example{"bilinear", {-5.95, 0.2}, 1.15, 0.0, -5.6525},
-        Example{"bilinear", {-5.95, 0.2}, -1.15, 0.0, 5.6525},
-        Example{"bilinear", {-5.95, 0.2}, 0.1, 0.0, 0.0},
-        Example{"coulomb", {4.0, 0.01}, 0.0, 0.005, 4.0 * std::tanh(0.5)},
-        Example{"power_damper", {2.0, 2.0}, 0.0, -3.0, -18.0}));
+        WorkedForce{"linear", {10.0, 0.5}, 0.3, -2.0, 2.0},
+        WorkedForce{"cubic", {2.0}, -0.5, 0.0, -0.25},
+        WorkedForce{"quadratic_stiffness", {3.0}, -0.5, 0.0, -0.75},
+        WorkedForce{"amplitude_damping", {3.0}, -0.5, 2.0, 3.0},
+        WorkedForce{"bilinear", {-5.95, 0.2}, 1.15, 0.0, -5.6525},
+        WorkedForce{"bilinear", {-5.95, 0.2}, -1.15, 0.0, 5.6525},
+        WorkedForce{"bilinear", {-5.95, 0.2}, 0.1, 0.0, 0.0},
+        WorkedForce{"coulomb", {4.0, 0.01}, 0.0, 0.005, 4.0 * std::tanh(0.5)},
+        WorkedForce{"power_damper", {2.0, 2.0}, 0.0, -3.0, -18.0}));
 
 TEST(Elements, BoucWenFollowsItsEvolutionLaw) {
   std::string error;

@@ -12,13 +12,13 @@
 #include <string_view>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // A power as large as this is better left to std::pow.
 constexpr double kLargestIntegerPower = 64.0;
 

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <sstream>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 
 namespace pinode {
 namespace {
-
-constexpr double kPi = 3.141592653589793;
 
 template <typename T>
 T HalfSine(double time, const T* parameters) {

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <random>
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/covariance.h"
@@ -31,8 +31,6 @@
 
 namespace pinode {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Gaps are closed when they are below this, in units of the state's RMS.
 constexpr double kClosedGap = 1e-6;

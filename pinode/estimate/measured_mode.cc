@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/structure/assignment.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 // What a factor of e between frequencies costs beside a MAC of one.
 constexpr double kFrequencyShare = 0.5;
@@ -130,7 +128,6 @@ std::vector<ModeMatch> MatchModes(const ModalData& data,
     ModeMatch& match = matches[static_cast<size_t>(i)];
     match.mode = partners[static_cast<size_t>(i)];
     const double eigenvalue = eigenvalues[match.mode];
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     match.frequency = eigenvalue < 0.0 ? kNaN : std::sqrt(eigenvalue) / kTwoPi;
     match.mac = data.modes[static_cast<size_t>(i)].HasShape()
                     ? macs(i, match.mode)

@@ -5,29 +5,17 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/dynamics/testing.h"
+#include "pinode/estimate/testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kTwoPi = 6.283185307179586;
-
-MeasuredMode Mode(double frequency, std::vector<int> dofs = {},
-                  std::vector<double> shape = {}) {
-  MeasuredMode mode;
-  mode.name = "b";
-  mode.frequency = frequency;
-  mode.dofs = std::move(dofs);
-  mode.shape =
-      Eigen::Map<const Vector>(shape.data(), static_cast<int>(shape.size()));
-  return mode;
-}
 
 Vector Eigenvalues(const std::vector<double>& frequencies) {
   Vector values(static_cast<int>(frequencies.size()));
@@ -48,7 +36,8 @@ std::vector<int> Partners(const ModalData& data, const Vector& eigenvalues,
 
 TEST(MatchModes, FollowsShapesWhereFrequenciesHaveCrossed) {
   ModalData data;
-  data.modes = {Mode(1.0, {0, 1}, {1.0, 0.1}), Mode(1.2, {0, 1}, {0.0, 2.0})};
+  data.modes = {testing::Mode(1.0, {0, 1}, {1.0, 0.1}),
+                testing::Mode(1.2, {0, 1}, {0.0, 2.0})};
   const Matrix shapes = Matrix::Identity(2, 2);
   EXPECT_EQ(Partners(data, Eigenvalues({1.1, 1.2}), shapes),
             (std::vector<int>{0, 1}));
@@ -63,7 +52,7 @@ TEST(MatchModes, FrequenciesDecideBetweenShapesThatLookAlike) {
   Matrix shapes(3, 3);
   shapes << 1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 0.5, 0.1, -2.0;
   ModalData data;
-  data.modes = {Mode(3.1, {0, 1}, {1.0, 0.95})};
+  data.modes = {testing::Mode(3.1, {0, 1}, {1.0, 0.95})};
   const Vector eigenvalues = Eigenvalues({1.0, 2.0, 3.0});
   EXPECT_EQ(Partners(data, eigenvalues, shapes), std::vector<int>{2});
   data.modes[0].frequency = 1.3;
@@ -73,7 +62,7 @@ TEST(MatchModes, FrequenciesDecideBetweenShapesThatLookAlike) {
 TEST(MatchModes, KeepsTheOrderOfModesWithoutShapes) {
   // Nearest neighbours would pair 3 Hz with the model's second mode.
   ModalData data;
-  data.modes = {Mode(1.0), Mode(2.0), Mode(3.0)};
+  data.modes = {testing::Mode(1.0), testing::Mode(2.0), testing::Mode(3.0)};
   EXPECT_EQ(
       Partners(data, Eigenvalues({1.5, 3.0, 4.5, 9.0}), Matrix::Identity(4, 4)),
       (std::vector<int>{0, 1, 2}));
@@ -83,10 +72,10 @@ TEST(MatchModes, LeavesModesWithoutFrequencyToTheLast) {
   Vector eigenvalues = Eigenvalues({0.0, 0.0, 2.0});
   eigenvalues[0] = -10.0;
   ModalData data;
-  data.modes = {Mode(1.0)};
+  data.modes = {testing::Mode(1.0)};
   EXPECT_EQ(Partners(data, eigenvalues, Matrix::Identity(3, 3)),
             std::vector<int>{2});
-  data.modes = {Mode(1.0), Mode(2.0), Mode(3.0)};
+  data.modes = {testing::Mode(1.0), testing::Mode(2.0), testing::Mode(3.0)};
   const std::vector<ModeMatch> matches =
       MatchModes(data, eigenvalues, Matrix::Identity(3, 3));
   EXPECT_EQ(matches[1].mode, 2);
@@ -101,7 +90,8 @@ TEST(MatchModes, GivesFrequencyAndMacOfAModel) {
   const StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   ModalData data;
-  data.modes = {Mode(0.3, {0, 1}, {1.0, -1.0}), Mode(0.1, {1, 0}, {1.0, 1.0})};
+  data.modes = {testing::Mode(0.3, {0, 1}, {1.0, -1.0}),
+                testing::Mode(0.1, {1, 0}, {1.0, 1.0})};
   std::vector<ModeMatch> matches;
   std::string error;
   ASSERT_TRUE(MatchModes(data, model, &matches, &error)) << error;
@@ -122,7 +112,6 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
     std::function<void(ModalData*)> spoil;
     const char* message;
   };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Bad> cases = {
       {[](ModalData* d) { d->modes.resize(4, d->modes[0]); }, "4 modes"},
       {[](ModalData* d) { d->modes[0].frequency = 0.0; }, "frequency"},
@@ -141,7 +130,8 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
        },
        "twice"},
       {[](ModalData* d) { d->modes[0].shape.setZero(); }, "zero"},
-      {[](ModalData* d) { d->modes[0] = Mode(1.0, {0}, {1.0}); }, "one DOF"},
+      {[](ModalData* d) { d->modes[0] = testing::Mode(1.0, {0}, {1.0}); },
+       "one DOF"},
       {[](ModalData* d) {
          d->form = ModalForm::kMac;
          d->modes[0].shape_sigma = 0.1;
@@ -154,12 +144,12 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
        "no sigma"},
       {[](ModalData* d) {
          d->form = ModalForm::kDynamicResidual;
-         d->modes[0] = Mode(1.0);
+         d->modes[0] = testing::Mode(1.0);
        },
        "needs its shape"},
   };
   ModalData good;
-  good.modes = {Mode(1.0, {0, 2}, {1.0, 0.5})};
+  good.modes = {testing::Mode(1.0, {0, 2}, {1.0, 0.5})};
   std::string error;
   ASSERT_TRUE(good.IsValid(3, &error)) << error;
   EXPECT_FALSE(good.HasSigmas());

@@ -6,13 +6,12 @@
 #include <limits>
 #include <sstream>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 // Frequencies that differ by less than this (relative, in w^2) are the same:
 // shapes carry the rounding of the matrices divided by it.

@@ -23,14 +23,14 @@ MultipleShooting::Options WithLoss(RobustLoss loss) {
   return options;
 }
 
-struct Setting {
+struct ShootingSetting {
   std::string name;
   Start start;
   int segment_samples;
   RobustLoss loss;
 };
 
-class ProjectedGradient : public ::testing::TestWithParam<Setting> {
+class ProjectedGradient : public ::testing::TestWithParam<ShootingSetting> {
  protected:
   // A shooting at its second linearisation, with multipliers that are not zero.
   static std::unique_ptr<MultipleShooting> LinearizeTwice(
@@ -110,15 +110,18 @@ TEST_P(ProjectedGradient, IsCloseWithStartsSolvedAsUsual) {
 INSTANTIATE_TEST_SUITE_P(
     All, ProjectedGradient,
     ::testing::Values(
-        Setting{"RestSingle", Start::kRest, 0, RobustLoss::kNone},
-        Setting{"KnownSingle", Start::kKnown, 0, RobustLoss::kNone},
-        Setting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
-        Setting{"RestSegments", Start::kRest, 7, RobustLoss::kNone},
-        Setting{"KnownSegments", Start::kKnown, 10, RobustLoss::kNone},
-        Setting{"FreeSegments", Start::kFree, 7, RobustLoss::kNone},
-        Setting{"FreeSegmentsHuber", Start::kFree, 7, RobustLoss::kHuber},
-        Setting{"FreeSegmentsCauchy", Start::kFree, 7, RobustLoss::kCauchy},
-        Setting{"RestSingleCauchy", Start::kRest, 0, RobustLoss::kCauchy}),
+        ShootingSetting{"RestSingle", Start::kRest, 0, RobustLoss::kNone},
+        ShootingSetting{"KnownSingle", Start::kKnown, 0, RobustLoss::kNone},
+        ShootingSetting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
+        ShootingSetting{"RestSegments", Start::kRest, 7, RobustLoss::kNone},
+        ShootingSetting{"KnownSegments", Start::kKnown, 10, RobustLoss::kNone},
+        ShootingSetting{"FreeSegments", Start::kFree, 7, RobustLoss::kNone},
+        ShootingSetting{"FreeSegmentsHuber", Start::kFree, 7,
+                        RobustLoss::kHuber},
+        ShootingSetting{"FreeSegmentsCauchy", Start::kFree, 7,
+                        RobustLoss::kCauchy},
+        ShootingSetting{"RestSingleCauchy", Start::kRest, 0,
+                        RobustLoss::kCauchy}),
     [](const auto& setting) { return setting.param.name; });
 
 // F and its Gauss-Newton normal equations over all starts and parameters, put
@@ -272,10 +275,10 @@ DenseSystem AssembleDense(const SmallFit& fit,
   return dense;
 }
 
-class DenseOracle : public ::testing::TestWithParam<Setting> {};
+class DenseOracle : public ::testing::TestWithParam<ShootingSetting> {};
 
 TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
-  const Setting& setting = GetParam();
+  const ShootingSetting& setting = GetParam();
   const SmallFit fit(setting.start);
   auto shooting =
       fit.Shoot(setting.segment_samples, MultipleShooting::Options());
@@ -336,12 +339,12 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, DenseOracle,
-    ::testing::Values(Setting{"Rest", Start::kRest, 7, RobustLoss::kNone},
-                      Setting{"Known", Start::kKnown, 9, RobustLoss::kNone},
-                      Setting{"Free", Start::kFree, 7, RobustLoss::kNone},
-                      Setting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
-                      Setting{"RestSingle", Start::kRest, 0,
-                              RobustLoss::kNone}),
+    ::testing::Values(
+        ShootingSetting{"Rest", Start::kRest, 7, RobustLoss::kNone},
+        ShootingSetting{"Known", Start::kKnown, 9, RobustLoss::kNone},
+        ShootingSetting{"Free", Start::kFree, 7, RobustLoss::kNone},
+        ShootingSetting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
+        ShootingSetting{"RestSingle", Start::kRest, 0, RobustLoss::kNone}),
     [](const auto& setting) { return setting.param.name; });
 
 TEST(MultipleShooting, StartsAreTheBestOnes) {
@@ -381,7 +384,7 @@ TEST(MultipleShooting, CutsRecordsEvenly) {
 }
 
 // What an evaluation depends on must not be remembered past a change of it.
-TEST(MultipleShooting, SettingsTakeEffectAtTheSamePoint) {
+TEST(MultipleShooting, ShootingSettingsTakeEffectAtTheSamePoint) {
   const SmallFit fit(Start::kFree);
   const auto fresh = [&fit](double mu, const Vector& decays) {
     auto shooting = fit.Shoot(7, MultipleShooting::Options());

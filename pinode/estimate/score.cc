@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/multiple_shooting.h"
@@ -13,8 +14,6 @@
 
 namespace pinode {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Share of a hold-out record from which its start is smoothed.
 constexpr double kStartShare = 0.05;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pinode/base/constants.h"
 #include "pinode/estimate/testing.h"
 
 namespace pinode {
@@ -130,7 +131,6 @@ TEST_F(SensorTest, FixedSensorParametersHaveNoColumn) {
 
 // A sine at a tenth of the sampling rate, a fraction of a sample late.
 TEST_F(SensorTest, ReproducesADelayedSine) {
-  constexpr double kTwoPi = 6.283185307179586;
   record_.channels[1].delay = 2;
   const ParameterLayout layout(problem_);
   for (double fraction : {-1.4, -0.5, 0.25, 0.5, 0.8, 3.3}) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/testing.h"
@@ -54,7 +55,6 @@ LawTerm MakeElement(const std::string& name, const std::string& type,
 }
 
 double Gaussian::Next() {
-  constexpr double kTwoPi = 6.283185307179586;
   const auto uniform = [this]() {
     return (static_cast<double>(random_() >> 11) + 0.5) * 0x1.0p-53;
   };
@@ -184,6 +184,17 @@ Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
     record->channels[c].values = values;
   }
   return trajectory.states;
+}
+
+MeasuredMode Mode(double frequency, std::vector<int> dofs,
+                  std::vector<double> shape) {
+  MeasuredMode mode;
+  mode.name = "m";
+  mode.frequency = frequency;
+  mode.dofs = std::move(dofs);
+  mode.shape =
+      Eigen::Map<const Vector>(shape.data(), static_cast<int>(shape.size()));
+  return mode;
 }
 
 Vector Differentiate(const std::function<Vector(double)>& function, double h) {

@@ -12,6 +12,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/measured_mode.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
 
@@ -60,6 +61,10 @@ MeasuredChannel MakeChannel(const std::string& name, Quantity quantity,
 Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
                 const Vector& start, double noise, uint64_t seed,
                 IdentificationRecord* record);
+
+// Measured at the given DOFs, or, without any, its frequency alone.
+MeasuredMode Mode(double frequency, std::vector<int> dofs = {},
+                  std::vector<double> shape = {});
 
 // Derivative of a function of one variable at zero: central differences at h,
 // h/2 and h/4, extrapolated twice (C. J. F. Ridders, Adv. Eng. Software 4

@@ -117,7 +117,7 @@ TEST(UnknownForcePrior, CostGradientAndHessianBelongTogether) {
 // A force that follows part of the noise leaves residuals that are not white,
 // which says nothing against the noise; noise with a memory does.
 TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
-  constexpr int kSamples = 600;
+  constexpr int kLength = 600;
   constexpr int kMany = 200;
   constexpr double kSigma = 0.02;
   for (const double memory : {0.0, 0.9}) {
@@ -143,12 +143,12 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
     IdentificationRecord record;
     record.name = "r";
     record.start = IdentificationRecord::Start::kRest;
-    record.excitation.emplace(0.0, 0.05, Matrix(0, kSamples),
+    record.excitation.emplace(0.0, 0.05, Matrix(0, kLength),
                               Interpolation::kLinear);
     MeasuredChannel channel;
     channel.observation = {"a", Quantity::kAbsoluteAcceleration,
                            Vector::Ones(1)};
-    channel.values.resize(kSamples);
+    channel.values.resize(kLength);
     testing::Gaussian random(5);
     double noise = 0.0;
     for (double& value : channel.values) {
@@ -160,7 +160,7 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
 
     const ParameterLayout layout(problem);
     MultipleShooting shooting(problem, layout, MultipleShooting::Options());
-    shooting.SetSegments(0, {Matrix::Zero(2, kSamples)});
+    shooting.SetSegments(0, {Matrix::Zero(2, kLength)});
     const std::vector<Vector> sigmas = {Vector::Constant(1, kSigma)};
     shooting.SetSigmas(sigmas);
     shooting.SetDecays(Vector::Constant(1, 500.0));

@@ -1,8 +1,8 @@
 #include "pinode/integrate/free_run.h"
 
 #include <cmath>
-#include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/integrate/rk4.h"
 
@@ -19,7 +19,6 @@ bool FreeRun(const StructuralDynamics& dynamics,
   CHECK_LE(first_sample, last_sample);
   CHECK_LT(last_sample, grid.num_samples());
   const int samples = last_sample - first_sample + 1;
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kLargest = 1e100;
 
   trajectory->first_sample = first_sample;

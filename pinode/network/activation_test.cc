@@ -9,6 +9,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/network/network_functor.h"
 
 namespace pinode {
@@ -94,7 +95,6 @@ TEST(Activation, TanhIsAccurateToAFewRoundings) {
 }
 
 TEST(Activation, SaturatesAndKeepsNaN) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double z[] = {kInfinity, -kInfinity};
   double value[2];
   double slope[2];

@@ -4,6 +4,7 @@
 #include <random>
 #include <string>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 
 namespace pinode {
@@ -20,7 +21,6 @@ class NormalGenerator {
       has_spare_ = false;
       return spare_;
     }
-    constexpr double kTwoPi = 6.283185307179586476925286766559;
     const double radius = std::sqrt(-2.0 * std::log(Uniform()));
     const double angle = kTwoPi * Uniform();
     spare_ = radius * std::sin(angle);

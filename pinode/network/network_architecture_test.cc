@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // The network of the four-degree-of-freedom example, eq. (14).
 NetworkArchitecture PaperNetwork() {

@@ -14,8 +14,8 @@
 namespace pinode {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 SavedNetwork Example() {
   SavedNetwork network;
@@ -58,7 +58,7 @@ void ExpectSame(const SavedNetwork& actual, const SavedNetwork& expected) {
 }
 
 TEST(NetworkJson, FileRoundTripIsExact) {
-  const std::string path = testing::TempDir() + "pinode_network_test.json";
+  const std::string path = ::testing::TempDir() + "pinode_network_test.json";
   std::string error;
   const SavedNetwork network = Example();
   ASSERT_TRUE(WriteNetwork(path, network, &error)) << error;
@@ -189,7 +189,8 @@ TEST(NetworkJson, MissingFileIsNamed) {
 }
 
 TEST(NetworkJson, InvalidNetworksAreNotWritten) {
-  const std::string path = testing::TempDir() + "pinode_network_bad_test.json";
+  const std::string path =
+      ::testing::TempDir() + "pinode_network_bad_test.json";
   std::string error;
   SavedNetwork network = Example();
   network.weights[4] = std::numeric_limits<double>::quiet_NaN();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
@@ -12,7 +13,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kLargestOrder = 10;
 // Histories that run through the recursion side by side: one alone is bound by
 // the latency of its own chain of additions.

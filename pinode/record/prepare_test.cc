@@ -1,18 +1,16 @@
 #include "pinode/record/prepare.h"
 
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Vector Make(std::initializer_list<double> values) {
   Vector result(static_cast<Eigen::Index>(values.size()));

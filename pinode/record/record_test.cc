@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Record MakeRecord() {
+Record FiveSamples() {
   Record record;
   record.name = "r";
   record.start_time = 2.0;
@@ -21,7 +21,7 @@ Record MakeRecord() {
 }
 
 TEST(RecordTest, Grid) {
-  const Record record = MakeRecord();
+  const Record record = FiveSamples();
   EXPECT_EQ(record.num_samples(), 5);
   EXPECT_DOUBLE_EQ(record.time(4), 4.0);
   EXPECT_DOUBLE_EQ(record.duration(), 2.0);
@@ -33,28 +33,28 @@ TEST(RecordTest, Grid) {
 
 TEST(RecordTest, SaysWhatIsWrong) {
   std::string error;
-  EXPECT_TRUE(MakeRecord().IsValid(&error)) << error;
+  EXPECT_TRUE(FiveSamples().IsValid(&error)) << error;
   auto expect_error = [](const Record& record, const char* expected) {
     std::string message;
     EXPECT_FALSE(record.IsValid(&message));
     EXPECT_THAT(message, HasSubstr(expected));
   };
-  Record record = MakeRecord();
+  Record record = FiveSamples();
   record.sampling_step = 0.0;
   expect_error(record, "record 'r': its sampling step 0 is not positive");
-  record = MakeRecord();
+  record = FiveSamples();
   record.start_time = std::numeric_limits<double>::infinity();
   expect_error(record, "start time");
-  record = MakeRecord();
+  record = FiveSamples();
   record.channels.clear();
   expect_error(record, "0 samples");
-  record = MakeRecord();
+  record = FiveSamples();
   record.channels[1].values = Vector::Zero(4);
   expect_error(record, "channel 'b' has 4 samples, channel 'a' has 5");
-  record = MakeRecord();
+  record = FiveSamples();
   record.channels[1].name = "a";
   expect_error(record, "two channels are named 'a'");
-  record = MakeRecord();
+  record = FiveSamples();
   record.channels[0].name = "";
   expect_error(record, "has no name");
 }

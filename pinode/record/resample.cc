@@ -4,17 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/record/prepare.h"
 
 namespace pinode {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kNumZeros = 32.0;
 constexpr double kCutoff = 0.92;
 // A new sample this close to an old one, in steps, is at its time.
-constexpr double kSameTime = 1e-9;
+constexpr double kSameInstant = 1e-9;
 
 double Sinc(double x) {
   return std::abs(x) < 1e-8 ? 1.0 : std::sin(kPi * x) / (kPi * x);
@@ -46,14 +46,14 @@ Vector Resample(const Vector& values, double step, double new_step) {
   CHECK_GT(values.size(), 1) << "at least two samples are needed";
   const std::ptrdiff_t last = values.size() - 1;
   const double ratio = new_step / step;
-  if (std::abs(ratio - 1.0) * static_cast<double>(last) < kSameTime) {
+  if (std::abs(ratio - 1.0) * static_cast<double>(last) < kSameInstant) {
     return values;
   }
   if (CountPresent(values) == 0) {
     // Nothing to draw a line through.
     return Vector::Constant(
         static_cast<Eigen::Index>(
-            std::floor(static_cast<double>(last) / ratio + kSameTime)) +
+            std::floor(static_cast<double>(last) / ratio + kSameInstant)) +
             1,
         std::numeric_limits<double>::quiet_NaN());
   }
@@ -63,7 +63,7 @@ Vector Resample(const Vector& values, double step, double new_step) {
   const double reach = kNumZeros / bandwidth;
 
   const auto num_new = static_cast<Eigen::Index>(std::floor(
-                           static_cast<double>(last) / ratio + kSameTime)) +
+                           static_cast<double>(last) / ratio + kSameInstant)) +
                        1;
   Vector result(num_new);
   for (Eigen::Index k = 0; k < num_new; ++k) {
@@ -71,7 +71,7 @@ Vector Resample(const Vector& values, double step, double new_step) {
     const double t =
         std::min(static_cast<double>(k) * ratio, static_cast<double>(last));
     const double nearest = std::round(t);
-    const bool on_sample = std::abs(t - nearest) < kSameTime * (1.0 + t);
+    const bool on_sample = std::abs(t - nearest) < kSameInstant * (1.0 + t);
     const auto before =
         static_cast<std::ptrdiff_t>(on_sample ? nearest : std::floor(t));
     const std::ptrdiff_t after = on_sample ? before : before + 1;

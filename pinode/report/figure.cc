@@ -976,14 +976,6 @@ Figure MakeConvergenceFigure(const ReportInput& input) {
 
 namespace {
 
-void ReplaceAll(const std::string& from, const std::string& to,
-                std::string* text) {
-  for (size_t at = text->find(from); at != std::string::npos;
-       at = text->find(from, at + to.size())) {
-    text->replace(at, from.size(), to);
-  }
-}
-
 // Removes everything from `begin` through the next `end`, everywhere.
 void RemoveSpans(const std::string& begin, const std::string& end,
                  std::string* text) {

@@ -20,6 +20,8 @@
 namespace pinode {
 namespace {
 
+using Align = TextTable::Align;
+
 #include "pinode/report/html_template.inc"
 
 namespace mustache = kainjow::mustache;
@@ -91,7 +93,7 @@ Data TableData(const TextTable& table, const std::vector<bool>& strong = {}) {
   for (const TextTable::Column& column : table.columns()) {
     Data header;
     header.set("header", column.header);
-    header.set("number", column.align == TextTable::Align::kDecimal);
+    header.set("number", column.align == Align::kDecimal);
     columns.push_back(header);
   }
   Data rows = List();
@@ -100,8 +102,7 @@ Data TableData(const TextTable& table, const std::vector<bool>& strong = {}) {
     Data cells = List();
     for (size_t c = 0; c < aligned[r].size(); ++c) {
       Data cell = Text(aligned[r][c]);
-      cell.set("number",
-               table.columns()[c].align == TextTable::Align::kDecimal);
+      cell.set("number", table.columns()[c].align == Align::kDecimal);
       cells.push_back(cell);
     }
     Data row;
@@ -175,7 +176,6 @@ std::string StartText(const IdentificationRecord& record) {
 
 // How each record entered the fit.
 TextTable MakeDataTable(const ReportInput& input) {
-  using Align = TextTable::Align;
   const std::string& time = input.units.time;
   TextTable table({{"record", Align::kLeft},
                    {"samples", Align::kDecimal},
@@ -460,15 +460,14 @@ class PageMaker {
             any_probability || std::isfinite(term.inclusion_probability);
       }
       std::vector<TextTable::Column> columns = {
-          {"term", TextTable::Align::kLeft},
-          {"coefficient", TextTable::Align::kDecimal},
-          {"95 %, \u00b1", TextTable::Align::kDecimal},
-          {"regressed", TextTable::Align::kDecimal}};
+          {"term", Align::kLeft},
+          {"coefficient", Align::kDecimal},
+          {"95 %, \u00b1", Align::kDecimal},
+          {"regressed", Align::kDecimal}};
       if (any_probability) {
-        columns.push_back(
-            {"inclusion probability", TextTable::Align::kDecimal});
+        columns.push_back({"inclusion probability", Align::kDecimal});
       }
-      columns.push_back({"unit", TextTable::Align::kLeft});
+      columns.push_back({"unit", Align::kLeft});
       TextTable table(std::move(columns));
       const auto number = [](double value, int digits) {
         return std::isfinite(value) ? ReadableNumber(value, digits)

@@ -38,14 +38,6 @@ std::string Fixed(double value, int decimals) {
   return Write(value, std::chars_format::fixed, decimals);
 }
 
-void ReplaceAll(const std::string& from, const std::string& to,
-                std::string* text) {
-  for (size_t at = text->find(from); at != std::string::npos;
-       at = text->find(from, at + to.size())) {
-    text->replace(at, from.size(), to);
-  }
-}
-
 }  // namespace
 
 std::string ReadableNumber(double value, int digits) {

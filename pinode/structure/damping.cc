@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
-namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
-
-}  // namespace
+namespace {}  // namespace
 
 Matrix RayleighDamping(const Matrix& mass, const Matrix& stiffness,
                        const RayleighCoefficients& coefficients) {

@@ -1,20 +1,18 @@
 #include "pinode/structure/damping.h"
 
 #include <cmath>
-#include <limits>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/structure/modal_analysis.h"
 #include "pinode/structure/structural_model.h"
+#include "pinode/structure/testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct MassAndStiffness {
   Matrix mass;
@@ -31,14 +29,6 @@ MassAndStiffness Frame() {
       200.0 * SpringMatrix(4, 1, 2) + 100.0 * SpringMatrix(4, 2, 3) +
       50.0 * SpringMatrix(4, 0, 3);
   return frame;
-}
-
-ModalProperties Modes(const Matrix& mass, const Matrix& damping,
-                      const Matrix& stiffness) {
-  ModalProperties modes;
-  std::string error;
-  EXPECT_TRUE(ComputeModes(mass, damping, stiffness, &modes, &error)) << error;
-  return modes;
 }
 
 TEST(RayleighDamping, GivesTheClosedFormRatioInEveryMode) {

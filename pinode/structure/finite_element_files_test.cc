@@ -1,16 +1,15 @@
 #include "pinode/structure/finite_element_files.h"
 
 #include <matio.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/temporary_folder_testing.h"
 #include "pinode/structure/matrix_market.h"
 #include "pinode/structure/sparse_modes.h"
 
@@ -27,38 +26,6 @@ namespace fs = std::filesystem;
 std::string Sample(const std::string& name) {
   return std::string(PINODE_SOURCE_DIR) + "/tests/fuzz/corpus/" + name;
 }
-
-std::string FileContent(const std::string& path) {
-  std::ostringstream content;
-  content << std::ifstream(path, std::ios::binary).rdbuf();
-  return content.str();
-}
-
-// A fresh folder, removed afterwards.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    // Tests of one program may run at the same time.
-    path_ = fs::path(::testing::TempDir()) /
-            ("pinode_finite_element_files_" + std::to_string(getpid()));
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  std::string Path(const std::string& name) const {
-    return (path_ / name).string();
-  }
-  std::string Write(const std::string& name, const std::string& content) {
-    std::ofstream(Path(name), std::ios::binary) << content;
-    return Path(name);
-  }
-
- private:
-  fs::path path_;
-};
 
 // The model of all samples.
 Matrix ExpectedStiffness() {

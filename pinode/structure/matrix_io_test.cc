@@ -1,64 +1,19 @@
 #include "pinode/structure/matrix_io.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <locale>
-#include <sstream>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-// A fresh folder, removed afterwards.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    // Tests of one program may run at the same time.
-    path_ = std::filesystem::path(::testing::TempDir()) /
-            ("pinode_matrix_io_" + std::to_string(getpid()));
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  std::string Path(const std::string& name) const {
-    return (path_ / name).string();
-  }
-
-  std::string Write(const std::string& name, const std::string& content) {
-    std::ofstream(Path(name), std::ios::binary) << content;
-    return Path(name);
-  }
-
-  int NumFiles() const {
-    int count = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(path_)) {
-      count += entry.exists() ? 1 : 0;
-    }
-    return count;
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
-std::string FileContent(const std::string& path) {
-  std::ostringstream content;
-  content << std::ifstream(path, std::ios::binary).rdbuf();
-  return content.str();
-}
 
 Matrix Expected2x3() {
   Matrix matrix(2, 3);

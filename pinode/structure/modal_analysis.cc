@@ -7,14 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/structure/assignment.h"
 
 namespace pinode {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 using ComplexVector = Eigen::VectorXcd;
 using ComplexMatrix = Eigen::MatrixXcd;

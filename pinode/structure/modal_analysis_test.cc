@@ -10,25 +10,17 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/structure/damping.h"
 #include "pinode/structure/matrix_io.h"
 #include "pinode/structure/structural_model.h"
+#include "pinode/structure/testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
-
-ModalProperties Modes(const Matrix& mass, const Matrix& damping,
-                      const Matrix& stiffness) {
-  ModalProperties modes;
-  std::string error;
-  EXPECT_TRUE(ComputeModes(mass, damping, stiffness, &modes, &error)) << error;
-  return modes;
-}
 
 Matrix Scalar(double value) { return Matrix::Constant(1, 1, value); }
 

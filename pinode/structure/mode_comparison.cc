@@ -1,7 +1,6 @@
 #include "pinode/structure/mode_comparison.h"
 
-#include <limits>
-
+#include "pinode/base/constants.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -16,7 +15,6 @@ bool CompareModes(const StructuralModel& initial,
                     error)) {
     return false;
   }
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::vector<int> partners =
       PairModes(before.mode_shapes, after.mode_shapes);
   pairs->clear();

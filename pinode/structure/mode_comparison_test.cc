@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "pinode/base/constants.h"
+
 namespace pinode {
 namespace {
 
@@ -22,7 +24,6 @@ TEST(ModeComparison, FollowsModesThatChangePlaces) {
       CompareModes(TwoMasses(1.0, 4.0), TwoMasses(9.0, 4.0), &pairs, &error))
       << error;
   ASSERT_EQ(pairs.size(), 2u);
-  constexpr double kTwoPi = 6.283185307179586;
   EXPECT_NEAR(pairs[0].initial_frequency, 1.0 / kTwoPi, 1e-12);
   EXPECT_NEAR(pairs[0].updated_frequency, 3.0 / kTwoPi, 1e-12);
   EXPECT_NEAR(pairs[1].updated_frequency, 2.0 / kTwoPi, 1e-12);

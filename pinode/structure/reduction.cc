@@ -198,7 +198,7 @@ bool SerepBasis(const Partition& partition, const Matrix& shapes, Matrix* basis,
 
 // Modes first .. last - 1 of the whole model have one frequency, to this: any
 // mixture of them is as much a mode as they are.
-constexpr double kClusterWidth = 1e-6;
+constexpr double kSameFrequency = 1e-6;
 
 // Part of an elastic frequency that rounding may leave in the place of zero:
 // its square is that of eigenvalues.
@@ -207,7 +207,7 @@ constexpr double kRounding = 1e-5;
 int ClusterEnd(const Vector& eigenvalues, int first, int count) {
   int last = first + 1;
   while (last < count && eigenvalues[last] - eigenvalues[last - 1] <=
-                             kClusterWidth * std::abs(eigenvalues[last])) {
+                             kSameFrequency * std::abs(eigenvalues[last])) {
     ++last;
   }
   return last;

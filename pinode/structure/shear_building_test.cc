@@ -5,14 +5,13 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 ShearBuilding ThreeStoreys() {
   ShearBuilding building;

@@ -11,6 +11,7 @@
 #include <memory>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/shifted_factors.h"
@@ -18,7 +19,6 @@
 namespace pinode {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // What each mode is held to.

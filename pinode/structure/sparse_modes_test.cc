@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -12,8 +13,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 

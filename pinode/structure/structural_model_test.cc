@@ -1,18 +1,15 @@
 #include "pinode/structure/structural_model.h"
 
 #include <functional>
-#include <limits>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Three masses in a row, the first one on the ground.
 StructuralModel Chain() {

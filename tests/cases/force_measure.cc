@@ -12,13 +12,13 @@
 #include <utility>
 
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/estimate/score.h"
 
 namespace pinode {
 namespace testing {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
 const char kFolder[] = "data/three_storey_force/";
 
 nlohmann::json ReadTruth() {

@@ -24,11 +24,6 @@
 namespace pinode {
 namespace testing {
 
-// Of every response that is scored.
-inline constexpr double kRateHz = 256.0;
-// The records that train end here; their responses go on for 10 s.
-inline constexpr double kTrainingSeconds = 20.0;
-
 // `held` is `asked`, or what is reached where that is out of reach;
 // data/README.md says why.
 inline void ExpectFigure(const std::string& what, double asked, double held,

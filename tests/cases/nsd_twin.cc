@@ -18,9 +18,7 @@ namespace pinode {
 namespace testing {
 namespace {
 
-constexpr double kRateHz = 256.0;
 constexpr double kSeconds = 30.0;
-constexpr double kTrainingSeconds = 20.0;
 constexpr double kGravity = 386.0;  // in/s^2
 constexpr double kDisplacementNoise = 0.002;
 constexpr double kAccelerationNoise = 0.01;  // of the standard deviation

@@ -11,6 +11,11 @@
 namespace pinode {
 namespace testing {
 
+// Of every response that is written or scored.
+inline constexpr double kRateHz = 256.0;
+// The records that train end here; their responses go on for 10 s.
+inline constexpr double kTrainingSeconds = 20.0;
+
 // M a + C v + K x + e1 f(x1) = -M 1 ag,  f = k (x1 - clamp(x1, -gap, gap)).
 //
 // Linear outside, inside and on the other side of the gap, so that the response
