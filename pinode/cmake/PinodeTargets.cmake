@@ -34,6 +34,13 @@ function(pinode_private_flags target)
   endif()
 endfunction()
 
+# Sources of one folder at a time: what stands in their unnamed namespaces must
+# not clash.
+function(pinode_unity_build target)
+  set_target_properties(${target} PROPERTIES
+    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 function(pinode_add_unit_test name folder label libraries)
   add_executable(${name} ${ARGN})
   target_link_libraries(${name} PRIVATE
@@ -42,6 +49,9 @@ function(pinode_add_unit_test name folder label libraries)
   target_compile_definitions(${name} PRIVATE
     PINODE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   pinode_private_flags(${name})
+  if(PINODE_UNITY_TESTS)
+    pinode_unity_build(${name})
+  endif()
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES
     PROPERTIES LABELS ${label} DISCOVERY_TIMEOUT 60)
 endfunction()
@@ -69,6 +79,9 @@ function(pinode_add_floor folder)
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_link_libraries(${target} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE})
   pinode_private_flags(${target})
+  if(PINODE_UNITY_LIBRARY)
+    pinode_unity_build(${target})
+  endif()
   set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
   install(TARGETS ${target} EXPORT pinodeTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
