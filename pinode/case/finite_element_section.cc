@@ -285,20 +285,16 @@ class SectionReader {
     section_->is_reduced = model_table_.Has("reduction");
     options.method = ReductionMethod::kGuyan;
     if (!section_->is_reduced) return true;
-    if (!reduction_.RequireKey("method", "guyan, serep or craig_bampton")) {
+    if (!reduction_.RequireKey("method",
+                               "guyan, serep, craig_bampton or modal")) {
       return false;
     }
     const std::string method = reduction_.String("method");
-    if (method == "modal") {
-      return reduction_.Fail(
-          "method",
-          "'modal' keeps no DOF that a sensor could be at; expected guyan, "
-          "serep (exact modes at the kept DOFs) or craig_bampton");
-    }
     for (const MethodName& entry : kMethods) {
       if (method == entry.name) options.method = entry.method;
     }
-    reduction_.Choice("method", {"guyan", "serep", "craig_bampton"}, method);
+    reduction_.Choice("method", {"guyan", "serep", "craig_bampton", "modal"},
+                      method);
     options.num_modes = reduction_.Integer("modes", 0, 0);
     options.num_compared_modes =
         reduction_.Integer("compare", options.num_compared_modes, 1);
@@ -383,7 +379,7 @@ class SectionReader {
     return true;
   }
 
-  // q1, q2, ... of Craig and Bampton.
+  // q1, q2, ... of modes.
   bool IsModeName(const std::string& name) const {
     if (section_->model.DofIndex(name) >= 0 || name.size() < 2 ||
         name[0] != 'q') {

@@ -238,6 +238,24 @@ TEST_F(FiniteElementSectionTest, CraigBamptonAddsCoordinates) {
   EXPECT_LT(c.finite_element->reduced.frequency_error.maxCoeff(), 0.02);
 }
 
+TEST_F(FiniteElementSectionTest, ModalTruncationHasSensorsToo) {
+  const std::string text = Replaced(
+      kCase, "method = \"guyan\"",
+      "method = \"modal\"\nmodes = 4\nkeep = [\"8.1\", \"4.1\"]\ncompare = 4");
+  Case c = ReadOrFail(text);
+  EXPECT_THAT(c.problem.dynamics->model().dof_names,
+              ElementsAre("8.1", "4.1", "q1", "q2"));
+  ASSERT_EQ(c.finite_element->reduced.mac.size(), 4);
+  EXPECT_LT(c.finite_element->reduced.frequency_error.cwiseAbs().maxCoeff(),
+            1e-9);
+  // There are four coordinates, and not four more.
+  const std::string path = folder_.Write(
+      "case.toml", Replaced(text, "dof = \"8.1\"", "dof = \"q3\""));
+  std::string error;
+  EXPECT_FALSE(ReadCase(path, &c, &error));
+  EXPECT_THAT(error, HasSubstr("'q3'"));
+}
+
 TEST_F(FiniteElementSectionTest, SmallModelsMayStayWhole) {
   const Case c = ReadOrFail(
       Replaced(kCase, "[model.reduction]\nmethod = \"guyan\"\n", ""));
@@ -301,7 +319,9 @@ TEST_F(FiniteElementSectionTest, RefusesMapsThatDoNotMatch) {
 
 TEST_F(FiniteElementSectionTest, RefusesKeysThatDoNotFit) {
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"modal\""),
-              HasSubstr("keeps no DOF"));
+              HasSubstr("at least 1 was expected"));
+  EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"modal\"\nmodes = 1"),
+              HasSubstr("2 DOFs are kept, and 1 modes"));
   EXPECT_THAT(
       Refusal("method = \"guyan\"", "method = \"guyan\"\nexpand = [\"9.1\"]"),
       HasSubstr(":12: [model.reduction]: '9.1' is not a DOF"));

@@ -20,7 +20,7 @@ namespace pinode {
 namespace {
 
 // Modes at the kept DOFs count as independent above this ratio of singular
-// values; below, SEREP's T magnifies rounding and noise a million times.
+// values; below, T magnifies rounding and noise a million times.
 constexpr double kSmallestObservability = 1e-6;
 
 // Positions of the kept DOFs, and of all others in ascending order.
@@ -196,6 +196,53 @@ bool SerepBasis(const Partition& partition, const Matrix& shapes, Matrix* basis,
   return true;
 }
 
+// W of kModal: modes to coordinates. Its first columns move one kept DOF by one
+// and the others not at all, with the least of the modes; the rest,
+// orthonormal, move none.
+bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
+                      Matrix* modes_of_coordinates, std::string* error) {
+  const Eigen::Index num_modes = shapes.cols();
+  const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
+  if (num_kept > num_modes) {
+    *error = std::to_string(num_kept) + " DOFs are kept, and " +
+             std::to_string(num_modes) +
+             " modes cannot move them independently; keep fewer, or take more "
+             "modes";
+    return false;
+  }
+  Matrix at_kept(num_kept, num_modes);
+  Vector size(num_kept);
+  for (Eigen::Index i = 0; i < num_kept; ++i) {
+    at_kept.row(i) = shapes.row(partition.kept[static_cast<size_t>(i)]);
+    size[i] = at_kept.row(i).norm();
+  }
+  // Rows of one size, so that the units of translations and rotations do not
+  // matter; a DOF that the modes hardly move is none of theirs.
+  bool independent =
+      size.minCoeff() > kSmallestObservability * shapes.cwiseAbs().maxCoeff();
+  Eigen::JacobiSVD<Matrix> svd;
+  if (independent) {
+    svd.compute(size.cwiseInverse().asDiagonal() * at_kept,
+                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    independent = svd.singularValues()[num_kept - 1] >
+                  kSmallestObservability * svd.singularValues()[0];
+  }
+  if (!independent) {
+    *error = "the " + std::to_string(num_modes) +
+             " lowest modes do not move the kept DOFs independently; keep "
+             "fewer or others, or take more modes";
+    return false;
+  }
+  modes_of_coordinates->resize(num_modes, num_modes);
+  modes_of_coordinates->leftCols(num_kept) =
+      svd.matrixV().leftCols(num_kept) *
+      svd.singularValues().cwiseInverse().asDiagonal() *
+      svd.matrixU().transpose() * size.cwiseInverse().asDiagonal();
+  modes_of_coordinates->rightCols(num_modes - num_kept) =
+      svd.matrixV().rightCols(num_modes - num_kept);
+  return true;
+}
+
 // Modes first .. last - 1 of the whole model have one frequency, to this: any
 // mixture of them is as much a mode as they are.
 constexpr double kSameFrequency = 1e-6;
@@ -280,9 +327,8 @@ bool CheckOptions(const FiniteElementModel& model,
   const bool modal = options.method == ReductionMethod::kModal;
   const bool uses_modes =
       modal || options.method == ReductionMethod::kCraigBampton;
-  if (modal != options.kept_dofs.empty()) {
-    *error = modal ? "kept DOFs are named, and modal truncation keeps none"
-                   : "no kept DOFs are named, and at least one was expected";
+  if (!modal && options.kept_dofs.empty()) {
+    *error = "no kept DOFs are named, and at least one was expected";
     return false;
   }
   const int least = modal ? 1 : 0;
@@ -343,6 +389,8 @@ bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
   }
   result.coordinate_names = options.kept_dofs;
   result.kept_dofs = partition.kept;
+  Matrix modes_of_coordinates =
+      Matrix::Identity(options.num_modes, options.num_modes);
   bool good = true;
   switch (options.method) {
     case ReductionMethod::kGuyan:
@@ -360,20 +408,26 @@ bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
                  std::to_string(whole.eigenvalues.size());
         good = false;
       } else {
-        result.basis = whole.mode_shapes.leftCols(options.num_modes);
+        const Matrix shapes = whole.mode_shapes.leftCols(options.num_modes);
+        good = num_kept == 0 || ModalCoordinates(partition, shapes,
+                                                 &modes_of_coordinates, error);
+        result.basis = shapes * modes_of_coordinates;
       }
       break;
   }
   if (!good) return false;
   const std::string prefix = ModePrefix(options);
-  for (int i = 1; i <= options.num_modes; ++i) {
+  for (int i = 1; num_kept + i <= result.basis.cols(); ++i) {
     result.coordinate_names.push_back(prefix + std::to_string(i));
   }
   if (options.method == ReductionMethod::kModal) {
-    // What the products would be without rounding, which makes of a rigid-body
-    // mode one that hangs on the last digit.
-    result.mass = Matrix::Identity(options.num_modes, options.num_modes);
-    result.stiffness = whole.eigenvalues.head(options.num_modes).asDiagonal();
+    // What the products would be without the rounding of sums over all DOFs,
+    // which makes of a rigid-body mode one that hangs on the last digit.
+    const Matrix& w = modes_of_coordinates;
+    result.mass = SymmetricPart(w.transpose() * w);
+    result.stiffness = SymmetricPart(
+        w.transpose() * whole.eigenvalues.head(options.num_modes).asDiagonal() *
+        w);
   } else {
     result.mass = ReduceMatrix(model.mass, result.basis);
     result.stiffness = ReduceMatrix(model.stiffness, result.basis);

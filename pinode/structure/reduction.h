@@ -28,15 +28,20 @@ enum class ReductionMethod {
   // C. C. Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6
   // (1968) 1313-1319.
   kCraigBampton,
-  // x = Phi r: modes alone.
+  // x = Phi W r: the lowest modes and nothing else. Without kept DOFs W = I;
+  // with a of them, no more than there are modes, W makes them the first a
+  // coordinates, the others are what the modes can do while those stand still.
+  // With as many DOFs as modes this is SEREP.
   kModal,
 };
 
 struct ReductionOptions {
   ReductionMethod method = ReductionMethod::kCraigBampton;
-  // DOFs that stay coordinates: sensors, forces, interfaces. None for kModal.
+  // DOFs that stay coordinates: sensors, forces, interfaces. At least one but
+  // for kModal.
   std::vector<std::string> kept_dofs;
-  // Modes that become coordinates (kCraigBampton, kModal).
+  // Modes that become coordinates (kCraigBampton), or that the coordinates have
+  // in all (kModal).
   int num_modes = 0;
   // Lowest modes of the whole model that the reduced one is held against; fewer
   // if it has fewer.
@@ -72,7 +77,8 @@ struct ReducedModel {
 // Reduces a valid model. Fails, with *reduced untouched, if a kept DOF does not
 // exist or is named twice, if the options ask for nothing or too much, if the
 // other DOFs can move without stiffness while the kept ones are held, or if the
-// kept DOFs cannot tell the modes apart (kSerep).
+// kept DOFs cannot tell the modes apart (kSerep) or the modes do not move each
+// of them by itself (kModal).
 [[nodiscard]] bool ReduceModel(const FiniteElementModel& model,
                                const ReductionOptions& options,
                                ReducedModel* reduced, std::string* error);

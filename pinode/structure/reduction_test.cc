@@ -75,6 +75,43 @@ TEST(ReduceModel, ModalTruncationKeepsItsModes) {
   EXPECT_GT(reduced.mac.minCoeff(), 1.0 - 1e-10);
 }
 
+// The same modes, with sensors for coordinates.
+TEST(ReduceModel, ModalTruncationKeepsDofsToo) {
+  const FiniteElementModel model = Chain(40, true);
+  const std::vector<std::string> kept = {"u40", "u13", "u26", "u5"};
+  for (const int num_modes : {4, 6}) {
+    ReductionOptions options =
+        Options(ReductionMethod::kModal, kept, num_modes);
+    options.num_compared_modes = num_modes;
+    const ReducedModel reduced = ReduceOrFail(model, options);
+    ASSERT_EQ(reduced.coordinate_names.size(), num_modes);
+    for (int i = 0; i < 4; ++i) {
+      const std::string& name = kept[static_cast<size_t>(i)];
+      EXPECT_EQ(reduced.coordinate_names[static_cast<size_t>(i)], name);
+      EXPECT_LT((reduced.basis.row(model.DofIndex(name)) -
+                 RowVector::Unit(num_modes, i))
+                    .norm(),
+                1e-10);
+    }
+    if (num_modes == 6) {
+      EXPECT_EQ(reduced.coordinate_names[5], "q2");
+    }
+    EXPECT_LT((ReduceMatrix(model.mass, reduced.basis) - reduced.mass).norm(),
+              1e-10 * reduced.mass.norm());
+    EXPECT_LT((ReduceMatrix(model.stiffness, reduced.basis) - reduced.stiffness)
+                  .norm(),
+              1e-10 * reduced.stiffness.norm());
+    ASSERT_EQ(reduced.frequency_error.size(), num_modes);
+    EXPECT_LT(reduced.frequency_error.cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_GT(reduced.mac.minCoeff(), 1.0 - 1e-9);
+  }
+  const ReducedModel serep =
+      ReduceOrFail(model, Options(ReductionMethod::kSerep, kept, 0));
+  const ReducedModel modal =
+      ReduceOrFail(model, Options(ReductionMethod::kModal, kept, 4));
+  EXPECT_LT((serep.basis - modal.basis).norm(), 1e-9 * serep.basis.norm());
+}
+
 TEST(ReduceModel, SerepKeepsAsManyModesAsDofs) {
   const FiniteElementModel model = Chain(40, true);
   ReductionOptions options =
@@ -260,12 +297,11 @@ TEST(ReduceModel, RigidBodyModesStayAtZero) {
   for (const ReductionMethod method :
        {ReductionMethod::kGuyan, ReductionMethod::kSerep,
         ReductionMethod::kCraigBampton, ReductionMethod::kModal}) {
-    const bool modal = method == ReductionMethod::kModal;
     ReductionOptions options =
-        Options(method,
-                modal ? std::vector<std::string>{}
-                      : std::vector<std::string>{"u1", "u10", "u20", "u30"},
-                modal || method == ReductionMethod::kCraigBampton ? 4 : 0);
+        Options(method, {"u1", "u10", "u20", "u30"},
+                method == ReductionMethod::kModal          ? 5
+                : method == ReductionMethod::kCraigBampton ? 4
+                                                           : 0);
     options.num_compared_modes = 3;
     const ReducedModel reduced = ReduceOrFail(model, options);
     ASSERT_EQ(reduced.frequency_error.size(), 3);
@@ -324,8 +360,15 @@ TEST(ReduceModel, RefusesWhatCannotBe) {
               HasSubstr("at least one"));
   EXPECT_THAT(ErrorOf(model, Options(ReductionMethod::kGuyan, {"u1"}, 2)),
               HasSubstr("none was expected"));
-  EXPECT_THAT(ErrorOf(model, Options(ReductionMethod::kModal, {"u1"}, 2)),
-              HasSubstr("keeps none"));
+  EXPECT_THAT(
+      ErrorOf(model, Options(ReductionMethod::kModal, {"u1", "u2", "u3"}, 2)),
+      HasSubstr("3 DOFs are kept, and 2 modes cannot"));
+  // Two ends of a bar without mass of its own.
+  FiniteElementModel stiff = Chain(10, true);
+  for (const int i : {5, 6}) stiff.stiffness.coeffRef(i, i) += 1e9;
+  stiff.stiffness.coeffRef(5, 6) = stiff.stiffness.coeffRef(6, 5) = -1e9;
+  EXPECT_THAT(ErrorOf(stiff, Options(ReductionMethod::kModal, {"u6", "u7"}, 3)),
+              HasSubstr("do not move the kept DOFs independently"));
   EXPECT_THAT(ErrorOf(model, Options(ReductionMethod::kModal, {}, 0)),
               HasSubstr("at least 1"));
   EXPECT_THAT(ErrorOf(model, Options(ReductionMethod::kModal, {}, 11)),
