@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/report/number_text.h"
+#include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
@@ -24,9 +26,47 @@ const IdentificationRecord& RecordAt(const ReportInput& input, int record) {
   return input.problem->records.at(static_cast<size_t>(record));
 }
 
+// That the structure found gains energy by itself, and what prevents it; empty
+// where it does not.
+std::string Instability(const ReportInput& input) {
+  CHECK(input.problem != nullptr) << "a report needs the problem";
+  const StructuralDynamics& dynamics = *input.problem->dynamics;
+  if (input.model == nullptr ||
+      input.model->parameters.size() < dynamics.num_parameters()) {
+    return "";
+  }
+  const StructuralModel model = dynamics.CorrectedModel(
+      input.model->parameters.head(dynamics.num_parameters()));
+  const Eigen::VectorXcd values =
+      StateEigenvalues(model.mass, model.damping, model.stiffness);
+  Eigen::Index fastest = 0;
+  const double growth = values.real().maxCoeff(&fastest);
+  // Motions that neither grow nor decay do a little of either by rounding.
+  if (!(growth > 1e-9 * values.cwiseAbs().maxCoeff())) return "";
+  const double frequency = std::abs(values[fastest].imag()) / kTwoPi;
+  std::string motion = "a motion";
+  std::string cause = "damping";
+  if (frequency > 0.0) {
+    motion += " at " +
+              ReadableNumber(frequency * input.hz_per_model_frequency, 4) +
+              " Hz";
+  } else {
+    UndampedModes modes;
+    std::string unused;
+    if (ComputeUndampedModes(model.mass, model.stiffness, &modes, &unused) &&
+        modes.eigenvalues[0] < 0.0) {
+      cause = "stiffness";
+    }
+  }
+  return motion + " has negative " + cause +
+         " in the matrices found ('lower' or 'prior_sigma' of the groups of "
+         "that matrix can prevent it)";
+}
+
 // Why a result is not usable: every record that speaks against it, else what
 // the solver says.
-std::vector<std::string> Objections(const IdentificationSummary& summary) {
+std::vector<std::string> Objections(const ReportInput& input) {
+  const IdentificationSummary& summary = *input.summary;
   if (summary.termination == Termination::kFailure) return {summary.message};
   std::vector<std::string> objections;
   for (const RecordScore& record : summary.records) {
@@ -42,6 +82,11 @@ std::vector<std::string> Objections(const IdentificationSummary& summary) {
           PercentOf(record.nrmse) + ", the prior model's " +
           PercentOf(record.prior_nrmse));
     }
+  }
+  if (std::any_of(summary.records.begin(), summary.records.end(),
+                  [](const RecordScore& record) { return !record.finite; })) {
+    const std::string instability = Instability(input);
+    if (!instability.empty()) objections.push_back(instability);
   }
   if (objections.empty()) {
     objections.push_back(summary.message);
@@ -84,7 +129,7 @@ std::string Verdict(const ReportInput& input) {
   CHECK(input.summary != nullptr) << "a report needs the summary";
   const IdentificationSummary& summary = *input.summary;
   if (!summary.usable) {
-    return "Not usable: " + Join(Objections(summary), "; ") + ".";
+    return "Not usable: " + Join(Objections(input), "; ") + ".";
   }
   std::vector<std::string> holdouts;
   const RecordScore* worst_training = nullptr;

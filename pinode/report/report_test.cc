@@ -67,6 +67,23 @@ TEST(Verdict, NamesEveryObjection) {
             "converge.");
 }
 
+TEST(Verdict, SaysThatTheMatricesGainEnergy) {
+  const auto example = testing::MakeReportExample();
+  example->summary.usable = false;
+  example->summary.records[0].finite = false;
+  EXPECT_THAT(Verdict(example->input), Not(HasSubstr("matrices")));
+  // The damping's factor is 1 + c: the highest of three modes, all negatively
+  // damped, grows fastest.
+  example->model.parameters[3] = -2.0;
+  EXPECT_THAT(Verdict(example->input),
+              HasSubstr("does not stay finite; a motion at 10.98 Hz has "
+                        "negative damping in the matrices found"));
+  // As a parameter of the stiffness does: k1 alone holds the frame.
+  example->model.parameters[3] = 0.0;
+  example->model.parameters[0] = -1.5;
+  EXPECT_THAT(Verdict(example->input), HasSubstr("has negative stiffness"));
+}
+
 TEST(Verdict, OfAFailureIsItsMessage) {
   const auto example = testing::MakeReportExample();
   example->summary = IdentificationSummary();
