@@ -22,9 +22,12 @@ namespace pinode {
 namespace testing {
 namespace {
 
-// What is asked is asked of so many runs, and held in each set of them. One may
-// have twice the false alarms of another; more than one tell the rate.
+// What is asked is asked of so many runs. Of an exact test one such set in 42
+// has more than 16 false alarms, of an exact interval one in 30 leaves 92 to
+// 98 %, and there are six intervals: a set says little. Held is the rate over
+// all sets; each set's figure is reported beside it.
 constexpr int kRunsOfASet = 200;
+constexpr double kMostFalseAlarms = 100.0 * 16 / kRunsOfASet;  // %
 constexpr int kStoreys = 3;
 const char* const kGroups[] = {"k1", "k2", "k3", "c_mass", "c_stiffness"};
 
@@ -179,13 +182,13 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
     ReportFigure(what + "healthy runs with a false alarm, runs " +
                      std::to_string(last - kRunsOfASet + 1) + " to " +
                      std::to_string(last),
-                 AtMost(16), alarms[set]);
-    EXPECT_LE(alarms[set], 16);
+                 Nothing(), alarms[set]);
   }
-  const double mean_alarms =
-      std::accumulate(alarms.begin(), alarms.end(), 0.0) / setting.num_sets;
-  ReportFigure(what + "healthy runs with a false alarm, mean of the sets",
-               Nothing(), mean_alarms);
+  const double false_alarms =
+      100.0 * std::accumulate(alarms.begin(), alarms.end(), 0) / num_runs;
+  ReportFigure(what + "healthy runs with a false alarm, %",
+               AtMost(kMostFalseAlarms), false_alarms);
+  EXPECT_LE(false_alarms, kMostFalseAlarms);
   for (const bool with_damage : {false, true}) {
     for (int storey = 0; storey < kStoreys; ++storey) {
       std::vector<int> covered(alarms.size(), 0);
@@ -198,16 +201,18 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
         covered[r / kRunsOfASet] +=
             group.lower95 <= truth && truth <= group.upper95;
       }
+      const std::string which = what + kGroups[storey] +
+                                (with_damage ? ", damaged" : ", healthy") +
+                                ", 95 % intervals that hold the truth, %";
       for (size_t set = 0; set < covered.size(); ++set) {
-        const double percent = 100.0 * covered[set] / kRunsOfASet;
-        ReportFigure(what + kGroups[storey] +
-                         (with_damage ? ", damaged" : ", healthy") + ", set " +
-                         std::to_string(set + 1) +
-                         ", 95 % intervals that hold the truth, %",
-                     Between(92, 98), percent);
-        EXPECT_GE(percent, 92.0) << kGroups[storey] << ", set " << set + 1;
-        EXPECT_LE(percent, 98.0) << kGroups[storey] << ", set " << set + 1;
+        ReportFigure(which + ", set " + std::to_string(set + 1), Nothing(),
+                     100.0 * covered[set] / kRunsOfASet);
       }
+      const double percent =
+          100.0 * std::accumulate(covered.begin(), covered.end(), 0) / num_runs;
+      ReportFigure(which, Between(92, 98), percent);
+      EXPECT_GE(percent, 92.0) << which;
+      EXPECT_LE(percent, 98.0) << which;
     }
   }
 }
@@ -215,9 +220,9 @@ TEST_P(DamageStudy, PowerFalseAlarmsAndCoverage) {
 INSTANTIATE_TEST_SUITE_P(
     ThreeStorey, DamageStudy,
     ::testing::Values(Setting{"5 % output noise", "three_storey", 0.05, 0.0,
-                              false, true, 2},
+                              false, true, 5},
                       Setting{"5 % output and 2 % ground noise", "noisy_ground",
-                              0.05, 0.02, false, false, 2},
+                              0.05, 0.02, false, false, 4},
                       Setting{"roof alone, 2 % loss", "three_storey", 0.05, 0.0,
                               true, false, 1}),
     [](const ::testing::TestParamInfo<Setting>& setting) {
