@@ -1,6 +1,7 @@
 #include "apps/fitting.h"
 
 #include <cstdio>
+#include <utility>
 
 #include "apps/program.h"
 #include "apps/progress_line.h"
@@ -15,14 +16,24 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
              IdentifiedModel* model, std::string* error) {
   Checkpoint checkpoint;
   if (!folder.resume_path().empty()) {
-    if (!ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error)) {
+    if (!ReadCheckpoint(folder.resume_path(), *c, &checkpoint, error)) {
       return false;
     }
     begin_from = &checkpoint.model;
+    // In the basis of what was found; where it has none, in that of the export.
+    if (RenewsBasis(*c)) {
+      Case renewed;
+      IdentifiedModel begin;
+      std::string unused;
+      if (RenewBasis(*c, checkpoint.model, &renewed, &begin, &unused)) {
+        *c = std::move(renewed);
+        checkpoint.model = std::move(begin);
+      }
+    }
   }
   CatchInterrupts();
   ProgressLine line(show_progress);
-  CheckpointWriter writer(c->problem, folder.checkpoint_path());
+  CheckpointWriter writer(CaseHash(*c), folder.checkpoint_path());
   bool warned = false;
   IdentificationOptions options = c->options;
   options.callback = [&](const IdentificationProgress& progress) {

@@ -18,7 +18,8 @@ namespace pinode {
 // use: nothing has been done then.
 //
 // Where the case renews the basis of its reduction, it is fitted again with
-// that of the values found; *c is then the case with the last one.
+// that of the values found, and begins in that of a checkpoint's values; *c is
+// then the case with the last one.
 [[nodiscard]] bool FitCase(const ResultFolder& folder,
                            const IdentifiedModel* begin_from,
                            bool show_progress, Case* c,

@@ -30,6 +30,7 @@
 #include "pinode/case/discover_files.h"
 #include "pinode/case/discovered_case.h"
 #include "pinode/case/model_case.h"
+#include "pinode/case/renewed_basis.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/discover/discovery.h"
@@ -78,8 +79,11 @@ int main(int argc, char** argv) {
                   FLAGS_case + ", expected none");
   }
   Checkpoint checkpoint;
-  if (from_networks && !ReadCheckpoint(FLAGS_model + "/checkpoint.json",
-                                       c.problem, &checkpoint, &error)) {
+  if (from_networks &&
+      (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c, &checkpoint,
+                       &error) ||
+       (RenewsBasis(c) &&
+        !RenewBasis(c, checkpoint.model, &c, &checkpoint.model, &error)))) {
     return Refuse(error);
   }
 
@@ -96,7 +100,7 @@ int main(int argc, char** argv) {
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
     return Refuse(error);
   }
-  const std::string problem_hash = ProblemHash(c.problem);
+  const std::string problem_hash = CaseHash(c);
   std::vector<DiscoveredEquation> resumed;
   if (!folder.resume_path().empty() &&
       !ReadDiscoverCheckpoint(folder.resume_path(), problem_hash, equations,

@@ -78,6 +78,10 @@ struct Case {
   // (finite_element_section.h); null where the case has none.
   std::shared_ptr<const FiniteElementCase> finite_element;
 
+  // Of a case whose basis has been renewed (renewed_basis.h), the hash of what
+  // was read (checkpoint.h), by which its results are known; else empty.
+  std::string renewed_from;
+
   // As far as the case file names any.
   std::vector<ForceTruth> force_truths;
 

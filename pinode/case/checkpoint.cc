@@ -190,6 +190,10 @@ std::string ProblemHash(const IdentificationProblem& problem) {
   return hash.Text();
 }
 
+std::string CaseHash(const Case& c) {
+  return c.renewed_from.empty() ? ProblemHash(c.problem) : c.renewed_from;
+}
+
 bool WriteCheckpoint(const std::string& path, const std::string& problem_hash,
                      const Checkpoint& checkpoint, std::string* error) {
   Json json;
@@ -205,9 +209,9 @@ bool WriteCheckpoint(const std::string& path, const std::string& problem_hash,
   return WriteFileAtomically(path, json.dump() + "\n", error);
 }
 
-bool ReadCheckpoint(const std::string& path,
-                    const IdentificationProblem& problem,
+bool ReadCheckpoint(const std::string& path, const Case& c,
                     Checkpoint* checkpoint, std::string* error) {
+  const IdentificationProblem& problem = c.problem;
   std::string text;
   if (!ReadTextFile(path, &text, error)) return false;
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
@@ -218,7 +222,7 @@ bool ReadCheckpoint(const std::string& path,
              kSchema + "\"";
     return false;
   }
-  if (json["problem"] != ProblemHash(problem)) {
+  if (json["problem"] != CaseHash(c)) {
     *error = path +
              ": belongs to another case, or the case or its data have "
              "changed since; expected the same case (options may change)";
@@ -240,11 +244,10 @@ bool ReadCheckpoint(const std::string& path,
   return true;
 }
 
-CheckpointWriter::CheckpointWriter(const IdentificationProblem& problem,
-                                   std::string path,
+CheckpointWriter::CheckpointWriter(std::string problem_hash, std::string path,
                                    std::chrono::milliseconds interval)
     : path_(std::move(path)),
-      problem_hash_(ProblemHash(problem)),
+      problem_hash_(std::move(problem_hash)),
       interval_(interval) {}
 
 bool CheckpointWriter::Update(const IdentificationProgress& progress,

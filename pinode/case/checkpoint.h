@@ -25,6 +25,9 @@ struct Checkpoint {
 // which may be changed between a fit and its continuation.
 std::string ProblemHash(const IdentificationProblem& problem);
 
+// That of the case as it was read, whether or not its basis has been renewed.
+std::string CaseHash(const Case& c);
+
 // {"schema": "pinode-checkpoint-1", "problem": hash, "iteration", "stage",
 //  "cost", "parameters": [...], "sigmas": [[...]], "starts": [[...]],
 //  "decays": [...]}, written atomically; numbers are read back bit for bit.
@@ -34,9 +37,9 @@ std::string ProblemHash(const IdentificationProblem& problem);
                                    std::string* error);
 
 // Fails, with *checkpoint untouched, on a file that is not a checkpoint of this
-// problem.
-[[nodiscard]] bool ReadCheckpoint(const std::string& path,
-                                  const IdentificationProblem& problem,
+// case (by CaseHash). Where the case renews its basis, the starts in it are
+// those of the basis of the values in it.
+[[nodiscard]] bool ReadCheckpoint(const std::string& path, const Case& c,
                                   Checkpoint* checkpoint, std::string* error);
 
 // Keeps the file at `path` up to date while a fit runs: call Update in
@@ -45,7 +48,7 @@ std::string ProblemHash(const IdentificationProblem& problem);
 class CheckpointWriter {
  public:
   CheckpointWriter(
-      const IdentificationProblem& problem, std::string path,
+      std::string problem_hash, std::string path,
       std::chrono::milliseconds interval = std::chrono::milliseconds(1000));
 
   // False, with *error, where the file cannot be written: the fit may go on.

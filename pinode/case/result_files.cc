@@ -173,8 +173,8 @@ class ResultWriter {
     checkpoint.iteration = summary_.num_iterations;
     checkpoint.cost = summary_.final_cost;
     checkpoint.model = model_;
-    return WriteCheckpoint(Path("checkpoint.json"), ProblemHash(c_.problem),
-                           checkpoint, error_);
+    return WriteCheckpoint(Path("checkpoint.json"), CaseHash(c_), checkpoint,
+                           error_);
   }
 
   const Case& c_;

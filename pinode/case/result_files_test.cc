@@ -359,7 +359,7 @@ TEST(CheckpointTest, RoundTrip) {
       WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
       << error;
   Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c, &read, &error)) << error;
   EXPECT_EQ(read.iteration, 12);
   EXPECT_EQ(read.model.stage, 3);
   EXPECT_EQ(read.cost, 1.0 / 3.0);
@@ -381,21 +381,22 @@ TEST(CheckpointTest, OfAnotherCaseIsRefused) {
   Checkpoint read;
   Fixture changed;
   changed.c.problem.records[0].channels[0].values[7] += 1e-9;
-  EXPECT_FALSE(ReadCheckpoint(path, changed.c.problem, &read, &error));
+  EXPECT_FALSE(ReadCheckpoint(path, changed.c, &read, &error));
   EXPECT_THAT(error, HasSubstr("belongs to another case"));
   EXPECT_EQ(read.model.parameters.size(), 0);
   for (const char* text : {"", "{}", "{\"schema\": 1}", "[1, 2"}) {
     f.folder.Write("checkpoint.json", text);
-    EXPECT_FALSE(ReadCheckpoint(path, f.c.problem, &read, &error)) << text;
+    EXPECT_FALSE(ReadCheckpoint(path, f.c, &read, &error)) << text;
     EXPECT_THAT(error, HasSubstr("is not a checkpoint"));
   }
-  EXPECT_FALSE(ReadCheckpoint(path + "x", f.c.problem, &read, &error));
+  EXPECT_FALSE(ReadCheckpoint(path + "x", f.c, &read, &error));
 }
 
 TEST(CheckpointTest, WriterIsThrottled) {
   const Fixture f;
   const std::string path = f.folder.Path("checkpoint.json");
-  CheckpointWriter writer(f.c.problem, path, std::chrono::hours(1));
+  CheckpointWriter writer(ProblemHash(f.c.problem), path,
+                          std::chrono::hours(1));
   IdentificationProgress progress;
   IdentifiedModel model = f.model;
   progress.model = &model;
@@ -404,12 +405,13 @@ TEST(CheckpointTest, WriterIsThrottled) {
   model.parameters[0] += 1.0;
   ASSERT_TRUE(writer.Update(progress, &error)) << error;
   Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c, &read, &error)) << error;
   EXPECT_EQ(read.model.parameters[0], f.model.parameters[0]);
 
-  CheckpointWriter eager(f.c.problem, path, std::chrono::milliseconds(0));
+  CheckpointWriter eager(ProblemHash(f.c.problem), path,
+                         std::chrono::milliseconds(0));
   ASSERT_TRUE(eager.Update(progress, &error));
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c, &read, &error)) << error;
   EXPECT_EQ(read.model.parameters[0], model.parameters[0]);
 }
 

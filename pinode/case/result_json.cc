@@ -148,7 +148,7 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
   json["usable"] = summary.usable;
   json["termination"] = TerminationName(summary.termination);
   json["message"] = summary.message;
-  json["problem"] = ProblemHash(c.problem);
+  json["problem"] = CaseHash(c);
   json["units"] = {{"force", c.units.force},
                    {"length", c.units.length},
                    {"time", c.units.time}};

@@ -89,7 +89,7 @@ function(pinode_add_floor folder)
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode/${folder}
     FILES_MATCHING PATTERN "*.h"
     # Help for our own tests.
-    REGEX "/(measured_data|(.*_)?testing)\\.h$" EXCLUDE)
+    REGEX "/(.*_)?testing\\.h$" EXCLUDE)
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
     pinode_add_unit_test(${target}_test ${folder} ${folder}
       "${target};${FLOOR_PRIVATE}" ${FLOOR_TESTS})

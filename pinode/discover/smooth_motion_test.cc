@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/constants.h"
 #include "pinode/discover/testing.h"
 
 namespace pinode {
@@ -20,9 +21,9 @@ constexpr int kSamples = 300;
 double Motion(int derivative, double t) {
   const auto wave = [&](double amplitude, double omega, double phase) {
     return amplitude * std::pow(omega, derivative) *
-           std::sin(omega * t + phase + derivative * M_PI / 2.0);
+           std::sin(omega * t + phase + derivative * kPi / 2.0);
   };
-  return wave(3.0, 2.0, 0.0) + wave(0.5, 7.0, M_PI / 2.0);
+  return wave(3.0, 2.0, 0.0) + wave(0.5, 7.0, kPi / 2.0);
 }
 
 MotionChannel NoisyChannel(int derivative, double noise, uint64_t seed) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/discover/candidate_library.h"
 #include "pinode/discover/regression_problem.h"
@@ -24,7 +25,7 @@ class Gaussian {
     const double u =
         std::ldexp(static_cast<double>((engine_() >> 11) + 1), -53);
     const double v = std::ldexp(static_cast<double>(engine_() >> 11), -53);
-    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * M_PI * v);
+    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * kPi * v);
   }
   Matrix Draw(int rows, int cols) {
     return Matrix::NullaryExpr(rows, cols, [this]() { return (*this)(); });

@@ -9,6 +9,8 @@
 #include <limits>
 #include <thread>
 
+#include "pinode/base/constants.h"
+
 namespace pinode {
 namespace {
 
@@ -56,7 +58,7 @@ std::vector<Example> Examples() {
        [](const double* q) { return std::abs(q[0]) * q[0]; }},
       {"sin(x[u1])", [](const double* q) { return std::sin(q[0]); }},
       {"cos(2*pi*3*t)",
-       [](const double* q) { return std::cos(6.0 * M_PI * q[3]); }},
+       [](const double* q) { return std::cos(6.0 * kPi * q[3]); }},
       {"tan(x[u1]) - atan(v[u1])",
        [](const double* q) { return std::tan(q[0]) - std::atan(q[1]); }},
       {"asin(x[u1]/10) + acos(v[u1]/10)",

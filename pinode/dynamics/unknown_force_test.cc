@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "pinode/base/constants.h"
+
 namespace pinode {
 namespace {
 
@@ -150,7 +152,7 @@ TEST(CombinationPrior, BandTellsInsideFromOutside) {
   const auto outside = [&](double hertz) {
     Vector p(n);
     for (int k = 0; k < n; ++k) {
-      p[k] = std::cos(2.0 * 3.141592653589793 * hertz * (k + 0.5) * h);
+      p[k] = std::cos(kTwoPi * hertz * (k + 0.5) * h);
     }
     const Vector parts = rows * p;
     double sum = 0.0;

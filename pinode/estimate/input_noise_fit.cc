@@ -18,14 +18,14 @@ constexpr int kMaxIterations = 50;
 // Converged: the step in standard deviations of the parameters, and the change
 // of the sensors' noise levels.
 constexpr double kSmallestStep = 1e-4;
-constexpr double kSmallestDecrease = 1e-4;
+constexpr double kSmallestNoiseChange = 1e-4;
 
 // A free start is unknown within so many times the RMS of each state: the weak
 // prior that multiple shooting gives it.
 constexpr double kStartScales = 100.0;
 
 // No noise estimate goes below this share of the channel's residual.
-constexpr double kSmallestResidualNoise = 1e-6;
+constexpr double kLeastNoise = 1e-6;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
@@ -53,7 +53,7 @@ class Fitter {
       inputs_.push_back(record.NoisyInputs());
       point_.errors.push_back(Matrix::Zero(
           static_cast<int>(inputs_.back().size()), record.num_samples()));
-      floors_.push_back(kSmallestResidualNoise * fit.sigmas[train_.size() - 1]);
+      floors_.push_back(kLeastNoise * fit.sigmas[train_.size() - 1]);
     }
     point_.free = fit.free;
     for (int index : layout.free()) {
@@ -328,7 +328,7 @@ bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
     }
     VLOG(1) << "input noise: iteration " << iteration << ", cost " << after
             << ", step " << share * step << " standard deviations";
-    if (share == 1.0 && step < kSmallestStep && change < kSmallestDecrease) {
+    if (share == 1.0 && step < kSmallestStep && change < kSmallestNoiseChange) {
       fit->free = point_.free;
       fit->sigmas = sigmas_;
       fit->cost = after;

@@ -36,8 +36,8 @@ std::vector<int> Partners(const ModalData& data, const Vector& eigenvalues,
 
 TEST(MatchModes, FollowsShapesWhereFrequenciesHaveCrossed) {
   ModalData data;
-  data.modes = {testing::Mode(1.0, {0, 1}, {1.0, 0.1}),
-                testing::Mode(1.2, {0, 1}, {0.0, 2.0})};
+  data.modes = {testing::MakeMeasuredMode(1.0, {0, 1}, {1.0, 0.1}),
+                testing::MakeMeasuredMode(1.2, {0, 1}, {0.0, 2.0})};
   const Matrix shapes = Matrix::Identity(2, 2);
   EXPECT_EQ(Partners(data, Eigenvalues({1.1, 1.2}), shapes),
             (std::vector<int>{0, 1}));
@@ -52,7 +52,7 @@ TEST(MatchModes, FrequenciesDecideBetweenShapesThatLookAlike) {
   Matrix shapes(3, 3);
   shapes << 1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 0.5, 0.1, -2.0;
   ModalData data;
-  data.modes = {testing::Mode(3.1, {0, 1}, {1.0, 0.95})};
+  data.modes = {testing::MakeMeasuredMode(3.1, {0, 1}, {1.0, 0.95})};
   const Vector eigenvalues = Eigenvalues({1.0, 2.0, 3.0});
   EXPECT_EQ(Partners(data, eigenvalues, shapes), std::vector<int>{2});
   data.modes[0].frequency = 1.3;
@@ -62,7 +62,8 @@ TEST(MatchModes, FrequenciesDecideBetweenShapesThatLookAlike) {
 TEST(MatchModes, KeepsTheOrderOfModesWithoutShapes) {
   // Nearest neighbours would pair 3 Hz with the model's second mode.
   ModalData data;
-  data.modes = {testing::Mode(1.0), testing::Mode(2.0), testing::Mode(3.0)};
+  data.modes = {testing::MakeMeasuredMode(1.0), testing::MakeMeasuredMode(2.0),
+                testing::MakeMeasuredMode(3.0)};
   EXPECT_EQ(
       Partners(data, Eigenvalues({1.5, 3.0, 4.5, 9.0}), Matrix::Identity(4, 4)),
       (std::vector<int>{0, 1, 2}));
@@ -72,10 +73,11 @@ TEST(MatchModes, LeavesModesWithoutFrequencyToTheLast) {
   Vector eigenvalues = Eigenvalues({0.0, 0.0, 2.0});
   eigenvalues[0] = -10.0;
   ModalData data;
-  data.modes = {testing::Mode(1.0)};
+  data.modes = {testing::MakeMeasuredMode(1.0)};
   EXPECT_EQ(Partners(data, eigenvalues, Matrix::Identity(3, 3)),
             std::vector<int>{2});
-  data.modes = {testing::Mode(1.0), testing::Mode(2.0), testing::Mode(3.0)};
+  data.modes = {testing::MakeMeasuredMode(1.0), testing::MakeMeasuredMode(2.0),
+                testing::MakeMeasuredMode(3.0)};
   const std::vector<ModeMatch> matches =
       MatchModes(data, eigenvalues, Matrix::Identity(3, 3));
   EXPECT_EQ(matches[1].mode, 2);
@@ -90,8 +92,8 @@ TEST(MatchModes, GivesFrequencyAndMacOfAModel) {
   const StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   ModalData data;
-  data.modes = {testing::Mode(0.3, {0, 1}, {1.0, -1.0}),
-                testing::Mode(0.1, {1, 0}, {1.0, 1.0})};
+  data.modes = {testing::MakeMeasuredMode(0.3, {0, 1}, {1.0, -1.0}),
+                testing::MakeMeasuredMode(0.1, {1, 0}, {1.0, 1.0})};
   std::vector<ModeMatch> matches;
   std::string error;
   ASSERT_TRUE(MatchModes(data, model, &matches, &error)) << error;
@@ -130,7 +132,9 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
        },
        "twice"},
       {[](ModalData* d) { d->modes[0].shape.setZero(); }, "zero"},
-      {[](ModalData* d) { d->modes[0] = testing::Mode(1.0, {0}, {1.0}); },
+      {[](ModalData* d) {
+         d->modes[0] = testing::MakeMeasuredMode(1.0, {0}, {1.0});
+       },
        "one DOF"},
       {[](ModalData* d) {
          d->form = ModalForm::kMac;
@@ -144,12 +148,12 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
        "no sigma"},
       {[](ModalData* d) {
          d->form = ModalForm::kDynamicResidual;
-         d->modes[0] = testing::Mode(1.0);
+         d->modes[0] = testing::MakeMeasuredMode(1.0);
        },
        "needs its shape"},
   };
   ModalData good;
-  good.modes = {testing::Mode(1.0, {0, 2}, {1.0, 0.5})};
+  good.modes = {testing::MakeMeasuredMode(1.0, {0, 2}, {1.0, 0.5})};
   std::string error;
   ASSERT_TRUE(good.IsValid(3, &error)) << error;
   EXPECT_FALSE(good.HasSigmas());

@@ -109,14 +109,14 @@ TEST_P(ModalResidualForms, DerivativesMatchRiddersDifferences) {
     ModalSetup setup(MakeSixDofs());
     setup.problem.modal.form = GetParam();
     setup.problem.modal.modes = {
-        testing::Mode(0.25, {0, 2, 5}, {-2.0, -5.0, -9.0}),
-        testing::Mode(0.61, {5, 1, 3, 4}, {1.0, -0.8, -0.2, 0.7}),
-        testing::Mode(1.5, {0, 1, 2, 3, 4, 5},
-                      {1.0, -1.1, 0.4, 0.9, -1.2, 0.3})};
+        testing::MakeMeasuredMode(0.25, {0, 2, 5}, {-2.0, -5.0, -9.0}),
+        testing::MakeMeasuredMode(0.61, {5, 1, 3, 4}, {1.0, -0.8, -0.2, 0.7}),
+        testing::MakeMeasuredMode(1.5, {0, 1, 2, 3, 4, 5},
+                                  {1.0, -1.1, 0.4, 0.9, -1.2, 0.3})};
     setup.problem.modal.modes[1].shape_weight = 3.0;
     setup.problem.modal.modes[1].residual_weight = 0.2;
     if (GetParam() != ModalForm::kDynamicResidual) {
-      MeasuredMode frequency_alone = testing::Mode(1.05, {}, {});
+      MeasuredMode frequency_alone = testing::MakeMeasuredMode(1.05, {}, {});
       frequency_alone.frequency_weight = 7.0;
       setup.problem.modal.modes.push_back(frequency_alone);
     }
@@ -162,7 +162,8 @@ TEST_P(ModalResidualForms, VanishAtTheModelsOwnModes) {
   setup.problem.modal.form = GetParam();
   const std::vector<int> dofs = {4, 0, 1, 3};
   for (int j : {0, 3, 1}) {
-    MeasuredMode mode = testing::Mode(modes.frequency_hz[j], {}, {});
+    MeasuredMode mode =
+        testing::MakeMeasuredMode(modes.frequency_hz[j], {}, {});
     mode.dofs = dofs;
     mode.shape = -3.0 * modes.mode_shapes(dofs, j);
     setup.problem.modal.modes.push_back(mode);
@@ -191,7 +192,7 @@ struct TwoDofs : ModalSetup {
         &error))
         << error;
     problem.dynamics = dynamics;
-    problem.modal.modes = {testing::Mode(0.12, {0, 1}, {1.0, 1.0})};
+    problem.modal.modes = {testing::MakeMeasuredMode(0.12, {0, 1}, {1.0, 1.0})};
     measured = std::pow(kTwoPi * 0.12, 2);
   }
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
@@ -243,7 +244,7 @@ TEST(ModalResidual, MatchesTheClosedFormOfADynamicResidual) {
 
   // With the second DOF not measured: min over u of |a + b u|, a = [2 - l; -1],
   // b = [-1; 1 - l]; what is left is across b.
-  setup.problem.modal.modes[0] = testing::Mode(0.12, {0}, {4.0});
+  setup.problem.modal.modes[0] = testing::MakeMeasuredMode(0.12, {0}, {4.0});
   residuals = setup.Residuals(Vector::Zero(1));
   const double across = std::abs((2.0 - l) * (1.0 - l) - 1.0);
   EXPECT_NEAR(residuals.norm(), across / std::hypot(1.0, 1.0 - l), 1e-14);
@@ -262,7 +263,7 @@ TEST(ModalResidual, SigmasMakeAllowanceForTheScale) {
   const std::vector<int> dofs = {0, 1, 3, 5};
   const Vector x = modes.mode_shapes(dofs, 1);
   const double noise = 1e-5;
-  MeasuredMode mode = testing::Mode(modes.frequency_hz[1], {}, {});
+  MeasuredMode mode = testing::MakeMeasuredMode(modes.frequency_hz[1], {}, {});
   mode.dofs = dofs;
   mode.shape = 2.5 * x;
   mode.shape += noise * testing::Gaussian(4).Draw(4);
@@ -280,7 +281,8 @@ TEST(ModalResidual, SigmasMakeAllowanceForTheScale) {
 TEST(ModalResidual, WeighsFrequenciesByTheirSigma) {
   TwoDofs setup;
   const double frequency = std::sqrt(setup.eigenvalue) / kTwoPi;
-  setup.problem.modal.modes = {testing::Mode(frequency * (1.0 + 1e-6), {}, {})};
+  setup.problem.modal.modes = {
+      testing::MakeMeasuredMode(frequency * (1.0 + 1e-6), {}, {})};
   setup.problem.modal.modes[0].frequency_sigma = 1e-6 * frequency;
   EXPECT_NEAR(setup.Residuals(Vector::Zero(1))[0], 1.0, 1e-5);
 }
@@ -300,8 +302,9 @@ TEST(ModalResidual, IsSmoothWhereModesCross) {
         &error));
   }
   ModalSetup setup(dynamics);
-  setup.problem.modal.modes = {testing::Mode(0.16, {0, 1}, {1.0, 0.05}),
-                               testing::Mode(0.16, {0, 1}, {0.0, 1.0})};
+  setup.problem.modal.modes = {
+      testing::MakeMeasuredMode(0.16, {0, 1}, {1.0, 0.05}),
+      testing::MakeMeasuredMode(0.16, {0, 1}, {0.0, 1.0})};
   const double measured = std::pow(kTwoPi * 0.16, 2);
   for (const double a : {-0.05, -1e-3, 1e-3, 0.05}) {
     Vector free(2);
@@ -325,7 +328,8 @@ TEST(ModalResidual, RefusesModesOfOneFrequencyThatAGroupMixes) {
       Group("k", MatrixGroup::Target::kStiffness, SpringMatrix(2, 0, 1)),
       &error));
   ModalSetup setup(dynamics);
-  setup.problem.modal.modes = {testing::Mode(0.16, {0, 1}, {1.0, 0.3})};
+  setup.problem.modal.modes = {
+      testing::MakeMeasuredMode(0.16, {0, 1}, {1.0, 0.3})};
   Vector residuals;
   Matrix jacobian;
   EXPECT_FALSE(setup.Evaluate(Vector::Zero(1), &residuals, &jacobian, &error));
@@ -341,7 +345,8 @@ TEST(ModalResidual, SaysWhyThereIsNone) {
   std::string error;
   // Orthogonal to the model's only candidate.
   setup.problem.modal.form = ModalForm::kMac;
-  setup.problem.modal.modes = {testing::Mode(0.098, {0, 1}, {1.0, 0.0})};
+  setup.problem.modal.modes = {
+      testing::MakeMeasuredMode(0.098, {0, 1}, {1.0, 0.0})};
   auto alone = std::make_shared<StructuralDynamics>(
       MakeStructuralModel(Matrix::Identity(2, 2), Matrix::Zero(2, 2),
                           (Vector(2) << 100.0, 1.0).finished().asDiagonal()),
@@ -357,7 +362,8 @@ TEST(ModalResidual, SaysWhyThereIsNone) {
 
   // The column of an unmeasured DOF is zero at the measured frequency.
   setup.problem.modal.form = ModalForm::kDynamicResidual;
-  setup.problem.modal.modes = {testing::Mode(1.0 / kTwoPi, {0}, {1.0})};
+  setup.problem.modal.modes = {
+      testing::MakeMeasuredMode(1.0 / kTwoPi, {0}, {1.0})};
   EXPECT_FALSE(setup.Evaluate(Vector::Zero(1), &residuals, nullptr, &error));
   EXPECT_THAT(error, HasSubstr("singular"));
 }

@@ -384,7 +384,7 @@ TEST(MultipleShooting, CutsRecordsEvenly) {
 }
 
 // What an evaluation depends on must not be remembered past a change of it.
-TEST(MultipleShooting, ShootingSettingsTakeEffectAtTheSamePoint) {
+TEST(MultipleShooting, SettingsTakeEffectAtTheSamePoint) {
   const SmallFit fit(Start::kFree);
   const auto fresh = [&fit](double mu, const Vector& decays) {
     auto shooting = fit.Shoot(7, MultipleShooting::Options());

@@ -186,8 +186,8 @@ Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
   return trajectory.states;
 }
 
-MeasuredMode Mode(double frequency, std::vector<int> dofs,
-                  std::vector<double> shape) {
+MeasuredMode MakeMeasuredMode(double frequency, std::vector<int> dofs,
+                              std::vector<double> shape) {
   MeasuredMode mode;
   mode.name = "m";
   mode.frequency = frequency;

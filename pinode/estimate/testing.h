@@ -63,8 +63,8 @@ Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
                 IdentificationRecord* record);
 
 // Measured at the given DOFs, or, without any, its frequency alone.
-MeasuredMode Mode(double frequency, std::vector<int> dofs = {},
-                  std::vector<double> shape = {});
+MeasuredMode MakeMeasuredMode(double frequency, std::vector<int> dofs = {},
+                              std::vector<double> shape = {});
 
 // Derivative of a function of one variable at zero: central differences at h,
 // h/2 and h/4, extrapolated twice (C. J. F. Ridders, Adv. Eng. Software 4

@@ -9,6 +9,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 
 namespace pinode {
 namespace {
@@ -97,7 +98,7 @@ TEST(ZeroPhaseFilterTest, IsLinear) {
 // of the formula: none.
 TEST(ZeroPhaseFilterTest, GainAndPhase) {
   const double step = 1.0 / kRate;
-  auto warped = [step](double f) { return std::tan(M_PI * f * step); };
+  auto warped = [step](double f) { return std::tan(kPi * f * step); };
   for (const int order : {1, 2, 3, 4, 7}) {
     const ZeroPhaseFilter low = MakeFilter(FilterType::kLowPass, {20.0}, order);
     const ZeroPhaseFilter high =
@@ -117,7 +118,7 @@ TEST(ZeroPhaseFilterTest, GainAndPhase) {
       for (const ZeroPhaseFilter* filter : {&low, &high, &band}) {
         Vector sine(4001);
         for (int i = 0; i < sine.size(); ++i) {
-          sine[i] = std::sin(2.0 * M_PI * f * step * (i - 2000) + 0.4);
+          sine[i] = std::sin(2.0 * kPi * f * step * (i - 2000) + 0.4);
         }
         Vector filtered = sine;
         filter->Apply(&filtered);

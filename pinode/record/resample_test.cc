@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 
 namespace pinode {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 Vector Sine(double frequency, double step, int num_samples) {
   Vector values(num_samples);
   for (int i = 0; i < num_samples; ++i) {
-    values[i] = std::sin(2.0 * M_PI * frequency * step * i + 0.3);
+    values[i] = std::sin(2.0 * kPi * frequency * step * i + 0.3);
   }
   return values;
 }

@@ -199,7 +199,7 @@ TEST(TimeColumnTest, InterpolatesIrregularRowsOnRequest) {
     if (i >= 400 && i < 420) continue;
     times.push_back(0.01 * i * (1 + 2e-5 * i) + 0.001 * std::sin(1.7 * i));
   }
-  const auto wave = [](double t) { return std::sin(2.0 * M_PI * 3.0 * t); };
+  const auto wave = [](double t) { return std::sin(2.0 * kPi * 3.0 * t); };
   Table table = MakeTable(times, wave);
   table.values(700, 1) = kNaN;
   const TimeGrid grid = Find(table, options);

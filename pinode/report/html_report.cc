@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/parallel_for.h"
@@ -243,8 +244,7 @@ std::vector<int> ChannelsToDraw(const RecordScore& score, int count,
     const double nrmse =
         index < score.channels.size() ? score.channels[index].nrmse : 0.0;
     // What is not a number is worst.
-    return std::isfinite(nrmse) ? nrmse
-                                : std::numeric_limits<double>::infinity();
+    return std::isfinite(nrmse) ? nrmse : kInfinity;
   };
   std::stable_sort(channels.begin(), channels.end(),
                    [&](int a, int b) { return error(a) > error(b); });

@@ -37,30 +37,44 @@ std::string Instability(const ReportInput& input) {
   }
   const StructuralModel model = dynamics.CorrectedModel(
       input.model->parameters.head(dynamics.num_parameters()));
+  UndampedModes modes;
+  std::string unused;
+  if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, &unused)) {
+    return "";
+  }
   const Eigen::VectorXcd values =
       StateEigenvalues(model.mass, model.damping, model.stiffness);
   Eigen::Index fastest = 0;
   const double growth = values.real().maxCoeff(&fastest);
-  // Motions that neither grow nor decay do a little of either by rounding.
-  if (!(growth > 1e-9 * values.cwiseAbs().maxCoeff())) return "";
-  const double frequency = std::abs(values[fastest].imag()) / kTwoPi;
-  std::string motion = "a motion";
-  std::string cause = "damping";
-  if (frequency > 0.0) {
-    motion += " at " +
-              ReadableNumber(frequency * input.hz_per_model_frequency, 4) +
-              " Hz";
-  } else {
-    UndampedModes modes;
-    std::string unused;
-    if (ComputeUndampedModes(model.mass, model.stiffness, &modes, &unused) &&
-        modes.eigenvalues[0] < 0.0) {
-      cause = "stiffness";
-    }
+  double longest = 0.0;
+  for (const IdentificationRecord& record : input.problem->records) {
+    longest = std::max(longest,
+                       (record.num_samples() - 1) * record.excitation->step());
   }
-  return motion + " has negative " + cause +
-         " in the matrices found ('lower' or 'prior_sigma' of the groups of "
-         "that matrix can prevent it)";
+  // Less than e-fold over a record makes no run infinite; rounding makes rigid
+  // bodies grow a little.
+  if (!(growth * longest > 1.0)) return "";
+  const double frequency = std::abs(values[fastest].imag()) / kTwoPi;
+  const bool stiffness = frequency == 0.0 && modes.eigenvalues[0] < 0.0;
+  std::string text = "a motion";
+  if (frequency > 0.0) {
+    text += " at " +
+            ReadableNumber(frequency * input.hz_per_model_frequency, 4) + " Hz";
+  }
+  text += std::string(" has negative ") +
+          (stiffness ? "stiffness" : "damping") + " in the matrices found";
+  const auto target = stiffness ? MatrixGroup::Target::kStiffness
+                                : MatrixGroup::Target::kDamping;
+  const auto& groups = dynamics.groups();
+  if (std::any_of(groups.begin(), groups.end(),
+                  [target](const GroupTerm& term) {
+                    return term.group.target == target && term.alpha.free;
+                  })) {
+    text +=
+        " ('lower' or 'prior_sigma' of the groups of that matrix can "
+        "prevent it)";
+  }
+  return text;
 }
 
 // Why a result is not usable: every record that speaks against it, else what

@@ -9,8 +9,6 @@
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
-namespace {}  // namespace
-
 Matrix RayleighDamping(const Matrix& mass, const Matrix& stiffness,
                        const RayleighCoefficients& coefficients) {
   CHECK(mass.rows() == stiffness.rows() && mass.cols() == stiffness.cols())

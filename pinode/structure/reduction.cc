@@ -1,6 +1,7 @@
 #include "pinode/structure/reduction.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -22,6 +23,8 @@ namespace {
 // Modes at the kept DOFs count as independent above this ratio of singular
 // values; below, T magnifies rounding and noise a million times.
 constexpr double kSmallestObservability = 1e-6;
+// Below this share of the largest entry nothing of a shape is known.
+constexpr double kRoundingOfShapes = 1e-10;
 
 // Positions of the kept DOFs, and of all others in ascending order.
 struct Partition {
@@ -197,10 +200,11 @@ bool SerepBasis(const Partition& partition, const Matrix& shapes, Matrix* basis,
 }
 
 // W of kModal: modes to coordinates. Its first columns move one kept DOF by one
-// and the others not at all, with the least of the modes; the rest,
-// orthonormal, move none.
+// and the others not at all, with the least of the modes; the rest move none:
+// they are the modes of what is left, orthonormal.
 bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
-                      Matrix* modes_of_coordinates, std::string* error) {
+                      const Vector& eigenvalues, Matrix* modes_of_coordinates,
+                      std::string* error) {
   const Eigen::Index num_modes = shapes.cols();
   const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
   if (num_kept > num_modes) {
@@ -217,9 +221,9 @@ bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
     size[i] = at_kept.row(i).norm();
   }
   // Rows of one size, so that the units of translations and rotations do not
-  // matter; a DOF that the modes hardly move is none of theirs.
+  // matter; a DOF that the modes move by rounding alone is none of theirs.
   bool independent =
-      size.minCoeff() > kSmallestObservability * shapes.cwiseAbs().maxCoeff();
+      size.minCoeff() > kRoundingOfShapes * shapes.cwiseAbs().maxCoeff();
   Eigen::JacobiSVD<Matrix> svd;
   if (independent) {
     svd.compute(size.cwiseInverse().asDiagonal() * at_kept,
@@ -238,8 +242,17 @@ bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
       svd.matrixV().leftCols(num_kept) *
       svd.singularValues().cwiseInverse().asDiagonal() *
       svd.matrixU().transpose() * size.cwiseInverse().asDiagonal();
-  modes_of_coordinates->rightCols(num_modes - num_kept) =
-      svd.matrixV().rightCols(num_modes - num_kept);
+  if (num_kept == num_modes) return true;
+  const Matrix still = svd.matrixV().rightCols(num_modes - num_kept);
+  const Eigen::SelfAdjointEigenSolver<Matrix> held(
+      SymmetricPart(still.transpose() * eigenvalues.asDiagonal() * still));
+  Matrix rest = still * held.eigenvectors();
+  for (Eigen::Index j = 0; j < rest.cols(); ++j) {
+    Eigen::Index largest = 0;
+    rest.col(j).cwiseAbs().maxCoeff(&largest);
+    if (rest(largest, j) < 0.0) rest.col(j) *= -1.0;
+  }
+  modes_of_coordinates->rightCols(num_modes - num_kept) = rest;
   return true;
 }
 
@@ -409,8 +422,10 @@ bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
         good = false;
       } else {
         const Matrix shapes = whole.mode_shapes.leftCols(options.num_modes);
-        good = num_kept == 0 || ModalCoordinates(partition, shapes,
-                                                 &modes_of_coordinates, error);
+        good = num_kept == 0 ||
+               ModalCoordinates(partition, shapes,
+                                whole.eigenvalues.head(options.num_modes),
+                                &modes_of_coordinates, error);
         result.basis = shapes * modes_of_coordinates;
       }
       break;

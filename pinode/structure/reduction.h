@@ -30,8 +30,8 @@ enum class ReductionMethod {
   kCraigBampton,
   // x = Phi W r: the lowest modes and nothing else. Without kept DOFs W = I;
   // with a of them, no more than there are modes, W makes them the first a
-  // coordinates, the others are what the modes can do while those stand still.
-  // With as many DOFs as modes this is SEREP.
+  // coordinates, and the others are the modes of what is left while those stand
+  // still, as with Craig and Bampton. With as many DOFs as modes this is SEREP.
   kModal,
 };
 

@@ -95,6 +95,9 @@ TEST(ReduceModel, ModalTruncationKeepsDofsToo) {
     }
     if (num_modes == 6) {
       EXPECT_EQ(reduced.coordinate_names[5], "q2");
+      // Modes by themselves, the lower first.
+      EXPECT_NEAR(reduced.stiffness(4, 5), 0.0, 1e-10);
+      EXPECT_LT(reduced.stiffness(4, 4), reduced.stiffness(5, 5));
     }
     EXPECT_LT((ReduceMatrix(model.mass, reduced.basis) - reduced.mass).norm(),
               1e-10 * reduced.mass.norm());
@@ -250,6 +253,16 @@ TEST(ReduceInfluence, ForceOnTheCoordinatesIsThatOfTheWholeModel) {
         model,
         Options(ReductionMethod::kCraigBampton, {"u12", "u4"}, held ? 2 : 0));
     const ReducedInfluence ground = ReduceInfluence(model, reduced, influence);
+    const ReducedModel modal =
+        ReduceOrFail(model, Options(ReductionMethod::kModal, {"u12", "u4"}, 4));
+    const ReducedInfluence of_modes = ReduceInfluence(model, modal, influence);
+    EXPECT_EQ(of_modes.influence.col(0), (Vector(4) << 1, 1, 0, 0).finished());
+    const Vector on_modes =
+        modal.basis.transpose() * (Matrix(model.mass) * influence);
+    EXPECT_LT((modal.mass * of_modes.influence +
+               of_modes.support_mass_coupling - on_modes)
+                  .norm(),
+              1e-10 * on_modes.norm());
     EXPECT_EQ(ground.influence(0, 0), 1.0);
     EXPECT_EQ(ground.influence(1, 0), 1.0);
     const Vector force =

@@ -8,6 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/base/figure_testing.h"
 #include "tests/cases/force_measure.h"
 
@@ -64,8 +65,7 @@ TEST(ForceCases, ABlowIsFoundAsAPulse) {
   const CaseRun run = RunCase(ForceCase("impact_pulse"));
   ASSERT_TRUE(run.summary.usable) << run.summary.message;
   const double impulse = run.Parameter("blow.amplitude").value *
-                         run.Parameter("blow.duration").value * 2.0 /
-                         3.141592653589793;
+                         run.Parameter("blow.duration").value * 2.0 / kPi;
   Expect("impact, half-sine pulse: impulse, relative error", AtMost(0.005),
          std::abs(impulse / ForceTruthNumber("pulse/impulse") - 1.0));
   Expect("impact, half-sine pulse: peak time, s", AtMost(0.01),

@@ -126,8 +126,8 @@ cmp -s D/dofs_full.txt dofs.txt || Fail "order of the DOFs"
 # The factors to type back, within 1 %: 0.85 and 1.
 awk -F, '
   NR == 1 { next }
-  { f[$1] = $3; if (!($5 < $3 && $3 < $6)) exit 1 }
-  END { exit !(f["lower"] > 0.84 && f["lower"] < 0.86 &&
+  { f[$1] = $3; if (!($5 < $3 && $3 < $6)) bad = 1 }
+  END { exit bad || !(f["lower"] > 0.84 && f["lower"] < 0.86 &&
                f["upper"] > 0.99 && f["upper"] < 1.01) }' \
   D/element_factors.csv || Fail "factors: $(cat D/element_factors.csv)"
 # They are those of the matrix, which is where the export has it.
@@ -135,9 +135,9 @@ factor=$(awk -F, '$1 == "lower" { print $3 }' D/element_factors.csv)
 awk -v f="$factor" 'FNR == NR { if (!/^%/ && NF == 3) whole[$1, $2] = $3; next }
   /^%/ { next } !sized { sized = 1; next }
   { ++entries
-    if (!(($1, $2) in whole)) exit 1
+    if (!(($1, $2) in whole)) bad = 1
     if ($1 == 2 && $2 == 1) { ratio = $3 / whole[2, 1] } }
-  END { exit !(entries == 15 && ratio - f < 1e-9 && f - ratio < 1e-9) }' \
+  END { exit bad || !(entries == 15 && ratio - f < 1e-9 && f - ratio < 1e-9) }' \
   K.mtx D/K_full.mtx || Fail "K_full.mtx is not the export times the factors"
 # The matrix is an export again.
 sed 's|"K.mtx"|"D/K_full.mtx"|; /^expected/d; /^frequency_t/d' fit.toml |
@@ -145,6 +145,28 @@ sed 's|"K.mtx"|"D/K_full.mtx"|; /^expected/d; /^frequency_t/d' fit.toml |
       print "[[group]]\nname = \"g\"\nadds_to = \"stiffness\"\nset_export = \"K_upper.mtx\"" }
     !skip' >again.toml
 Run 0 pinode_check --case=again.toml
+
+# With a basis that follows the parameters, and on from its end.
+sed 's/^method = "craig_bampton"/method = "modal"\nrenew = true/
+  s/^modes = 3/modes = 4/' fit.toml >renewed.toml
+Run 0 pinode_update --case=renewed.toml --output_dir=R --progress=false
+grep -q 'basis of the reduction was taken again' R/report.html ||
+  Fail "does not say that the basis was renewed"
+cp R/element_factors.csv first.csv
+Run 0 pinode_update --case=renewed.toml --output_dir=R --progress=false --resume
+grep -q 'basis of the reduction was taken again' R/report.html ||
+  Fail "does not renew the basis after --resume"
+join -t, <(sort first.csv) <(sort R/element_factors.csv) |
+  awk -F, '$1 != "group" { ++n; d = $3 - $10
+      if (d > 1e-4 || d < -1e-4) bad = 1 }
+    END { exit bad || n != 2 }' || Fail "--resume ends elsewhere"
+
+# The same record is no change, from the baseline and from the checkpoint.
+for resume in '' --resume; do
+  Run 0 pinode_damage --baseline=R --case=renewed.toml --output_dir=C \
+    --progress=false $resume
+  grep -q '"verdict": "no_damage"' C/damage.json || Fail "damage $resume"
+done
 
 Bad() { # TEXT SED_SCRIPT
   sed "$2" fit.toml >bad.toml
