@@ -37,8 +37,8 @@ std::string CaseHash(const Case& c);
                                    std::string* error);
 
 // Fails, with *checkpoint untouched, on a file that is not a checkpoint of this
-// case (by CaseHash). Where the case renews its basis, the starts in it are
-// those of the basis of the values in it.
+// case (by CaseHash). Where the case renews its basis, the starts in it are of
+// a basis near that of the values in it.
 [[nodiscard]] bool ReadCheckpoint(const std::string& path, const Case& c,
                                   Checkpoint* checkpoint, std::string* error);
 

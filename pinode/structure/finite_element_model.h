@@ -20,6 +20,10 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 // factorisation of more than this would not fit a workstation.
 inline constexpr int kMaxFiniteElementDofs = 2000000;
 
+// And of one that a file holds as a full matrix: larger ones are no condensed
+// models.
+inline constexpr int kMaxFullDofs = 20000;
+
 // M a + C v + K x = f of a whole finite-element model with n DOFs. Units are
 // the caller's own, consistent ones.
 struct FiniteElementModel {

@@ -22,8 +22,6 @@ namespace {
 
 // Version 2.0 (7.3 to its users) and the byte order behind MATLAB's header.
 constexpr std::string_view kMat73("\x00\x02IM", 4);
-// Full matrices beyond this many rows are no condensed models.
-constexpr size_t kLargestFull = 20000;
 // What zlib can make of a byte at best, rounded up.
 constexpr size_t kLargestExpansion = 1100;
 
@@ -292,7 +290,7 @@ bool CheckSize(const matvar_t& variable, size_t file_size, std::string* what) {
                                  variable.class_type == MAT_C_CHAR ||
                                  columns == 2
                              ? static_cast<size_t>(kMaxFiniteElementDofs)
-                             : kLargestFull;
+                             : static_cast<size_t>(kMaxFullDofs);
   if (rows < 1 || columns < 1 || rows > largest || columns > largest) {
     *what = "is " + std::to_string(rows) + " x " + std::to_string(columns) +
             ", and 1 to " + std::to_string(largest) +

@@ -22,8 +22,6 @@ namespace {
 
 // Larger members are refused: a full matrix of 10,000 DOFs has 0.8 GB.
 constexpr size_t kLargestMember = size_t{4} << 30;
-// Full arrays beyond this many rows are no condensed models.
-constexpr int64_t kMostRows = 20000;
 
 // One array: the text of its description and its bytes.
 struct Array {
@@ -436,9 +434,10 @@ bool BuildSparse(const SparseParts& parts, SparseMatrix* matrix,
 bool BuildFull(const Array& array, SparseMatrix* matrix, std::string* what) {
   const int64_t rows = array.shape[0];
   const int64_t columns = array.shape[1];
-  if (rows < 1 || columns < 1 || rows > kMostRows || columns > kMostRows) {
+  if (rows < 1 || columns < 1 || rows > kMaxFullDofs ||
+      columns > kMaxFullDofs) {
     *what = "is a full array of " + SizeText(rows, columns) + ", and 1 to " +
-            std::to_string(kMostRows) +
+            std::to_string(kMaxFullDofs) +
             " rows and columns were expected; save larger ones sparse";
     return false;
   }

@@ -161,57 +161,18 @@ bool ConstraintBasis(const FiniteElementModel& model,
   return true;
 }
 
-bool SerepBasis(const Partition& partition, const Matrix& shapes, Matrix* basis,
-                std::string* error) {
-  const auto count = static_cast<Eigen::Index>(partition.kept.size());
-  if (shapes.cols() < count) {
-    *error = std::to_string(count) + " DOFs are kept, and the model has " +
-             std::to_string(shapes.cols()) + " modes; SEREP needs as many";
-    return false;
-  }
-  Matrix at_kept(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    at_kept.row(i) =
-        shapes.row(partition.kept[static_cast<size_t>(i)]).leftCols(count);
-  }
-  // Columns of one size, so that the units of modal masses do not matter; a
-  // mode that the kept DOFs hardly see is none of theirs.
-  const Vector size = at_kept.colwise().norm().transpose();
-  const Vector largest =
-      shapes.leftCols(count).cwiseAbs().colwise().maxCoeff().transpose();
-  bool independent =
-      (size.array() > kSmallestObservability * largest.array()).all();
-  Eigen::JacobiSVD<Matrix> svd;
-  if (independent) {
-    svd.compute(at_kept * size.cwiseInverse().asDiagonal(),
-                Eigen::ComputeThinU | Eigen::ComputeThinV);
-    independent = svd.singularValues()[count - 1] >
-                  kSmallestObservability * svd.singularValues()[0];
-  }
-  if (!independent) {
-    *error = "the kept DOFs cannot tell the " + std::to_string(count) +
-             " lowest modes apart; keep others, or fewer";
-    return false;
-  }
-  const Matrix inverse = size.cwiseInverse().asDiagonal() *
-                         svd.solve(Matrix::Identity(count, count));
-  *basis = shapes.leftCols(count) * inverse;
-  return true;
-}
-
-// W of kModal: modes to coordinates. Its first columns move one kept DOF by one
-// and the others not at all, with the least of the modes; the rest move none:
-// they are the modes of what is left, orthonormal.
+// W of SEREP and modal truncation: modes to coordinates. Its first columns move
+// one kept DOF by one and the others not at all, with the least of the modes;
+// the rest move none: they are the modes of what is left, orthonormal.
 bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
                       const Vector& eigenvalues, Matrix* modes_of_coordinates,
                       std::string* error) {
   const Eigen::Index num_modes = shapes.cols();
   const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
   if (num_kept > num_modes) {
-    *error = std::to_string(num_kept) + " DOFs are kept, and " +
-             std::to_string(num_modes) +
-             " modes cannot move them independently; keep fewer, or take more "
-             "modes";
+    *error = "more DOFs are kept (" + std::to_string(num_kept) +
+             ") than modes are taken (" + std::to_string(num_modes) +
+             ") and could move independently; keep fewer, or take more modes";
     return false;
   }
   Matrix at_kept(num_kept, num_modes);
@@ -234,7 +195,7 @@ bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
   if (!independent) {
     *error = "the " + std::to_string(num_modes) +
              " lowest modes do not move the kept DOFs independently; keep "
-             "fewer or others, or take more modes";
+             "fewer or others, or, by modal truncation, take more modes";
     return false;
   }
   modes_of_coordinates->resize(num_modes, num_modes);
@@ -253,6 +214,32 @@ bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
     if (rest(largest, j) < 0.0) rest.col(j) *= -1.0;
   }
   modes_of_coordinates->rightCols(num_modes - num_kept) = rest;
+  return true;
+}
+
+// The basis of the lowest modes, and M and K in it as they would be without the
+// rounding of sums over all DOFs, which makes of a rigid-body mode one that
+// hangs on the last digit.
+bool ModalBasis(const Partition& partition, int num_modes,
+                ReducedModel* reduced, std::string* error) {
+  const SparseModes& whole = reduced->whole_modes;
+  if (whole.eigenvalues.size() < num_modes) {
+    *error = std::to_string(num_modes) +
+             " modes are needed, and the model has " +
+             std::to_string(whole.eigenvalues.size());
+    return false;
+  }
+  const Matrix shapes = whole.mode_shapes.leftCols(num_modes);
+  const Vector eigenvalues = whole.eigenvalues.head(num_modes);
+  Matrix w = Matrix::Identity(num_modes, num_modes);
+  if (!partition.kept.empty() &&
+      !ModalCoordinates(partition, shapes, eigenvalues, &w, error)) {
+    return false;
+  }
+  reduced->basis = shapes * w;
+  reduced->mass = SymmetricPart(w.transpose() * w);
+  reduced->stiffness =
+      SymmetricPart(w.transpose() * eigenvalues.asDiagonal() * w);
   return true;
 }
 
@@ -390,62 +377,30 @@ bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
   const int num_kept = static_cast<int>(partition.kept.size());
   ReducedModel result;
   SparseModes& whole = result.whole_modes;
-  int needed = options.num_compared_modes;
-  if (options.method == ReductionMethod::kModal) {
-    needed = std::max(needed, options.num_modes);
-  } else if (options.method == ReductionMethod::kSerep) {
-    needed = std::max(needed, num_kept);
-  }
+  const bool modal = options.method == ReductionMethod::kModal ||
+                     options.method == ReductionMethod::kSerep;
+  const int num_modes =
+      options.method == ReductionMethod::kSerep ? num_kept : options.num_modes;
+  const int needed =
+      std::max(options.num_compared_modes, modal ? num_modes : 0);
   if (!ComputeLowestModes(model.mass, model.stiffness,
                           std::min(needed, model.num_dofs()), &whole, error)) {
     return false;
   }
   result.coordinate_names = options.kept_dofs;
   result.kept_dofs = partition.kept;
-  Matrix modes_of_coordinates =
-      Matrix::Identity(options.num_modes, options.num_modes);
-  bool good = true;
-  switch (options.method) {
-    case ReductionMethod::kGuyan:
-    case ReductionMethod::kCraigBampton:
-      good = ConstraintBasis(model, partition, options.num_modes, &result.basis,
-                             error);
-      break;
-    case ReductionMethod::kSerep:
-      good = SerepBasis(partition, whole.mode_shapes, &result.basis, error);
-      break;
-    case ReductionMethod::kModal:
-      if (whole.eigenvalues.size() < options.num_modes) {
-        *error = std::to_string(options.num_modes) +
-                 " modes are asked for, and the model has " +
-                 std::to_string(whole.eigenvalues.size());
-        good = false;
-      } else {
-        const Matrix shapes = whole.mode_shapes.leftCols(options.num_modes);
-        good = num_kept == 0 ||
-               ModalCoordinates(partition, shapes,
-                                whole.eigenvalues.head(options.num_modes),
-                                &modes_of_coordinates, error);
-        result.basis = shapes * modes_of_coordinates;
-      }
-      break;
+  if (modal) {
+    if (!ModalBasis(partition, num_modes, &result, error)) return false;
+  } else {
+    if (!ConstraintBasis(model, partition, num_modes, &result.basis, error)) {
+      return false;
+    }
+    result.mass = ReduceMatrix(model.mass, result.basis);
+    result.stiffness = ReduceMatrix(model.stiffness, result.basis);
   }
-  if (!good) return false;
   const std::string prefix = ModePrefix(options);
   for (int i = 1; num_kept + i <= result.basis.cols(); ++i) {
     result.coordinate_names.push_back(prefix + std::to_string(i));
-  }
-  if (options.method == ReductionMethod::kModal) {
-    // What the products would be without the rounding of sums over all DOFs,
-    // which makes of a rigid-body mode one that hangs on the last digit.
-    const Matrix& w = modes_of_coordinates;
-    result.mass = SymmetricPart(w.transpose() * w);
-    result.stiffness = SymmetricPart(
-        w.transpose() * whole.eigenvalues.head(options.num_modes).asDiagonal() *
-        w);
-  } else {
-    result.mass = ReduceMatrix(model.mass, result.basis);
-    result.stiffness = ReduceMatrix(model.stiffness, result.basis);
   }
   result.damping = model.has_damping()
                        ? ReduceMatrix(model.damping, result.basis)

@@ -77,8 +77,7 @@ struct ReducedModel {
 // Reduces a valid model. Fails, with *reduced untouched, if a kept DOF does not
 // exist or is named twice, if the options ask for nothing or too much, if the
 // other DOFs can move without stiffness while the kept ones are held, or if the
-// kept DOFs cannot tell the modes apart (kSerep) or the modes do not move each
-// of them by itself (kModal).
+// modes do not move the kept DOFs independently (kSerep, kModal).
 [[nodiscard]] bool ReduceModel(const FiniteElementModel& model,
                                const ReductionOptions& options,
                                ReducedModel* reduced, std::string* error);
