@@ -40,11 +40,11 @@ awk '
     floor["integrate"] = 3
     floor["estimate"] = 4
     floor["discover"] = floor["damage"] = 5
-    floor["case"] = 6
-    floor["report"] = 7
+    floor["study"] = 6
+    floor["case"] = floor["report"] = 7
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics integrate " \
-                  "estimate discover damage case report", folders, " ")
+                  "estimate discover damage study case report", folders, " ")
   }
 
   function Fail(message) {

@@ -12,10 +12,10 @@
 #include "pinode/base/units.h"
 #include "pinode/case/damage_section.h"
 #include "pinode/case/reference_curve_section.h"
-#include "pinode/case/substeps.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/study/substeps.h"
 
 namespace pinode {
 

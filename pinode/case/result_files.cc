@@ -10,11 +10,11 @@
 #include "pinode/case/checkpoint.h"
 #include "pinode/case/csv_file.h"
 #include "pinode/case/finite_element_result.h"
-#include "pinode/case/folded_matrices.h"
 #include "pinode/case/model_case.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/structure/matrix_io.h"
 #include "pinode/structure/symmetric.h"
+#include "pinode/study/folded_matrices.h"
 
 namespace pinode {
 namespace {

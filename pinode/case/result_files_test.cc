@@ -8,11 +8,11 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/case/checkpoint.h"
-#include "pinode/case/folded_matrices.h"
 #include "pinode/case/testing.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
+#include "pinode/study/folded_matrices.h"
 
 namespace pinode {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
-#include "pinode/case/folded_matrices.h"
+#include "pinode/study/folded_matrices.h"
 #include "tests/cases/measure.h"
 #include "tests/cases/nsd_twin.h"
 

@@ -1,4 +1,4 @@
-#include "pinode/case/substeps.h"
+#include "pinode/study/substeps.h"
 
 #include <cmath>
 #include <string>

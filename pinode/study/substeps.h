@@ -1,7 +1,7 @@
 // How many Runge-Kutta steps a record's sampling interval is divided into.
 
-#ifndef PINODE_CASE_SUBSTEPS_H_
-#define PINODE_CASE_SUBSTEPS_H_
+#ifndef PINODE_STUDY_SUBSTEPS_H_
+#define PINODE_STUDY_SUBSTEPS_H_
 
 #include <string>
 
@@ -59,4 +59,4 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
 
 }  // namespace pinode
 
-#endif  // PINODE_CASE_SUBSTEPS_H_
+#endif  // PINODE_STUDY_SUBSTEPS_H_

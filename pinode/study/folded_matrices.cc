@@ -1,4 +1,4 @@
-#include "pinode/case/folded_matrices.h"
+#include "pinode/study/folded_matrices.h"
 
 #include "pinode/base/logging.h"
 

@@ -1,7 +1,7 @@
 // Networks that are linear, as matrices.
 
-#ifndef PINODE_CASE_FOLDED_MATRICES_H_
-#define PINODE_CASE_FOLDED_MATRICES_H_
+#ifndef PINODE_STUDY_FOLDED_MATRICES_H_
+#define PINODE_STUDY_FOLDED_MATRICES_H_
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
@@ -35,4 +35,4 @@ FoldedMatrices FoldNetworks(const StructuralDynamics& dynamics,
 
 }  // namespace pinode
 
-#endif  // PINODE_CASE_FOLDED_MATRICES_H_
+#endif  // PINODE_STUDY_FOLDED_MATRICES_H_
