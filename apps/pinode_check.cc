@@ -59,7 +59,7 @@ void PrintFiniteElementModel(const Case& c) {
   std::printf(
       "\nMode   whole Hz   expected Hz   error %%   reduced: error %%      "
       "MAC\n");
-  const double to_hz = c.HzPerModelFrequency();
+  const double to_hz = c.problem.description.HzPerModelFrequency();
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
     std::printf("%4d ", i + 1);
@@ -86,8 +86,10 @@ void PrintFiniteElementModel(const Case& c) {
 void PrintModel(const Case& c) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   std::printf("Model: %d DOFs, %d states, units %s, %s, %s\n",
-              dynamics.num_dofs(), dynamics.num_states(), c.units.force.c_str(),
-              c.units.length.c_str(), c.units.time.c_str());
+              dynamics.num_dofs(), dynamics.num_states(),
+              c.problem.description.units.force.c_str(),
+              c.problem.description.units.length.c_str(),
+              c.problem.description.units.time.c_str());
   const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
   ModalProperties modes;
   std::string error;
@@ -96,7 +98,7 @@ void PrintModel(const Case& c) {
     std::printf("No modes: %s\n", error.c_str());
     return;
   }
-  const double to_hz = c.HzPerModelFrequency();
+  const double to_hz = c.problem.description.HzPerModelFrequency();
   std::printf("\nMode      Hz   damping %%   expected Hz   error %%\n");
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
@@ -119,7 +121,7 @@ void PrintRecords(const Case& c) {
   std::printf("\nRecords\n");
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
     const IdentificationRecord& record = c.problem.records[r];
-    const CaseRecord& info = c.records[r];
+    const SubstepChoice& choice = c.substeps[r];
     std::printf(
         "  %s (%s): %d samples, step %.6g s, %.4g s, %zu channels, "
         "excitation %s\n",
@@ -128,20 +130,20 @@ void PrintRecords(const Case& c) {
         record.num_samples(), record.sampling_step(),
         record.sampling_step() * (record.num_samples() - 1),
         record.channels.size(),
-        info.has_excitation ? InterpolationName(info.interpolation) : "none");
+        c.problem.IsDriven(record)
+            ? InterpolationName(record.excitation->interpolation())
+            : "none");
     std::printf(
         "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, growth "
         "%.6f",
-        record.substeps, info.substeps_given ? " (given)" : " (chosen)",
-        info.substeps.stability.largest_eigenvalue,
-        info.substeps.stability.growth);
-    if (std::isfinite(info.substeps.error) && !info.substeps.channel.empty()) {
+        record.substeps, choice.given ? " (given)" : " (chosen)",
+        choice.stability.largest_eigenvalue, choice.stability.growth);
+    if (std::isfinite(choice.error) && !choice.channel.empty()) {
       std::printf("; halving the step moves %s by %.2g (limit %.2g)",
-                  info.substeps.channel.c_str(), info.substeps.error,
-                  info.substeps.error_limit);
+                  choice.channel.c_str(), choice.error, choice.error_limit);
     }
     std::printf("\n");
-    for (const std::string& remark : info.remarks) {
+    for (const std::string& remark : record.description.remarks) {
       std::printf("    %s\n", remark.c_str());
     }
   }
@@ -157,7 +159,7 @@ void PrintMeasuredModes(const Case& c) {
                   &error)) {
     return;
   }
-  const double to_hz = c.HzPerModelFrequency();
+  const double to_hz = c.problem.description.HzPerModelFrequency();
   std::printf("\nMeasured modes, form %s\n",
               ModalFormName(c.problem.modal.form));
   for (size_t i = 0; i < matches.size(); ++i) {
@@ -224,12 +226,13 @@ int main(int argc, char** argv) {
   Case c;
   std::string error;
   if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
-  if (!c.title.empty()) std::printf("%s\n\n", c.title.c_str());
+  if (!c.problem.description.title.empty())
+    std::printf("%s\n\n", c.problem.description.title.c_str());
   PrintFiniteElementModel(c);
   PrintModel(c);
   if (!c.problem.records.empty()) PrintRecords(c);
   PrintMeasuredModes(c);
-  for (const std::string& remark : c.remarks) {
+  for (const std::string& remark : c.problem.description.remarks) {
     std::printf("  %s\n", remark.c_str());
   }
   return PrintAssessment(c) ? kExitDone : kExitNotUsable;

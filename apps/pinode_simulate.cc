@@ -114,12 +114,12 @@ int main(int argc, char** argv) {
     }
     RecordScore score;
     ScoreRecord(c.problem, static_cast<int>(r), parameters, start, 0, &score);
-    const Vector times = FileTimes(c, r);
+    const Vector times = FileTimes(record);
     if (!score.finite) {
       std::fprintf(stderr,
                    "record %s: the response is not finite from t = %g %s on\n",
                    record.name.c_str(), times[FirstNotFinite(score.prediction)],
-                   c.records[r].time_unit.c_str());
+                   record.description.time_unit.c_str());
       exit_status = kExitNotUsable;
     }
     summary.records.push_back(
@@ -129,15 +129,17 @@ int main(int argc, char** argv) {
     std::printf("record %s: %d samples\n", record.name.c_str(),
                 record.num_samples());
     for (size_t i = 0; i < record.channels.size(); ++i) {
-      const CaseChannel& channel = c.records[r].channels[i];
+      const MeasuredChannel& channel = record.channels[i];
+      const std::string& name = channel.observation.name;
+      const std::string unit = c.problem.UnitOf(channel);
       Vector values = score.prediction.row(static_cast<int>(i)).transpose() /
-                      channel.factor;
+                      channel.description.factor;
       const double spread = StandardDeviationOfPresent(values);
       for (double& value : values) value += 0.01 * noise * spread * gaussian();
       std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
-                  channel.name.c_str(), spread, channel.unit.c_str(),
-                  values.cwiseAbs().maxCoeff(), channel.unit.c_str());
-      columns.push_back({channel.name, std::move(values)});
+                  name.c_str(), spread, unit.c_str(),
+                  values.cwiseAbs().maxCoeff(), unit.c_str());
+      columns.push_back({name, std::move(values)});
     }
     if (!WriteCsv(folder.working_path() + "/response_" + record.name + ".csv",
                   columns, &error)) {

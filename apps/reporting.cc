@@ -16,23 +16,23 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
                             const std::string& command_line,
                             double wall_seconds) {
   ReportInput input;
-  input.title = c.title;
+  input.title = c.problem.description.title;
   input.case_path = c.path;
   input.command_line = command_line;
   input.version = PINODE_VERSION;
-  input.units = c.units;
+  input.units = c.problem.description.units;
   input.wall_seconds = wall_seconds;
-  input.hz_per_model_frequency = c.HzPerModelFrequency();
+  input.hz_per_model_frequency = c.problem.description.HzPerModelFrequency();
   input.problem = &c.problem;
   input.summary = &summary;
   input.model = &model;
-  input.remarks = c.remarks;
-  for (const ReferenceCurve& curve : c.reference_curves) {
+  input.remarks = c.problem.description.remarks;
+  for (const ReferenceCurve& curve : c.problem.description.reference_curves) {
     input.curves.push_back(
         {curve.term, curve.name, curve.deformation, curve.force});
   }
 
-  for (const ForceTruth& truth : c.force_truths) {
+  for (const ForceTruth& truth : c.problem.description.force_truths) {
     input.force_truths.push_back({truth.name, truth.times, truth.values});
   }
 
@@ -54,7 +54,7 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
       if (score.finite) record.prior_prediction = std::move(score.prediction);
     }
     input.records.push_back(std::move(record));
-    for (const std::string& remark : c.records[r].remarks) {
+    for (const std::string& remark : c.problem.records[r].description.remarks) {
       input.remarks.push_back("Record " + c.problem.records[r].name + ": " +
                               remark);
     }
@@ -68,7 +68,7 @@ ReportInput MakeReportInput(const Case& c, const IdentificationSummary& summary,
           dynamics.CorrectedModel(prior.head(layout.num_dynamics())),
           dynamics.CorrectedModel(model.parameters.head(layout.num_dynamics())),
           &pairs, &error)) {
-    const double to_hz = c.HzPerModelFrequency();
+    const double to_hz = c.problem.description.HzPerModelFrequency();
     for (ModePair& pair : pairs) {
       ReportMode mode;
       mode.initial_hz = to_hz * pair.initial_frequency;
@@ -101,7 +101,7 @@ std::vector<ReportEquation> MakeReportEquations(const Case& c,
     report.unit =
         UnitName(equation.acts_as == ActsAs::kForce ? Dimension::kForce
                                                     : Dimension::kAcceleration,
-                 c.units);
+                 c.problem.description.units);
     report.num_candidates = equation.num_candidates;
     report.num_regressed_terms = equation.num_regressed_terms;
     for (const DiscoveryParetoPoint& point : equation.pareto) {
@@ -136,10 +136,13 @@ std::vector<ReportEquation> MakeReportEquations(const Case& c,
       const Feature& feature = equation.features[f];
       report.features.push_back(
           {equation.feature_names[f],
-           feature.OnDisplacement() ? UnitName(Dimension::kLength, c.units)
-           : feature.OnVelocity()   ? UnitName(Dimension::kVelocity, c.units)
-           : feature.kind == Feature::Kind::kTime ? c.units.time
-                                                  : "",
+           feature.OnDisplacement()
+               ? UnitName(Dimension::kLength, c.problem.description.units)
+           : feature.OnVelocity()
+               ? UnitName(Dimension::kVelocity, c.problem.description.units)
+           : feature.kind == Feature::Kind::kTime
+               ? c.problem.description.units.time
+               : "",
            equation.sample_features.col(static_cast<Eigen::Index>(f)),
            parts[f]});
     }

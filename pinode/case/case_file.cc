@@ -1,8 +1,5 @@
 #include "pinode/case/case_file.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -15,6 +12,7 @@
 #include "pinode/case/options_section.h"
 #include "pinode/case/record_data.h"
 #include "pinode/case/record_section.h"
+#include "pinode/case/reference_curve_section.h"
 #include "pinode/case/sensors_section.h"
 #include "pinode/case/terms_section.h"
 #include "pinode/case/toml_table.h"
@@ -43,31 +41,6 @@ bool CheckNames(const IdentificationProblem& problem, CaseErrors* errors) {
   return add(problem.sensors);
 }
 
-// A model carries the error of the steps with which it was fitted. Where steps
-// are chosen, no record is integrated more coarsely than the finest training
-// record.
-void RefineToTraining(Case* c) {
-  double finest = std::numeric_limits<double>::infinity();
-  for (const IdentificationRecord& record : c->problem.records) {
-    if (record.role != IdentificationRecord::Role::kTrain) continue;
-    finest = std::min(finest, record.sampling_step() / record.substeps);
-  }
-  for (size_t r = 0; r < c->records.size(); ++r) {
-    IdentificationRecord& record = c->problem.records[r];
-    SubstepChoice& choice = c->records[r].substeps;
-    const double needed =
-        std::ceil(record.sampling_step() / finest * (1.0 - 1e-9));
-    if (c->records[r].substeps_given || !(needed > record.substeps) ||
-        needed > kMaxSubsteps) {
-      continue;
-    }
-    record.substeps = choice.substeps = static_cast<int>(needed);
-    choice.stability =
-        CheckStability(StateMatrixAtRest(*c->problem.dynamics, record),
-                       record.sampling_step(), record.substeps);
-  }
-}
-
 // What the model's modes are, where that is not all of the model.
 void RemarkOnModes(const IdentificationProblem& problem,
                    std::vector<std::string>* remarks) {
@@ -80,26 +53,6 @@ void RemarkOnModes(const IdentificationProblem& problem,
       "Measured modes are held against those of the matrices with their "
       "groups; "
       "elements, libraries and networks take no part in these.");
-}
-
-bool SetSubsteps(const std::vector<RecordSection>& sections, Case* c) {
-  for (size_t r = 0; r < sections.size(); ++r) {
-    const RecordSection& section = sections[r];
-    IdentificationRecord& record = c->problem.records[r];
-    CaseRecord& info = c->records[r];
-    info.substeps_given = section.substeps > 0;
-    std::string error;
-    const bool good =
-        info.substeps_given
-            ? CheckSubsteps(*c->problem.dynamics, record, section.substeps,
-                            &info.substeps, &error)
-            : ChooseSubsteps(*c->problem.dynamics, record, &info.substeps,
-                             &error);
-    if (!good) return section.table.Fail("substeps", error);
-    record.substeps = info.substeps.substeps;
-  }
-  RefineToTraining(c);
-  return true;
 }
 
 bool ReadTree(const std::shared_ptr<const TomlValue>& source,
@@ -116,13 +69,15 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   Case c;
   c.path = path;
   c.source = source;
-  c.title = root.String("title");
-  if (!ReadUnits(root, &c.units) || !ReadOptions(root, &c.options) ||
+  ProblemDescription& description = c.problem.description;
+  UnitSystem& units = description.units;
+  description.title = root.String("title");
+  if (!ReadUnits(root, &units) || !ReadOptions(root, &c.options) ||
       !ReadSimulate(root, &c.noise_percent, &c.noise_seed)) {
     return false;
   }
   ModelSection model;
-  if (!ReadModelSection(root, c.units, &model)) return false;
+  if (!ReadModelSection(root, units, &model)) return false;
   c.expected_hz = model.expected_hz;
   c.finite_element = model.finite_element;
 
@@ -130,7 +85,7 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   // them; the numbers of the records are read after the terms, which decide
   // on the number of states.
   std::vector<RecordSection> sections;
-  if (!ReadRecordSections(root, c.units, model.model, simulation, &sections)) {
+  if (!ReadRecordSections(root, units, model.model, simulation, &sections)) {
     return false;
   }
   std::vector<InputSpec> inputs = CollectInputs(sections, model.model);
@@ -138,17 +93,17 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   auto dynamics =
       std::make_shared<StructuralDynamics>(model.model, std::move(inputs));
   TermsContext context;
-  context.units = &c.units;
+  context.units = &units;
   context.model = &model;
   context.default_seed = c.options.seed;
-  context.remarks = &c.remarks;
+  context.remarks = &description.remarks;
   if (!ReadGroups(root, context, dynamics.get()) ||
       !ReadElements(root, context, dynamics.get()) ||
       !ReadLibraries(root, context, dynamics.get()) ||
       !ReadUnknownForces(root, context, sections, dynamics.get()) ||
       !ReadNetworks(root, context, dynamics.get()) ||
       !ReadDiscover(root, *dynamics, &c.discover) ||
-      !ReadReferenceCurves(root, *dynamics, &c.reference_curves)) {
+      !ReadReferenceCurves(root, *dynamics, &description.reference_curves)) {
     return false;
   }
   StructuralDynamics::Prepared prepared;
@@ -162,35 +117,40 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
 
   for (const RecordSection& section : sections) {
     IdentificationRecord record;
-    CaseRecord info;
-    if (!ReadRecordData(section, c.units, *dynamics, simulation, &record,
-                        &info)) {
+    if (!ReadRecordData(section, units, *dynamics, simulation, &record)) {
       return false;
     }
+    // Until the steps are chosen, for which the other checks must have passed.
+    record.substeps = 1;
     c.problem.records.push_back(std::move(record));
-    c.records.push_back(std::move(info));
   }
-  if (!ReadModes(root, c.units, model.model, c.problem.num_train_records() > 0,
+  if (!ReadModes(root, units, model.model, c.problem.num_train_records() > 0,
                  &c.problem.modal)) {
     return false;
   }
-  RemarkOnModes(c.problem, &c.remarks);
+  RemarkOnModes(c.problem, &description.remarks);
   SpreadNetworksOfTime(root, c.problem, dynamics.get());
-  if (!ReadSensors(sections, c.units, &c.problem) ||
+  if (!ReadSensors(sections, units, &c.problem) ||
       !CheckNames(c.problem, &errors)) {
     return false;
   }
   if (!simulation &&
       (!CheckUnknownForces(root, sections, c.problem, &c.options) ||
-       !ReadForceTruths(root, c.units, sections, &c.force_truths))) {
+       !ReadForceTruths(root, units, sections, &description.force_truths))) {
     return false;
   }
   if (!simulation &&
       (!c.problem.IsValid(&message) || !c.options.IsValid(&message))) {
     return errors.Fail(0, message);
   }
-  if (!ReadDamage(root, c.problem, &c.damage) || !SetSubsteps(sections, &c)) {
-    return false;
+  if (!ReadDamage(root, c.problem, &c.damage)) return false;
+  for (size_t r = 0; r < sections.size(); ++r) {
+    c.problem.records[r].substeps = sections[r].substeps;
+  }
+  int failed = 0;
+  if (!SetSubsteps(&c.problem, &c.substeps, &failed, &message)) {
+    return sections[static_cast<size_t>(failed)].table.Fail("substeps",
+                                                            message);
   }
   *result = std::move(c);
   return true;
@@ -206,14 +166,6 @@ bool Read(const std::string& path, bool simulation, Case* result,
 }
 
 }  // namespace
-
-double Case::HzPerModelFrequency() const {
-  double factor = 1.0;
-  std::string error;
-  // `units` was checked when the case was read.
-  return UnitFactor("s", Dimension::kTime, units, &factor, &error) ? factor
-                                                                   : 1.0;
-}
 
 bool ReadCase(const std::string& path, Case* c, std::string* error) {
   return Read(path, false, c, error);

@@ -9,9 +9,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/base/units.h"
 #include "pinode/case/damage_section.h"
-#include "pinode/case/reference_curve_section.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
@@ -22,54 +20,16 @@ namespace pinode {
 struct FiniteElementCase;
 struct TomlValue;
 
-// What a writer must know about a channel beside
-// IdentificationProblem::records[r].channels[c], to give it back as it came.
-struct CaseChannel {
-  std::string name;
-  std::string unit;  // of the file
-  // value in the model's units = factor * value in the file; the sensor's sign
-  // is included.
-  double factor = 1.0;
-  // The DOF's name, or the combination, such as "-1 u1 + 1 u2".
-  std::string location;
-};
-
-// What a writer must know about a record, beside IdentificationProblem.
-struct CaseRecord {
-  std::string time_unit = "s";  // of the file
-  // time in the model's unit = time_factor * time in the file.
-  double time_factor = 1.0;
-  Interpolation interpolation = Interpolation::kLinear;
-  // False for a free vibration.
-  bool has_excitation = false;
-  std::vector<CaseChannel> channels;  // in the problem's order
-  // Chosen, or as the case file says.
-  bool substeps_given = false;
-  SubstepChoice substeps;
-  // What a reader of the report should know about this record, one sentence
-  // each: rate and jitter of the time column, samples missing, ...
-  std::vector<std::string> remarks;
-};
-
-// What a force that is to be found was in truth, to be compared with it and for
-// nothing else.
-struct ForceTruth {
-  std::string name;  // of the unknown force, or the network
-  Vector times;
-  Vector values;
-};
-
 // A case file, read and checked. Everything in `problem` is in the model's
 // units.
 struct Case {
   std::string path;
-  std::string title;
-  UnitSystem units;
 
+  // Its description is complete: nothing in it is left to defaults.
   IdentificationProblem problem;
   IdentificationOptions options;
-  // One per record of the problem, in its order.
-  std::vector<CaseRecord> records;
+  // The steps, chosen or as the case file says, of each record of the problem.
+  std::vector<SubstepChoice> substeps;
 
   // Frequencies that the user expects of the model (Hz); may be empty.
   std::vector<double> expected_hz;
@@ -82,9 +42,6 @@ struct Case {
   // was read (checkpoint.h), by which its results are known; else empty.
   std::string renewed_from;
 
-  // As far as the case file names any.
-  std::vector<ForceTruth> force_truths;
-
   // [simulate]: noise in per cent of each channel's standard deviation.
   double noise_percent = 0.0;
   std::uint64_t noise_seed = 1;
@@ -95,17 +52,8 @@ struct Case {
   // [damage]: what pinode_damage looks for beside changes of groups.
   DamageSearch damage;
 
-  // [[reference_curve]]: what the report draws beside the terms' forces.
-  std::vector<ReferenceCurve> reference_curves;
-
-  // Decisions that were taken for the user, one sentence each.
-  std::vector<std::string> remarks;
-
   // The text as a tree, from which model.toml is made.
   std::shared_ptr<const TomlValue> source;
-
-  // Frequencies in Hz are this factor times those in cycles per model time.
-  double HzPerModelFrequency() const;
 };
 
 // Reads the case file at `path` and all files that it names; see

@@ -26,8 +26,8 @@ TEST(CaseFileTest, SmallCase) {
   const Case c = ReadOrFail(folder.Write("case.toml", SmallCase()));
   ASSERT_NE(c.problem.dynamics, nullptr);
   const StructuralDynamics& dynamics = *c.problem.dynamics;
-  EXPECT_EQ(c.title, "Two storeys");
-  EXPECT_EQ(c.units.force, "kN");
+  EXPECT_EQ(c.problem.description.title, "Two storeys");
+  EXPECT_EQ(c.problem.description.units.force, "kN");
   EXPECT_EQ(dynamics.num_dofs(), 2);
   EXPECT_EQ(dynamics.model().stiffness(0, 1), -100.0);
   ASSERT_EQ(dynamics.groups().size(), 1u);
@@ -56,11 +56,12 @@ TEST(CaseFileTest, SmallCase) {
             Quantity::kAbsoluteAcceleration);
   EXPECT_EQ(record.channels[1].observation.weights[1], 1.0);
   EXPECT_EQ(record.channels[0].gain, -1);
-  ASSERT_EQ(c.records.size(), 1u);
-  EXPECT_DOUBLE_EQ(c.records[0].channels[0].factor, kGravity);
-  EXPECT_EQ(c.records[0].channels[1].location, "u2");
-  EXPECT_TRUE(c.records[0].has_excitation);
-  EXPECT_FALSE(c.records[0].substeps_given);
+  ASSERT_EQ(c.problem.records.size(), 1u);
+  EXPECT_DOUBLE_EQ(c.problem.records[0].channels[0].description.factor,
+                   kGravity);
+  EXPECT_EQ(c.problem.records[0].channels[1].description.location, "u2");
+  EXPECT_TRUE(c.problem.IsDriven(c.problem.records[0]));
+  EXPECT_FALSE(c.substeps[0].given);
   EXPECT_GE(record.substeps, 1);
 }
 
@@ -284,7 +285,7 @@ seed = 5
   EXPECT_EQ(record.num_samples(), 51);
   EXPECT_EQ(record.excitation->interpolation(), Interpolation::kCubic);
   EXPECT_EQ(record.substeps, 3);
-  EXPECT_TRUE(c.records[0].substeps_given);
+  EXPECT_TRUE(c.substeps[0].given);
   EXPECT_EQ(record.start, IdentificationRecord::Start::kKnown);
   ASSERT_EQ(record.known_start.size(), 5);
   EXPECT_EQ(record.known_start[1], 0.2);
@@ -304,11 +305,12 @@ seed = 5
   ASSERT_EQ(record.channels.size(), 3u);
   EXPECT_EQ(record.channels[0].observation.name, "a1");
   EXPECT_DOUBLE_EQ(record.channels[0].sigma, 0.02);
-  EXPECT_DOUBLE_EQ(c.records[0].channels[0].factor, -1.0);
+  EXPECT_DOUBLE_EQ(c.problem.records[0].channels[0].description.factor, -1.0);
   EXPECT_FALSE(record.channels[1].fit);
   EXPECT_GT(record.channels[1].sigma, 0.0);
   EXPECT_EQ(record.channels[1].observation.weights[0], -0.01);
-  EXPECT_EQ(c.records[0].channels[1].location, "-0.01 u1 + 0.01 u2");
+  EXPECT_EQ(c.problem.records[0].channels[1].description.location,
+            "-0.01 u1 + 0.01 u2");
   EXPECT_EQ(record.channels[2].observation.quantity,
             Quantity::kAbsoluteDisplacement);
   EXPECT_NE(record.filter, nullptr);
@@ -363,8 +365,8 @@ TEST(CaseFileTest, MillisecondsAsTheModelsTime) {
   EXPECT_NEAR(record.sampling_step(), 10.0, 1e-9);
   EXPECT_NEAR(record.excitation->start_time(), 500.0, 1e-9);
   EXPECT_EQ(record.num_samples(), 51);
-  EXPECT_DOUBLE_EQ(c.HzPerModelFrequency(), 1000.0);
-  EXPECT_DOUBLE_EQ(c.records[0].time_factor, 1000.0);
+  EXPECT_DOUBLE_EQ(c.problem.description.HzPerModelFrequency(), 1000.0);
+  EXPECT_DOUBLE_EQ(c.problem.records[0].description.time_factor, 1000.0);
 }
 
 TEST(CaseFileTest, ShearBuilding) {
@@ -461,8 +463,9 @@ TEST(CaseFileTest, GaugeWhereAFreeGroupIsSpanned) {
   Case c = ReadOrFail(folder.Write("case.toml", SmallCase() + kNetwork));
   ASSERT_NE(c.problem.dynamics, nullptr);
   EXPECT_TRUE(c.problem.dynamics->networks()[0].network->architecture().gauge);
-  ASSERT_EQ(c.remarks.size(), 1u);
-  EXPECT_THAT(c.remarks[0], HasSubstr("so that k1 means the tangent"));
+  ASSERT_EQ(c.problem.description.remarks.size(), 1u);
+  EXPECT_THAT(c.problem.description.remarks[0],
+              HasSubstr("so that k1 means the tangent"));
 
   const auto gauge_of = [&](const std::string& text) {
     const Case read = ReadOrFail(folder.Write("case.toml", text));
@@ -536,7 +539,7 @@ TEST(CaseFileTest, Simulation) {
   EXPECT_EQ(record.num_samples(), 101);
   EXPECT_DOUBLE_EQ(record.sampling_step(), 0.02);
   EXPECT_TRUE(std::isnan(record.channels[0].values[0]));
-  EXPECT_FALSE(c.records[0].has_excitation);
+  EXPECT_FALSE(c.problem.IsDriven(c.problem.records[0]));
   EXPECT_GE(record.substeps, 1);
 }
 
@@ -603,13 +606,13 @@ TEST_P(BadCaseTest, IsRefusedWithItsPlace) {
       "case.toml", *bad.from == '\0' ? SmallCase()
                                      : Replaced(SmallCase(), bad.from, bad.to));
   Case c;
-  c.title = "untouched";
+  c.problem.description.title = "untouched";
   std::string error;
   EXPECT_FALSE(ReadCase(path, &c, &error));
   EXPECT_THAT(error, HasSubstr(bad.message));
   EXPECT_THAT(error, HasSubstr(folder.Path("")));
   EXPECT_THAT(error, Not(HasSubstr("\n")));
-  EXPECT_EQ(c.title, "untouched");
+  EXPECT_EQ(c.problem.description.title, "untouched");
 }
 
 const BadCase kBadCases[] = {

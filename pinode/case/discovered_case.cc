@@ -243,7 +243,8 @@ std::vector<std::vector<EquationTerm>> Report(
       reported.basis = term.basis;
       reported.unit = LibraryCoefficientUnit(
           Parsed(equation, term.basis), equation.features,
-          c.problem.dynamics->inputs(), equation.acts_as, c.units);
+          c.problem.dynamics->inputs(), equation.acts_as,
+          c.problem.description.units);
       reported.coefficient = term.coefficient;
       reported.sigma = reported.lower95 = reported.upper95 = kNaN;
       reported.share = term.share;

@@ -67,8 +67,8 @@ bool WriteModes(const Case& c, const StructuralDynamics& dynamics,
   }
   text += "\nfrequency_hz";
   for (const double square : modes.eigenvalues) {
-    text += "," + CsvCell(c.HzPerModelFrequency() * std::sqrt(square) /
-                          (2.0 * std::acos(-1.0)));
+    text += "," + CsvCell(c.problem.description.HzPerModelFrequency() *
+                          std::sqrt(square) / (2.0 * std::acos(-1.0)));
   }
   for (Eigen::Index i = 0; i < shapes.rows(); ++i) {
     text += "\n" + CsvCell(source.exported.dof_names[static_cast<size_t>(i)]);
@@ -87,7 +87,8 @@ bool WriteResponses(const Case& c, const IdentificationSummary& summary,
     // A run that never became finite has nothing to show.
     if (score.states.cols() != c.problem.records[r].num_samples()) continue;
     const Matrix coordinates = score.states.topRows(source.expansion.cols());
-    std::vector<CsvColumn> columns = {{"time", FileTimes(c, r)}};
+    std::vector<CsvColumn> columns = {
+        {"time", FileTimes(c.problem.records[r])}};
     for (const int dof : source.expanded_dofs) {
       columns.push_back(
           {source.exported.dof_names[static_cast<size_t>(dof)],

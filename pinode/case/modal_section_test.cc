@@ -72,7 +72,7 @@ TEST(ModalSection, StandsWithoutARecord) {
   EXPECT_EQ(modal.modes[1].frequency_weight, 40.0);
   EXPECT_FALSE(modal.modes[1].HasShape());
   EXPECT_TRUE(result.c.problem.records.empty());
-  EXPECT_TRUE(result.c.remarks.empty());
+  EXPECT_TRUE(result.c.problem.description.remarks.empty());
 }
 
 TEST(ModalSection, ConvertsHzToTheModelsTime) {
@@ -173,8 +173,9 @@ TEST(ModalSection, SaysThatElementsTakeNoPart) {
                "[[element]]\nname = \"s\"\ntype = \"cubic\"\nbetween = "
                "[\"ground\", \"u1\"]\nparameters.k3 = 5.0\n");
   ASSERT_TRUE(result.ok) << result.error;
-  ASSERT_EQ(result.c.remarks.size(), 1u);
-  EXPECT_THAT(result.c.remarks[0], HasSubstr("take no part"));
+  ASSERT_EQ(result.c.problem.description.remarks.size(), 1u);
+  EXPECT_THAT(result.c.problem.description.remarks[0],
+              HasSubstr("take no part"));
   EXPECT_THAT(
       ReadText(Modes() +
                "[[element]]\nname = \"s\"\ntype = \"cubic\"\nbetween = "

@@ -180,7 +180,10 @@ class ModelCaseWriter {
         TomlValue* keys = table.Find("parameters")->Find(key);
         if (keys == nullptr || !keys->IsTable()) continue;
         SetParameter(parameter,
-                     key == "amplitude" ? 1.0 : c_.HzPerModelFrequency(), keys);
+                     key == "amplitude"
+                         ? 1.0
+                         : c_.problem.description.HzPerModelFrequency(),
+                     keys);
       }
     }
     return true;
@@ -238,7 +241,7 @@ class ModelCaseWriter {
       }
       TomlValue* channels = tables[r].Find("channel");
       CHECK(channels != nullptr &&
-            channels->elements.size() == c_.records[r].channels.size());
+            channels->elements.size() == c_.problem.records[r].channels.size());
       for (size_t i = 0; i < channels->elements.size(); ++i) {
         SetSensor(r, i, &channels->elements[i]);
       }
@@ -269,8 +272,9 @@ class ModelCaseWriter {
                    keys);
     };
     set("gain", channel.gain, 1.0);
-    set("offset", channel.offset, c_.records[r].channels[i].factor);
-    set("delay", channel.delay, c_.HzPerModelFrequency());
+    set("offset", channel.offset,
+        c_.problem.records[r].channels[i].description.factor);
+    set("delay", channel.delay, c_.problem.description.HzPerModelFrequency());
   }
 
   const Case& c_;

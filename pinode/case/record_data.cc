@@ -46,20 +46,17 @@ class RecordDataReader {
  public:
   RecordDataReader(const RecordSection& section, const UnitSystem& units,
                    const StructuralDynamics& dynamics, bool simulation,
-                   IdentificationRecord* record, CaseRecord* info)
+                   IdentificationRecord* record)
       : section_(section),
         table_(section.table),
         units_(units),
         dynamics_(dynamics),
         simulation_(simulation),
-        record_(record),
-        info_(info) {}
+        record_(record) {}
 
   bool Read() {
-    info_->time_unit = section_.time_unit;
-    info_->time_factor = section_.time_factor;
-    info_->interpolation = section_.interpolation;
-    info_->has_excitation = section_.has_excitation();
+    record_->description.time_unit = section_.time_unit;
+    record_->description.time_factor = section_.time_factor;
     record_->name = section_.name;
     record_->role = section_.role;
     record_->start = section_.start;
@@ -146,7 +143,7 @@ class RecordDataReader {
             : FindTimeGrid(table, section_.time_column, options, &grid, &error);
     if (!found) return table_.errors()->FailAsIs(error);
     for (const std::string& remark : grid.remarks) {
-      info_->remarks.push_back(
+      record_->description.remarks.push_back(
           (path == section_.file
                ? std::string()
                : std::filesystem::path(path).filename().string() + ": ") +
@@ -183,9 +180,9 @@ class RecordDataReader {
     }
     if (signal.remove_offset) {
       const double mean = RemoveOffset(&channel.values);
-      info_->remarks.push_back(signal.label + ": mean " +
-                               FormatNumber(mean / signal.factor, 4) + " " +
-                               signal.unit + " subtracted.");
+      record_->description.remarks.push_back(
+          signal.label + ": mean " + FormatNumber(mean / signal.factor, 4) +
+          " " + signal.unit + " subtracted.");
     }
     if (!Align(signal, file, is_input, &channel.values)) return false;
     merged_.channels.push_back(std::move(channel));
@@ -198,10 +195,10 @@ class RecordDataReader {
     if (signal.file == section_.file) return true;
     if (std::abs(file.step - base_step_) > 1e-9 * base_step_) {
       *values = Resample(*values, file.step, base_step_);
-      info_->remarks.push_back(signal.label + ": resampled from a step of " +
-                               FormatNumber(file.step, 6) + " to " +
-                               FormatNumber(base_step_, 6) + " " + units_.time +
-                               ".");
+      record_->description.remarks.push_back(
+          signal.label + ": resampled from a step of " +
+          FormatNumber(file.step, 6) + " to " + FormatNumber(base_step_, 6) +
+          " " + units_.time + ".");
     }
     const double offset = (base_start_ - file.start_time) / base_step_;
     const double shift = std::round(offset);
@@ -226,7 +223,8 @@ class RecordDataReader {
     }
     // Whether an excitation is complete is asked within the window only.
     if (missing > 0 && !is_input) {
-      info_->remarks.push_back(signal.label + ": does not cover the record.");
+      record_->description.remarks.push_back(signal.label +
+                                             ": does not cover the record.");
     }
     *values = std::move(aligned);
     return true;
@@ -279,7 +277,7 @@ class RecordDataReader {
         displacement.values = IntegrateTwice(
             acceleration.values, merged_.sampling_step, section_.interpolation);
         merged_.channels.push_back(std::move(displacement));
-        info_->remarks.push_back(
+        record_->description.remarks.push_back(
             "the ground displacement is the double integral of " +
             input.signal.label +
             " from rest at the file's first sample, without a baseline "
@@ -324,9 +322,10 @@ class RecordDataReader {
                                               "', expected one as in the other "
                                               "records");
         }
-        info_->remarks.push_back(spec.name +
-                                 " is not in this record and is taken as "
-                                 "zero.");
+        record_->description.remarks.push_back(
+            spec.name +
+            " is not in this record and is taken as "
+            "zero.");
         continue;
       }
       std::string error;
@@ -366,13 +365,13 @@ class RecordDataReader {
                           " samples in the window, expected at least two");
       }
       if (!simulation_ && present < samples) {
-        info_->remarks.push_back(
+        record_->description.remarks.push_back(
             section.signal.label + ": " + std::to_string(samples - present) +
             " of " + std::to_string(samples) + " samples are missing.");
       }
+      channel.description = {section.signal.unit, section.signal.factor,
+                             section.location};
       record_->channels.push_back(std::move(channel));
-      info_->channels.push_back({section.name, section.signal.unit,
-                                 section.signal.factor, section.location});
     }
     return true;
   }
@@ -425,7 +424,6 @@ class RecordDataReader {
   const StructuralDynamics& dynamics_;
   const bool simulation_;
   IdentificationRecord* record_;
-  CaseRecord* info_;
 
   std::map<std::string, SourceFile> files_;
   double base_start_ = 0.0;
@@ -471,9 +469,8 @@ Vector IntegrateTwice(const Vector& acceleration, double step,
 
 bool ReadRecordData(const RecordSection& section, const UnitSystem& units,
                     const StructuralDynamics& dynamics, bool simulation,
-                    IdentificationRecord* record, CaseRecord* info) {
-  return RecordDataReader(section, units, dynamics, simulation, record, info)
-      .Read();
+                    IdentificationRecord* record) {
+  return RecordDataReader(section, units, dynamics, simulation, record).Read();
 }
 
 }  // namespace pinode

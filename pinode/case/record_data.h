@@ -5,7 +5,6 @@
 
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
-#include "pinode/case/case_file.h"
 #include "pinode/case/record_section.h"
 
 namespace pinode {
@@ -27,8 +26,8 @@ namespace pinode {
 [[nodiscard]] bool ReadRecordData(const RecordSection& section,
                                   const UnitSystem& units,
                                   const StructuralDynamics& dynamics,
-                                  bool simulation, IdentificationRecord* record,
-                                  CaseRecord* info);
+                                  bool simulation,
+                                  IdentificationRecord* record);
 
 // Displacement of the ground at the samples, at rest before the first: the
 // exact double integral of the acceleration as `interpolation` has it between

@@ -107,7 +107,7 @@ TEST(RecordDataTest, ShakerAndGroundOfDifferentRecords) {
   EXPECT_TRUE(first.row(1).isZero(0.0));
   EXPECT_TRUE(second.row(0).isZero(0.0));
   EXPECT_NEAR(second(1, 20), 0.08 * std::sin(1.8), 1e-9);  // kN
-  EXPECT_THAT(c.records[1].remarks,
+  EXPECT_THAT(c.problem.records[1].description.remarks,
               Contains(HasSubstr("ground_x is not in this record")));
 }
 
@@ -130,7 +130,7 @@ TEST(RecordDataTest, At2OfAnotherRate) {
   for (const int i : {40, 100, 150}) {
     EXPECT_NEAR(inputs(0, i), 0.4 * 9.80665 * std::sin(0.12 * i), 2e-4);
   }
-  EXPECT_THAT(c.records[0].remarks,
+  EXPECT_THAT(c.problem.records[0].description.remarks,
               Contains(HasSubstr("resampled from a step of 0.0025")));
 }
 
@@ -161,7 +161,7 @@ TEST(RecordDataTest, GapsInAResponseAreKept) {
   const Vector& values = c.problem.records[0].channels[0].values;
   EXPECT_TRUE(std::isnan(values[0]));
   EXPECT_EQ(CountPresent(values), 199);
-  EXPECT_THAT(c.records[0].remarks,
+  EXPECT_THAT(c.problem.records[0].description.remarks,
               Contains(HasSubstr("1 of 200 samples are missing")));
 }
 

@@ -8,23 +8,10 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/parameter_keys.h"
+#include "pinode/estimate/problem_description.h"
 
 namespace pinode {
 namespace {
-
-Dimension DimensionOf(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::kDisplacement:
-    case Quantity::kAbsoluteDisplacement:
-      return Dimension::kLength;
-    case Quantity::kVelocity:
-      return Dimension::kVelocity;
-    case Quantity::kRelativeAcceleration:
-    case Quantity::kAbsoluteAcceleration:
-      return Dimension::kAcceleration;
-  }
-  return Dimension::kNumber;
-}
 
 const std::vector<std::string>& RecordKeys() {
   static const auto& keys = *new std::vector<std::string>{

@@ -6,20 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/types.h"
 #include "pinode/case/toml_table.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/problem_description.h"
 
 namespace pinode {
-
-// The force of one of the model's terms as known from elsewhere: a data sheet,
-// a test of the device alone. It takes no part in anything but the report.
-struct ReferenceCurve {
-  std::string term;
-  std::string name;  // for the legend
-  // Model units; the force resists positive deformation.
-  Vector deformation, force;
-};
 
 // `dynamics` has all its terms. A term that acts as an acceleration must drive
 // one DOF whose mass is not coupled to others; else it has no force.

@@ -65,8 +65,8 @@ TEST_F(ReferenceCurveSection, ReadsTheCurve) {
     ASSERT_TRUE(Read(
         Replaced(kCurve, "term = \"spring1\"", "term = \"" + term + "\""), &c))
         << error_;
-    ASSERT_EQ(c.reference_curves.size(), 1u);
-    const ReferenceCurve& curve = c.reference_curves[0];
+    ASSERT_EQ(c.problem.description.reference_curves.size(), 1u);
+    const ReferenceCurve& curve = c.problem.description.reference_curves[0];
     EXPECT_EQ(curve.term, term);
     EXPECT_EQ(curve.name, "data sheet");
     EXPECT_EQ(curve.deformation, Vector::LinSpaced(3, -1.0, 1.0));
@@ -100,8 +100,9 @@ TEST_F(ReferenceCurveSection, GoesOnWithTheModel) {
       << error_;
   Case again;
   ASSERT_TRUE(ReadCase(out.Path("model.toml"), &again, &error_)) << error_;
-  ASSERT_EQ(again.reference_curves.size(), 1u);
-  EXPECT_EQ(again.reference_curves[0].force, c.reference_curves[0].force);
+  ASSERT_EQ(again.problem.description.reference_curves.size(), 1u);
+  EXPECT_EQ(again.problem.description.reference_curves[0].force,
+            c.problem.description.reference_curves[0].force);
 }
 
 }  // namespace

@@ -117,7 +117,8 @@ void RenewBasisUntilSettled(const FitFunction& fit, Case* c,
              " standard errors";
     if (moved <= kSettled) break;
   }
-  now.remarks.push_back("The basis of the reduction " + remark + ".");
+  now.problem.description.remarks.push_back("The basis of the reduction " +
+                                            remark + ".");
   *c = std::move(now);
   *summary = std::move(summary_now);
   *model = std::move(model_now);

@@ -167,8 +167,8 @@ TEST_F(UntilSettledTest, EndsWhereMovesAreSmall) {
   EXPECT_EQ(fit.calls, 3);
   EXPECT_NEAR(model_.parameters[0], 0.175, 1e-15);
   EXPECT_TRUE(summary_.usable);
-  ASSERT_FALSE(c_.remarks.empty());
-  EXPECT_EQ(c_.remarks.back(),
+  ASSERT_FALSE(c_.problem.description.remarks.empty());
+  EXPECT_EQ(c_.problem.description.remarks.back(),
             "The basis of the reduction was taken again at the values found, "
             "3 times; the last time they moved by at most 0.25 standard "
             "errors.");
@@ -181,8 +181,8 @@ TEST_F(UntilSettledTest, KeepsTheLastUsableFit) {
   RenewBasisUntilSettled(std::ref(fit), &c_, &summary_, &model_);
   EXPECT_EQ(model_.parameters[0], 0.1);
   EXPECT_TRUE(summary_.usable);
-  ASSERT_FALSE(c_.remarks.empty());
-  EXPECT_THAT(c_.remarks.back(),
+  ASSERT_FALSE(c_.problem.description.remarks.empty());
+  EXPECT_THAT(c_.problem.description.remarks.back(),
               HasSubstr("could not be renewed: of the test"));
 }
 

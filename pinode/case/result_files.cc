@@ -118,15 +118,16 @@ class ResultWriter {
       const IdentificationRecord& record = c_.problem.records[r];
       // A run that never became finite has nothing to show.
       if (score.prediction.cols() != record.num_samples()) continue;
-      std::vector<CsvColumn> columns = {{"time", FileTimes(c_, r)}};
+      std::vector<CsvColumn> columns = {{"time", FileTimes(record)}};
       for (size_t i = 0; i < record.channels.size(); ++i) {
-        const CaseChannel& channel = c_.records[r].channels[i];
-        columns.push_back({channel.name + "_measured",
-                           record.channels[i].values / channel.factor});
+        const MeasuredChannel& channel = record.channels[i];
+        const std::string& name = channel.observation.name;
+        const double factor = channel.description.factor;
+        columns.push_back({name + "_measured", channel.values / factor});
         columns.push_back(
-            {channel.name + "_predicted",
+            {name + "_predicted",
              score.prediction.row(static_cast<Eigen::Index>(i)).transpose() /
-                 channel.factor});
+                 factor});
       }
       if (!WriteCsv(Path("prediction_" + record.name + ".csv"), columns,
                     error_)) {
@@ -139,8 +140,8 @@ class ResultWriter {
   bool WriteForces() {
     for (const ForceEstimate& force : summary_.forces) {
       const Vector times =
-          force.times /
-          c_.records[static_cast<size_t>(force.record)].time_factor;
+          force.times / c_.problem.records[static_cast<size_t>(force.record)]
+                            .description.time_factor;
       if (!WriteCsv(Path("force_" + force.name + ".csv"),
                     {{"time", times},
                      {"force", force.value},
@@ -186,11 +187,11 @@ class ResultWriter {
 
 }  // namespace
 
-Vector FileTimes(const Case& c, size_t r) {
-  const Excitation& excitation = *c.problem.records[r].excitation;
+Vector FileTimes(const IdentificationRecord& record) {
+  const Excitation& excitation = *record.excitation;
   Vector times(excitation.num_samples());
   for (int i = 0; i < excitation.num_samples(); ++i) {
-    times[i] = excitation.time(i) / c.records[r].time_factor;
+    times[i] = excitation.time(i) / record.description.time_factor;
   }
   return times;
 }

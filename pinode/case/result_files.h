@@ -14,8 +14,8 @@
 
 namespace pinode {
 
-// The time of each sample of record `r` in the unit of its file.
-Vector FileTimes(const Case& c, size_t r);
+// The time of each sample in the unit of the record's file.
+Vector FileTimes(const IdentificationRecord& record);
 
 // Writes to folder.working_path() everything that a result folder holds but the
 // report (see pinode/case/README.md): result.json, parameters.csv,

@@ -30,14 +30,13 @@ Json Records(const Case& c, const IdentificationSummary& summary) {
     record["channels"] = Json::array();
     for (size_t i = 0; i < score.channels.size(); ++i) {
       const ChannelScore& channel_score = score.channels[i];
-      const CaseChannel& channel = c.records[r].channels[i];
       const MeasuredChannel& measured = c.problem.records[r].channels[i];
-      const double to_file = 1.0 / std::abs(channel.factor);
+      const double to_file = 1.0 / std::abs(measured.description.factor);
       Json entry;
       entry["name"] = channel_score.name;
-      entry["dof"] = channel.location;
+      entry["dof"] = c.problem.LocationOf(measured);
       entry["quantity"] = QuantityName(measured.observation.quantity);
-      entry["unit"] = channel.unit;
+      entry["unit"] = c.problem.UnitOf(measured);
       entry["rmse"] = channel_score.rmse * to_file;
       entry["nrmse"] = channel_score.nrmse;
       entry["prior_nrmse"] = channel_score.prior_nrmse;
@@ -71,7 +70,8 @@ Json Forces(const Case& c, const IdentificationSummary& summary) {
   Json forces = Json::array();
   for (const ForceEstimate& force : summary.forces) {
     const size_t record = static_cast<size_t>(force.record);
-    const double to_file = 1.0 / c.records[record].time_factor;
+    const double to_file =
+        1.0 / c.problem.records[record].description.time_factor;
     const Eigen::Index last = force.times.size() - 1;
     Eigen::Index peak = 0;
     force.value.cwiseAbs().maxCoeff(&peak);
@@ -82,7 +82,7 @@ Json Forces(const Case& c, const IdentificationSummary& summary) {
         step * (force.value.sum() - 0.5 * (force.value[0] + force.value[last]));
     Json entry = {{"name", force.name},
                   {"record", c.problem.records[record].name},
-                  {"unit", c.units.force},
+                  {"unit", c.problem.description.units.force},
                   {"file", "force_" + force.name + ".csv"},
                   {"peak", force.value[peak]},
                   {"peak_lower95", force.lower95[peak]},
@@ -104,7 +104,7 @@ bool Modes(const Case& c, const IdentificationSummary& summary,
                     &pairs, error)) {
     return false;
   }
-  const double hz = c.HzPerModelFrequency();
+  const double hz = c.problem.description.HzPerModelFrequency();
   *json = Json::array();
   for (const ModePair& pair : pairs) {
     Json entry = {{"initial_hz", pair.initial_frequency * hz},
@@ -124,7 +124,7 @@ bool Modes(const Case& c, const IdentificationSummary& summary,
 
 // Each with its own partners before and after.
 Json MeasuredModes(const Case& c, const IdentificationSummary& summary) {
-  const double hz = c.HzPerModelFrequency();
+  const double hz = c.problem.description.HzPerModelFrequency();
   Json modes = Json::array();
   for (const ModeScore& mode : summary.modes) {
     modes.push_back({{"name", mode.name},
@@ -144,14 +144,14 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
                       std::string* error) {
   Json json;
   json["schema"] = "pinode-result-1";
-  json["title"] = c.title;
+  json["title"] = c.problem.description.title;
   json["usable"] = summary.usable;
   json["termination"] = TerminationName(summary.termination);
   json["message"] = summary.message;
   json["problem"] = CaseHash(c);
-  json["units"] = {{"force", c.units.force},
-                   {"length", c.units.length},
-                   {"time", c.units.time}};
+  json["units"] = {{"force", c.problem.description.units.force},
+                   {"length", c.problem.description.units.length},
+                   {"time", c.problem.description.units.time}};
   json["records"] = Records(c, summary);
   json["parameters"] = Parameters(summary);
   if (!summary.forces.empty()) json["forces"] = Forces(c, summary);
@@ -189,7 +189,7 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
                                 {"largest_gap", stage.largest_gap},
                                 {"rolled_back", stage.rolled_back}});
   }
-  json["remarks"] = c.remarks;
+  json["remarks"] = c.problem.description.remarks;
   *text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return true;
 }

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "pinode/case/case_file.h"
 #include "pinode/case/record_section.h"
 #include "pinode/case/terms_section.h"
 #include "pinode/case/toml_table.h"

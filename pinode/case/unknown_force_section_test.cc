@@ -137,13 +137,14 @@ TEST_F(UnknownForceSection, SaysWhatTheSensorsDoNotSee) {
   const auto is_static = HasSubstr("The static part of the unknown force blow");
   Case c;
   ASSERT_TRUE(Read(kSpline, &c)) << error_;
-  EXPECT_THAT(c.remarks, Not(Contains(is_static)));
+  EXPECT_THAT(c.problem.description.remarks, Not(Contains(is_static)));
 
   const std::string with_force = Replaced(
       SmallCase(), "[[record]]\n", std::string(kSpline) + "[[record]]\n");
   // Without the displacement.
   ASSERT_TRUE(ReadText(with_force + "  fit = false\n", &c)) << error_;
-  EXPECT_THAT(c.remarks, Contains(AllOf(is_static, HasSubstr("relaxation"))));
+  EXPECT_THAT(c.problem.description.remarks,
+              Contains(AllOf(is_static, HasSubstr("relaxation"))));
 }
 
 // As many knots as samples, and the noise of the sensor beside them unknown.
@@ -238,12 +239,13 @@ TEST_F(UnknownForceSection, ReadsWhatTheForceWas) {
   text = Replaced(text, "column = \"a1\"", "column = \"F\"\n  name = \"a1\"");
   Case c;
   ASSERT_TRUE(ReadText(text, &c)) << error_;
-  ASSERT_EQ(c.force_truths.size(), 1u);
-  EXPECT_EQ(c.force_truths[0].name, "blow");
-  ASSERT_EQ(c.force_truths[0].values.size(), 200);
-  EXPECT_NEAR(c.force_truths[0].times[150], 1.5, 1e-12);
+  ASSERT_EQ(c.problem.description.force_truths.size(), 1u);
+  EXPECT_EQ(c.problem.description.force_truths[0].name, "blow");
+  ASSERT_EQ(c.problem.description.force_truths[0].values.size(), 200);
+  EXPECT_NEAR(c.problem.description.force_truths[0].times[150], 1.5, 1e-12);
   // As it stands in the file: the model's unit.
-  EXPECT_NEAR(c.force_truths[0].values[150], 0.1 * std::sin(13.2), 1e-7);
+  EXPECT_NEAR(c.problem.description.force_truths[0].values[150],
+              0.1 * std::sin(13.2), 1e-7);
   EXPECT_FALSE(ReadText(Replaced(text, "truth = \"F\"", "truth = \"G\""), &c));
   EXPECT_THAT(error_, AllOf(HasSubstr("quake.csv"), HasSubstr("'G'")));
 }

@@ -22,11 +22,41 @@ int IdentificationProblem::num_train_records() const {
   return count;
 }
 
+bool IdentificationProblem::IsDriven(const IdentificationRecord& record) const {
+  for (int i = 0; i < dynamics->num_inputs(); ++i) {
+    const InputSpec::Kind kind =
+        dynamics->inputs()[static_cast<size_t>(i)].kind;
+    if ((kind == InputSpec::Kind::kGroundAcceleration ||
+         kind == InputSpec::Kind::kForce) &&
+        !record.excitation->samples().row(i).isZero(0.0)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::string IdentificationProblem::UnitOf(
+    const MeasuredChannel& channel) const {
+  return channel.description.unit.empty()
+             ? UnitName(DimensionOf(channel.observation.quantity),
+                        description.units)
+             : channel.description.unit;
+}
+
+std::string IdentificationProblem::LocationOf(
+    const MeasuredChannel& channel) const {
+  return channel.description.location.empty()
+             ? LocationText(channel.observation.weights,
+                            dynamics->model().dof_names)
+             : channel.description.location;
+}
+
 bool IdentificationProblem::IsValid(std::string* error) const {
   if (dynamics == nullptr) {
     *error = "there is no model";
     return false;
   }
+  if (!description.IsValid(error)) return false;
   bool any_free = false;
   for (const ParameterBlock& block : dynamics->blocks()) {
     if (!block.IsValid(error)) return false;
@@ -74,7 +104,9 @@ bool IdentificationProblem::IsValid(std::string* error) const {
       return false;
     }
     if (record.substeps < 1) {
-      *error = prefix + "it needs at least one Runge-Kutta step per sample";
+      *error = prefix +
+               "it needs at least one Runge-Kutta step per sample; "
+               "PrepareProblem chooses their number";
       return false;
     }
     if (record.start == IdentificationRecord::Start::kKnown &&
@@ -84,6 +116,11 @@ bool IdentificationProblem::IsValid(std::string* error) const {
       message << "its start needs " << dynamics->num_states()
               << " finite values, one per state";
       *error = prefix + message.str();
+      return false;
+    }
+    const double time_factor = record.description.time_factor;
+    if (!(time_factor > 0.0) || !std::isfinite(time_factor)) {
+      *error = prefix + "its unit of time has no positive factor";
       return false;
     }
     if (record.channels.empty()) {
@@ -111,6 +148,11 @@ bool IdentificationProblem::IsValid(std::string* error) const {
       }
       if (record.filter != nullptr && finite != channel.values.size()) {
         *error = where + "a record with missing samples cannot be filtered";
+        return false;
+      }
+      const double factor = channel.description.factor;
+      if (factor == 0.0 || !std::isfinite(factor)) {
+        *error = where + "the factor of its unit is zero or not finite";
         return false;
       }
       if (!(channel.sigma >= 0.0)) {

@@ -14,6 +14,7 @@
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/measured_mode.h"
+#include "pinode/estimate/problem_description.h"
 #include "pinode/record/excitation.h"
 #include "pinode/record/filter.h"
 
@@ -34,6 +35,7 @@ struct MeasuredChannel {
   int gain = -1;
   int offset = -1;
   int delay = -1;
+  ChannelDescription description;
 };
 
 struct IdentificationRecord {
@@ -53,8 +55,9 @@ struct IdentificationRecord {
   std::vector<MeasuredChannel> channels;
   // Applied to `values` by whoever read them, and to the prediction here.
   std::shared_ptr<const ZeroPhaseFilter> filter;
-  // Runge-Kutta steps per sample, see ChooseSubsteps.
-  int substeps = 1;
+  // Runge-Kutta steps per sample; 0: not chosen yet, see PrepareProblem.
+  int substeps = 0;
+  RecordDescription description;
 
   // Indices of the inputs that have noise.
   std::vector<int> NoisyInputs() const;
@@ -71,13 +74,23 @@ struct IdentificationProblem {
   ModalData modal;
   // Gains (initially 1), offsets (the channel's unit) and delays (s).
   ParameterBlock sensors;
+  // For reports and result files; takes no part in the fit.
+  ProblemDescription description;
 
   int num_train_records() const;
 
-  // Sizes, at least two samples, finite excitations, at least one training
-  // record with a fitted channel or one mode, at least one free parameter,
-  // which without a training record must be a group's. On failure says which
-  // record, channel or mode.
+  // Whether the ground or a force drives the structure in a record; covariates
+  // and switches do not.
+  bool IsDriven(const IdentificationRecord& record) const;
+
+  // What a channel's values came in, and where it measures.
+  std::string UnitOf(const MeasuredChannel& channel) const;
+  std::string LocationOf(const MeasuredChannel& channel) const;
+
+  // Sizes, steps that are chosen, at least two samples, finite excitations, at
+  // least one training record with a fitted channel or one mode, at least one
+  // free parameter, which without a training record must be a group's. On
+  // failure says which record, channel or mode.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

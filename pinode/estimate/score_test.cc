@@ -21,6 +21,7 @@ TEST(ScoreRecord, EqualsTheFormulaByHand) {
       testing::MakeChain(1, 0.0, 0.0), std::vector<InputSpec>{});
   IdentificationRecord record;
   record.name = "slide";
+  record.substeps = 1;
   record.excitation.emplace(0.0, 1.0, Matrix(0, 6), Interpolation::kLinear);
   record.start = Start::kKnown;
   record.known_start = Eigen::Vector2d(1.0, 2.0);

@@ -138,6 +138,7 @@ IdentificationRecord MakeExcitedRecord(const StructuralDynamics& dynamics,
                                        Interpolation interpolation) {
   IdentificationRecord record;
   record.name = "shake";
+  record.substeps = 1;
   Matrix inputs(dynamics.num_inputs(), samples);
   for (int i = 0; i < samples; ++i) {
     const double t = i * step;

@@ -50,6 +50,7 @@ IdentificationProblem ForceProblem(bool free) {
   problem.dynamics = dynamics;
   IdentificationRecord record;
   record.name = "r";
+  record.substeps = 1;
   record.start = IdentificationRecord::Start::kRest;
   record.excitation.emplace(0.0, 0.05, Matrix(0, 24), Interpolation::kLinear);
   MeasuredChannel channel;
@@ -142,6 +143,7 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
     problem.dynamics = dynamics;
     IdentificationRecord record;
     record.name = "r";
+    record.substeps = 1;
     record.start = IdentificationRecord::Start::kRest;
     record.excitation.emplace(0.0, 0.05, Matrix(0, kLength),
                               Interpolation::kLinear);

@@ -232,6 +232,7 @@ bool CheckSubsteps(const StructuralDynamics& dynamics,
   const Matrix state_matrix = StateMatrixAtRest(dynamics, record);
   *choice = SubstepChoice();
   choice->substeps = substeps;
+  choice->given = true;
   choice->error = choice->error_limit = kNaN;
   choice->stability =
       CheckStability(state_matrix, record.sampling_step(), substeps);
@@ -252,6 +253,54 @@ bool CheckSubsteps(const StructuralDynamics& dynamics,
       prior.Run(2 * substeps, &fine)) {
     CompareChannels(record, coarse, fine, choice);
   }
+  return true;
+}
+
+namespace {
+
+void RefineToTraining(IdentificationProblem* problem,
+                      std::vector<SubstepChoice>* choices) {
+  double finest = kInfinity;
+  for (const IdentificationRecord& record : problem->records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    finest = std::min(finest, record.sampling_step() / record.substeps);
+  }
+  for (size_t r = 0; r < problem->records.size(); ++r) {
+    IdentificationRecord& record = problem->records[r];
+    SubstepChoice& choice = (*choices)[r];
+    const double needed =
+        std::ceil(record.sampling_step() / finest * (1.0 - 1e-9));
+    if (choice.given || !(needed > record.substeps) || needed > kMaxSubsteps) {
+      continue;
+    }
+    record.substeps = choice.substeps = static_cast<int>(needed);
+    choice.stability =
+        CheckStability(StateMatrixAtRest(*problem->dynamics, record),
+                       record.sampling_step(), record.substeps);
+  }
+}
+
+}  // namespace
+
+bool SetSubsteps(IdentificationProblem* problem,
+                 std::vector<SubstepChoice>* choices, int* failed,
+                 std::string* error) {
+  choices->assign(problem->records.size(), SubstepChoice());
+  for (size_t r = 0; r < problem->records.size(); ++r) {
+    IdentificationRecord& record = problem->records[r];
+    SubstepChoice& choice = (*choices)[r];
+    const bool good =
+        record.substeps > 0
+            ? CheckSubsteps(*problem->dynamics, record, record.substeps,
+                            &choice, error)
+            : ChooseSubsteps(*problem->dynamics, record, &choice, error);
+    if (!good) {
+      *failed = static_cast<int>(r);
+      return false;
+    }
+    record.substeps = choice.substeps;
+  }
+  RefineToTraining(problem, choices);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #define PINODE_STUDY_SUBSTEPS_H_
 
 #include <string>
+#include <vector>
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
@@ -18,6 +19,7 @@ inline constexpr int kMaxSubsteps = 1000;
 
 struct SubstepChoice {
   int substeps = 1;
+  bool given = false;  // by the user, rather than chosen
   StabilityReport stability;
   // Largest change of a fitted channel when the step is halved (RMS over the
   // record), and the limit it was held against, both in the channel's model
@@ -56,6 +58,14 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
                                  const IdentificationRecord& record,
                                  int substeps, SubstepChoice* choice,
                                  std::string* error);
+
+// Sets the steps of all records: zeros are chosen, the others are checked. A
+// model carries the error of the steps with which it was fitted, so where they
+// are chosen no record is integrated more coarsely than the finest training
+// record. On failure *failed is the record that *error speaks of.
+[[nodiscard]] bool SetSubsteps(IdentificationProblem* problem,
+                               std::vector<SubstepChoice>* choices, int* failed,
+                               std::string* error);
 
 }  // namespace pinode
 

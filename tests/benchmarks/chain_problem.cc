@@ -103,6 +103,7 @@ IdentificationProblem MakeChainProblem(int num_dofs, bool groups,
                                        int num_samples) {
   IdentificationRecord record;
   record.name = "forced";
+  record.substeps = 1;
   record.excitation = MakeForce(num_samples);
   std::vector<Observation> observations;
   for (Quantity quantity : {Quantity::kDisplacement, Quantity::kVelocity}) {

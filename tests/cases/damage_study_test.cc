@@ -243,8 +243,8 @@ CaseRun UndamagedAsce(const std::string& name, uint64_t seed) {
   // It begins at the truth.
   c.options.shooting = IdentificationOptions::Shooting::kSingle;
   std::vector<std::string> columns;
-  for (const CaseChannel& channel : c.records[0].channels) {
-    columns.push_back(name + "_" + channel.name);
+  for (const MeasuredChannel& channel : c.problem.records[0].channels) {
+    columns.push_back(name + "_" + channel.observation.name);
   }
   const Matrix exact = Columns("asce_benchmark/exact.csv", columns);
   auto& channels = c.problem.records[0].channels;

@@ -111,10 +111,12 @@ TEST(ForceCases, TheStaticPartIsSaidToBeUnseen) {
   const auto unseen =
       ::testing::HasSubstr("The static part of the unknown force");
   for (const char* name : {"sweep", "sweep_high", "impact"}) {
-    EXPECT_THAT(ForceCase(name).remarks, ::testing::Contains(unseen)) << name;
+    EXPECT_THAT(ForceCase(name).problem.description.remarks,
+                ::testing::Contains(unseen))
+        << name;
   }
   for (const char* name : {"sweep_displacement", "gust"}) {
-    EXPECT_THAT(ForceCase(name).remarks,
+    EXPECT_THAT(ForceCase(name).problem.description.remarks,
                 ::testing::Not(::testing::Contains(unseen)))
         << name;
   }
