@@ -136,7 +136,7 @@ void PrintRecords(const Case& c) {
     std::printf(
         "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, growth "
         "%.6f",
-        record.substeps, choice.given ? " (given)" : " (chosen)",
+        record.substeps, record.substeps_chosen ? " (chosen)" : " (given)",
         choice.stability.largest_eigenvalue, choice.stability.growth);
     if (std::isfinite(choice.error) && !choice.channel.empty()) {
       std::printf("; halving the step moves %s by %.2g (limit %.2g)",

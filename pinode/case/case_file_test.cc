@@ -61,7 +61,7 @@ TEST(CaseFileTest, SmallCase) {
                    kGravity);
   EXPECT_EQ(c.problem.records[0].channels[1].description.location, "u2");
   EXPECT_TRUE(c.problem.IsDriven(c.problem.records[0]));
-  EXPECT_FALSE(c.substeps[0].given);
+  EXPECT_TRUE(c.problem.records[0].substeps_chosen);
   EXPECT_GE(record.substeps, 1);
 }
 
@@ -285,7 +285,7 @@ seed = 5
   EXPECT_EQ(record.num_samples(), 51);
   EXPECT_EQ(record.excitation->interpolation(), Interpolation::kCubic);
   EXPECT_EQ(record.substeps, 3);
-  EXPECT_TRUE(c.substeps[0].given);
+  EXPECT_FALSE(c.problem.records[0].substeps_chosen);
   EXPECT_EQ(record.start, IdentificationRecord::Start::kKnown);
   ASSERT_EQ(record.known_start.size(), 5);
   EXPECT_EQ(record.known_start[1], 0.2);

@@ -57,6 +57,8 @@ struct IdentificationRecord {
   std::shared_ptr<const ZeroPhaseFilter> filter;
   // Runge-Kutta steps per sample; 0: not chosen yet, see PrepareProblem.
   int substeps = 0;
+  // By PrepareProblem for the dynamics as they are, rather than given.
+  bool substeps_chosen = false;
   RecordDescription description;
 
   // Indices of the inputs that have noise.

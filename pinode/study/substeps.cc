@@ -232,7 +232,6 @@ bool CheckSubsteps(const StructuralDynamics& dynamics,
   const Matrix state_matrix = StateMatrixAtRest(dynamics, record);
   *choice = SubstepChoice();
   choice->substeps = substeps;
-  choice->given = true;
   choice->error = choice->error_limit = kNaN;
   choice->stability =
       CheckStability(state_matrix, record.sampling_step(), substeps);
@@ -270,7 +269,8 @@ void RefineToTraining(IdentificationProblem* problem,
     SubstepChoice& choice = (*choices)[r];
     const double needed =
         std::ceil(record.sampling_step() / finest * (1.0 - 1e-9));
-    if (choice.given || !(needed > record.substeps) || needed > kMaxSubsteps) {
+    if (!record.substeps_chosen || !(needed > record.substeps) ||
+        needed > kMaxSubsteps) {
       continue;
     }
     record.substeps = choice.substeps = static_cast<int>(needed);
@@ -289,6 +289,7 @@ bool SetSubsteps(IdentificationProblem* problem,
   for (size_t r = 0; r < problem->records.size(); ++r) {
     IdentificationRecord& record = problem->records[r];
     SubstepChoice& choice = (*choices)[r];
+    if (record.substeps == 0) record.substeps_chosen = true;
     const bool good =
         record.substeps > 0
             ? CheckSubsteps(*problem->dynamics, record, record.substeps,

@@ -19,7 +19,6 @@ inline constexpr int kMaxSubsteps = 1000;
 
 struct SubstepChoice {
   int substeps = 1;
-  bool given = false;  // by the user, rather than chosen
   StabilityReport stability;
   // Largest change of a fitted channel when the step is halved (RMS over the
   // record), and the limit it was held against, both in the channel's model
@@ -59,10 +58,11 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
                                  int substeps, SubstepChoice* choice,
                                  std::string* error);
 
-// Sets the steps of all records: zeros are chosen, the others are checked. A
-// model carries the error of the steps with which it was fitted, so where they
-// are chosen no record is integrated more coarsely than the finest training
-// record. On failure *failed is the record that *error speaks of.
+// Sets the steps of all records: zeros are chosen, and marked so; the others
+// are checked. A model carries the error of the steps with which it was fitted,
+// so where they are chosen no record is integrated more coarsely than the
+// finest training record. On failure *failed is the record that *error speaks
+// of.
 [[nodiscard]] bool SetSubsteps(IdentificationProblem* problem,
                                std::vector<SubstepChoice>* choices, int* failed,
                                std::string* error);
