@@ -5,7 +5,7 @@
 
 #include "apps/program.h"
 #include "apps/progress_line.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/renewed_basis.h"
 #include "pinode/estimate/identify.h"
 
@@ -16,7 +16,7 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
              IdentifiedModel* model, std::string* error) {
   Checkpoint checkpoint;
   if (!folder.resume_path().empty()) {
-    if (!ReadCheckpoint(folder.resume_path(), *c, &checkpoint, error)) {
+    if (!ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error)) {
       return false;
     }
     begin_from = &checkpoint.model;
@@ -33,7 +33,8 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   }
   CatchInterrupts();
   ProgressLine line(show_progress);
-  CheckpointWriter writer(CaseHash(*c), folder.checkpoint_path());
+  CheckpointWriter writer(ProblemIdentity(c->problem),
+                          folder.checkpoint_path());
   bool warned = false;
   IdentificationOptions options = c->options;
   options.callback = [&](const IdentificationProgress& progress) {

@@ -25,10 +25,10 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/baseline.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/case_result.h"
 #include "pinode/case/damage_analysis.h"
 #include "pinode/case/damage_files.h"
 #include "pinode/case/renewed_basis.h"
-#include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
@@ -131,13 +131,13 @@ int main(int argc, char** argv) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
   ReportInput report =
-      MakeReportInput(result.fitted, result.summary, result.model,
-                      CommandLine(argc, argv), seconds);
+      MakeReportInput(result.fitted.problem, result.summary, result.model,
+                      {c.path, CommandLine(argc, argv), seconds});
   if (judged) report.damage = MakeReportDamage(result);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  if (!WriteResultFiles(result.fitted, result.summary, result.model, folder,
-                        &error) ||
+  if (!WriteCaseResult(result.fitted, result.summary, result.model, folder,
+                       &error) ||
       (judged && !WriteFileAtomically(folder.working_path() + "/damage.json",
                                       DamageAsJson(result), &error)) ||
       !WriteHtmlReport(report, report_options,

@@ -23,15 +23,14 @@
 #include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/progress_line.h"
-#include "apps/reporting.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/case_result.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/discover_files.h"
 #include "pinode/case/discovered_case.h"
 #include "pinode/case/model_case.h"
 #include "pinode/case/renewed_basis.h"
-#include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/report/html_report.h"
@@ -80,7 +79,7 @@ int main(int argc, char** argv) {
   }
   Checkpoint checkpoint;
   if (from_networks &&
-      (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c, &checkpoint,
+      (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c.problem, &checkpoint,
                        &error) ||
        (RenewsBasis(c) &&
         !RenewBasis(c, checkpoint.model, &c, &checkpoint.model, &error)))) {
@@ -100,7 +99,7 @@ int main(int argc, char** argv) {
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
     return Refuse(error);
   }
-  const std::string problem_hash = CaseHash(c);
+  const std::string problem_hash = ProblemIdentity(c.problem);
   std::vector<DiscoveredEquation> resumed;
   if (!folder.resume_path().empty() &&
       !ReadDiscoverCheckpoint(folder.resume_path(), problem_hash, equations,
@@ -154,14 +153,14 @@ int main(int argc, char** argv) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
             .count();
-    ReportInput report =
-        MakeReportInput(discovery.discovered, discovery.summary,
-                        discovery.model, CommandLine(argc, argv), seconds);
-    report.equations = MakeReportEquations(c, discovery);
+    ReportInput report = MakeReportInput(
+        discovery.discovered.problem, discovery.summary, discovery.model,
+        {c.path, CommandLine(argc, argv), seconds});
+    report.equations = &discovery.equations;
     HtmlReportOptions report_options;
     report_options.num_threads = DefaultThreads();
-    if (!WriteResultFiles(discovery.discovered, discovery.summary,
-                          discovery.model, folder, &error) ||
+    if (!WriteCaseResult(discovery.discovered, discovery.summary,
+                         discovery.model, folder, &error) ||
         !WriteHtmlReport(report, report_options,
                          folder.working_path() + "/report.html", &error) ||
         (interrupted &&

@@ -14,10 +14,9 @@
 #include "apps/fit_flags.h"
 #include "apps/fitting.h"
 #include "apps/program.h"
-#include "apps/reporting.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
-#include "pinode/case/result_files.h"
+#include "pinode/case/case_result.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
@@ -56,11 +55,11 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  const ReportInput report =
-      MakeReportInput(c, summary, model, CommandLine(argc, argv), seconds);
+  const ReportInput report = MakeReportInput(
+      c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  if (!WriteResultFiles(c, summary, model, folder, &error) ||
+  if (!WriteCaseResult(c, summary, model, folder, &error) ||
       !WriteHtmlReport(report, report_options,
                        folder.working_path() + "/report.html", &error) ||
       !folder.Commit(&error)) {

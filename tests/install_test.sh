@@ -31,7 +31,8 @@ cmake -S "$root/tests/consumer" -B "$scratch/build" -G Ninja \
   -DCMAKE_CXX_COMPILER="$compiler" \
   -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
-  -DPINODE_README="$root/README.md"
+  -DPINODE_README="$root/README.md" \
+  -DPINODE_LIBRARY_README="$root/pinode/README.md"
 if grep -nF -e '-march' -e "$root/pinode" -- \
   "$scratch/build/compile_commands.json"; then
   echo "the consumer is not built from the installed package alone"
@@ -42,9 +43,9 @@ cmake --build "$scratch/build"
 # In a folder of their own, with the paths that the README speaks of.
 cd -- "$scratch/run"
 ln -s -- "$root/data" data
-for program in consumer consumer_of_base readme; do
-  if [[ -x $scratch/build/$program ]]; then
-    echo "Running $program"
-    "$scratch/build/$program"
+for program in "$scratch/build/"{consumer,consumer_of_base,readme*,library_readme*}; do
+  if [[ -f $program && -x $program ]]; then
+    echo "Running ${program##*/}"
+    "$program"
   fi
 done

@@ -38,10 +38,6 @@ struct Case {
   // (finite_element_section.h); null where the case has none.
   std::shared_ptr<const FiniteElementCase> finite_element;
 
-  // Of a case whose basis has been renewed (renewed_basis.h), the hash of what
-  // was read (checkpoint.h), by which its results are known; else empty.
-  std::string renewed_from;
-
   // [simulate]: noise in per cent of each channel's standard deviation.
   double noise_percent = 0.0;
   std::uint64_t noise_seed = 1;

@@ -44,7 +44,7 @@ std::string FeatureAsLatex(const std::string& head, const std::string& inner) {
 }
 
 // A coefficient to as many digits as its interval leaves, at least four.
-std::string Digits(const EquationTerm& term) {
+std::string Digits(const DiscoveredTerm& term) {
   int digits = 6;
   if (term.sigma > 0.0 && term.coefficient != 0.0) {
     const double ratio = std::abs(term.coefficient) / term.sigma;
@@ -156,8 +156,8 @@ std::string EquationsAsText(const Discovery& discovery) {
             (equation.acts_as == ActsAs::kForce ? "force" : "acceleration") +
             " at " + equation.output + ", for network " + equation.network +
             " =\n";
-    if (discovery.terms[e].empty()) text += "    0\n";
-    for (const EquationTerm& term : discovery.terms[e]) {
+    if (equation.terms.empty()) text += "    0\n";
+    for (const DiscoveredTerm& term : equation.terms) {
       text += "    " + std::string(term.coefficient < 0.0 ? "" : "+") +
               Digits(term) + " * " + term.basis;
       if (std::isfinite(term.lower95) && std::isfinite(term.upper95)) {
@@ -165,7 +165,7 @@ std::string EquationsAsText(const Discovery& discovery) {
                 FormatNumber(0.5 * (term.upper95 - term.lower95), 3);
       }
       text += "    unit " + term.unit + ", regressed " +
-              FormatNumber(term.from_network, 5) + "\n";
+              FormatNumber(term.regressed, 5) + "\n";
     }
   }
   return text;
@@ -178,7 +178,7 @@ std::string EquationsAsLatex(const Discovery& discovery) {
     text += std::string(equation.acts_as == ActsAs::kForce ? "  f" : "  g") +
             "_" + Upright(equation.output) + " &= ";
     bool first = true;
-    for (const EquationTerm& term : discovery.terms[e]) {
+    for (const DiscoveredTerm& term : equation.terms) {
       std::string number = Digits(term);
       const bool negative = number[0] == '-';
       if (negative) number.erase(0, 1);
@@ -218,7 +218,7 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
     entry["uncertainty"] = Number(equation.uncertainty);
     entry["candidates"] = equation.num_candidates;
     entry["terms"] = Json::array();
-    for (const EquationTerm& term : discovery.terms[e]) {
+    for (const DiscoveredTerm& term : equation.terms) {
       entry["terms"].push_back(
           {{"basis", term.basis},
            {"coefficient", Number(term.coefficient)},
@@ -226,7 +226,7 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
            {"upper95", Number(term.upper95)},
            {"sigma", Number(term.sigma)},
            {"unit", term.unit},
-           {"from_network", Number(term.from_network)},
+           {"from_network", Number(term.regressed)},
            {"share", Number(term.share)},
            {"inclusion_probability", Number(term.inclusion_probability)}});
     }

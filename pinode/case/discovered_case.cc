@@ -230,44 +230,35 @@ std::vector<DiscoveredEquation> WithAllCandidates(
   return equations;
 }
 
-std::vector<std::vector<EquationTerm>> Report(
-    const Case& c, const std::vector<DiscoveredEquation>& selected,
-    const std::vector<DiscoveredEquation>& equations,
-    const IdentificationSummary* summary) {
-  std::vector<std::vector<EquationTerm>> all;
-  for (size_t e = 0; e < equations.size(); ++e) {
-    const DiscoveredEquation& equation = equations[e];
-    std::vector<EquationTerm> terms;
-    for (const DiscoveredTerm& term : equation.terms) {
-      EquationTerm reported;
-      reported.basis = term.basis;
-      reported.unit = LibraryCoefficientUnit(
+// Units, and what each term was before the refit of which `summary` is (nullptr
+// without one) and is by it.
+void CompleteTerms(const Case& c,
+                   const std::vector<DiscoveredEquation>& selected,
+                   const IdentificationSummary* summary,
+                   std::vector<DiscoveredEquation>* equations) {
+  for (size_t e = 0; e < equations->size(); ++e) {
+    DiscoveredEquation& equation = (*equations)[e];
+    for (DiscoveredTerm& term : equation.terms) {
+      term.unit = LibraryCoefficientUnit(
           Parsed(equation, term.basis), equation.features,
           c.problem.dynamics->inputs(), equation.acts_as,
           c.problem.description.units);
-      reported.coefficient = term.coefficient;
-      reported.sigma = reported.lower95 = reported.upper95 = kNaN;
-      reported.share = term.share;
-      reported.inclusion_probability = term.inclusion_probability;
+      term.regressed = 0.0;
       for (const DiscoveredTerm& before : selected[e].terms) {
-        if (before.basis == term.basis) {
-          reported.from_network = before.coefficient;
-        }
+        if (before.basis == term.basis) term.regressed = before.coefficient;
       }
+      term.sigma = term.lower95 = term.upper95 = kNaN;
       const ParameterEstimate* estimate =
           summary == nullptr
               ? nullptr
               : FindEstimate(*summary, ParameterName(equation, term));
       if (estimate != nullptr) {
-        reported.sigma = estimate->sigma;
-        reported.lower95 = estimate->lower95;
-        reported.upper95 = estimate->upper95;
+        term.sigma = estimate->sigma;
+        term.lower95 = estimate->lower95;
+        term.upper95 = estimate->upper95;
       }
-      terms.push_back(std::move(reported));
     }
-    all.push_back(std::move(terms));
   }
-  return all;
 }
 
 // One fit after the other, each beginning where the one before has ended.
@@ -698,7 +689,7 @@ bool RefitEquations(const Case& c, const IdentifiedModel& model,
            .Run(equations, resumed != nullptr ? *resumed : equations)) {
     return false;
   }
-  result.terms = Report(c, equations, result.equations, &result.summary);
+  CompleteTerms(c, equations, &result.summary, &result.equations);
   *discovery = std::move(result);
   return true;
 }
@@ -707,7 +698,7 @@ Discovery WithoutRefit(const Case& c,
                        const std::vector<DiscoveredEquation>& equations) {
   Discovery discovery;
   discovery.equations = equations;
-  discovery.terms = Report(c, equations, equations, nullptr);
+  CompleteTerms(c, equations, nullptr, &discovery.equations);
   return discovery;
 }
 

@@ -12,24 +12,9 @@
 
 namespace pinode {
 
-// One term of an equation as it is reported.
-struct EquationTerm {
-  std::string basis;
-  std::string unit;  // of the coefficient
-  double coefficient = 0.0;
-  double sigma = 0.0;  // NaN without a refit, as the interval
-  double lower95 = 0.0;
-  double upper95 = 0.0;
-  double from_network = 0.0;
-  double share = 0.0;
-  double inclusion_probability = 0.0;  // NaN without an ensemble
-};
-
 struct Discovery {
   // As selected; after a refit, as left by it.
   std::vector<DiscoveredEquation> equations;
-  // One per equation: its terms, as DiscoveredEquation::terms.
-  std::vector<std::vector<EquationTerm>> terms;
   // What the refit took out again, "x1: x[x2]^2", and what it took in.
   std::vector<std::string> dropped;
   std::vector<std::string> added;

@@ -147,15 +147,15 @@ TEST_F(DiscoveredCase, RefitFindsTheCoefficientAndDropsWhatIsNotThere) {
   EXPECT_THAT(discovery.dropped,
               ::testing::UnorderedElementsAre("u: v[u]^3", "u: x[u]"));
   ASSERT_EQ(discovery.num_terms(), 1);
-  ASSERT_EQ(discovery.terms[0].size(), 1u);
-  const EquationTerm& term = discovery.terms[0][0];
+  ASSERT_EQ(discovery.equations[0].terms.size(), 1u);
+  const DiscoveredTerm& term = discovery.equations[0].terms[0];
   EXPECT_EQ(term.basis, "x[u]^3");
   EXPECT_EQ(term.unit, "1/m^2/s^2");
   EXPECT_NEAR(term.coefficient, -2.0, 2e-8);
   EXPECT_LT(term.lower95, term.coefficient);
   EXPECT_GT(term.upper95, term.coefficient);
   EXPECT_LT(term.upper95 - term.lower95, 1e-6);
-  EXPECT_EQ(term.from_network, -1.8);
+  EXPECT_EQ(term.regressed, -1.8);
   EXPECT_GT(discovery.step_refinement, 1);
 }
 
@@ -180,8 +180,8 @@ TEST_F(DiscoveredCase, TermsThatCannotBeFittedDoNotStay) {
   EXPECT_TRUE(discovery.refitted);
   EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
   ASSERT_EQ(discovery.num_terms(), 1);
-  EXPECT_EQ(discovery.terms[0][0].basis, "x[u]^3");
-  EXPECT_NEAR(discovery.terms[0][0].coefficient, -2.0, 2e-8);
+  EXPECT_EQ(discovery.equations[0].terms[0].basis, "x[u]^3");
+  EXPECT_NEAR(discovery.equations[0].terms[0].coefficient, -2.0, 2e-8);
 }
 
 TEST_F(DiscoveredCase, GivenCoefficientsStayAndSignsAreBounds) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pinode/case/case_file.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/model_case.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/testing.h"
@@ -213,7 +213,8 @@ TEST(ModalSection, LeavesItsMarkInTheResult) {
   Identify(c.problem, c.options, nullptr, &summary, &model);
   ASSERT_TRUE(summary.usable) << summary.message;
   std::string text;
-  ASSERT_TRUE(FormatResultJson(c, summary, model, &text, &error)) << error;
+  ASSERT_TRUE(FormatResultJson(c.problem, summary, model, &text, &error))
+      << error;
   const auto json = nlohmann::json::parse(text);
   ASSERT_EQ(json["modes"].size(), 2u);
   EXPECT_EQ(json["modes"][0]["measured_hz"], 1.0);

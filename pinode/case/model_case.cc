@@ -7,9 +7,9 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
+#include "pinode/case/model_files.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/toml_value.h"
-#include "pinode/network/network_json.h"
 #include "pinode/structure/matrix_io.h"
 
 namespace pinode {
@@ -35,8 +35,10 @@ class ModelCaseWriter {
   }
 
   bool Write() {
-    return WriteMatrices() && WriteGroups() && SetElements() &&
-           SetLibraries() && SetForces() && WriteNetworks() && SetRecords() &&
+    SetMatrices();
+    SetNetworks();
+    return WriteModelFiles(dynamics_, folder_, error_) && WriteGroups() &&
+           SetElements() && SetLibraries() && SetForces() && SetRecords() &&
            SetModes() && SetReferenceCurves() &&
            WriteFileAtomically(
                Path("model.toml"),
@@ -51,7 +53,7 @@ class ModelCaseWriter {
     return (fs::path(folder_) / name).string();
   }
 
-  bool WriteMatrices() {
+  void SetMatrices() {
     const StructuralModel updated =
         dynamics_.CorrectedModel(dynamics_.Parameters());
     TomlValue& model = *root_.Find("model");
@@ -61,9 +63,6 @@ class ModelCaseWriter {
     model.Set("mass", TomlValue::String("M.mtx"));
     model.Set("stiffness", TomlValue::String("K.mtx"));
     model.Set("damping", TomlValue::String("C.mtx"));
-    return WriteMatrixMarket(Path("M.mtx"), updated.mass, error_) &&
-           WriteMatrixMarket(Path("K.mtx"), updated.stiffness, error_) &&
-           WriteMatrixMarket(Path("C.mtx"), updated.damping, error_);
   }
 
   // What [model.finite_element] and [model.reduction] came to.
@@ -189,32 +188,17 @@ class ModelCaseWriter {
     return true;
   }
 
-  bool WriteNetworks() {
-    std::vector<std::string> input_names;
-    for (const InputSpec& input : dynamics_.inputs()) {
-      input_names.push_back(input.name);
-    }
+  // The files say what the networks are.
+  void SetNetworks() {
     for (size_t j = 0; j < dynamics_.networks().size(); ++j) {
-      const NetworkTerm& term = dynamics_.networks()[j];
-      const std::string file = "network_" + term.name + ".json";
       TomlValue& table = root_.Find("network")->elements[j];
-      SavedNetwork saved;
-      saved.architecture = term.network->architecture();
-      for (const Feature& feature : term.features) {
-        saved.inputs.push_back(
-            feature.Name(dynamics_.model().dof_names, input_names));
-      }
-      saved.outputs = term.output_names;
-      saved.weights = term.weights.Values();
-      // The file says what the network is.
       for (const char* key :
            {"layers", "activation", "bias", "skip", "gauge", "input_scale"}) {
         table.Erase(key);
       }
-      table.Set("weights", TomlValue::String(file));
-      if (!WriteNetwork(Path(file), saved, error_)) return false;
+      table.Set("weights",
+                TomlValue::String(NetworkFileName(dynamics_.networks()[j])));
     }
-    return true;
   }
 
   void MovePath(TomlValue* table, const char* key = "file") const {

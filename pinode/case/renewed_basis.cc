@@ -7,7 +7,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/case/toml_value.h"
 
@@ -70,7 +70,7 @@ bool RenewBasis(const Case& c, const IdentifiedModel& model, Case* renewed,
   reduction->Set("basis_at", std::move(at));
   Case result;
   if (!RebuildCase(c, tree, &result, error)) return false;
-  result.renewed_from = CaseHash(c);
+  result.problem.description.known_as = ProblemIdentity(c.problem);
   *begin = BeginFrom(values, model, result.problem);
   *renewed = std::move(result);
   return true;

@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "pinode/base/file.h"
-#include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/csv_file.h"
-#include "pinode/case/finite_element_result.h"
-#include "pinode/case/model_case.h"
+#include "pinode/case/model_files.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/structure/matrix_io.h"
 #include "pinode/structure/symmetric.h"
@@ -23,10 +21,11 @@ namespace fs = std::filesystem;
 
 class ResultWriter {
  public:
-  ResultWriter(const Case& c, const IdentificationSummary& summary,
-               const IdentifiedModel& model, const ResultFolder& folder,
+  ResultWriter(const IdentificationProblem& problem,
+               const IdentificationSummary& summary,
+               const IdentifiedModel& model, const std::string& folder,
                std::string* error)
-      : c_(c),
+      : problem_(problem),
         summary_(summary),
         model_(model),
         folder_(folder),
@@ -34,29 +33,25 @@ class ResultWriter {
 
   bool Write() {
     std::string json;
-    return WriteModelCase(c_, model_, folder_.working_path(),
-                          folder_.final_path(), error_) &&
-           WriteFiniteElementResult(c_, summary_, model_,
-                                    folder_.working_path(), error_) &&
-           WriteFolded() && WriteText("parameters.csv", Parameters()) &&
+    return WriteFolded() && WriteText("parameters.csv", Parameters()) &&
            WriteText("covariance.csv", Covariance()) &&
            WriteText("history.csv", History()) && WritePredictions() &&
            WriteForces() && WriteText("initial_states.csv", InitialStates()) &&
            WriteFinalCheckpoint() &&
-           FormatResultJson(c_, summary_, model_, &json, error_) &&
+           FormatResultJson(problem_, summary_, model_, &json, error_) &&
            WriteText("result.json", json);
   }
 
  private:
   std::string Path(const std::string& name) const {
-    return (fs::path(folder_.working_path()) / name).string();
+    return (fs::path(folder_) / name).string();
   }
   bool WriteText(const std::string& name, const std::string& text) {
     return WriteFileAtomically(Path(name), text, error_);
   }
 
   bool WriteFolded() {
-    const StructuralDynamics& dynamics = *c_.problem.dynamics;
+    const StructuralDynamics& dynamics = *problem_.dynamics;
     const FoldedMatrices folded = FoldNetworks(
         dynamics, model_.parameters.head(dynamics.num_parameters()));
     if (!folded.any) return true;
@@ -115,7 +110,7 @@ class ResultWriter {
   bool WritePredictions() {
     for (size_t r = 0; r < summary_.records.size(); ++r) {
       const RecordScore& score = summary_.records[r];
-      const IdentificationRecord& record = c_.problem.records[r];
+      const IdentificationRecord& record = problem_.records[r];
       // A run that never became finite has nothing to show.
       if (score.prediction.cols() != record.num_samples()) continue;
       std::vector<CsvColumn> columns = {{"time", FileTimes(record)}};
@@ -140,7 +135,7 @@ class ResultWriter {
   bool WriteForces() {
     for (const ForceEstimate& force : summary_.forces) {
       const Vector times =
-          force.times / c_.problem.records[static_cast<size_t>(force.record)]
+          force.times / problem_.records[static_cast<size_t>(force.record)]
                             .description.time_factor;
       if (!WriteCsv(Path("force_" + force.name + ".csv"),
                     {{"time", times},
@@ -156,12 +151,12 @@ class ResultWriter {
 
   std::string InitialStates() const {
     std::string text = "record";
-    for (const std::string& name : c_.problem.dynamics->StateNames()) {
+    for (const std::string& name : problem_.dynamics->StateNames()) {
       text += "," + CsvCell(name);
     }
     text += "\n";
     for (const RecordScore& score : summary_.records) {
-      if (score.start.size() != c_.problem.dynamics->num_states()) continue;
+      if (score.start.size() != problem_.dynamics->num_states()) continue;
       text += CsvCell(score.name);
       for (const double value : score.start) text += "," + CsvCell(value);
       text += "\n";
@@ -174,16 +169,43 @@ class ResultWriter {
     checkpoint.iteration = summary_.num_iterations;
     checkpoint.cost = summary_.final_cost;
     checkpoint.model = model_;
-    return WriteCheckpoint(Path("checkpoint.json"), CaseHash(c_), checkpoint,
-                           error_);
+    return WriteCheckpoint(Path("checkpoint.json"), ProblemIdentity(problem_),
+                           checkpoint, error_);
   }
 
-  const Case& c_;
+  const IdentificationProblem& problem_;
   const IdentificationSummary& summary_;
   const IdentifiedModel& model_;
-  const ResultFolder& folder_;
+  const std::string folder_;
   std::string* error_;
 };
+
+// Whether a summary can be of `problem`: what it says of records has their
+// sizes.
+bool IsSummaryOf(const IdentificationProblem& problem,
+                 const IdentificationSummary& summary, std::string* error) {
+  const size_t num_records = problem.records.size();
+  bool good = summary.records.size() <= num_records &&
+              summary.covariance.rows() == summary.covariance.cols() &&
+              summary.covariance.rows() ==
+                  static_cast<Eigen::Index>(summary.covariance_names.size());
+  for (size_t r = 0; good && r < summary.records.size(); ++r) {
+    const size_t num_channels = problem.records[r].channels.size();
+    const Matrix& prediction = summary.records[r].prediction;
+    good = summary.records[r].channels.size() <= num_channels &&
+           (prediction.size() == 0 ||
+            prediction.rows() == static_cast<Eigen::Index>(num_channels));
+  }
+  for (const ForceEstimate& force : summary.forces) {
+    good = good && force.record >= 0 &&
+           force.record < static_cast<int>(num_records) &&
+           force.times.size() > 1 && force.value.size() == force.times.size() &&
+           force.lower95.size() == force.times.size() &&
+           force.upper95.size() == force.times.size();
+  }
+  if (!good) *error = "the summary is not of this problem: its sizes differ";
+  return good;
+}
 
 }  // namespace
 
@@ -196,17 +218,43 @@ Vector FileTimes(const IdentificationRecord& record) {
   return times;
 }
 
-bool WriteResultFiles(const Case& c, const IdentificationSummary& summary,
-                      const IdentifiedModel& model, const ResultFolder& folder,
-                      std::string* error) {
-  const ParameterLayout layout(c.problem);
-  // A fit that could not begin leaves no model; the one before it then stands.
+bool WriteTables(const IdentificationProblem& problem,
+                 const IdentificationSummary& summary,
+                 const IdentifiedModel& model, const std::string& folder,
+                 std::string* error) {
+  return IsSummaryOf(problem, summary, error) &&
+         ResultWriter(problem, summary, model, folder, error).Write();
+}
+
+IdentifiedModel CompleteModel(const IdentificationProblem& problem,
+                              const IdentifiedModel& model) {
+  const ParameterLayout layout(problem);
   IdentifiedModel complete = model;
   if (complete.parameters.size() != layout.num_parameters() ||
       !complete.parameters.allFinite()) {
     complete.parameters = layout.InitialValues();
   }
-  return ResultWriter(c, summary, complete, folder, error).Write();
+  return complete;
+}
+
+bool WriteResultFiles(const IdentificationProblem& problem,
+                      const IdentificationSummary& summary,
+                      const IdentifiedModel& model, const std::string& folder,
+                      std::string* error) {
+  if (!problem.IsValid(error) || !IsSummaryOf(problem, summary, error)) {
+    return false;
+  }
+  std::error_code status;
+  fs::create_directories(folder, status);
+  if (status) {
+    *error = folder + ": cannot be created: " + status.message();
+    return false;
+  }
+  const IdentifiedModel complete = CompleteModel(problem, model);
+  StructuralDynamics updated = *problem.dynamics;
+  updated.SetParameters(complete.parameters.head(updated.num_parameters()));
+  return WriteModelFiles(updated, folder, error) &&
+         WriteTables(problem, summary, complete, folder, error);
 }
 
 }  // namespace pinode

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/case/case_file.h"
-#include "pinode/case/result_folder.h"
+#include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
 
 namespace pinode {
@@ -17,21 +16,35 @@ namespace pinode {
 // The time of each sample in the unit of the record's file.
 Vector FileTimes(const IdentificationRecord& record);
 
-// Writes to folder.working_path() everything that a result folder holds but the
-// report (see pinode/case/README.md): result.json, parameters.csv,
-// covariance.csv, history.csv, prediction_<record>.csv, force_<name>.csv,
-// initial_states.csv, what goes back to a finite-element program, the model
-// case with its matrices and networks, folded matrices where there are any, and
-// checkpoint.json. `summary` and `model` are what Identify returned for `c`,
-// whatever the outcome.
-[[nodiscard]] bool WriteResultFiles(const Case& c,
+// Writes to `folder`, which is created where it is not there, what came out of
+// Identify for `problem`, whatever the outcome (see pinode/case/README.md for
+// each file): result.json, parameters.csv, covariance.csv, history.csv,
+// prediction_<record>.csv, force_<name>.csv, initial_states.csv, M.mtx, C.mtx,
+// K.mtx, network_<name>.json, folded matrices where there are any, and
+// checkpoint.json. model.toml needs the case file of which it is the
+// continuation (WriteCaseResult), the report what `report` knows
+// (WriteHtmlReport). False, with *error, where the problem is not valid or the
+// summary is of another one, before anything is written, and where a file
+// cannot be written.
+[[nodiscard]] bool WriteResultFiles(const IdentificationProblem& problem,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
-                                    const ResultFolder& folder,
+                                    const std::string& folder,
                                     std::string* error);
 
+// The same without matrices and networks, to a folder that is there. `model` is
+// complete.
+[[nodiscard]] bool WriteTables(const IdentificationProblem& problem,
+                               const IdentificationSummary& summary,
+                               const IdentifiedModel& model,
+                               const std::string& folder, std::string* error);
+
+// `model`, or, of a fit that could not begin and left none, the one before it.
+IdentifiedModel CompleteModel(const IdentificationProblem& problem,
+                              const IdentifiedModel& model);
+
 // The text of result.json.
-[[nodiscard]] bool FormatResultJson(const Case& c,
+[[nodiscard]] bool FormatResultJson(const IdentificationProblem& problem,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
                                     std::string* text, std::string* error);

@@ -7,7 +7,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "pinode/case/checkpoint.h"
+#include "pinode/case/case_result.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/testing.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
@@ -104,7 +105,7 @@ std::string WriteAll(const Fixture& f, const std::string& name) {
   ResultFolder out;
   std::string error;
   EXPECT_TRUE(out.Open(f.folder.Path(name), false, false, &error)) << error;
-  EXPECT_TRUE(WriteResultFiles(f.c, f.summary, f.model, out, &error)) << error;
+  EXPECT_TRUE(WriteCaseResult(f.c, f.summary, f.model, out, &error)) << error;
   EXPECT_TRUE(out.Commit(&error)) << error;
   return f.folder.Path(name);
 }
@@ -257,6 +258,75 @@ TEST(ResultFilesTest, ModelCaseReadsBack) {
   EXPECT_EQ(read.problem.dynamics->model().stiffness, expected.stiffness);
 }
 
+// The same files from a problem that no case file has described.
+TEST(ResultFilesTest, NeedNoCaseFile) {
+  const Fixture f;
+  IdentificationProblem problem = f.c.problem;
+  problem.description = ProblemDescription();
+  IdentificationRecord& record = problem.records[0];
+  record.description = RecordDescription();
+  for (MeasuredChannel& channel : record.channels) {
+    channel.description = ChannelDescription();
+  }
+  const std::string out = f.folder.Path("of/memory");
+  std::string error;
+  ASSERT_TRUE(WriteResultFiles(problem, f.summary, f.model, out, &error))
+      << error;
+  WriteAll(f, "of_case");
+  for (const char* name :
+       {"parameters.csv", "covariance.csv", "history.csv", "M.mtx", "C.mtx",
+        "K.mtx", "K_folded.mtx", "network_nn.json", "initial_states.csv",
+        "checkpoint.json"}) {
+    EXPECT_EQ(f.folder.Read(std::string("of/memory/") + name),
+              f.folder.Read(std::string("of_case/") + name))
+        << name;
+  }
+  // It would have to name files of records.
+  EXPECT_FALSE(fs::exists(out + "/model.toml"));
+  // In SI units, at the DOFs of the observations.
+  const Json json = Json::parse(f.folder.Read("of/memory/result.json"));
+  EXPECT_EQ(json["units"]["force"], "N");
+  const Json& channel = json["records"][0]["channels"][0];
+  EXPECT_EQ(channel["unit"], "m/s^2");
+  EXPECT_EQ(channel["dof"], "u1");
+  EXPECT_EQ(channel["rmse"], 9.80665);
+  Checkpoint checkpoint;
+  EXPECT_TRUE(
+      ReadCheckpoint(out + "/checkpoint.json", problem, &checkpoint, &error))
+      << error;
+}
+
+TEST(ResultFilesTest, OfAnotherProblemAreRefused) {
+  const Fixture f;
+  const std::string out = f.folder.Path("refused");
+  std::string error;
+  const auto refused = [&](const IdentificationProblem& problem,
+                           const IdentificationSummary& summary) {
+    EXPECT_FALSE(WriteResultFiles(problem, summary, f.model, out, &error));
+    EXPECT_FALSE(fs::exists(out));
+    return error;
+  };
+  IdentificationProblem problem = f.c.problem;
+  problem.records[0].substeps = 0;
+  EXPECT_THAT(refused(problem, f.summary), HasSubstr("PrepareProblem"));
+  IdentificationSummary summary = f.summary;
+  summary.records.resize(2);
+  EXPECT_THAT(refused(f.c.problem, summary), HasSubstr("not of this problem"));
+  summary = f.summary;
+  summary.records[0].prediction.conservativeResize(3, 200);
+  EXPECT_THAT(refused(f.c.problem, summary), HasSubstr("not of this problem"));
+  summary = f.summary;
+  summary.covariance_names.push_back("k2");
+  EXPECT_THAT(refused(f.c.problem, summary), HasSubstr("not of this problem"));
+  summary = f.summary;
+  summary.forces.resize(1);
+  EXPECT_THAT(refused(f.c.problem, summary), HasSubstr("not of this problem"));
+  // And a folder that cannot be.
+  EXPECT_FALSE(WriteResultFiles(f.c.problem, f.summary, f.model,
+                                f.folder.Path("quake.csv") + "/out", &error));
+  EXPECT_THAT(error, HasSubstr("quake.csv"));
+}
+
 // A fit that never began is written as such.
 TEST(ResultFilesTest, FailedFit) {
   Fixture f;
@@ -359,7 +429,7 @@ TEST(CheckpointTest, RoundTrip) {
       WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
       << error;
   Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c, &read, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
   EXPECT_EQ(read.iteration, 12);
   EXPECT_EQ(read.model.stage, 3);
   EXPECT_EQ(read.cost, 1.0 / 3.0);
@@ -381,15 +451,15 @@ TEST(CheckpointTest, OfAnotherCaseIsRefused) {
   Checkpoint read;
   Fixture changed;
   changed.c.problem.records[0].channels[0].values[7] += 1e-9;
-  EXPECT_FALSE(ReadCheckpoint(path, changed.c, &read, &error));
+  EXPECT_FALSE(ReadCheckpoint(path, changed.c.problem, &read, &error));
   EXPECT_THAT(error, HasSubstr("belongs to another case"));
   EXPECT_EQ(read.model.parameters.size(), 0);
   for (const char* text : {"", "{}", "{\"schema\": 1}", "[1, 2"}) {
     f.folder.Write("checkpoint.json", text);
-    EXPECT_FALSE(ReadCheckpoint(path, f.c, &read, &error)) << text;
+    EXPECT_FALSE(ReadCheckpoint(path, f.c.problem, &read, &error)) << text;
     EXPECT_THAT(error, HasSubstr("is not a checkpoint"));
   }
-  EXPECT_FALSE(ReadCheckpoint(path + "x", f.c, &read, &error));
+  EXPECT_FALSE(ReadCheckpoint(path + "x", f.c.problem, &read, &error));
 }
 
 TEST(CheckpointTest, WriterIsThrottled) {
@@ -405,13 +475,13 @@ TEST(CheckpointTest, WriterIsThrottled) {
   model.parameters[0] += 1.0;
   ASSERT_TRUE(writer.Update(progress, &error)) << error;
   Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c, &read, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
   EXPECT_EQ(read.model.parameters[0], f.model.parameters[0]);
 
   CheckpointWriter eager(ProblemHash(f.c.problem), path,
                          std::chrono::milliseconds(0));
   ASSERT_TRUE(eager.Update(progress, &error));
-  ASSERT_TRUE(ReadCheckpoint(path, f.c, &read, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
   EXPECT_EQ(read.model.parameters[0], model.parameters[0]);
 }
 

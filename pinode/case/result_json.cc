@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "pinode/base/file.h"
-#include "pinode/case/checkpoint.h"
 #include "pinode/case/result_files.h"
 #include "pinode/structure/mode_comparison.h"
+#include "pinode/study/checkpoint.h"
 
 namespace pinode {
 namespace {
@@ -14,7 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // JSON knows no infinity; nlohmann writes null for it and for NaN.
-Json Records(const Case& c, const IdentificationSummary& summary) {
+Json Records(const IdentificationProblem& problem,
+             const IdentificationSummary& summary) {
   Json records = Json::array();
   for (size_t r = 0; r < summary.records.size(); ++r) {
     const RecordScore& score = summary.records[r];
@@ -26,17 +27,17 @@ Json Records(const Case& c, const IdentificationSummary& summary) {
     record["first_scored_sample"] = score.first_scored_sample;
     record["nrmse"] = score.nrmse;
     record["prior_nrmse"] = score.prior_nrmse;
-    record["substeps"] = c.problem.records[r].substeps;
+    record["substeps"] = problem.records[r].substeps;
     record["channels"] = Json::array();
     for (size_t i = 0; i < score.channels.size(); ++i) {
       const ChannelScore& channel_score = score.channels[i];
-      const MeasuredChannel& measured = c.problem.records[r].channels[i];
+      const MeasuredChannel& measured = problem.records[r].channels[i];
       const double to_file = 1.0 / std::abs(measured.description.factor);
       Json entry;
       entry["name"] = channel_score.name;
-      entry["dof"] = c.problem.LocationOf(measured);
+      entry["dof"] = problem.LocationOf(measured);
       entry["quantity"] = QuantityName(measured.observation.quantity);
-      entry["unit"] = c.problem.UnitOf(measured);
+      entry["unit"] = problem.UnitOf(measured);
       entry["rmse"] = channel_score.rmse * to_file;
       entry["nrmse"] = channel_score.nrmse;
       entry["prior_nrmse"] = channel_score.prior_nrmse;
@@ -66,12 +67,13 @@ Json Parameters(const IdentificationSummary& summary) {
 }
 
 // The histories are in force_<name>.csv.
-Json Forces(const Case& c, const IdentificationSummary& summary) {
+Json Forces(const IdentificationProblem& problem,
+            const IdentificationSummary& summary) {
   Json forces = Json::array();
   for (const ForceEstimate& force : summary.forces) {
     const size_t record = static_cast<size_t>(force.record);
     const double to_file =
-        1.0 / c.problem.records[record].description.time_factor;
+        1.0 / problem.records[record].description.time_factor;
     const Eigen::Index last = force.times.size() - 1;
     Eigen::Index peak = 0;
     force.value.cwiseAbs().maxCoeff(&peak);
@@ -81,8 +83,8 @@ Json Forces(const Case& c, const IdentificationSummary& summary) {
     const double impulse =
         step * (force.value.sum() - 0.5 * (force.value[0] + force.value[last]));
     Json entry = {{"name", force.name},
-                  {"record", c.problem.records[record].name},
-                  {"unit", c.problem.description.units.force},
+                  {"record", problem.records[record].name},
+                  {"unit", problem.description.units.force},
                   {"file", "force_" + force.name + ".csv"},
                   {"peak", force.value[peak]},
                   {"peak_lower95", force.lower95[peak]},
@@ -94,9 +96,10 @@ Json Forces(const Case& c, const IdentificationSummary& summary) {
   return forces;
 }
 
-bool Modes(const Case& c, const IdentificationSummary& summary,
-           const IdentifiedModel& model, Json* json, std::string* error) {
-  const StructuralDynamics& dynamics = *c.problem.dynamics;
+bool Modes(const IdentificationProblem& problem,
+           const IdentificationSummary& summary, const IdentifiedModel& model,
+           Json* json, std::string* error) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
   std::vector<ModePair> pairs;
   if (!CompareModes(dynamics.CorrectedModel(dynamics.Parameters()),
                     dynamics.CorrectedModel(
@@ -104,7 +107,7 @@ bool Modes(const Case& c, const IdentificationSummary& summary,
                     &pairs, error)) {
     return false;
   }
-  const double hz = c.problem.description.HzPerModelFrequency();
+  const double hz = problem.description.HzPerModelFrequency();
   *json = Json::array();
   for (const ModePair& pair : pairs) {
     Json entry = {{"initial_hz", pair.initial_frequency * hz},
@@ -123,8 +126,9 @@ bool Modes(const Case& c, const IdentificationSummary& summary,
 }
 
 // Each with its own partners before and after.
-Json MeasuredModes(const Case& c, const IdentificationSummary& summary) {
-  const double hz = c.problem.description.HzPerModelFrequency();
+Json MeasuredModes(const IdentificationProblem& problem,
+                   const IdentificationSummary& summary) {
+  const double hz = problem.description.HzPerModelFrequency();
   Json modes = Json::array();
   for (const ModeScore& mode : summary.modes) {
     modes.push_back({{"name", mode.name},
@@ -139,27 +143,28 @@ Json MeasuredModes(const Case& c, const IdentificationSummary& summary) {
 
 }  // namespace
 
-bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
+bool FormatResultJson(const IdentificationProblem& problem,
+                      const IdentificationSummary& summary,
                       const IdentifiedModel& model, std::string* text,
                       std::string* error) {
   Json json;
   json["schema"] = "pinode-result-1";
-  json["title"] = c.problem.description.title;
+  json["title"] = problem.description.title;
   json["usable"] = summary.usable;
   json["termination"] = TerminationName(summary.termination);
   json["message"] = summary.message;
-  json["problem"] = CaseHash(c);
-  json["units"] = {{"force", c.problem.description.units.force},
-                   {"length", c.problem.description.units.length},
-                   {"time", c.problem.description.units.time}};
-  json["records"] = Records(c, summary);
+  json["problem"] = ProblemIdentity(problem);
+  json["units"] = {{"force", problem.description.units.force},
+                   {"length", problem.description.units.length},
+                   {"time", problem.description.units.time}};
+  json["records"] = Records(problem, summary);
   json["parameters"] = Parameters(summary);
-  if (!summary.forces.empty()) json["forces"] = Forces(c, summary);
+  if (!summary.forces.empty()) json["forces"] = Forces(problem, summary);
   json["covariance_method"] = summary.covariance_method;
   json["undetermined"] = summary.undetermined;
-  if (!Modes(c, summary, model, &json["modes"], error)) return false;
+  if (!Modes(problem, summary, model, &json["modes"], error)) return false;
   if (!summary.modes.empty()) {
-    json["measured_modes"] = MeasuredModes(c, summary);
+    json["measured_modes"] = MeasuredModes(problem, summary);
   }
   Json& solver = json["solver"];
   solver["iterations"] = summary.num_iterations;
@@ -189,7 +194,7 @@ bool FormatResultJson(const Case& c, const IdentificationSummary& summary,
                                 {"largest_gap", stage.largest_gap},
                                 {"rolled_back", stage.rolled_back}});
   }
-  json["remarks"] = c.problem.description.remarks;
+  json["remarks"] = problem.description.remarks;
   *text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return true;
 }

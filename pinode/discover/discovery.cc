@@ -855,6 +855,9 @@ bool DiscoverFromDerivatives(const IdentificationProblem& problem,
     num_outputs += part.cols();
   }
   if (!FindEquations(problem, options, data, equations, error)) return false;
+  for (DiscoveredEquation& equation : *equations) {
+    equation.source = DiscoveryOptions::Source::kDerivatives;
+  }
   *model = std::move(begin);
   return true;
 }

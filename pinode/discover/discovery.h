@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,7 @@ struct DiscoveryOptions {
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
+// One term of an equation, from its regression to what is reported of it.
 struct DiscoveredTerm {
   std::string basis;
   double coefficient = 0.0;
@@ -102,6 +104,14 @@ struct DiscoveredTerm {
   double inclusion_probability = 0.0;
   bool given = false;  // by a constraint
   int sign = 0;        // asked for by a constraint: 1, -1; 0: either
+
+  // What the refit adds, or what stands in for it.
+  std::string unit;        // of the coefficient
+  double regressed = 0.0;  // the coefficient before; 0: it was no term then
+  // Of the coefficient; NaN without a refit.
+  double sigma = std::numeric_limits<double>::quiet_NaN();
+  double lower95 = std::numeric_limits<double>::quiet_NaN();
+  double upper95 = std::numeric_limits<double>::quiet_NaN();
 };
 
 // What could be a term: a coefficient that is not given.
@@ -121,6 +131,8 @@ struct DiscoveryParetoPoint {
 
 // g = sum_k xi_k f_k(q) in place of one output of one network.
 struct DiscoveredEquation {
+  // What was regressed.
+  DiscoveryOptions::Source source = DiscoveryOptions::Source::kNetwork;
   std::string network;
   std::string output;
   ActsAs acts_as = ActsAs::kAcceleration;

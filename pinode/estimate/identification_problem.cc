@@ -2,9 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace pinode {
+namespace {
+
+bool AnyFree(const ParameterBlock& block) {
+  return std::any_of(block.parameters.begin(), block.parameters.end(),
+                     [](const Parameter& p) { return p.free; });
+}
+
+}  // namespace
 
 std::vector<int> IdentificationRecord::NoisyInputs() const {
   std::vector<int> inputs;
@@ -56,117 +63,160 @@ bool IdentificationProblem::IsValid(std::string* error) const {
     *error = "there is no model";
     return false;
   }
-  if (!description.IsValid(error)) return false;
-  bool any_free = false;
+  StructuralDynamics::Prepared prepared;
+  if (!description.IsValid(error) || !AreUnknownsValid(error) ||
+      !dynamics->Prepare(dynamics->Parameters(), &prepared, error) ||
+      !modal.IsValid(dynamics->num_dofs(), error)) {
+    return false;
+  }
+  bool any_fitted = !modal.empty();
+  for (const IdentificationRecord& record : records) {
+    if (!IsRecordValid(record, error)) {
+      *error = "record '" + record.name + "': " + *error;
+      return false;
+    }
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (const MeasuredChannel& channel : record.channels) {
+      any_fitted = any_fitted || channel.fit;
+    }
+  }
+  if (!any_fitted) {
+    *error =
+        "no training record has a fitted channel, and no mode was measured";
+    return false;
+  }
+  return true;
+}
+
+bool IdentificationProblem::AreUnknownsValid(std::string* error) const {
+  bool any_free = AnyFree(sensors);
   for (const ParameterBlock& block : dynamics->blocks()) {
     if (!block.IsValid(error)) return false;
-    for (const Parameter& p : block.parameters) any_free = any_free || p.free;
+    any_free = any_free || AnyFree(block);
   }
   if (!sensors.IsValid(error)) return false;
-  for (const Parameter& p : sensors.parameters) any_free = any_free || p.free;
   if (!any_free) {
     *error =
         "no parameter is free: mark at least one group, element parameter, "
         "network or sensor parameter as free";
     return false;
   }
-  if (!modal.IsValid(dynamics->num_dofs(), error)) return false;
-  if (!modal.empty() && num_train_records() == 0) {
-    const auto has_free = [](const ParameterBlock& block) {
-      return std::any_of(block.parameters.begin(), block.parameters.end(),
-                         [](const Parameter& p) { return p.free; });
-    };
-    for (const ParameterBlock& block : dynamics->blocks()) {
-      if (block.name == "groups" || !has_free(block)) continue;
-      *error = "modes tell of groups alone: '" + block.name +
-               "' cannot be free without a training record";
-      return false;
-    }
-    if (has_free(sensors)) {
-      *error =
-          "modes tell of groups alone: sensors cannot be free without a "
-          "training record";
-      return false;
-    }
+  if (modal.empty() || num_train_records() > 0) return true;
+  for (const ParameterBlock& block : dynamics->blocks()) {
+    if (block.name == "groups" || !AnyFree(block)) continue;
+    *error = "modes tell of groups alone: '" + block.name +
+             "' cannot be free without a training record";
+    return false;
   }
-  bool any_fitted = !modal.empty();
-  for (const IdentificationRecord& record : records) {
-    const std::string prefix = "record '" + record.name + "': ";
-    if (!record.excitation.has_value() || record.num_samples() < 2) {
-      *error = prefix + "it has fewer than two samples";
-      return false;
-    }
-    if (record.excitation->num_inputs() != dynamics->num_inputs()) {
-      std::ostringstream message;
-      message << "it has " << record.excitation->num_inputs()
-              << " inputs, the model has " << dynamics->num_inputs();
-      *error = prefix + message.str();
-      return false;
-    }
-    if (record.substeps < 1) {
-      *error = prefix +
-               "it needs at least one Runge-Kutta step per sample; "
-               "PrepareProblem chooses their number";
-      return false;
-    }
-    if (record.start == IdentificationRecord::Start::kKnown &&
-        (record.known_start.size() != dynamics->num_states() ||
-         !record.known_start.allFinite())) {
-      std::ostringstream message;
-      message << "its start needs " << dynamics->num_states()
-              << " finite values, one per state";
-      *error = prefix + message.str();
-      return false;
-    }
-    const double time_factor = record.description.time_factor;
-    if (!(time_factor > 0.0) || !std::isfinite(time_factor)) {
-      *error = prefix + "its unit of time has no positive factor";
-      return false;
-    }
-    if (record.channels.empty()) {
-      *error = prefix + "it has no measured channel";
-      return false;
-    }
-    for (const MeasuredChannel& channel : record.channels) {
-      const std::string where =
-          prefix + "channel '" + channel.observation.name + "': ";
-      if (channel.values.size() != record.num_samples()) {
-        *error = where + "its length differs from that of the excitation";
-        return false;
-      }
-      int finite = 0;
-      for (double value : channel.values) {
-        if (std::isinf(value)) {
-          *error = where + "it holds an infinite value";
-          return false;
-        }
-        finite += std::isfinite(value);
-      }
-      if (finite == 0) {
-        *error = where + "it holds no value";
-        return false;
-      }
-      if (record.filter != nullptr && finite != channel.values.size()) {
-        *error = where + "a record with missing samples cannot be filtered";
-        return false;
-      }
-      const double factor = channel.description.factor;
-      if (factor == 0.0 || !std::isfinite(factor)) {
-        *error = where + "the factor of its unit is zero or not finite";
-        return false;
-      }
-      if (!(channel.sigma >= 0.0)) {
-        *error = where + "its standard deviation is negative";
-        return false;
-      }
-      any_fitted =
-          any_fitted ||
-          (channel.fit && record.role == IdentificationRecord::Role::kTrain);
-    }
-  }
-  if (!any_fitted) {
+  if (AnyFree(sensors)) {
     *error =
-        "no training record has a fitted channel, and no mode was measured";
+        "modes tell of groups alone: sensors cannot be free without a "
+        "training record";
+    return false;
+  }
+  return true;
+}
+
+bool IdentificationProblem::IsRecordValid(const IdentificationRecord& record,
+                                          std::string* error) const {
+  if (!record.excitation.has_value() || record.num_samples() < 2) {
+    *error = "it has fewer than two samples";
+    return false;
+  }
+  if (record.excitation->num_inputs() != dynamics->num_inputs()) {
+    *error = "it has " + std::to_string(record.excitation->num_inputs()) +
+             " inputs, the model has " + std::to_string(dynamics->num_inputs());
+    return false;
+  }
+  if (!(record.sampling_step() > 0.0) ||
+      !std::isfinite(record.sampling_step()) ||
+      !record.excitation->samples().allFinite()) {
+    *error = "its excitation holds a value, or has a step, that is not finite";
+    return false;
+  }
+  if (record.input_sigma.size() != 0 &&
+      (record.input_sigma.size() != dynamics->num_inputs() ||
+       !record.input_sigma.allFinite() ||
+       record.input_sigma.minCoeff() < 0.0)) {
+    *error = "the noise of its inputs needs no value, or " +
+             std::to_string(dynamics->num_inputs()) +
+             " that are finite and not negative";
+    return false;
+  }
+  if (record.substeps < 1) {
+    *error =
+        "it needs at least one Runge-Kutta step per sample; PrepareProblem "
+        "chooses their number";
+    return false;
+  }
+  if (record.start == IdentificationRecord::Start::kKnown &&
+      (record.known_start.size() != dynamics->num_states() ||
+       !record.known_start.allFinite())) {
+    *error = "its start needs " + std::to_string(dynamics->num_states()) +
+             " finite values, one per state";
+    return false;
+  }
+  const double time_factor = record.description.time_factor;
+  if (!(time_factor > 0.0) || !std::isfinite(time_factor)) {
+    *error = "its unit of time has no positive factor";
+    return false;
+  }
+  if (record.channels.empty()) {
+    *error = "it has no measured channel";
+    return false;
+  }
+  for (const MeasuredChannel& channel : record.channels) {
+    if (IsChannelValid(record, channel, error)) continue;
+    *error = "channel '" + channel.observation.name + "': " + *error;
+    return false;
+  }
+  return true;
+}
+
+bool IdentificationProblem::IsChannelValid(const IdentificationRecord& record,
+                                           const MeasuredChannel& channel,
+                                           std::string* error) const {
+  const Vector& weights = channel.observation.weights;
+  if (weights.size() != dynamics->num_dofs() || !weights.allFinite()) {
+    *error = "it needs " + std::to_string(dynamics->num_dofs()) +
+             " finite weights, one per DOF";
+    return false;
+  }
+  for (const int index : {channel.gain, channel.offset, channel.delay}) {
+    if (index < -1 || index >= sensors.size()) {
+      *error = "parameter " + std::to_string(index) +
+               " of its sensor is none of the " +
+               std::to_string(sensors.size()) + " there are (-1: ideal)";
+      return false;
+    }
+  }
+  if (channel.values.size() != record.num_samples()) {
+    *error = "its length differs from that of the excitation";
+    return false;
+  }
+  Eigen::Index num_present = 0;
+  for (const double value : channel.values) {
+    if (std::isinf(value)) {
+      *error = "it holds an infinite value";
+      return false;
+    }
+    if (std::isfinite(value)) ++num_present;
+  }
+  if (num_present == 0) {
+    *error = "it holds no value";
+    return false;
+  }
+  if (record.filter != nullptr && num_present != channel.values.size()) {
+    *error = "a record with missing samples cannot be filtered";
+    return false;
+  }
+  const double factor = channel.description.factor;
+  if (factor == 0.0 || !std::isfinite(factor)) {
+    *error = "the factor of its unit is zero or not finite";
+    return false;
+  }
+  if (!(channel.sigma >= 0.0) || !std::isfinite(channel.sigma)) {
+    *error = "its standard deviation is negative or not finite";
     return false;
   }
   return true;

@@ -89,11 +89,21 @@ struct IdentificationProblem {
   std::string UnitOf(const MeasuredChannel& channel) const;
   std::string LocationOf(const MeasuredChannel& channel) const;
 
-  // Sizes, steps that are chosen, at least two samples, finite excitations, at
-  // least one training record with a fitted channel or one mode, at least one
-  // free parameter, which without a training record must be a group's. On
-  // failure says which record, channel or mode.
+  // Whether everything above the problem can work on it without a further look
+  // at sizes and numbers: a model whose mass matrix can be inverted; at least
+  // one free parameter, which without a training record must be a group's; at
+  // least one training record with a fitted channel, or one mode; and of each
+  // record two samples, finite excitations, steps that are chosen, and channels
+  // with one weight per DOF and parameters that exist. On failure *error names
+  // the record, channel or mode, and what was expected.
   [[nodiscard]] bool IsValid(std::string* error) const;
+
+ private:
+  bool AreUnknownsValid(std::string* error) const;
+  bool IsRecordValid(const IdentificationRecord& record,
+                     std::string* error) const;
+  bool IsChannelValid(const IdentificationRecord& record,
+                      const MeasuredChannel& channel, std::string* error) const;
 };
 
 }  // namespace pinode

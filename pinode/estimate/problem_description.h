@@ -63,6 +63,10 @@ struct ProblemDescription {
   UnitSystem units;
   std::vector<ForceTruth> force_truths;
   std::vector<ReferenceCurve> reference_curves;
+  // Of a problem that was made from another one without a change of what is
+  // asked, as by another basis of its reduction: the hash of that one, by which
+  // results are known (study/checkpoint.h); else empty.
+  std::string known_as;
   // Decisions that were taken for the user, one sentence each.
   std::vector<std::string> remarks;
 

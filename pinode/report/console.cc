@@ -96,16 +96,19 @@ TextTable MakeModeTable(const ReportInput& input) {
                    {"updated damping %", Align::kDecimal},
                    {"MAC", Align::kDecimal}});
   int number = 0;
-  for (const ReportMode& mode : input.modes) {
-    const double change = 100.0 * (mode.updated_hz / mode.initial_hz - 1.0);
+  const double hz = input.problem->description.HzPerModelFrequency();
+  for (const ModePair& mode : input.prior.modes) {
+    const double initial_hz = hz * mode.initial_frequency;
+    const double updated_hz = hz * mode.updated_frequency;
+    const double change = 100.0 * (updated_hz / initial_hz - 1.0);
     std::string change_text = "-";
     if (std::isfinite(change)) {
       // Two decimals: frequencies are hardly ever known better.
       const double rounded = std::round(100.0 * change) / 100.0;
       change_text = (rounded > 0.0 ? "+" : "") + ReadableNumber(rounded, 3);
     }
-    table.AddRow({std::to_string(++number), ReadableNumber(mode.initial_hz, 5),
-                  ReadableNumber(mode.updated_hz, 5), change_text,
+    table.AddRow({std::to_string(++number), ReadableNumber(initial_hz, 5),
+                  ReadableNumber(updated_hz, 5), change_text,
                   Percent(mode.initial_damping), Percent(mode.updated_damping),
                   ReadableNumber(mode.mac, 4)});
   }
@@ -121,7 +124,7 @@ TextTable MakeMeasuredModeTable(const ReportInput& input) {
                    {"error %", Align::kDecimal},
                    {"initial MAC", Align::kDecimal},
                    {"updated MAC", Align::kDecimal}});
-  const double hz = input.hz_per_model_frequency;
+  const double hz = input.problem->description.HzPerModelFrequency();
   for (const ModeScore& mode : input.summary->modes) {
     const auto error = [&mode](double frequency) {
       return ReadableNumber(100.0 * (frequency / mode.frequency - 1.0), 3);
@@ -155,7 +158,7 @@ TextTable MakeRecordTable(const ReportInput& input) {
       note =
           "scored from " +
           ReadableNumber(data.excitation->time(record.first_scored_sample), 3) +
-          " " + input.units.time;
+          " " + input.problem->description.units.time;
     }
     table.AddRow({record.name, RoleName(record.role),
                   record.finite ? Percent(record.nrmse) : "-",

@@ -63,13 +63,13 @@ TEST(Console, ShowsHoldoutRecordsFirst) {
 
 TEST(Console, ShowsModesAndWhatIsMissingOfThem) {
   const auto example = testing::MakeReportExample();
-  example->input.modes.resize(2);
-  example->input.modes[0].initial_hz = 2.0;
-  example->input.modes[0].updated_hz = 2.1;
-  example->input.modes[0].initial_damping = 0.02;
-  example->input.modes[0].updated_damping = 0.035;
-  example->input.modes[0].mac = 0.9987;
-  example->input.modes[1] = ReportMode();
+  example->input.prior.modes.resize(2);
+  example->input.prior.modes[0].initial_frequency = 2.0;
+  example->input.prior.modes[0].updated_frequency = 2.1;
+  example->input.prior.modes[0].initial_damping = 0.02;
+  example->input.prior.modes[0].updated_damping = 0.035;
+  example->input.prior.modes[0].mac = 0.9987;
+  example->input.prior.modes[1] = ModePair();
   const std::vector<std::string> lines =
       Lines(MakeModeTable(example->input).ToText());
   EXPECT_THAT(lines[2], ContainsRegex("1 +2\\.0000 +2\\.1000 +\\+5\\.00 "
@@ -80,7 +80,7 @@ TEST(Console, ShowsModesAndWhatIsMissingOfThem) {
 TEST(Console, ShowsMeasuredModesBesideTheModels) {
   const auto example = testing::MakeReportExample();
   // In a model whose time is in milliseconds.
-  example->input.hz_per_model_frequency = 1000.0;
+  example->problem.description.units.time = "ms";
   ModeScore mode;
   mode.name = "bending";
   mode.frequency = 2e-3;
@@ -113,7 +113,7 @@ TEST(Console, ShowsSensorsInTheirUnits) {
 TEST(Console, LeavesOutWhatAFailureLacks) {
   const auto example = testing::MakeReportExample();
   example->summary = IdentificationSummary();
-  example->input.modes.clear();
+  example->input.prior.modes.clear();
   const std::string text = ConsoleReport(example->input);
   EXPECT_EQ(text, "Not usable: the identification has not been started.\n");
 }

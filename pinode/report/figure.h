@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/discover/discovery.h"
 #include "pinode/report/gnuplot.h"
 #include "pinode/report/report.h"
 #include "pinode/report/restoring_force.h"
@@ -60,10 +61,14 @@ Figure MakeModeShapeFigure(const ReportInput& input);
 // What was regressed and what the equation says, against each feature that its
 // terms depend on (at most four), along the training records. Fig. 6 of Lai et
 // al. (2021).
-Figure MakeEquationFigure(const ReportEquation& equation, int number);
+Figure MakeEquationFigure(const DiscoveredEquation& equation,
+                          const UnitSystem& units, int number);
 
 // Residual over the number of terms, and the number that was chosen.
-Figure MakeParetoFigure(const ReportEquation& equation, int number);
+Figure MakeParetoFigure(const DiscoveredEquation& equation, int number);
+
+// What an equation was regressed from: "network nn1".
+std::string SourceOf(const DiscoveredEquation& equation);
 
 // Cost over the iterations, free-run error over the stages.
 Figure MakeConvergenceFigure(const ReportInput& input);

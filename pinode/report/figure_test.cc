@@ -58,12 +58,12 @@ TEST_F(FigureTest, ShowsAChannelWithLabelsAndLegend) {
 
 TEST_F(FigureTest, DrawsAChannelThatThePriorAndTheUpdatedModelMiss) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  example_->input.records[0].prior_prediction *= 1e30;
+  example_->input.prior.predictions[0] *= 1e30;
   example_->summary.records[0].prediction.rightCols(1500).setConstant(nan);
   example_->problem.records[0].channels[0].values.head(200).setConstant(nan);
   Draw(MakeChannelFigure(example_->input, 0, 0));
   example_->summary.records[0].prediction.setConstant(nan);
-  example_->input.records.clear();
+  example_->input.prior.predictions.clear();
   Draw(MakeChannelFigure(example_->input, 0, 0));
   example_->problem.records[0].channels[0].values.setZero();
   Draw(MakeChannelFigure(example_->input, 0, 0));
@@ -89,7 +89,7 @@ TEST_F(FigureTest, StaysSmallForLongRecords) {
   record.channels[0].values = values;
   example_->summary.records[0].prediction =
       Matrix(values.transpose()).replicate(3, 1) * 0.9;
-  example_->input.records[0].prior_prediction =
+  example_->input.prior.predictions[0] =
       Matrix(values.transpose()).replicate(3, 1) * 1.2;
   Draw(MakeChannelFigure(example_->input, 0, 0));
 }
@@ -110,9 +110,9 @@ TEST_F(FigureTest, ShowsLoopsOfLawsAndNetworks) {
 }
 
 TEST_F(FigureTest, ShowsKnownCurvesBesideLoops) {
-  example_->input.curves.push_back({"spring1", "data sheet",
-                                    Vector::LinSpaced(2, -1.0, 1.0),
-                                    Vector::LinSpaced(2, -2.0, 2.0)});
+  example_->problem.description.reference_curves.push_back(
+      {"spring1", "data sheet", Vector::LinSpaced(2, -1.0, 1.0),
+       Vector::LinSpaced(2, -2.0, 2.0)});
   const auto loops = ComputeRestoringForceLoops(example_->input);
   const std::string svg = Draw(MakeLoopFigure(example_->input, loops[0], 0));
   EXPECT_THAT(svg, HasSubstr("data sheet<"));
@@ -140,11 +140,12 @@ TEST_F(FigureTest, ShowsParameterChangesInPerCent) {
 
 TEST_F(FigureTest, ShowsModeShapesThatAgreeInSign) {
   const std::string before = MakeModeShapeFigure(example_->input).script;
-  for (ReportMode& mode : example_->input.modes) mode.initial_shape *= -3.0;
+  for (ModePair& mode : example_->input.prior.modes) mode.initial_shape *= -3.0;
   const Figure figure = MakeModeShapeFigure(example_->input);
   EXPECT_EQ(figure.script, before);
   EXPECT_THAT(Draw(figure), HasSubstr("mode 3:"));
-  for (ReportMode& mode : example_->input.modes) mode.initial_shape.resize(0);
+  for (ModePair& mode : example_->input.prior.modes)
+    mode.initial_shape.resize(0);
   EXPECT_TRUE(MakeModeShapeFigure(example_->input).empty());
 }
 
@@ -170,27 +171,30 @@ TEST_F(FigureTest, TakesAnyName) {
               HasSubstr("a\u20191 `id` \"x\" &lt;b> &amp; $d0 \u03b1_2^3"));
 }
 
-ReportEquation CubicEquation() {
-  ReportEquation equation;
+DiscoveredEquation CubicEquation() {
+  DiscoveredEquation equation;
   equation.output = "u1";
-  equation.source = "network nn1";
-  equation.unit = "m/s^2";
+  equation.network = "nn1";
   equation.num_candidates = 34;
   equation.num_regressed_terms = 1;
-  equation.pareto = {{0, 0.5}, {1, 0.01}, {2, 0.009}};
-  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.0, -2.1, -1.9, -1.8,
-                     std::numeric_limits<double>::quiet_NaN()}};
+  equation.pareto = {{0, 0.5, 0.0}, {1, 0.01, 0.0}, {2, 0.009, 0.0}};
+  equation.terms = {testing::MakeTerm("x[u1]^3", "1/m^2/s^2", -2.0, 0.1, -1.8),
+                    testing::MakeTerm("v[u1]", "1/s", -0.3, 0.1, -0.3)};
   const Vector x = Vector::LinSpaced(1500, -1.0, 1.0);
   const Vector v = x.reverse();
-  const Vector cubic = -2.0 * x.array().cube();
-  equation.features = {{"x[u1]", "m", x, cubic}, {"v[u1]", "m/s", v, -0.3 * v}};
-  equation.equation_values = cubic - 0.3 * v;
-  equation.source_values = equation.equation_values.array() + 0.01;
+  equation.features.resize(3);
+  equation.features[0].kind = Feature::Kind::kDisplacement;
+  equation.features[1].kind = Feature::Kind::kVelocity;
+  equation.features[2].kind = Feature::Kind::kTime;
+  equation.feature_names = {"x[u1]", "v[u1]", "t"};
+  equation.sample_features.resize(1500, 3);
+  equation.sample_features << x, v, 2.0 * x;
+  equation.sample_outputs = -2.0 * x.array().cube() - 0.3 * v.array() + 0.01;
   return equation;
 }
 
 TEST_F(FigureTest, ShowsAnEquationOverEachFeature) {
-  const Figure figure = MakeEquationFigure(CubicEquation(), 3);
+  const Figure figure = MakeEquationFigure(CubicEquation(), UnitSystem(), 3);
   const std::string svg = Draw(figure);
   for (const char* text : {"x[u1], m", "v[u1], m/s", "u1, m/s\u00b2"}) {
     EXPECT_THAT(svg, HasSubstr(text));
@@ -202,9 +206,12 @@ TEST_F(FigureTest, ShowsAnEquationOverEachFeature) {
        {"\n-1 2\n", "\n-1 2.01\n", "\n1 -0.3\n", "\n1 -0.29\n"}) {
     EXPECT_THAT(figure.script, HasSubstr(text));
   }
-  ReportEquation nothing = CubicEquation();
-  nothing.features.clear();
-  EXPECT_TRUE(MakeEquationFigure(nothing, 0).empty());
+  // Nothing depends on the time.
+  EXPECT_THAT(figure.caption, Not(HasSubstr("not drawn")));
+  EXPECT_THAT(figure.script, Not(HasSubstr("t, s")));
+  DiscoveredEquation nothing = CubicEquation();
+  nothing.terms.clear();
+  EXPECT_TRUE(MakeEquationFigure(nothing, UnitSystem(), 0).empty());
 }
 
 TEST_F(FigureTest, ShowsTheParetoCurve) {
@@ -212,7 +219,7 @@ TEST_F(FigureTest, ShowsTheParetoCurve) {
   EXPECT_THAT(Draw(figure), HasSubstr("number of terms"));
   EXPECT_THAT(figure.caption, HasSubstr("34 candidates"));
   EXPECT_THAT(figure.caption, HasSubstr("circled"));
-  ReportEquation nothing = CubicEquation();
+  DiscoveredEquation nothing = CubicEquation();
   nothing.pareto.resize(1);
   EXPECT_TRUE(MakeParetoFigure(nothing, 0).empty());
 }
@@ -232,7 +239,8 @@ ForceEstimate MakeForce(int count) {
 TEST_F(FigureTest, ShowsAForceWithItsBandAndTheTruth) {
   example_->summary.forces = {MakeForce(5001)};
   const ForceEstimate& force = example_->summary.forces[0];
-  example_->input.force_truths = {{"blow", force.times, 1.01 * force.value}};
+  example_->problem.description.force_truths = {
+      {"blow", force.times, 1.01 * force.value}};
   const Figure figure = MakeForceFigure(example_->input, 0);
   const std::string svg = Draw(figure);
   for (const char* text :
@@ -247,7 +255,8 @@ TEST_F(FigureTest, ShowsAForceWithItsBandAndTheTruth) {
   EXPECT_THAT(figure.caption, Not(HasSubstr("dots")));
   // A truth of few samples there says nothing of what is between them.
   const Vector times = Vector::LinSpaced(201, 0.0, 2.0);
-  example_->input.force_truths = {{"blow", times, Vector::Ones(201)}};
+  example_->problem.description.force_truths = {
+      {"blow", times, Vector::Ones(201)}};
   const Figure coarse = MakeForceFigure(example_->input, 0);
   EXPECT_THAT(coarse.caption, HasSubstr("dots being the truth at its samples"));
   EXPECT_THAT(coarse.script, HasSubstr("with points"));
@@ -261,7 +270,8 @@ TEST_F(FigureTest, ShowsAForceWithoutABand) {
   force.lower95 = -force.sigma;
   force.upper95 = force.sigma;
   example_->summary.forces = {force};
-  example_->input.force_truths = {{"other", force.times, force.value}};
+  example_->problem.description.force_truths = {
+      {"other", force.times, force.value}};
   const std::string svg = Draw(MakeForceFigure(example_->input, 0));
   EXPECT_THAT(svg, Not(HasSubstr("band")));
   EXPECT_THAT(svg, Not(HasSubstr("truth")));

@@ -143,10 +143,10 @@ TEST(HtmlReport, KeepsEverythingElseWithoutGnuplot) {
 TEST(HtmlReport, EscapesWhatTheUserWrote) {
   const auto example = testing::MakeReportExample();
   const std::string evil = "<script>alert(\"x\")</script> & {{title}}";
-  example->input.title = evil;
-  example->input.case_path = evil;
-  example->input.command_line = evil;
-  example->input.remarks = {evil};
+  example->problem.description.title = evil;
+  example->input.origin.case_path = evil;
+  example->input.origin.command_line = evil;
+  example->problem.description.remarks = {evil};
   example->problem.records[0].name = evil;
   example->problem.records[0].channels[0].observation.name = evil;
   example->summary.records[0].name = evil;
@@ -188,9 +188,8 @@ TEST(HtmlReport, OfAFailureSaysWhy) {
   example->summary = IdentificationSummary();
   example->input.summary = &example->summary;
   example->input.model = nullptr;
-  example->input.modes.clear();
-  example->input.remarks.clear();
-  example->input.records.clear();
+  example->input.prior = PriorComparison();
+  example->problem.description.remarks.clear();
   const std::string html =
       RenderHtmlReport(example->input, HtmlReportOptions());
   ExpectSelfContained(html);
@@ -223,17 +222,18 @@ TEST(HtmlReport, ShowsEquations) {
   const auto example = testing::MakeReportExample();
   EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
               Not(HasSubstr("Equations")));
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  ReportEquation equation;
+  DiscoveredEquation equation;
   equation.output = "u<1>";
-  equation.source = "network nn1";
+  equation.network = "nn1";
   equation.num_candidates = 34;
-  equation.terms = {{"x[u1]^3", "1/m^2/s^2", -2.5, nan, nan, -1.75, nan},
-                    {"v[u1]", "1/s", -0.5, -0.53, -0.47, -0.52, nan}};
-  ReportEquation empty;
+  equation.terms = {
+      testing::MakeTerm("x[u1]^3", "1/m^2/s^2", -2.5, kNaN, -1.75),
+      testing::MakeTerm("v[u1]", "1/s", -0.5, 0.03, -0.52)};
+  DiscoveredEquation empty;
   empty.output = "u2";
-  empty.source = "network nn1";
-  example->input.equations = {equation, empty};
+  empty.network = "nn1";
+  std::vector<DiscoveredEquation> equations = {equation, empty};
+  example->input.equations = &equations;
   std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
   ExpectSelfContained(html);
   for (const char* text :
@@ -243,7 +243,7 @@ TEST(HtmlReport, ShowsEquations) {
   }
   EXPECT_THAT(html, Not(HasSubstr("inclusion probability")));
   EXPECT_LT(html.find("How well the model predicts"), html.find("Equations"));
-  example->input.equations[0].terms[0].inclusion_probability = 0.875;
+  equations[0].terms[0].inclusion_probability = 0.875;
   html = RenderHtmlReport(example->input, WithoutGnuplot());
   ExpectSelfContained(html);
   EXPECT_THAT(html, HasSubstr("inclusion probability"));

@@ -58,8 +58,11 @@ std::string Instability(const ReportInput& input) {
   const bool stiffness = frequency == 0.0 && modes.eigenvalues[0] < 0.0;
   std::string text = "a motion";
   if (frequency > 0.0) {
-    text += " at " +
-            ReadableNumber(frequency * input.hz_per_model_frequency, 4) + " Hz";
+    text +=
+        " at " +
+        ReadableNumber(
+            frequency * input.problem->description.HzPerModelFrequency(), 4) +
+        " Hz";
   }
   text += std::string(" has negative ") +
           (stiffness ? "stiffness" : "damping") + " in the matrices found";
@@ -174,46 +177,35 @@ std::string Verdict(const ReportInput& input) {
   return verdict + ModeSentence(summary);
 }
 
+ReportInput MakeReportInput(const IdentificationProblem& problem,
+                            const IdentificationSummary& summary,
+                            const IdentifiedModel& model,
+                            const ReportOrigin& origin) {
+  ReportInput input;
+  input.problem = &problem;
+  input.summary = &summary;
+  input.model = &model;
+  input.prior = CompareWithPrior(problem, summary, model);
+  input.origin = origin;
+  input.version = PINODE_VERSION;
+  return input;
+}
+
 std::string ChannelPlace(const ReportInput& input, int record, int channel) {
-  const Vector& weights = RecordAt(input, record)
-                              .channels.at(static_cast<size_t>(channel))
-                              .observation.weights;
-  const std::vector<std::string>& dofs =
-      input.problem->dynamics->model().dof_names;
-  std::string place;
-  for (int i = 0; i < weights.size(); ++i) {
-    const double weight = weights(i);
-    if (weight == 0.0) continue;
-    if (!place.empty()) {
-      place += weight < 0.0 ? " - " : " + ";
-    } else if (weight < 0.0) {
-      place += "-";
-    }
-    if (std::abs(weight) != 1.0) {
-      place += FormatNumber(std::abs(weight), 4) + " ";
-    }
-    place += dofs.at(static_cast<size_t>(i));
-  }
-  return place;
+  return LocationText(RecordAt(input, record)
+                          .channels.at(static_cast<size_t>(channel))
+                          .observation.weights,
+                      input.problem->dynamics->model().dof_names);
 }
 
 std::string ChannelUnit(const ReportInput& input, int record, int channel) {
-  const size_t r = static_cast<size_t>(record);
-  const size_t c = static_cast<size_t>(channel);
-  if (r < input.records.size() && c < input.records[r].channel_units.size()) {
-    return input.records[r].channel_units[c];
-  }
-  switch (RecordAt(input, record).channels.at(c).observation.quantity) {
-    case Quantity::kDisplacement:
-    case Quantity::kAbsoluteDisplacement:
-      return UnitName(Dimension::kLength, input.units);
-    case Quantity::kVelocity:
-      return UnitName(Dimension::kVelocity, input.units);
-    case Quantity::kRelativeAcceleration:
-    case Quantity::kAbsoluteAcceleration:
-      return UnitName(Dimension::kAcceleration, input.units);
-  }
-  return "";
+  const MeasuredChannel& measured =
+      RecordAt(input, record).channels.at(static_cast<size_t>(channel));
+  // A combination may carry a length, which its quantity does not say.
+  if (measured.description.factor == 1.0)
+    return input.problem->UnitOf(measured);
+  return UnitName(DimensionOf(measured.observation.quantity),
+                  input.problem->description.units);
 }
 
 double NoiseShare(const ReportInput& input, int record, int channel) {
@@ -236,6 +228,26 @@ double NoiseShare(const ReportInput& input, int record, int channel) {
   const double sigma = input.summary->records[r].channels[c].sigma;
   if (!(squares > 0.0) || !(sigma > 0.0)) return nan;
   return sigma / std::sqrt(squares / count);
+}
+
+std::string FeatureUnit(const Feature& feature, const UnitSystem& units) {
+  if (feature.OnDisplacement()) return UnitName(Dimension::kLength, units);
+  if (feature.OnVelocity()) return UnitName(Dimension::kVelocity, units);
+  if (feature.kind == Feature::Kind::kTime) return units.time;
+  return "";
+}
+
+std::vector<std::string> RemarksOf(const ReportInput& input) {
+  std::vector<std::string> remarks = input.problem->description.remarks;
+  for (const IdentificationRecord& record : input.problem->records) {
+    for (const std::string& remark : record.description.remarks) {
+      remarks.push_back("Record " + record.name + ": " + remark);
+    }
+  }
+  if (!input.prior.why_no_modes.empty()) {
+    remarks.push_back("No modes: " + input.prior.why_no_modes);
+  }
+  return remarks;
 }
 
 }  // namespace pinode

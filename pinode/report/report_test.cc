@@ -101,7 +101,7 @@ TEST(Report, NamesPlacesAndUnitsOfChannels) {
   observation.quantity = Quantity::kDisplacement;
   EXPECT_EQ(ChannelPlace(example->input, 0, 1), "-u1 + 2.5 u2");
   EXPECT_EQ(ChannelUnit(example->input, 0, 1), "m");
-  example->input.records[0].channel_units = {"", "1", ""};
+  example->problem.records[0].channels[1].description.unit = "1";
   EXPECT_EQ(ChannelUnit(example->input, 0, 1), "1");
 }
 

@@ -33,13 +33,6 @@ double FeatureAt(const Feature& feature, const Excitation& excitation,
   return 0.0;
 }
 
-std::string FeatureUnit(const Feature& feature, const UnitSystem& units) {
-  if (feature.OnDisplacement()) return UnitName(Dimension::kLength, units);
-  if (feature.OnVelocity()) return UnitName(Dimension::kVelocity, units);
-  if (feature.kind == Feature::Kind::kTime) return units.time;
-  return "";
-}
-
 // What a law and a network have in common.
 struct Term {
   std::string name, type;
@@ -100,7 +93,7 @@ class LoopMaker {
     }
     loop.force_unit = UnitName(
         loop.is_acceleration ? Dimension::kAcceleration : Dimension::kForce,
-        input_.units);
+        input_.problem->description.units);
     loop.time = time;
     loop.deformation = values.row(abscissa);
     Name(features[static_cast<size_t>(abscissa)], &loop.deformation_name,
@@ -121,8 +114,9 @@ class LoopMaker {
   }
 
  private:
-  const ReportCurve* KnownCurve(const std::string& term) const {
-    for (const ReportCurve& curve : input_.curves) {
+  const ReferenceCurve* KnownCurve(const std::string& term) const {
+    for (const ReferenceCurve& curve :
+         input_.problem->description.reference_curves) {
       if (curve.term == term) return &curve;
     }
     return nullptr;
@@ -142,7 +136,7 @@ class LoopMaker {
       input_names.push_back(spec.name);
     }
     *name = feature.Name(dynamics_.model().dof_names, input_names);
-    *unit = FeatureUnit(feature, input_.units);
+    *unit = FeatureUnit(feature, input_.problem->description.units);
   }
 
   int WidestRecord(const Feature& feature) const {

@@ -33,7 +33,7 @@ struct RestoringForceLoop {
   // already the abscissa.
   Vector rate;
   Vector force;
-  const ReportCurve* known = nullptr;  // of the input, where there is one
+  const ReferenceCurve* known = nullptr;  // of the problem, if there is one
 };
 
 // One entry per output of every law and network (linear networks of more than

@@ -72,13 +72,15 @@ TEST(RestoringForce, IsAForceBesideAKnownCurve) {
   const auto before = ComputeRestoringForceLoops(example->input);
   ASSERT_EQ(before.size(), 3u);
   ASSERT_TRUE(before[2].is_acceleration);
-  example->input.curves.push_back({before[2].term, "data sheet",
-                                   Vector::LinSpaced(2, -1.0, 1.0),
-                                   Vector::LinSpaced(2, -2.0, 2.0)});
+  std::vector<ReferenceCurve>& curves =
+      example->problem.description.reference_curves;
+  curves.push_back({before[2].term, "data sheet",
+                    Vector::LinSpaced(2, -1.0, 1.0),
+                    Vector::LinSpaced(2, -2.0, 2.0)});
   const auto loops = ComputeRestoringForceLoops(example->input);
   EXPECT_EQ(loops[0].known, nullptr);
   EXPECT_EQ(loops[0].force, before[0].force);
-  EXPECT_EQ(loops[2].known, &example->input.curves[0]);
+  EXPECT_EQ(loops[2].known, &curves[0]);
   EXPECT_FALSE(loops[2].is_acceleration);
   EXPECT_EQ(loops[2].force_unit, "N");
   const double mass = example->problem.dynamics->model().mass(2, 2);

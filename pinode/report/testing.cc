@@ -202,7 +202,7 @@ void AddRecord(const std::string& name, IdentificationRecord::Role role,
   }
   example->problem.records.push_back(record);
   example->summary.records.push_back(score);
-  example->input.records.push_back({prior.channels, {}});
+  example->input.prior.predictions.push_back(prior.channels);
 }
 
 void AddEstimates(const Vector& identified, ReportExample* example) {
@@ -249,15 +249,16 @@ void AddModes(const Vector& identified, ReportExample* example) {
                      &error))
       << error;
   for (int m = 0; m < kDofs; ++m) {
-    ReportMode mode;
-    mode.initial_hz = initial.frequency_hz(m);
-    mode.updated_hz = updated.frequency_hz(m);
+    ModePair mode;
+    mode.initial_frequency = initial.frequency_hz(m);
+    mode.updated_frequency = updated.frequency_hz(m);
+    mode.updated_mode = m;
     mode.initial_damping = initial.damping_ratio(m);
     mode.updated_damping = updated.damping_ratio(m);
     mode.initial_shape = initial.mode_shapes.col(m);
     mode.updated_shape = updated.mode_shapes.col(m);
     mode.mac = Mac(mode.initial_shape, mode.updated_shape);
-    example->input.modes.push_back(mode);
+    example->input.prior.modes.push_back(mode);
   }
 }
 
@@ -326,20 +327,35 @@ std::unique_ptr<ReportExample> MakeReportExample() {
   example->model.parameters = identified;
 
   ReportInput& input = example->input;
-  input.title = "Three-storey frame, identified from two earthquakes";
-  input.case_path = "data/three_storey/three_storey.toml";
-  input.command_line =
+  ProblemDescription& description = example->problem.description;
+  description.title = "Three-storey frame, identified from two earthquakes";
+  input.origin.case_path = "data/three_storey/three_storey.toml";
+  input.origin.command_line =
       "pinode_update --case=data/three_storey/three_storey.toml "
       "--output_dir=three_storey";
   input.version = "0.1.0";
-  input.wall_seconds = 4.1;
+  input.origin.wall_seconds = 4.1;
   input.problem = &example->problem;
   input.summary = &example->summary;
   input.model = &example->model;
-  input.remarks = {
+  description.remarks = {
       "record 'north_quake': the time column is uniform within 0.3 % of its "
       "step (rounded to three decimals); 0.01 s is used."};
   return example;
+}
+
+DiscoveredTerm MakeTerm(const std::string& basis, const std::string& unit,
+                        double coefficient, double half_width,
+                        double regressed) {
+  DiscoveredTerm term;
+  term.basis = basis;
+  term.unit = unit;
+  term.coefficient = coefficient;
+  term.lower95 = coefficient - half_width;
+  term.upper95 = coefficient + half_width;
+  term.regressed = regressed;
+  term.inclusion_probability = kNaN;
+  return term;
 }
 
 std::string FindHtmlFault(const std::string& html) {

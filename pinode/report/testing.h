@@ -28,6 +28,11 @@ struct ReportExample {
 // covariance agree with that.
 std::unique_ptr<ReportExample> MakeReportExample();
 
+// A term as a refit leaves it; without an interval where half_width is NaN.
+DiscoveredTerm MakeTerm(const std::string& basis, const std::string& unit,
+                        double coefficient, double half_width,
+                        double regressed);
+
 // Checks that every element opened in `html` is closed in its order (void
 // elements excepted) and that attribute values are quoted. Returns "" or what
 // is wrong, with the offset.

@@ -1,6 +1,5 @@
 #include "pinode/structure/mode_comparison.h"
 
-#include "pinode/base/constants.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -23,7 +22,6 @@ bool CompareModes(const StructuralModel& initial,
     pair.initial_frequency = before.frequency_hz[i];
     pair.initial_damping = before.damping_ratio[i];
     pair.initial_shape = before.mode_shapes.col(i);
-    pair.updated_frequency = pair.updated_damping = pair.mac = kNaN;
     const int partner = partners[static_cast<size_t>(i)];
     pair.updated_mode = partner;
     if (partner >= 0) {

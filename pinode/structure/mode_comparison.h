@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/structure/structural_model.h"
 
@@ -15,10 +16,11 @@ namespace pinode {
 // in cycles per unit of the models' time; NaN, and an empty shape, where the
 // mode has none (see ModalProperties) or no partner.
 struct ModePair {
-  double initial_frequency, updated_frequency;
-  double initial_damping, updated_damping;  // fractions of critical
-  double mac;
-  int updated_mode;                     // index of the partner, -1 without one
+  double initial_frequency = kNaN, updated_frequency = kNaN;
+  // Fractions of critical damping.
+  double initial_damping = kNaN, updated_damping = kNaN;
+  double mac = kNaN;
+  int updated_mode = -1;                // index of the partner, -1 without one
   Vector initial_shape, updated_shape;  // num_dofs, mass-normalised
 };
 

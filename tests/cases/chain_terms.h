@@ -62,7 +62,7 @@ inline TermsFound Compare(const Discovery& discovery, Terms truth,
                           double share_of_chain) {
   TermsFound found;
   for (size_t e = 0; e < discovery.equations.size(); ++e) {
-    for (const EquationTerm& term : discovery.terms[e]) {
+    for (const DiscoveredTerm& term : discovery.equations[e].terms) {
       const std::string& output = discovery.equations[e].output;
       const auto expected = truth.find({output, term.basis});
       if (expected == truth.end()) {

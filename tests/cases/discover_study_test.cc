@@ -111,7 +111,7 @@ TEST_P(DiscoverCoverage, HundredSeeds) {
     wrong[i] = found.num_missing + found.num_spurious;
     which[i] = found.wrong;
     for (size_t e = 0; e < discovery.equations.size(); ++e) {
-      for (const EquationTerm& term : discovery.terms[e]) {
+      for (const DiscoveredTerm& term : discovery.equations[e].terms) {
         const std::string& output = discovery.equations[e].output;
         const auto expected = truth.find({output, term.basis});
         if (expected == truth.end()) continue;

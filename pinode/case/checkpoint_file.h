@@ -1,32 +1,16 @@
-// A fit that was cut off, and how it goes on.
+// A fit that was cut off, on disk.
 
-#ifndef PINODE_CASE_CHECKPOINT_H_
-#define PINODE_CASE_CHECKPOINT_H_
+#ifndef PINODE_CASE_CHECKPOINT_FILE_H_
+#define PINODE_CASE_CHECKPOINT_FILE_H_
 
 #include <chrono>
 #include <string>
 
-#include "pinode/case/case_file.h"
 #include "pinode/estimate/identification_options.h"
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/study/checkpoint.h"
 
 namespace pinode {
-
-struct Checkpoint {
-  int iteration = 0;
-  double cost = 0.0;
-  // What Identify takes as its `initial`. Of a fit that was still running it
-  // has no starts.
-  IdentifiedModel model;
-};
-
-// 16 hexadecimal digits that stand for the problem of a case: matrices, named
-// unknowns, networks' sizes, records and their numbers, but not the options,
-// which may be changed between a fit and its continuation.
-std::string ProblemHash(const IdentificationProblem& problem);
-
-// That of the case as it was read, whether or not its basis has been renewed.
-std::string CaseHash(const Case& c);
 
 // {"schema": "pinode-checkpoint-1", "problem": hash, "iteration", "stage",
 //  "cost", "parameters": [...], "sigmas": [[...]], "starts": [[...]],
@@ -37,9 +21,10 @@ std::string CaseHash(const Case& c);
                                    std::string* error);
 
 // Fails, with *checkpoint untouched, on a file that is not a checkpoint of this
-// case (by CaseHash). Where the case renews its basis, the starts in it are of
-// a basis near that of the values in it.
-[[nodiscard]] bool ReadCheckpoint(const std::string& path, const Case& c,
+// problem (by ProblemIdentity). Where the basis of a reduction was renewed, the
+// starts in it are of a basis near that of the values in it.
+[[nodiscard]] bool ReadCheckpoint(const std::string& path,
+                                  const IdentificationProblem& problem,
                                   Checkpoint* checkpoint, std::string* error);
 
 // Keeps the file at `path` up to date while a fit runs: call Update in
@@ -65,4 +50,4 @@ class CheckpointWriter {
 
 }  // namespace pinode
 
-#endif  // PINODE_CASE_CHECKPOINT_H_
+#endif  // PINODE_CASE_CHECKPOINT_FILE_H_

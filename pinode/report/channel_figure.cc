@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/strings.h"
+#include "pinode/report/decimate.h"
+#include "pinode/report/figure.h"
+#include "pinode/report/figure_script.h"
+#include "pinode/report/number_text.h"
+
+namespace pinode {
+namespace {
+
+// Points per curve, chosen so that no figure exceeds 150 KiB.
+constexpr int kCloseUpBuckets = 200;
+
+// Samples [first, first + count) around the largest fluctuation: some six
+// periods of the first mode.
+void StrongestPart(const ReportInput& input, const Vector& values, double step,
+                   int* first, int* count) {
+  const int size = static_cast<int>(values.size());
+  double mean = 0.0, present = 0.0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    mean += value;
+    present += 1.0;
+  }
+  mean = present > 0.0 ? mean / present : 0.0;
+  int peak = 0;
+  double largest = -1.0;
+  for (int i = 0; i < size; ++i) {
+    if (std::abs(values(i) - mean) > largest) {
+      largest = std::abs(values(i) - mean);
+      peak = i;
+    }
+  }
+  double wanted = size / 8.0;
+  const std::vector<ModePair>& modes = input.prior.modes;
+  const double hz = modes.empty()
+                        ? 0.0
+                        : input.problem->description.HzPerModelFrequency() *
+                              modes[0].updated_frequency;
+  if (hz > 0.0) wanted = 6.0 / (hz * step);
+  *count = static_cast<int>(std::clamp(wanted, std::min(60.0, 1.0 * size),
+                                       std::max(60.0, size / 3.0)));
+  *count = std::min(*count, size);
+  // A free decay is seen best after its peak.
+  *first = std::clamp(peak - *count / 3, 0, size - *count);
+}
+
+// The three panels of a channel that has been run.
+class ChannelPlot {
+ public:
+  ChannelPlot(const ReportInput& input, int record, int channel)
+      : input_(input),
+        record_(input.problem->records.at(static_cast<size_t>(record))),
+        score_(input.summary->records.at(static_cast<size_t>(record))),
+        measured_(record_.channels.at(static_cast<size_t>(channel))),
+        unit_(ChannelUnit(input, record, channel)),
+        num_samples_(record_.num_samples()),
+        time_(num_samples_),
+        updated_(score_.prediction.row(channel)),
+        script_(
+            "channel_" + std::to_string(record) + "_" + std::to_string(channel),
+            900, 400) {
+    for (int i = 0; i < num_samples_; ++i) {
+      time_(i) = record_.excitation->time(i);
+    }
+    const std::vector<Matrix>& priors = input.prior.predictions;
+    const size_t r = static_cast<size_t>(record);
+    if (r < priors.size() && priors[r].rows() > channel &&
+        priors[r].cols() == num_samples_) {
+      prior_ = priors[r].row(channel);
+    }
+    if (channel < static_cast<int>(score_.channels.size())) {
+      sigma_ = score_.channels[static_cast<size_t>(channel)].sigma;
+    }
+  }
+
+  std::string Draw() {
+    script_.Line("set multiplot");
+    DrawWhole();
+    DrawStrongestPart();
+    DrawResidual();
+    script_.Line("unset multiplot");
+    return script_.text();
+  }
+
+  bool HasSigma() const { return std::isfinite(sigma_) && sigma_ > 0.0; }
+
+ private:
+  // Above.
+  void DrawWhole() {
+    script_.Line("set lmargin at screen 0.085");
+    script_.Line("set rmargin at screen 0.985");
+    script_.Line("set tmargin at screen 0.925");
+    script_.Line("set bmargin at screen 0.575");
+    script_.Line("set key at screen 0.985,0.985");
+    script_.Line("set ylabel " +
+                 GnuplotString(AxisLabel(measured_.observation.name, unit_)));
+    std::vector<Vector> predictions = {updated_};
+    if (prior_.size() > 0) predictions.push_back(prior_);
+    const Interval range = VerticalRange(measured_.values, predictions);
+    script_.Line(Range("y", range.low, range.high));
+    script_.Line(Range("x", time_(0), time_(num_samples_ - 1)));
+    const std::vector<std::string> curves =
+        AddCurves(0, num_samples_, kHistoryBuckets, true);
+    const int scored = score_.first_scored_sample;
+    if (scored > 0 && scored < num_samples_) {
+      const std::string at = ScriptNumber(time_(scored));
+      script_.Line("set arrow 1 from " + at + ", graph 0 to " + at +
+                   ", graph 1 nohead " + kFaintLine);
+      script_.Line("set label 1 ' scored from here' at " + at +
+                   ", graph 0.04 tc rgb '#555555'");
+    }
+    Plot(curves);
+    script_.Line("unset arrow");
+    script_.Line("unset label");
+  }
+
+  // Below on the left.
+  void DrawStrongestPart() {
+    int first, count;
+    StrongestPart(input_, measured_.values, record_.sampling_step(), &first,
+                  &count);
+    script_.Line("unset key");
+    script_.Line("set rmargin at screen 0.49");
+    script_.Line("set tmargin at screen 0.49");
+    script_.Line("set bmargin at screen 0.145");
+    script_.Line("set xlabel " +
+                 GnuplotString(AxisLabel(
+                     "time", input_.problem->description.units.time)));
+    script_.Line(Range("x", time_(first), time_(first + count - 1)));
+    Plot(AddCurves(first, count, kCloseUpBuckets, false));
+  }
+
+  // Below on the right.
+  void DrawResidual() {
+    const Vector residual = measured_.values - updated_;
+    script_.Line("set lmargin at screen 0.6");
+    script_.Line("set rmargin at screen 0.985");
+    script_.Line("set ylabel " + GnuplotString(AxisLabel("residual", unit_)));
+    script_.Line(Range("x", time_(0), time_(num_samples_ - 1)));
+    Interval range;
+    range.Add(residual);
+    range.Add(2.5 * sigma_);
+    range.Add(-2.5 * sigma_);
+    script_.Line(Range("y", range.low, range.high));
+    std::vector<std::string> curves;
+    const Polyline line = DecimateHistory(time_, residual, kHistoryBuckets);
+    if (!line.x.empty()) {
+      curves.push_back(Lines(script_.Data({line.x, line.y}), kUpdatedLine, ""));
+    }
+    if (HasSigma()) {
+      for (const double side : {-2.0 * sigma_, 2.0 * sigma_}) {
+        curves.push_back(ScriptNumber(side) + " with lines " + kMark +
+                         " lw 1 dt (3,3) notitle");
+      }
+    }
+    Plot(curves);
+  }
+
+  // Prior first, so that it lies below what matters more.
+  std::vector<std::string> AddCurves(int from, int size, int buckets,
+                                     bool titles) {
+    std::vector<std::string> curves;
+    const Vector t = time_.segment(from, size);
+    const auto add = [&](const Vector& values, const char* style,
+                         const char* title) {
+      const Polyline line =
+          DecimateHistory(t, values.segment(from, size), buckets);
+      if (line.x.empty()) return;
+      curves.push_back(
+          Lines(script_.Data({line.x, line.y}), style, titles ? title : ""));
+    };
+    if (prior_.size() > 0) add(prior_, kPriorLine, "prior model");
+    add(measured_.values, kMeasuredLine, "measured");
+    add(updated_, kUpdatedLine, "updated model");
+    return curves;
+  }
+
+  // Nothing finite to show still gets its axes.
+  void Plot(const std::vector<std::string>& curves) {
+    script_.Line(curves.empty() ? "plot NaN notitle"
+                                : "plot " + Join(curves, ", "));
+  }
+
+  const ReportInput& input_;
+  const IdentificationRecord& record_;
+  const RecordScore& score_;
+  const MeasuredChannel& measured_;
+  const std::string unit_;
+  const int num_samples_;
+  Vector time_;
+  const Vector updated_;
+  Vector prior_;  // empty: not known
+  double sigma_ = 0.0;
+  FigureScript script_;
+};
+
+}  // namespace
+
+Figure MakeChannelFigure(const ReportInput& input, int record, int channel) {
+  Figure figure;
+  const size_t r = static_cast<size_t>(record);
+  const IdentificationRecord& data = input.problem->records.at(r);
+  const std::string& name =
+      data.channels.at(static_cast<size_t>(channel)).observation.name;
+  if (r >= input.summary->records.size()) return figure;
+  const RecordScore& score = input.summary->records[r];
+  if (score.prediction.rows() <= channel ||
+      score.prediction.cols() != data.num_samples() || data.num_samples() < 2) {
+    return figure;
+  }
+  figure.id =
+      "channel_" + std::to_string(record) + "_" + std::to_string(channel);
+  ChannelPlot plot(input, record, channel);
+  figure.script = plot.Draw();
+
+  figure.caption = name + " in " + RecordWithRole(input, record);
+  if (channel < static_cast<int>(score.channels.size())) {
+    const ChannelScore& scored = score.channels[static_cast<size_t>(channel)];
+    figure.caption += ", error " + ReadableNumber(100.0 * scored.nrmse, 3) +
+                      " %, prior model " +
+                      ReadableNumber(100.0 * scored.prior_nrmse, 3) + " %";
+  }
+  figure.caption +=
+      ". Whole record above; its strongest part below on the left, the "
+      "residual (measured minus updated model) on the right";
+  if (plot.HasSigma()) {
+    figure.caption += ", with \u00b12\u03c3 of the noise dashed";
+  }
+  figure.caption += ".";
+  return figure;
+}
+
+}  // namespace pinode

@@ -1,0 +1,143 @@
+#include "pinode/report/report_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/report/restoring_force.h"
+
+namespace pinode {
+namespace {
+
+using Role = IdentificationRecord::Role;
+
+// Indices of the records' channels to be drawn, those with the largest errors
+// if there are too many, in the record's order.
+std::vector<int> ChannelsToDraw(const RecordScore& score, int count,
+                                int limit) {
+  std::vector<int> channels(static_cast<size_t>(count));
+  for (int c = 0; c < count; ++c) channels[static_cast<size_t>(c)] = c;
+  const auto error = [&](int c) {
+    const size_t index = static_cast<size_t>(c);
+    const double nrmse =
+        index < score.channels.size() ? score.channels[index].nrmse : 0.0;
+    // What is not a number is worst.
+    return std::isfinite(nrmse) ? nrmse : kInfinity;
+  };
+  std::stable_sort(channels.begin(), channels.end(),
+                   [&](int a, int b) { return error(a) > error(b); });
+  if (count > limit) channels.resize(static_cast<size_t>(std::max(limit, 0)));
+  std::sort(channels.begin(), channels.end());
+  return channels;
+}
+
+class Planner {
+ public:
+  Planner(const ReportInput& input, const HtmlReportOptions& options,
+          ReportFigures* figures)
+      : input_(input),
+        summary_(*input.summary),
+        options_(options),
+        figures_(*figures) {}
+
+  void Plan() {
+    if (input_.damage.has_value()) {
+      figures_.changes = Add(MakeChangeFigure(*input_.damage));
+    }
+    figures_.parameters = Add(MakeParameterFigure(input_));
+    for (size_t f = 0; f < summary_.forces.size(); ++f) {
+      AddTo(MakeForceFigure(input_, static_cast<int>(f)), &figures_.forces);
+    }
+    figures_.modes = Add(MakeModeShapeFigure(input_));
+    figures_.convergence = Add(MakeConvergenceFigure(input_));
+    for (const Role role : {Role::kHoldout, Role::kTrain}) PlanHistories(role);
+    PlanLoops();
+    PlanEquations();
+  }
+
+ private:
+  int Add(Figure figure) {
+    if (figure.empty()) return -1;
+    figures_.pictures.push_back({std::move(figure), "", ""});
+    return static_cast<int>(figures_.pictures.size()) - 1;
+  }
+  void AddTo(Figure figure, std::vector<int>* indices) {
+    const int index = Add(std::move(figure));
+    if (index >= 0) indices->push_back(index);
+  }
+
+  void PlanHistories(Role role) {
+    for (size_t r = 0; r < summary_.records.size(); ++r) {
+      const IdentificationRecord& record = input_.problem->records.at(r);
+      if (record.role != role) continue;
+      const int count = static_cast<int>(record.channels.size());
+      const std::vector<int> channels = ChannelsToDraw(
+          summary_.records[r], count, options_.max_channels_per_record);
+      ReportFigures::History history;
+      history.record = static_cast<int>(r);
+      for (const int channel : channels) {
+        AddTo(MakeChannelFigure(input_, history.record, channel),
+              &history.figures);
+      }
+      if (history.figures.empty()) continue;
+      history.num_left_out = count - static_cast<int>(channels.size());
+      figures_.histories.push_back(std::move(history));
+    }
+  }
+
+  void PlanLoops() {
+    const std::vector<RestoringForceLoop> loops =
+        ComputeRestoringForceLoops(input_);
+    for (size_t i = 0; i < loops.size(); ++i) {
+      if (static_cast<int>(figures_.loops.size()) >= options_.max_loops) {
+        ++figures_.num_loops_left_out;
+        continue;
+      }
+      AddTo(MakeLoopFigure(input_, loops[i], static_cast<int>(i)),
+            &figures_.loops);
+    }
+  }
+
+  void PlanEquations() {
+    if (input_.equations == nullptr) return;
+    const UnitSystem& units = input_.problem->description.units;
+    for (size_t e = 0; e < input_.equations->size(); ++e) {
+      const DiscoveredEquation& equation = (*input_.equations)[e];
+      const int number = static_cast<int>(e);
+      std::vector<int> indices;
+      AddTo(MakeEquationFigure(equation, units, number), &indices);
+      AddTo(MakeParetoFigure(equation, number), &indices);
+      figures_.equations.push_back(std::move(indices));
+    }
+  }
+
+  const ReportInput& input_;
+  const IdentificationSummary& summary_;
+  const HtmlReportOptions& options_;
+  ReportFigures& figures_;
+};
+
+}  // namespace
+
+ReportFigures PlanFigures(const ReportInput& input,
+                          const HtmlReportOptions& options) {
+  ReportFigures figures;
+  Planner(input, options, &figures).Plan();
+  return figures;
+}
+
+void DrawFigures(const HtmlReportOptions& options, ReportFigures* figures) {
+  ParallelFor(static_cast<int>(figures->pictures.size()),
+              std::max(options.num_threads, 1), [&](int index, int) {
+                ReportFigures::Picture& picture =
+                    figures->pictures[static_cast<size_t>(index)];
+                if (!DrawFigure(picture.figure, options.gnuplot, &picture.svg,
+                                &picture.error)) {
+                  picture.svg.clear();
+                }
+              });
+}
+
+}  // namespace pinode

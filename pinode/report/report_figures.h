@@ -1,0 +1,49 @@
+// Which figures a report has, drawn several at a time.
+
+#ifndef PINODE_REPORT_REPORT_FIGURES_H_
+#define PINODE_REPORT_REPORT_FIGURES_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/report/figure.h"
+#include "pinode/report/html_report.h"
+#include "pinode/report/report.h"
+
+namespace pinode {
+
+// Numbers are indices into `pictures`, -1 where there is no such figure.
+struct ReportFigures {
+  struct Picture {
+    Figure figure;
+    std::string svg;    // empty: it could not be drawn
+    std::string error;  // why
+  };
+  // Of a record's channels, those with the largest errors.
+  struct History {
+    int record = -1;
+    std::vector<int> figures;
+    int num_left_out = 0;
+  };
+
+  std::vector<Picture> pictures;
+  int changes = -1;
+  int parameters = -1;
+  std::vector<int> forces;
+  int modes = -1;
+  int convergence = -1;
+  std::vector<History> histories;  // hold-out records first
+  std::vector<int> loops;
+  int num_loops_left_out = 0;
+  std::vector<std::vector<int>> equations;  // of each equation
+};
+
+ReportFigures PlanFigures(const ReportInput& input,
+                          const HtmlReportOptions& options);
+
+// Fills in what gnuplot makes of them.
+void DrawFigures(const HtmlReportOptions& options, ReportFigures* figures);
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_REPORT_FIGURES_H_

@@ -1,0 +1,136 @@
+#include "pinode/study/checkpoint.h"
+
+#include <cstdint>
+
+namespace pinode {
+namespace {
+
+// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
+class Hash {
+ public:
+  void Add(const void* data, size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (size_t i = 0; i < size; ++i) {
+      state_ = (state_ ^ bytes[i]) * 0x100000001b3u;
+    }
+  }
+  void Add(const std::string& text) {
+    Add(static_cast<std::int64_t>(text.size()));
+    Add(text.data(), text.size());
+  }
+  void Add(std::int64_t value) { Add(&value, sizeof(value)); }
+  void Add(double value) { Add(&value, sizeof(value)); }
+  void Add(const Matrix& matrix) {
+    Add(static_cast<std::int64_t>(matrix.rows()));
+    Add(static_cast<std::int64_t>(matrix.cols()));
+    Add(matrix.data(), sizeof(double) * static_cast<size_t>(matrix.size()));
+  }
+  void Add(const ParameterBlock& block) {
+    Add(block.name);
+    Add(static_cast<std::int64_t>(block.size()));
+    // Initial weights of a network depend on a seed, which may change.
+    if (!block.named) return;
+    for (const Parameter& p : block.parameters) {
+      Add(p.name);
+      for (const double value :
+           {p.value, p.lower, p.upper, p.prior_mean, p.prior_sigma}) {
+        Add(value);
+      }
+      Add(static_cast<std::int64_t>(p.free));
+    }
+  }
+
+  std::string Text() const {
+    constexpr char kDigits[] = "0123456789abcdef";
+    std::string text;
+    for (int shift = 60; shift >= 0; shift -= 4) {
+      text += kDigits[(state_ >> shift) & 15];
+    }
+    return text;
+  }
+
+ private:
+  std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+}  // namespace
+
+std::string ProblemHash(const IdentificationProblem& problem) {
+  Hash hash;
+  const StructuralModel& model = problem.dynamics->model();
+  for (const std::string& name : model.dof_names) hash.Add(name);
+  hash.Add(model.mass);
+  hash.Add(model.damping);
+  hash.Add(model.stiffness);
+  hash.Add(model.influence);
+  hash.Add(model.support_mass_coupling);
+  for (const GroupTerm& term : problem.dynamics->groups()) {
+    hash.Add(static_cast<std::int64_t>(term.group.target));
+    hash.Add(term.group.matrix);
+  }
+  for (const LawTerm& term : problem.dynamics->laws()) {
+    hash.Add(term.type);
+    hash.Add(term.outputs);
+    hash.Add(static_cast<std::int64_t>(term.acts_as));
+  }
+  for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
+    hash.Add(term.history->Description());
+    hash.Add(Matrix(term.outputs));
+    hash.Add(static_cast<std::int64_t>(term.input));
+    for (const CombinationPrior::Combination& c : term.prior.combinations) {
+      hash.Add(static_cast<std::int64_t>(c.group));
+      hash.Add(Matrix(c.weights));
+    }
+    for (const double precision : term.prior.precisions) hash.Add(precision);
+  }
+  for (const NetworkTerm& term : problem.dynamics->networks()) {
+    const NetworkArchitecture& architecture = term.network->architecture();
+    for (const int width : architecture.hidden_widths) {
+      hash.Add(static_cast<std::int64_t>(width));
+    }
+    hash.Add(static_cast<std::int64_t>(architecture.activation));
+    hash.Add(static_cast<std::int64_t>(architecture.gauge));
+    hash.Add(term.outputs);
+  }
+  for (const ParameterBlock& block : problem.dynamics->blocks()) {
+    hash.Add(block);
+  }
+  hash.Add(problem.sensors);
+  for (const IdentificationRecord& record : problem.records) {
+    hash.Add(record.name);
+    hash.Add(static_cast<std::int64_t>(record.role));
+    hash.Add(static_cast<std::int64_t>(record.start));
+    hash.Add(static_cast<std::int64_t>(record.substeps));
+    hash.Add(record.sampling_step());
+    hash.Add(record.excitation->samples());
+    for (const MeasuredChannel& channel : record.channels) {
+      hash.Add(channel.observation.name);
+      hash.Add(static_cast<std::int64_t>(channel.observation.quantity));
+      hash.Add(Matrix(channel.observation.weights));
+      hash.Add(Matrix(channel.values));
+      hash.Add(channel.sigma);
+      hash.Add(static_cast<std::int64_t>(channel.fit));
+    }
+  }
+  if (!problem.modal.empty()) {
+    hash.Add(static_cast<std::int64_t>(problem.modal.form));
+  }
+  for (const MeasuredMode& mode : problem.modal.modes) {
+    hash.Add(mode.name);
+    for (const double value :
+         {mode.frequency, mode.frequency_sigma, mode.frequency_weight,
+          mode.shape_sigma, mode.shape_weight, mode.residual_weight}) {
+      hash.Add(value);
+    }
+    for (const int dof : mode.dofs) hash.Add(static_cast<std::int64_t>(dof));
+    hash.Add(Matrix(mode.shape));
+  }
+  return hash.Text();
+}
+
+std::string ProblemIdentity(const IdentificationProblem& problem) {
+  const std::string& known_as = problem.description.known_as;
+  return known_as.empty() ? ProblemHash(problem) : known_as;
+}
+
+}  // namespace pinode
