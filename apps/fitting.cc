@@ -6,7 +6,7 @@
 #include "apps/program.h"
 #include "apps/progress_line.h"
 #include "pinode/case/checkpoint_file.h"
-#include "pinode/case/renewed_basis.h"
+#include "pinode/case/grown_case.h"
 #include "pinode/estimate/identify.h"
 
 namespace pinode {
@@ -25,7 +25,7 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
       Case renewed;
       IdentifiedModel begin;
       std::string unused;
-      if (RenewBasis(*c, checkpoint.model, &renewed, &begin, &unused)) {
+      if (RenewCase(*c, checkpoint.model, &renewed, &begin, &unused)) {
         *c = std::move(renewed);
         checkpoint.model = std::move(begin);
       }
@@ -49,29 +49,25 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   Identify(c->problem, options, begin_from, summary, model);
   line.End();
   if (RenewsBasis(*c) && summary->usable) {
-    const FitFunction fit = [show_progress](const std::string& what,
-                                            const Case& other,
-                                            const IdentifiedModel* from,
-                                            IdentificationSummary* outcome,
-                                            IdentifiedModel* found) {
-      FitWithProgress(what + "  ", other, from, show_progress, outcome, found);
-    };
-    RenewBasisUntilSettled(fit, c, summary, model);
+    RenewCaseUntilSettled(FitWithProgress(show_progress), c, summary, model);
   }
   return true;
 }
 
-void FitWithProgress(const std::string& prefix, const Case& c,
-                     const IdentifiedModel* begin_from, bool show_progress,
-                     IdentificationSummary* summary, IdentifiedModel* model) {
-  ProgressLine line(show_progress);
-  IdentificationOptions options = c.options;
-  options.callback = [&](const IdentificationProgress& progress) {
-    line.Show(prefix, progress);
-    return !Interrupted();
+FitFunction FitWithProgress(bool show_progress) {
+  return [show_progress](
+             const std::string& what, const IdentificationProblem& problem,
+             const IdentificationOptions& options, const IdentifiedModel* begin,
+             IdentificationSummary* summary, IdentifiedModel* model) {
+    ProgressLine line(show_progress);
+    IdentificationOptions with_progress = options;
+    with_progress.callback = [&](const IdentificationProgress& progress) {
+      line.Show(what + "  ", progress);
+      return !Interrupted();
+    };
+    Identify(problem, with_progress, begin, summary, model);
+    line.End();
   };
-  Identify(c.problem, options, begin_from, summary, model);
-  line.End();
 }
 
 }  // namespace pinode

@@ -8,6 +8,7 @@
 #include "pinode/case/case_file.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/study/growth.h"
 
 namespace pinode {
 
@@ -26,10 +27,9 @@ namespace pinode {
                            IdentificationSummary* summary,
                            IdentifiedModel* model, std::string* error);
 
-// As FitCase, without a checkpoint; `prefix` stands before the progress.
-void FitWithProgress(const std::string& prefix, const Case& c,
-                     const IdentifiedModel* begin_from, bool show_progress,
-                     IdentificationSummary* summary, IdentifiedModel* model);
+// Fits with progress and an end at an interrupt as FitCase, without a
+// checkpoint.
+FitFunction FitWithProgress(bool show_progress);
 
 }  // namespace pinode
 

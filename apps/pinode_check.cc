@@ -33,7 +33,7 @@ void PrintNumber(double value, const char* format, int width) {
 
 void PrintFiniteElementModel(const Case& c) {
   if (c.finite_element == nullptr) return;
-  const FiniteElementCase& source = *c.finite_element;
+  const ReducedStructure& source = *c.finite_element;
   const ReducedModel& reduced = source.reduced;
   const SparseModes& modes = reduced.whole_modes;
   const SpecialDofs special = FindSpecialDofs(source.model);

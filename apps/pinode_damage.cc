@@ -23,15 +23,15 @@
 #include "apps/reporting.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/case/baseline.h"
+#include "pinode/case/baseline_folder.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
-#include "pinode/case/damage_analysis.h"
 #include "pinode/case/damage_files.h"
-#include "pinode/case/renewed_basis.h"
+#include "pinode/case/grown_case.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
+#include "pinode/study/damage_analysis.h"
 
 DEFINE_string(baseline, "",
               "result folders of pinode_update for healthy records of the same "
@@ -64,8 +64,7 @@ int main(int argc, char** argv) {
   if (!change_options.IsValid(&error)) return Refuse("--" + error);
   Case c;
   if (!ReadFitFlags(&c, &error)) return Refuse(error);
-  const std::vector<std::string> groups = FreeGroups(*c.problem.dynamics);
-  if (groups.empty()) {
+  if (FreeGroups(*c.problem.dynamics).empty()) {
     return Refuse(FLAGS_case +
                   ": no [[group]] is free, expected those whose change is "
                   "asked for");
@@ -78,13 +77,12 @@ int main(int argc, char** argv) {
     at = end + 1;
     if (folder.empty()) return Refuse("--baseline has an empty name in it");
     baselines.emplace_back();
-    if (!ReadBaseline(folder, c, groups, &baselines.back(), &error)) {
+    if (!ReadBaseline(folder, c, &baselines.back(), &error)) {
       return Refuse(error);
     }
   }
-  IdentifiedModel begin_from =
-      BeginFromBaseline(baselines[0], groups, c.problem);
-  if (RenewsBasis(c) && !RenewBasis(c, begin_from, &c, &begin_from, &error)) {
+  IdentifiedModel begin_from = BeginFromBaseline(baselines[0], c.problem);
+  if (RenewsBasis(c) && !RenewCase(c, begin_from, &c, &begin_from, &error)) {
     return Refuse(error);
   }
 
@@ -105,39 +103,43 @@ int main(int argc, char** argv) {
   bool judged = false;
   DamageResult result;
   if (summary.usable && summary.covariance.size() > 0) {
-    const FitFunction fit = [&](const std::string& what, const Case& other,
-                                const IdentifiedModel* from,
-                                IdentificationSummary* outcome,
-                                IdentifiedModel* found) {
-      FitWithProgress(what + "  ", other, from, FLAGS_progress, outcome, found);
+    DamageAnalysisOptions options;
+    options.change = change_options;
+    options.search = c.damage;
+    options.identification = c.options;
+    const FitFunction fit = FitWithProgress(FLAGS_progress);
+    options.fit = [&](const std::string& what,
+                      const IdentificationProblem& problem,
+                      const IdentificationOptions& fit_options,
+                      const IdentifiedModel* from,
+                      IdentificationSummary* outcome, IdentifiedModel* found) {
+      fit(what, problem, fit_options, from, outcome, found);
       interrupted =
           interrupted || outcome->termination == Termination::kInterrupted;
     };
-    judged = AnalyseDamage(c, baselines, change_options, summary, model, fit,
-                           &result, &error);
+    judged = AnalyseDamage(c.problem, summary, model, baselines, options,
+                           &result, &error) &&
+             CaseWithCandidates(c, result.added, result.problem, &c, &error);
     if (!judged) {
       std::fprintf(stderr, "nothing can be said about changes: %s\n",
                    error.c_str());
     }
   }
-  if (!judged) {
-    result.fitted = c;
-    result.summary = summary;
-    result.model = model;
+  if (judged) {
+    summary = result.summary;
+    model = result.model;
   }
 
   // 4. Results and report.
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  ReportInput report =
-      MakeReportInput(result.fitted.problem, result.summary, result.model,
-                      {c.path, CommandLine(argc, argv), seconds});
+  ReportInput report = MakeReportInput(
+      c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   if (judged) report.damage = MakeReportDamage(result);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  if (!WriteCaseResult(result.fitted, result.summary, result.model, folder,
-                       &error) ||
+  if (!WriteCaseResult(c, summary, model, folder, &error) ||
       (judged && !WriteFileAtomically(folder.working_path() + "/damage.json",
                                       DamageAsJson(result), &error)) ||
       !WriteHtmlReport(report, report_options,
@@ -159,5 +161,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
     return kExitInterrupted;
   }
-  return result.summary.usable && judged ? kExitDone : kExitNotUsable;
+  return summary.usable && judged ? kExitDone : kExitNotUsable;
 }

@@ -28,12 +28,13 @@
 #include "pinode/case/case_result.h"
 #include "pinode/case/checkpoint_file.h"
 #include "pinode/case/discover_files.h"
-#include "pinode/case/discovered_case.h"
+#include "pinode/case/grown_case.h"
 #include "pinode/case/model_case.h"
-#include "pinode/case/renewed_basis.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/report/html_report.h"
+#include "pinode/study/discovered_problem.h"
+#include "pinode/study/refit.h"
 
 DEFINE_string(model, "",
               "result folder of pinode_update for this case; none with source "
@@ -82,7 +83,7 @@ int main(int argc, char** argv) {
       (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c.problem, &checkpoint,
                        &error) ||
        (RenewsBasis(c) &&
-        !RenewBasis(c, checkpoint.model, &c, &checkpoint.model, &error)))) {
+        !RenewCase(c, checkpoint.model, &c, &checkpoint.model, &error)))) {
     return Refuse(error);
   }
 
@@ -108,7 +109,7 @@ int main(int argc, char** argv) {
   }
 
   // 3. The terms in place of the networks, fitted to the trajectories.
-  Discovery discovery = WithoutRefit(c, equations);
+  Discovery discovery = WithoutRefit(c.problem, equations);
   if (c.discover.refit && discovery.num_terms() > 0) {
     CatchInterrupts();
     ProgressLine line(FLAGS_progress);
@@ -138,9 +139,9 @@ int main(int argc, char** argv) {
             warned = true;
           }
         };
-    const bool refitted = RefitEquations(c, checkpoint.model, equations,
-                                         resumed.empty() ? nullptr : &resumed,
-                                         &discovery, &error);
+    const bool refitted = RefitEquations(
+        c.problem, checkpoint.model, equations, c.discover, c.options,
+        resumed.empty() ? nullptr : &resumed, &discovery, &error);
     line.End();
     if (!refitted) return Refuse(error);
   }
@@ -150,17 +151,22 @@ int main(int argc, char** argv) {
 
   // 4. Equations, the model that has them, and a report.
   if (discovery.refitted) {
+    Case discovered;
+    if (!CaseWithEquations(c, discovery.equations, discovery.problem,
+                           /*given_steps=*/true, &discovered, &error)) {
+      return Refuse(error);
+    }
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
             .count();
-    ReportInput report = MakeReportInput(
-        discovery.discovered.problem, discovery.summary, discovery.model,
-        {c.path, CommandLine(argc, argv), seconds});
+    ReportInput report =
+        MakeReportInput(discovered.problem, discovery.summary, discovery.model,
+                        {c.path, CommandLine(argc, argv), seconds});
     report.equations = &discovery.equations;
     HtmlReportOptions report_options;
     report_options.num_threads = DefaultThreads();
-    if (!WriteCaseResult(discovery.discovered, discovery.summary,
-                         discovery.model, folder, &error) ||
+    if (!WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
+                         &error) ||
         !WriteHtmlReport(report, report_options,
                          folder.working_path() + "/report.html", &error) ||
         (interrupted &&
@@ -170,9 +176,12 @@ int main(int argc, char** argv) {
     }
   } else if (discovery.num_terms() > 0) {
     Case discovered;
+    IdentificationProblem problem;
     IdentifiedModel initial;
-    if (!MakeDiscoveredCase(c, checkpoint.model, equations, {}, &discovered,
-                            &initial, &error) ||
+    if (!MakeDiscoveredProblem(c.problem, checkpoint.model, equations, {},
+                               &problem, &initial, &error) ||
+        !CaseWithEquations(c, equations, problem, /*given_steps=*/false,
+                           &discovered, &error) ||
         !WriteModelCase(discovered, initial, folder.working_path(),
                         folder.final_path(), &error)) {
       return Refuse(error);

@@ -3,8 +3,8 @@
 #ifndef PINODE_APPS_REPORTING_H_
 #define PINODE_APPS_REPORTING_H_
 
-#include "pinode/case/damage_analysis.h"
 #include "pinode/report/report.h"
+#include "pinode/study/damage_analysis.h"
 
 namespace pinode {
 

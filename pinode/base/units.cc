@@ -1,5 +1,7 @@
 #include "pinode/base/units.h"
 
+#include <cmath>
+
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
@@ -165,6 +167,25 @@ std::string MassUnitName(const UnitSystem& system) {
     return "kg";
   }
   return system.force + "*" + system.time + "^2/" + system.length;
+}
+
+std::string PowersUnitName(double force, double length, double time,
+                           const UnitSystem& system) {
+  std::vector<std::string> above;
+  std::vector<std::string> below;
+  const auto add = [&](const std::string& unit, double power) {
+    if (power == 0.0) return;
+    std::string text = unit;
+    if (std::abs(power) != 1.0) text += "^" + FormatNumber(std::abs(power), 6);
+    (power > 0.0 ? above : below).push_back(text);
+  };
+  add(system.force, force);
+  add(system.length, length);
+  add(system.time, time);
+  if (above.empty() && below.empty()) return "1";
+  std::string name = above.empty() ? "1" : Join(above, "*");
+  for (const std::string& unit : below) name += "/" + unit;
+  return name;
 }
 
 }  // namespace pinode

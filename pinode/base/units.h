@@ -53,6 +53,10 @@ std::string StiffnessUnitName(const UnitSystem& system);
 std::string DampingUnitName(const UnitSystem& system);
 std::string MassUnitName(const UnitSystem& system);
 
+// "N/m^3" and the like from powers of force, length and time.
+std::string PowersUnitName(double force, double length, double time,
+                           const UnitSystem& system);
+
 }  // namespace pinode
 
 #endif  // PINODE_BASE_UNITS_H_

@@ -6,6 +6,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/discover_section.h"
+#include "pinode/case/finite_element_section.h"
 #include "pinode/case/library_section.h"
 #include "pinode/case/modal_section.h"
 #include "pinode/case/model_section.h"
@@ -79,7 +80,11 @@ bool ReadTree(const std::shared_ptr<const TomlValue>& source,
   ModelSection model;
   if (!ReadModelSection(root, units, &model)) return false;
   c.expected_hz = model.expected_hz;
-  c.finite_element = model.finite_element;
+  if (model.finite_element != nullptr) {
+    // Its groups are added below.
+    c.finite_element = std::shared_ptr<const ReducedStructure>(
+        model.finite_element, &model.finite_element->structure);
+  }
 
   // The inputs of the dynamics are known before its terms, which may look at
   // them; the numbers of the records are read after the terms, which decide

@@ -17,7 +17,7 @@
 
 namespace pinode {
 
-struct FiniteElementCase;
+struct ReducedStructure;
 struct TomlValue;
 
 // A case file, read and checked. Everything in `problem` is in the model's
@@ -35,8 +35,8 @@ struct Case {
   std::vector<double> expected_hz;
 
   // The finite-element model of which the problem's is a reduction
-  // (finite_element_section.h); null where the case has none.
-  std::shared_ptr<const FiniteElementCase> finite_element;
+  // (pinode/study/reduced_structure.h); null where the case has none.
+  std::shared_ptr<const ReducedStructure> finite_element;
 
   // [simulate]: noise in per cent of each channel's standard deviation.
   double noise_percent = 0.0;

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pinode/case/damage_analysis.h"
+#include "pinode/study/damage_analysis.h"
 
 namespace pinode {
 

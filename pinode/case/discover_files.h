@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pinode/case/discovered_case.h"
+#include "pinode/study/refit.h"
 
 namespace pinode {
 

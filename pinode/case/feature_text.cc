@@ -4,6 +4,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/model_section.h"
+#include "pinode/study/library_term.h"
 
 namespace pinode {
 namespace {
@@ -74,22 +75,7 @@ bool ParseFeature(const TomlTable& table, const std::string& key,
 bool ParseOutput(const TomlTable& table, const std::string& key,
                  const StructuralModel& model, const std::string& text,
                  Vector* column) {
-  *column = Vector::Zero(model.num_dofs());
-  const int dof = model.DofIndex(text);
-  if (dof >= 0) {
-    (*column)[dof] = 1.0;
-    return true;
-  }
-  // The names themselves may hold a '-'.
-  for (size_t dash = text.find('-'); dash != std::string::npos;
-       dash = text.find('-', dash + 1)) {
-    const int a = model.DofIndex(text.substr(0, dash));
-    const int b = model.DofIndex(text.substr(dash + 1));
-    if (a < 0 || b < 0 || a == b) continue;
-    (*column)[a] = 1.0;
-    (*column)[b] = -1.0;
-    return true;
-  }
+  if (OutputColumn(model, text, column)) return true;
   return table.Fail(key, "'" + text +
                              "' is neither a DOF of the model nor a "
                              "pair such as \"a-b\"" +

@@ -75,7 +75,7 @@ int DirectionOf(const std::string& name) {
 
 // The target's matrix of an export that is otherwise the model's own.
 bool ReadOtherExport(const TomlTable& table, const std::string& key,
-                     const FiniteElementCase& section,
+                     const FiniteElementSection& section,
                      MatrixGroup::Target target, SparseMatrix* matrix,
                      std::string* path) {
   FiniteElementFiles files = section.files;
@@ -91,18 +91,18 @@ bool ReadOtherExport(const TomlTable& table, const std::string& key,
   if (!ReadFiniteElementModel(files, &other, &error)) {
     return table.errors()->FailAsIs(error);
   }
-  if (other.num_dofs() != section.exported.num_dofs()) {
-    return table.Fail(key, "its DOFs are not those of the model: there are " +
-                               std::to_string(other.num_dofs()) +
-                               ", expected " +
-                               std::to_string(section.exported.num_dofs()));
+  if (other.num_dofs() != section.structure.exported.num_dofs()) {
+    return table.Fail(
+        key, "its DOFs are not those of the model: there are " +
+                 std::to_string(other.num_dofs()) + ", expected " +
+                 std::to_string(section.structure.exported.num_dofs()));
   }
   for (size_t i = 0; i < other.dof_names.size(); ++i) {
-    if (other.dof_names[i] == section.exported.dof_names[i]) continue;
+    if (other.dof_names[i] == section.structure.exported.dof_names[i]) continue;
     return table.Fail(key, "its DOFs are not those of the model: row " +
                                std::to_string(i + 1) + " is '" +
                                other.dof_names[i] + "', expected '" +
-                               section.exported.dof_names[i] + "'");
+                               section.structure.exported.dof_names[i] + "'");
   }
   *matrix = target == MatrixGroup::Target::kMass      ? other.mass
             : target == MatrixGroup::Target::kDamping ? other.damping
@@ -139,12 +139,12 @@ SparseMatrix SetFromExports(const SparseMatrix& whole,
 }
 
 // The matrix over all DOFs from `changed_export` and `factor` or `set_export`.
-bool ReadSetMatrix(const TomlTable& table, const FiniteElementCase& section,
+bool ReadSetMatrix(const TomlTable& table, const FiniteElementSection& section,
                    MatrixGroup::Target target,
-                   FiniteElementCase::Group* exported) {
+                   ReducedStructure::Group* exported) {
   const bool changed = table.Has("changed_export");
   const std::string key = changed ? "changed_export" : "set_export";
-  const SparseMatrix& whole = TargetMatrix(section.exported, target);
+  const SparseMatrix& whole = TargetMatrix(section.structure.exported, target);
   if (whole.rows() == 0) {
     return table.Fail(key, "'" + key +
                                "' of damping, and [model.finite_element] has "
@@ -187,7 +187,7 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementCase& section,
     return table.Fail(
         changed ? "factor" : key,
         "the element set alone has " + FormatNumber(part[i], 4) + " at '" +
-            section.exported.dof_names[static_cast<size_t>(i)] +
+            section.structure.exported.dof_names[static_cast<size_t>(i)] +
             "' where the whole model has " + FormatNumber(all[i], 4) +
             ", expected no more" +
             (changed ? ": is this the factor of that export?" : ""));
@@ -198,18 +198,19 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementCase& section,
 class SectionReader {
  public:
   SectionReader(const TomlTable& root, const TomlTable& model_table,
-                const UnitSystem& units, FiniteElementCase* section)
+                const UnitSystem& units, FiniteElementSection* section)
       : root_(root),
         model_table_(model_table),
         table_(model_table.Table("finite_element", "[model.finite_element]")),
         reduction_(model_table.Table("reduction", "[model.reduction]")),
         units_(units),
-        section_(section) {}
+        section_(section),
+        structure_(section->structure) {}
 
-  bool Read(StructuralModel* model) {
+  bool Read() {
     return ReadExport() && RemoveNamedDofs() && ReadMethod() && FindKept() &&
-           ReadExpected() && ReadBasisPoint() && Reduce() && CheckExpected() &&
-           MakeModel(model);
+           ReadExpected() && ReadBasisPoint() && MakeSmall() &&
+           CheckExpected() && ReadInfluence();
   }
 
  private:
@@ -240,15 +241,14 @@ class SectionReader {
     }
     files.dof_names = names.path;
     std::string error;
-    if (!ReadFiniteElementModel(files, &section_->exported, &error)) {
+    if (!ReadFiniteElementModel(files, &structure_.exported, &error)) {
       return table_.errors()->FailAsIs(error);
     }
-    section_->damping = section_->exported.damping;
     return true;
   }
 
   bool RemoveNamedDofs() {
-    const FiniteElementModel& exported = section_->exported;
+    const FiniteElementModel& exported = structure_.exported;
     for (const std::string& name : table_.Strings("remove_dofs")) {
       const int dof = exported.DofIndex(name);
       if (dof < 0) {
@@ -257,21 +257,21 @@ class SectionReader {
                                "' is not a DOF of the finite-element model" +
                                HintAmong(name, exported));
       }
-      section_->removed_dofs.push_back(dof);
+      structure_.removed_dofs.push_back(dof);
     }
     if (!table_.errors()->ok()) return false;
-    std::vector<int>& removed = section_->removed_dofs;
+    std::vector<int>& removed = structure_.removed_dofs;
     std::sort(removed.begin(), removed.end());
     removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
     if (static_cast<int>(removed.size()) == exported.num_dofs()) {
       return table_.Fail("remove_dofs",
                          "'remove_dofs' names every DOF, expected one to stay");
     }
-    section_->model =
+    structure_.model =
         removed.empty() ? exported : RemoveDofs(exported, removed);
-    section_->notes = exported.notes;
-    for (std::string& note : DescribeSpecialDofs(section_->model)) {
-      section_->notes.push_back(std::move(note));
+    structure_.export_notes = exported.notes;
+    for (std::string& note : DescribeSpecialDofs(structure_.model)) {
+      structure_.export_notes.push_back(std::move(note));
     }
     return true;
   }
@@ -281,10 +281,10 @@ class SectionReader {
                                "basis_at", "expand"})) {
       return false;
     }
-    ReductionOptions& options = section_->options;
-    section_->is_reduced = model_table_.Has("reduction");
+    ReductionOptions& options = structure_.options;
+    structure_.is_reduced = model_table_.Has("reduction");
     options.method = ReductionMethod::kGuyan;
-    if (!section_->is_reduced) return true;
+    if (!structure_.is_reduced) return true;
     if (!reduction_.RequireKey("method",
                                "guyan, serep, craig_bampton or modal")) {
       return false;
@@ -298,16 +298,16 @@ class SectionReader {
     options.num_modes = reduction_.Integer("modes", 0, 0);
     options.num_compared_modes =
         reduction_.Integer("compare", options.num_compared_modes, 1);
-    section_->renew_basis = reduction_.Boolean("renew", false);
+    structure_.renew_basis = reduction_.Boolean("renew", false);
     return reduction_.errors()->ok() && ReadExpanded();
   }
 
   // "all", or names of DOFs.
   bool ReadExpanded() {
-    const FiniteElementModel& exported = section_->exported;
+    const FiniteElementModel& exported = structure_.exported;
     const TomlValue* value = reduction_.Find("expand");
     if (value == nullptr) return true;
-    std::vector<int>& dofs = section_->expanded_dofs;
+    std::vector<int>& dofs = structure_.expanded_dofs;
     if (value->type == TomlValue::Type::kString) {
       if (value->text != "all") {
         return reduction_.Fail("expand", "'expand' is '" + value->text +
@@ -337,9 +337,9 @@ class SectionReader {
 
   // What the case names has to be kept; without `keep`, that is what is kept.
   bool FindKept() {
-    const FiniteElementModel& model = section_->model;
-    std::vector<std::string>& kept = section_->options.kept_dofs;
-    if (!section_->is_reduced) {
+    const FiniteElementModel& model = structure_.model;
+    std::vector<std::string>& kept = structure_.options.kept_dofs;
+    if (!structure_.is_reduced) {
       if (model.num_dofs() > kLargestWhole) {
         return table_.Fail("stiffness", "the finite-element model has " +
                                             std::to_string(model.num_dofs()) +
@@ -360,7 +360,7 @@ class SectionReader {
     for (const NamedDof& dof : NamedDofs(root_.entries(), is_dof)) {
       if (IsModeName(dof.name)) continue;
       if (!is_dof(dof.name)) {
-        const bool removed = section_->exported.DofIndex(dof.name) >= 0;
+        const bool removed = structure_.exported.DofIndex(dof.name) >= 0;
         return root_.errors()->Fail(
             dof.line, "'" + dof.name +
                           "' is not a DOF of the finite-element model" +
@@ -381,30 +381,29 @@ class SectionReader {
 
   // q1, q2, ... of modes.
   bool IsModeName(const std::string& name) const {
-    if (section_->model.DofIndex(name) >= 0 || name.size() < 2 ||
+    if (structure_.model.DofIndex(name) >= 0 || name.size() < 2 ||
         name[0] != 'q') {
       return false;
     }
     double number = 0.0;
     return ParseDouble(name.substr(1), &number) && number >= 1.0 &&
-           number <= section_->options.num_modes;
+           number <= structure_.options.num_modes;
   }
 
   bool ReadExpected() {
-    section_->expected_hz = table_.Numbers("expected_frequencies");
+    structure_.expected_hz = table_.Numbers("expected_frequencies");
     tolerance_ = table_.PositiveNumber("frequency_tolerance",
                                        kDefaultFrequencyTolerance);
     if (!table_.errors()->ok()) return false;
-    int& compared = section_->options.num_compared_modes;
+    int& compared = structure_.options.num_compared_modes;
     compared =
-        std::max(compared, static_cast<int>(section_->expected_hz.size()));
+        std::max(compared, static_cast<int>(structure_.expected_hz.size()));
     return true;
   }
 
   // M and K where the basis is to be taken.
   bool ReadBasisPoint() {
-    section_->mass_at_basis = section_->exported.mass;
-    section_->stiffness_at_basis = section_->exported.stiffness;
+    std::vector<GroupAtBasis> at_basis;
     const TomlTable at =
         reduction_.Table("basis_at", "[model.reduction] basis_at");
     const std::vector<TomlTable> groups = root_.Tables("group");
@@ -417,7 +416,7 @@ class SectionReader {
                                         return group.String("name") == name;
                                       });
       MatrixGroup::Target target = MatrixGroup::Target::kDamping;
-      FiniteElementCase::Group group;
+      ReducedStructure::Group group;
       if (table != groups.end() &&
           ParseTarget(table->String("adds_to"), &target) &&
           target != MatrixGroup::Target::kDamping &&
@@ -430,27 +429,28 @@ class SectionReader {
                                  "is given over the DOFs of the finite-element "
                                  "model (changed_export, set_export, between)");
       }
-      SparseMatrix& matrix = target == MatrixGroup::Target::kMass
-                                 ? section_->mass_at_basis
-                                 : section_->stiffness_at_basis;
-      matrix = SparseMatrix(matrix + alpha * group.matrix);
-      section_->groups_at_basis[name] = std::move(group);
+      ReducedStructure::Group& kept = section_->groups_at_basis[name];
+      kept = std::move(group);
+      at_basis.push_back({name, target, &kept.matrix, alpha});
     }
-    return true;
+    std::string error;
+    return SetBasisPoint(at_basis, &structure_, &error) ||
+           reduction_.Fail("basis_at",
+                           "with the groups at 'basis_at' " + error);
   }
 
-  bool HasBasisPoint() const { return !section_->groups_at_basis.empty(); }
+  bool HasBasisPoint() const { return !structure_.basis_at.empty(); }
 
   // What [[group]] will be read as once there is a basis; 0 x 0 where it is not
   // given over all DOFs.
   bool ReadGroupOverAll(const TomlTable& table, MatrixGroup::Target target,
-                        FiniteElementCase::Group* group) {
+                        ReducedStructure::Group* group) {
     if (table.Has("changed_export") || table.Has("set_export")) {
       return ReadSetMatrix(table, *section_, target, group);
     }
     if (!table.Has("between")) return true;
     std::vector<int> ends;
-    const std::vector<std::string>& kept = section_->options.kept_dofs;
+    const std::vector<std::string>& kept = structure_.options.kept_dofs;
     for (const std::string& name : table.Strings("between")) {
       const auto place = std::find(kept.begin(), kept.end(), name);
       ends.push_back(
@@ -459,70 +459,27 @@ class SectionReader {
     const double scale = table.PositiveNumber("scale", 1.0);
     if (!table.errors()->ok()) return false;
     if (ends.size() == 2) {
-      *group = SpringGroup(*section_, scale, ends[0], ends[1]);
+      *group = SpringGroup(structure_, scale, ends[0], ends[1]);
     }
     return true;
   }
 
-  // `model` with its matrices at the basis.
-  bool ModelAtBasis(FiniteElementModel* at) {
-    *at = section_->exported;
-    at->mass = section_->mass_at_basis;
-    at->stiffness = section_->stiffness_at_basis;
-    if (!section_->removed_dofs.empty()) {
-      *at = RemoveDofs(*at, section_->removed_dofs);
-    }
+  bool MakeSmall() {
     std::string error;
-    return at->IsValid(&error) ||
-           reduction_.Fail("basis_at",
-                           "with the groups at 'basis_at' " + error);
-  }
-
-  bool Reduce() {
-    std::string error;
-    ReducedModel& reduced = section_->reduced;
-    FiniteElementModel at;
-    if (HasBasisPoint() && !ModelAtBasis(&at)) return false;
-    if (!ReduceModel(HasBasisPoint() ? at : section_->model, section_->options,
-                     &reduced, &error)) {
-      return section_->is_reduced
-                 ? reduction_.Fail(reduction_.Has("keep") ? "keep" : "method",
-                                   error)
-                 : table_.Fail("stiffness", error);
-    }
-    if (HasBasisPoint()) {
-      reduced.mass = ReduceMatrix(section_->model.mass, reduced.basis);
-      reduced.stiffness =
-          ReduceMatrix(section_->model.stiffness, reduced.basis);
-    }
-    for (const auto* notes : {&reduced.whole_modes.notes, &reduced.notes}) {
-      section_->notes.insert(section_->notes.end(), notes->begin(),
-                             notes->end());
-    }
-    const int num_removed = static_cast<int>(section_->removed_dofs.size());
-    const Matrix& basis = section_->reduced.basis;
-    section_->expansion =
-        Matrix::Zero(basis.rows() + num_removed, basis.cols());
-    size_t next_removed = 0;
-    Eigen::Index row = 0;
-    for (int i = 0; i < section_->exported.num_dofs(); ++i) {
-      if (next_removed < section_->removed_dofs.size() &&
-          section_->removed_dofs[next_removed] == i) {
-        ++next_removed;
-      } else {
-        section_->expansion.row(i) = basis.row(row++);
-      }
-    }
-    return true;
+    if (Reduce(&structure_, &error)) return true;
+    return structure_.is_reduced
+               ? reduction_.Fail(reduction_.Has("keep") ? "keep" : "method",
+                                 error)
+               : table_.Fail("stiffness", error);
   }
 
   int NumModes() const {
-    const Vector diagonal = section_->model.mass.diagonal();
+    const Vector diagonal = structure_.model.mass.diagonal();
     return static_cast<int>((diagonal.array() > 0.0).count());
   }
 
   bool CheckExpected() {
-    if (section_->expected_hz.empty()) return true;
+    if (structure_.expected_hz.empty()) return true;
     // The modes are in the model's unit of time.
     double second = 1.0;
     std::string error;
@@ -531,19 +488,19 @@ class SectionReader {
     }
     // The export's own modes. Rigid-body modes come first, and none is expected
     // of them.
-    SparseModes in_hz = section_->reduced.whole_modes;
-    const auto needed = static_cast<int>(section_->expected_hz.size()) +
+    SparseModes in_hz = structure_.reduced.whole_modes;
+    const auto needed = static_cast<int>(structure_.expected_hz.size()) +
                         in_hz.num_rigid_body_modes;
     if ((HasBasisPoint() || in_hz.eigenvalues.size() < needed) &&
         needed <= NumModes()) {
-      if (!ComputeLowestModes(section_->model.mass, section_->model.stiffness,
+      if (!ComputeLowestModes(structure_.model.mass, structure_.model.stiffness,
                               needed, &in_hz, &error)) {
         return table_.Fail("expected_frequencies", error);
       }
-      if (!HasBasisPoint()) section_->reduced.whole_modes = in_hz;
+      if (!HasBasisPoint()) structure_.reduced.whole_modes = in_hz;
     }
     in_hz.frequency_hz *= second;
-    if (!CheckExpectedFrequencies(in_hz, section_->expected_hz, tolerance_,
+    if (!CheckExpectedFrequencies(in_hz, structure_.expected_hz, tolerance_,
                                   &error)) {
       return table_.Fail("expected_frequencies", error);
     }
@@ -551,8 +508,10 @@ class SectionReader {
   }
 
   // r over all DOFs, a column per direction of ground motion.
-  bool ReadInfluence(std::vector<std::string>* directions, Matrix* influence) {
-    const FiniteElementModel& model = section_->model;
+  bool ReadInfluence() {
+    std::vector<std::string>* directions = &structure_.directions;
+    Matrix* influence = &structure_.influence;
+    const FiniteElementModel& model = structure_.model;
     const int n = model.num_dofs();
     std::vector<int> direction_of;
     bool has_directions = true;
@@ -609,26 +568,13 @@ class SectionReader {
     return true;
   }
 
-  bool MakeModel(StructuralModel* model) {
-    const ReducedModel& reduced = section_->reduced;
-    *model = MakeStructuralModel(reduced.mass, reduced.damping,
-                                 reduced.stiffness, reduced.coordinate_names);
-    Matrix influence;
-    model->directions.clear();
-    if (!ReadInfluence(&model->directions, &influence)) return false;
-    const ReducedInfluence ground =
-        ReduceInfluence(section_->model, reduced, influence);
-    model->influence = ground.influence;
-    model->support_mass_coupling = ground.support_mass_coupling;
-    return true;
-  }
-
   const TomlTable& root_;
   const TomlTable& model_table_;
   const TomlTable table_;
   const TomlTable reduction_;
   const UnitSystem& units_;
-  FiniteElementCase* section_;
+  FiniteElementSection* section_;
+  ReducedStructure& structure_;
   double tolerance_ = kDefaultFrequencyTolerance;
 };
 
@@ -643,49 +589,25 @@ const char* ReductionMethodName(ReductionMethod method) {
 
 bool ReadFiniteElementSection(const TomlTable& root, const TomlTable& table,
                               const UnitSystem& units,
-                              std::shared_ptr<FiniteElementCase>* section,
-                              StructuralModel* model) {
-  auto result = std::make_shared<FiniteElementCase>();
-  if (!SectionReader(root, table, units, result.get()).Read(model)) {
-    return false;
-  }
+                              std::shared_ptr<FiniteElementSection>* section) {
+  auto result = std::make_shared<FiniteElementSection>();
+  if (!SectionReader(root, table, units, result.get()).Read()) return false;
   *section = std::move(result);
   return true;
 }
 
-bool ReadExportedGroup(const TomlTable& table, const FiniteElementCase& section,
-                       MatrixGroup* group, FiniteElementCase::Group* exported) {
+bool ReadExportedGroup(const TomlTable& table,
+                       const FiniteElementSection& section, MatrixGroup* group,
+                       ReducedStructure::Group* exported) {
   const auto known = section.groups_at_basis.find(table.String("name"));
   if (known != section.groups_at_basis.end()) {
     *exported = known->second;
   } else if (!ReadSetMatrix(table, section, group->target, exported)) {
     return false;
   }
-  group->matrix = ReduceMatrix(exported->matrix, section.expansion);
+  exported->in_basis = ReducedStructure::Group::InBasis::kReduced;
+  group->matrix = ReduceMatrix(exported->matrix, section.structure.expansion);
   return true;
-}
-
-FiniteElementCase::Group SpringGroup(const FiniteElementCase& section,
-                                     double scale, int from, int to) {
-  FiniteElementCase::Group group;
-  // Coordinates are the kept DOFs, then modes.
-  const std::vector<std::string>& kept = section.options.kept_dofs;
-  std::vector<int> ends;
-  for (const int coordinate : {from, to}) {
-    if (coordinate < 0) continue;
-    const size_t place = static_cast<size_t>(coordinate);
-    if (place >= kept.size()) return group;
-    ends.push_back(section.exported.DofIndex(kept[place]));
-  }
-  const int n = section.exported.num_dofs();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (const int a : ends) {
-    for (const int b : ends)
-      entries.emplace_back(a, b, a == b ? scale : -scale);
-  }
-  group.matrix.resize(n, n);
-  group.matrix.setFromTriplets(entries.begin(), entries.end());
-  return group;
 }
 
 }  // namespace pinode

@@ -15,7 +15,7 @@ constexpr char kTargets[] = "stiffness, damping, mass";
 
 // A part of Rayleigh's damping: the model's own mass or stiffness, scaled.
 bool ReadProportional(const TomlTable& table, const ModelSection& section,
-                      MatrixGroup* group, FiniteElementCase::Group* exported) {
+                      MatrixGroup* group, ReducedStructure::Group* exported) {
   const std::string of =
       table.Choice("proportional_to", {"mass", "stiffness"}, "mass");
   const double scale = table.PositiveNumber("scale", 1.0);
@@ -30,16 +30,17 @@ bool ReadProportional(const TomlTable& table, const ModelSection& section,
         scale * (of_mass ? section.model.mass : section.model.stiffness);
     return true;
   }
-  const FiniteElementCase& source = *section.finite_element;
-  exported->matrix =
-      scale * (of_mass ? source.mass_at_basis : source.stiffness_at_basis);
-  group->matrix = ReduceMatrix(exported->matrix, source.expansion);
+  using InBasis = ReducedStructure::Group::InBasis;
+  exported->in_basis = of_mass ? InBasis::kOfMass : InBasis::kOfStiffness;
+  exported->scale = scale;
+  group->matrix =
+      GroupInBasis(section.finite_element->structure, Matrix(), exported);
   return true;
 }
 
 // *exported is what the group is over all DOFs of a finite-element model.
 bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
-                     MatrixGroup* group, FiniteElementCase::Group* exported) {
+                     MatrixGroup* group, ReducedStructure::Group* exported) {
   const StructuralModel& model = section.model;
   const bool from_export =
       table.Has("changed_export") || table.Has("set_export");
@@ -78,7 +79,8 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
     const double scale = table.PositiveNumber("scale", 1.0);
     group->matrix = scale * SpringMatrix(model.num_dofs(), from, to);
     if (section.finite_element != nullptr) {
-      *exported = SpringGroup(*section.finite_element, scale, from, to);
+      *exported =
+          SpringGroup(section.finite_element->structure, scale, from, to);
     }
     return table.errors()->ok();
   }
@@ -167,7 +169,7 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
       return table.Fail("adds_to", "'adds_to' is '" + target +
                                        "', expected one of " + kTargets);
     }
-    FiniteElementCase::Group exported;
+    ReducedStructure::Group exported;
     if (!ReadGroupMatrix(table, *context.model, &term.group, &exported) ||
         !ReadFollows(table, *context.units, *dynamics, &term)) {
       return false;
@@ -185,7 +187,8 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
             "part in the matrices of the finite-element model that are "
             "written back.");
       }
-      context.model->finite_element->groups.push_back(std::move(exported));
+      context.model->finite_element->structure.groups.push_back(
+          std::move(exported));
     }
   }
   return root.errors()->ok();

@@ -1,68 +1,118 @@
 #include "pinode/case/grown_case.h"
 
+#include <memory>
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/case/term_tree.h"
+#include "pinode/case/toml_value.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/study/renewed_basis.h"
 
 namespace pinode {
+namespace {
 
-std::string TermName(std::string text) {
-  for (char& c : text) {
-    if (std::string("/\\:*?\"'<>|&;%$#@!~`^(){}=").find(c) !=
-        std::string::npos) {
-      c = '_';
-    }
+// Whether both have the same unknowns, in the same order.
+bool SameUnknowns(const IdentificationProblem& a,
+                  const IdentificationProblem& b) {
+  const ParameterLayout first(a);
+  const ParameterLayout second(b);
+  if (first.num_parameters() != second.num_parameters()) return false;
+  for (int i = 0; i < first.num_parameters(); ++i) {
+    if (first.parameter(i).name != second.parameter(i).name) return false;
   }
-  return text;
+  return true;
 }
 
-bool RebuildCase(const Case& c, const TomlValue& tree, Case* result,
-                 std::string* error) {
+// `problem` as the case that `tree` says; what is not the problem, such as
+// remarks and groups of a finite-element model, is as it is read there.
+bool CaseOf(const Case& c, const TomlValue& tree,
+            const IdentificationProblem& problem, Case* result,
+            std::string* error) {
   Case grown;
   if (!ReadCaseTree(tree, c.path, &grown, error)) return false;
-  grown.options = c.options;
-  for (size_t r = 0; r < c.problem.records.size(); ++r) {
-    const IdentificationRecord& from = c.problem.records[r];
-    IdentificationRecord& to = grown.problem.records[r];
-    CHECK_EQ(from.channels.size(), to.channels.size());
-    to.excitation = from.excitation;
-    for (size_t k = 0; k < from.channels.size(); ++k) {
-      to.channels[k].values = from.channels[k].values;
-    }
+  if (!SameUnknowns(grown.problem, problem)) {
+    *error = c.path + ": has other unknowns than what was made of it";
+    return false;
   }
+  ProblemDescription description = std::move(grown.problem.description);
+  grown.problem = problem;
+  grown.problem.description = std::move(description);
+  grown.options = c.options;
   *result = std::move(grown);
   return true;
 }
 
-std::map<std::string, double> ParametersByName(
-    const IdentificationProblem& problem, const IdentifiedModel& model) {
-  const ParameterLayout layout(problem);
-  CHECK_EQ(model.parameters.size(), layout.num_parameters());
-  std::map<std::string, double> values;
-  for (int i = 0; i < layout.num_parameters(); ++i) {
-    values[layout.parameter(i).name] = model.parameters[i];
+// The case with what a renewal made of it.
+Case CaseInBasis(const Case& c, ReducedProblem renewed) {
+  TomlValue at = TomlValue::Table();
+  for (const auto& [name, value] : renewed.structure.basis_at) {
+    at.Set(name, TomlValue::Float(value));
   }
-  return values;
+  TomlValue tree = *c.source;
+  TomlValue* reduction = tree.Find("model")->Find("reduction");
+  CHECK(reduction != nullptr);
+  reduction->Set("basis_at", std::move(at));
+  Case result = c;
+  result.problem = std::move(renewed.problem);
+  result.finite_element =
+      std::make_shared<const ReducedStructure>(std::move(renewed.structure));
+  result.source = std::make_shared<const TomlValue>(std::move(tree));
+  return result;
 }
 
-void BeginNearTheEnd(IdentificationOptions* options) {
-  options->shooting = IdentificationOptions::Shooting::kSingle;
+}  // namespace
+
+bool CaseWithCandidates(const Case& c,
+                        const std::vector<ChangeCandidate>& candidates,
+                        const IdentificationProblem& problem, Case* grown,
+                        std::string* error) {
+  if (candidates.empty()) {
+    *grown = c;
+    return true;
+  }
+  return CaseOf(
+      c, TreeWithCandidates(*c.source, c.problem.dynamics->model(), candidates),
+      problem, grown, error);
 }
 
-IdentifiedModel BeginFrom(const std::map<std::string, double>& values,
-                          const IdentifiedModel& model,
-                          const IdentificationProblem& problem) {
-  const ParameterLayout layout(problem);
-  IdentifiedModel start;
-  start.parameters = layout.InitialValues();
-  for (int i = 0; i < layout.num_parameters(); ++i) {
-    const auto found = values.find(layout.parameter(i).name);
-    if (found != values.end()) start.parameters[i] = found->second;
+bool CaseWithEquations(const Case& c,
+                       const std::vector<DiscoveredEquation>& equations,
+                       const IdentificationProblem& problem, bool given_steps,
+                       Case* grown, std::string* error) {
+  std::vector<int> substeps;
+  for (const IdentificationRecord& record : problem.records) {
+    if (given_steps) substeps.push_back(record.substeps);
   }
-  start.sigmas = model.sigmas;
-  start.starts = model.starts;
-  return start;
+  return CaseOf(c, TreeWithEquations(*c.source, equations, substeps), problem,
+                grown, error);
+}
+
+bool RenewsBasis(const Case& c) {
+  return c.finite_element != nullptr && c.finite_element->renew_basis;
+}
+
+bool RenewCase(const Case& c, const IdentifiedModel& model, Case* renewed,
+               IdentifiedModel* begin, std::string* error) {
+  CHECK(c.finite_element != nullptr);
+  ReducedProblem result;
+  if (!RenewBasis({c.problem, *c.finite_element}, model, &result, begin,
+                  error)) {
+    *error = c.path + ": [model.reduction]: " + *error;
+    return false;
+  }
+  *renewed = CaseInBasis(c, std::move(result));
+  return true;
+}
+
+void RenewCaseUntilSettled(const FitFunction& fit, Case* c,
+                           IdentificationSummary* summary,
+                           IdentifiedModel* model) {
+  CHECK(c->finite_element != nullptr);
+  ReducedProblem result{c->problem, *c->finite_element};
+  RenewBasisUntilSettled(fit, c->options, &result, summary, model);
+  if (summary->termination == Termination::kInterrupted) return;
+  *c = CaseInBasis(*c, std::move(result));
 }
 
 }  // namespace pinode

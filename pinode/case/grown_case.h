@@ -1,48 +1,48 @@
-// Cases that are made from others: the same records, other terms.
+// Cases of problems that were made from others: the same records, other terms.
 
 #ifndef PINODE_CASE_GROWN_CASE_H_
 #define PINODE_CASE_GROWN_CASE_H_
 
-#include <functional>
-#include <map>
 #include <string>
+#include <vector>
 
 #include "pinode/case/case_file.h"
-#include "pinode/case/toml_value.h"
+#include "pinode/discover/discovery.h"
+#include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/study/change_candidates.h"
+#include "pinode/study/growth.h"
 
 namespace pinode {
 
-// `text` as the name of a term: names of DOFs, of which it may be made, are
-// freer.
-std::string TermName(std::string text);
+// What is written of a fit of `problem`, which is that of `c` with these
+// candidates: a case that says so, with the options of `c`. False, with *error,
+// where the case cannot be read any more or says otherwise.
+[[nodiscard]] bool CaseWithCandidates(
+    const Case& c, const std::vector<ChangeCandidate>& candidates,
+    const IdentificationProblem& problem, Case* grown, std::string* error);
 
-// `c` with another tree: its terms may differ, its records not. Options, and
-// measured values as they were read, are those of `c`, whatever the files say
-// by now. *result may be `c`.
-[[nodiscard]] bool RebuildCase(const Case& c, const TomlValue& tree,
-                               Case* result, std::string* error);
+// The same with `equations` in place of networks. Where `given_steps`, the case
+// gives the steps of each record, as of a refit, and else leaves them as they
+// were.
+[[nodiscard]] bool CaseWithEquations(
+    const Case& c, const std::vector<DiscoveredEquation>& equations,
+    const IdentificationProblem& problem, bool given_steps, Case* grown,
+    std::string* error);
 
-// The parameters of `problem` by name, as in `model`.
-std::map<std::string, double> ParametersByName(
-    const IdentificationProblem& problem, const IdentifiedModel& model);
+// Whether the case asks for a basis that follows the parameters
+// ([model.reduction] renew = true).
+bool RenewsBasis(const Case& c);
 
-// Fits c.problem from `begin` (nullptr: from the case's own values); `what` is
-// for the progress line.
-using FitFunction = std::function<void(
-    const std::string& what, const Case& c, const IdentifiedModel* begin,
-    IdentificationSummary* summary, IdentifiedModel* model)>;
+// RenewBasis of a case with a finite-element model.
+[[nodiscard]] bool RenewCase(const Case& c, const IdentifiedModel& model,
+                             Case* renewed, IdentifiedModel* begin,
+                             std::string* error);
 
-// For a fit that begins where one of much the same case ended: segments are for
-// those that begin far away.
-void BeginNearTheEnd(IdentificationOptions* options);
-
-// What a fit of `problem` begins from: `values` where it has parameters of
-// these names, its own initial values elsewhere; noise and starts of `model`, a
-// fit of the same records.
-IdentifiedModel BeginFrom(const std::map<std::string, double>& values,
-                          const IdentifiedModel& model,
-                          const IdentificationProblem& problem);
+// RenewBasisUntilSettled of a case that asks for it.
+void RenewCaseUntilSettled(const FitFunction& fit, Case* c,
+                           IdentificationSummary* summary,
+                           IdentifiedModel* model);
 
 }  // namespace pinode
 

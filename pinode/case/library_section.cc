@@ -1,6 +1,5 @@
 #include "pinode/case/library_section.h"
 
-#include <cmath>
 #include <memory>
 #include <set>
 #include <utility>
@@ -9,70 +8,10 @@
 #include "pinode/case/feature_text.h"
 #include "pinode/case/parameter_keys.h"
 #include "pinode/dynamics/library_law.h"
+#include "pinode/study/library_term.h"
 
 namespace pinode {
 namespace {
-
-// Powers of force, length and time.
-struct Powers {
-  double force = 0.0;
-  double length = 0.0;
-  double time = 0.0;
-};
-
-// Those of a feature; covariates count as pure numbers.
-Powers FeaturePowers(const Feature& feature,
-                     const std::vector<InputSpec>& inputs) {
-  switch (feature.kind) {
-    case Feature::Kind::kDisplacement:
-    case Feature::Kind::kDeformation:
-      return {0.0, 1.0, 0.0};
-    case Feature::Kind::kVelocity:
-    case Feature::Kind::kDeformationRate:
-      return {0.0, 1.0, -1.0};
-    case Feature::Kind::kTime:
-      return {0.0, 0.0, 1.0};
-    case Feature::Kind::kInput:
-      switch (inputs[static_cast<size_t>(feature.input)].kind) {
-        case InputSpec::Kind::kGroundAcceleration:
-          return {0.0, 1.0, -2.0};
-        case InputSpec::Kind::kGroundDisplacement:
-          return {0.0, 1.0, 0.0};
-        case InputSpec::Kind::kForce:
-          return {1.0, 0.0, 0.0};
-        case InputSpec::Kind::kCovariate:
-        case InputSpec::Kind::kRecordSwitch:
-          return {};
-      }
-  }
-  return {};
-}
-
-// p with f(2^powers_i q_i) = 2^p f(q) at several q; false where there is none.
-bool ScalingPower(const LibraryFunction& function,
-                  const std::vector<double>& powers, double* power) {
-  const size_t size = powers.size();
-  std::vector<double> q(size);
-  std::vector<double> scaled(size);
-  int count = 0;
-  for (int trial = 0; trial < 12; ++trial) {
-    for (size_t i = 0; i < size; ++i) {
-      // Of either sign, and never 0.
-      q[i] = std::sin(1.7 * trial + 0.9 * static_cast<double>(i) + 0.3) +
-             (trial % 2 == 0 ? 1.3 : -1.4);
-      scaled[i] = q[i] * std::exp2(powers[i]);
-    }
-    const double before = function.Evaluate(q.data());
-    const double ratio = function.Evaluate(scaled.data()) / before;
-    if (before == 0.0 || !std::isfinite(before)) continue;
-    if (!(ratio > 0.0) || !std::isfinite(ratio)) return false;
-    const double here = std::log2(ratio);
-    if (count > 0 && std::abs(here - *power) > 1e-9) return false;
-    *power = here;
-    ++count;
-  }
-  return count > 1;
-}
 
 // One entry of `terms`: the basis alone, or a table.
 bool ReadTerm(const TomlTable& table, const TomlValue& value,
@@ -114,32 +53,6 @@ bool ReadTerm(const TomlTable& table, const TomlValue& value,
 }
 
 }  // namespace
-
-std::string LibraryCoefficientUnit(const LibraryFunction& function,
-                                   const std::vector<Feature>& features,
-                                   const std::vector<InputSpec>& inputs,
-                                   ActsAs acts_as, const UnitSystem& units) {
-  Powers result = acts_as == ActsAs::kForce ? Powers{1.0, 0.0, 0.0}
-                                            : Powers{0.0, 1.0, -2.0};
-  std::vector<double> force, length, time;
-  for (const Feature& feature : features) {
-    const Powers powers = FeaturePowers(feature, inputs);
-    force.push_back(powers.force);
-    length.push_back(powers.length);
-    time.push_back(powers.time);
-  }
-  Powers function_powers;
-  if (ScalingPower(function, force, &function_powers.force) &&
-      ScalingPower(function, length, &function_powers.length) &&
-      ScalingPower(function, time, &function_powers.time)) {
-    // Rounded: the powers are those of a text such as "x[u1]^1.5".
-    const auto rounded = [](double x) { return std::round(x * 1e6) / 1e6; };
-    result.force -= rounded(function_powers.force);
-    result.length -= rounded(function_powers.length);
-    result.time -= rounded(function_powers.time);
-  }
-  return PowersUnitName(result.force, result.length, result.time, units);
-}
 
 bool ReadLibraries(const TomlTable& root, const TermsContext& context,
                    StructuralDynamics* dynamics) {

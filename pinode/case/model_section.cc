@@ -50,16 +50,16 @@ bool RowsToMatrix(const TomlTable& table, const std::string& key,
 }
 
 // damping = "none", {rayleigh = ...}, {ratios = ...} or a matrix.
-bool ReadDamping(const TomlTable& table, int num_dofs, const Matrix& mass,
-                 const Matrix& stiffness, Matrix* damping) {
+bool ReadDampingRule(const TomlTable& table, int num_dofs, DampingRule* rule) {
   const TomlValue& value = *table.Find("damping");
   if (value.type == TomlValue::Type::kString && value.text == "none") {
-    *damping = Matrix::Zero(num_dofs, num_dofs);
+    rule->kind = DampingRule::Kind::kNone;
     return true;
   }
   if (!value.IsTable() || value.Find("diagonal") != nullptr) {
+    rule->kind = DampingRule::Kind::kMatrix;
     return ReadMatrixKey(table, "damping", "the damping matrix", num_dofs,
-                         damping);
+                         &rule->matrix);
   }
   const TomlTable inner = table.Table("damping", table.name() + " damping");
   if (!inner.AllowKeys({"rayleigh", "ratios", "diagonal"})) return false;
@@ -73,30 +73,44 @@ bool ReadDamping(const TomlTable& table, int num_dofs, const Matrix& mass,
     const std::vector<double> values =
         inner.Numbers("rayleigh", 2, "coefficient: a0 and a1");
     if (!table.errors()->ok()) return false;
-    *damping = RayleighDamping(mass, stiffness, {values[0], values[1]});
+    rule->kind = DampingRule::Kind::kRayleigh;
+    rule->rayleigh = {values[0], values[1]};
     return true;
   }
-  const std::vector<double> ratios = inner.Numbers("ratios");
-  if (!table.errors()->ok()) return false;
-  std::string error;
-  if (!ModalDamping(mass, stiffness, ToVector(ratios), damping, &error)) {
-    return inner.Fail("ratios", error);
-  }
-  return true;
+  rule->kind = DampingRule::Kind::kRatios;
+  rule->ratios = ToVector(inner.Numbers("ratios"));
+  return table.errors()->ok();
 }
 
-// The damping that has been read, over all DOFs where that can be said.
-void SetWholeDamping(const TomlTable& table, FiniteElementCase* source) {
-  const TomlValue& value = *table.Find("damping");
-  const Eigen::Index n = source->exported.num_dofs();
-  if (value.type == TomlValue::Type::kString && value.text == "none") {
-    source->damping = SparseMatrix(n, n);
-  } else if (value.IsTable() && value.Find("rayleigh") != nullptr) {
-    const std::vector<double> factors =
-        table.Table("damping", table.name() + " damping").Numbers("rayleigh");
-    source->damping = factors[0] * source->mass_at_basis +
-                      factors[1] * source->stiffness_at_basis;
+// Of a model that is all of it.
+bool ReadDamping(const TomlTable& table, StructuralModel* model) {
+  DampingRule rule;
+  std::string error;
+  if (!ReadDampingRule(table, model->num_dofs(), &rule)) return false;
+  return DampingBy(rule, model->mass, model->stiffness, &model->damping,
+                   &error) ||
+         table.Table("damping", table.name() + " damping")
+             .Fail("ratios", error);
+}
+
+// The model of the coordinates.
+bool ReadReducedModel(const TomlTable& table, ReducedStructure* structure,
+                      StructuralModel* model) {
+  std::string error;
+  if (table.Has("damping")) {
+    // It may be made from the modes of M and K, which must be right then.
+    const ReducedModel& reduced = structure->reduced;
+    const StructuralModel undamped =
+        MakeStructuralModel(reduced.mass, reduced.damping, reduced.stiffness,
+                            reduced.coordinate_names);
+    if (!undamped.IsValid(&error)) return table.Fail("finite_element", error);
+    DampingRule rule;
+    if (!ReadDampingRule(table, undamped.num_dofs(), &rule)) return false;
+    structure->damping_rule = std::move(rule);
   }
+  return MakeReducedModel(structure, model, &error) ||
+         table.Table("damping", table.name() + " damping")
+             .Fail("ratios", error);
 }
 
 bool ReadShearBuilding(const TomlTable& table, ShearBuilding* building) {
@@ -287,11 +301,12 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
                         "[model.shear_building] beside "
                         "[model.finite_element], expected one of the two");
     }
-    if (!ReadFiniteElementSection(root, table, units, &section->finite_element,
-                                  &model)) {
+    if (!ReadFiniteElementSection(root, table, units,
+                                  &section->finite_element)) {
       return false;
     }
-    const bool damped = section->finite_element->exported.has_damping();
+    ReducedStructure& structure = section->finite_element->structure;
+    const bool damped = structure.exported.has_damping();
     if (damped && table.Has("damping")) {
       return table.Fail("damping",
                         "'damping' beside that of [model.finite_element], "
@@ -303,6 +318,7 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
                           "here, or a matrix in [model.finite_element]")) {
       return false;
     }
+    if (!ReadReducedModel(table, &structure, &model)) return false;
   } else if (table.Has("shear_building")) {
     for (const char* key : {"mass", "stiffness"}) {
       if (table.Has(key)) {
@@ -360,18 +376,9 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
     return std::string(table.Has("finite_element") ? "finite_element" : "dofs");
   };
   if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
-  if (table.Has("damping")) {
-    Matrix mass = model.mass;
-    Matrix stiffness = model.stiffness;
-    if (is_finite_element) {
-      const FiniteElementCase& source = *section->finite_element;
-      mass = ReduceMatrix(source.mass_at_basis, source.expansion);
-      stiffness = ReduceMatrix(source.stiffness_at_basis, source.expansion);
-    }
-    if (!ReadDamping(table, n, mass, stiffness, &model.damping)) return false;
-    if (is_finite_element) {
-      SetWholeDamping(table, section->finite_element.get());
-    }
+  if (table.Has("damping") && !is_finite_element &&
+      !ReadDamping(table, &model)) {
+    return false;
   }
 
   if (table.Has("influence")) {
@@ -399,6 +406,10 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
                                ", "));
   }
   if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
+  if (is_finite_element && table.Has("support_mass_coupling")) {
+    section->finite_element->structure.given_support_mass_coupling =
+        model.support_mass_coupling;
+  }
 
   section->expected_hz = table.Numbers("expected_hz");
   return errors->ok();

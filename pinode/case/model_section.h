@@ -18,7 +18,7 @@ namespace pinode {
 // `name` as seen from the folder of the case file `case_path`.
 std::string ResolvePath(const std::string& case_path, const std::string& name);
 
-struct FiniteElementCase;
+struct FiniteElementSection;
 
 [[nodiscard]] bool ReadUnits(const TomlTable& root, UnitSystem* units);
 
@@ -28,7 +28,7 @@ struct ModelSection {
   std::optional<ShearBuilding> building;
   // Where the matrices come from a finite-element program; null otherwise.
   // What its groups are over all DOFs is added as they are read.
-  std::shared_ptr<FiniteElementCase> finite_element;
+  std::shared_ptr<FiniteElementSection> finite_element;
   std::vector<double> expected_hz;
 };
 

@@ -87,23 +87,4 @@ bool CheckName(const TomlTable& table, const std::string& key,
                              "'_', '-', '.' and '+'");
 }
 
-std::string PowersUnitName(double force, double length, double time,
-                           const UnitSystem& system) {
-  std::vector<std::string> above;
-  std::vector<std::string> below;
-  const auto add = [&](const std::string& unit, double power) {
-    if (power == 0.0) return;
-    std::string text = unit;
-    if (std::abs(power) != 1.0) text += "^" + FormatNumber(std::abs(power), 6);
-    (power > 0.0 ? above : below).push_back(text);
-  };
-  add(system.force, force);
-  add(system.length, length);
-  add(system.time, time);
-  if (above.empty() && below.empty()) return "1";
-  std::string name = above.empty() ? "1" : Join(above, "*");
-  for (const std::string& unit : below) name += "/" + unit;
-  return name;
-}
-
 }  // namespace pinode

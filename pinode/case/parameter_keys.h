@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pinode/base/parameter_block.h"
-#include "pinode/base/units.h"
 #include "pinode/case/toml_table.h"
 
 namespace pinode {
@@ -27,10 +26,6 @@ const std::vector<std::string>& ParameterKeys();
 // and '+', not beginning with a point.
 [[nodiscard]] bool CheckName(const TomlTable& table, const std::string& key,
                              const std::string& name);
-
-// "N/m^3" and the like from powers of force, length and time.
-std::string PowersUnitName(double force, double length, double time,
-                           const UnitSystem& system);
 
 }  // namespace pinode
 

@@ -35,13 +35,6 @@ struct TermsContext {
                                 const TermsContext& context,
                                 StructuralDynamics* dynamics);
 
-// The free stiffness and damping groups, and linear elements with a free
-// stiffness or damper, that the inputs of `network` span and whose forces its
-// outputs share: without the gauge their values could not be told from the
-// network's slope at rest.
-std::vector<std::string> SpannedTerms(const StructuralDynamics& dynamics,
-                                      const NetworkTerm& network);
-
 }  // namespace pinode
 
 #endif  // PINODE_CASE_TERMS_SECTION_H_

@@ -92,7 +92,8 @@ function(pinode_add_floor folder)
     # Help for our own tests.
     REGEX "/(.*_)?testing\\.h$" EXCLUDE)
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
-    pinode_add_unit_test(${target}_test ${folder} ${folder}
+    # Not the bare name: `study` is the label of what is run by hand.
+    pinode_add_unit_test(${target}_test ${folder} floor_${folder}
       "${target};${FLOOR_PRIVATE}" ${FLOOR_TESTS})
   endif()
   if(PINODE_BUILD_TESTS AND PINODE_BUILD_SLOW_TESTS AND FLOOR_SLOW_TESTS)

@@ -115,4 +115,28 @@ bool ModalDamping(const Matrix& mass, const Matrix& stiffness,
   return true;
 }
 
+bool DampingBy(const DampingRule& rule, const Matrix& mass,
+               const Matrix& stiffness, Matrix* damping, std::string* error) {
+  switch (rule.kind) {
+    case DampingRule::Kind::kNone:
+      *damping = Matrix::Zero(mass.rows(), mass.cols());
+      return true;
+    case DampingRule::Kind::kRayleigh:
+      *damping = RayleighDamping(mass, stiffness, rule.rayleigh);
+      return true;
+    case DampingRule::Kind::kRatios:
+      return ModalDamping(mass, stiffness, rule.ratios, damping, error);
+    case DampingRule::Kind::kMatrix:
+      break;
+  }
+  if (rule.matrix.rows() != mass.rows() || rule.matrix.cols() != mass.cols()) {
+    *error = "the damping matrix is " + std::to_string(rule.matrix.rows()) +
+             " x " + std::to_string(rule.matrix.cols()) + ", expected " +
+             std::to_string(mass.rows()) + " x " + std::to_string(mass.cols());
+    return false;
+  }
+  *damping = rule.matrix;
+  return true;
+}
+
 }  // namespace pinode

@@ -48,6 +48,21 @@ Matrix RayleighDamping(const Matrix& mass, const Matrix& stiffness,
                                 const Vector& ratios, Matrix* damping,
                                 std::string* error);
 
+// How a model is damped, for whatever M and K it turns out to have.
+struct DampingRule {
+  enum class Kind { kNone, kRayleigh, kRatios, kMatrix };
+  Kind kind = Kind::kNone;
+  RayleighCoefficients rayleigh;
+  Vector ratios;  // as in ModalDamping
+  Matrix matrix;  // kMatrix: C itself
+};
+
+// C by the rule, n x n as M and K. Fails as ModalDamping does, and where a
+// given matrix is of another size.
+[[nodiscard]] bool DampingBy(const DampingRule& rule, const Matrix& mass,
+                             const Matrix& stiffness, Matrix* damping,
+                             std::string* error);
+
 }  // namespace pinode
 
 #endif  // PINODE_STRUCTURE_DAMPING_H_

@@ -57,10 +57,9 @@ std::vector<MeasuredChannel> MakeChannels(const std::string& prefix,
                                           const Matrix& values) {
   std::vector<MeasuredChannel> channels;
   for (Eigen::Index i = 0; i < values.cols(); ++i) {
-    channels.push_back(MakeMeasuredChannel(prefix + std::to_string(i + 1),
-                                           quantity,
-                                           Vector::Unit(values.cols(), i),
-                                           values.col(i)));
+    channels.push_back(
+        MakeMeasuredChannel(prefix + std::to_string(i + 1), quantity,
+                            Vector::Unit(values.cols(), i), values.col(i)));
   }
   return channels;
 }

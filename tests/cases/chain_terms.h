@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "pinode/case/discovered_case.h"
+#include "pinode/study/refit.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {

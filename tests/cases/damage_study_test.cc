@@ -13,9 +13,9 @@
 
 #include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/case/baseline.h"
 #include "pinode/damage/change.h"
 #include "pinode/record/table.h"
+#include "pinode/study/baseline.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {
@@ -106,8 +106,13 @@ CaseRun Identified(const Setting& setting, const Matrix& clean, uint64_t seed,
 }
 
 GroupState GroupsIn(const CaseRun& run) {
-  return GroupsOf(*run.c.problem.dynamics, run.summary,
-                  {std::begin(kGroups), std::end(kGroups)});
+  GroupState state;
+  std::string error;
+  EXPECT_TRUE(GroupsOf(*run.c.problem.dynamics, run.summary,
+                       {std::begin(kGroups), std::end(kGroups)}, &state,
+                       &error))
+      << error;
+  return state;
 }
 
 class DamageStudy : public ::testing::TestWithParam<Setting> {};

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pinode/base/figure_testing.h"
-#include "pinode/case/discovered_case.h"
 #include "pinode/discover/discovery.h"
+#include "pinode/study/refit.h"
 #include "tests/cases/chain_terms.h"
 #include "tests/cases/measure.h"
 
@@ -36,7 +36,8 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
   }
   const Terms truth = MissingTerms(scheme);
   const double share = ShareOfChain(scheme);
-  TermsFound found = Compare(WithoutRefit(run.c, equations), truth, share);
+  TermsFound found =
+      Compare(WithoutRefit(run.c.problem, equations), truth, share);
   EXPECT_EQ(found.num_missing + found.num_spurious, 0) << found.wrong;
   ReportFigure(
       "case 1, " + scheme + ", from the network: worst coefficient, relative",
@@ -57,8 +58,9 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
   }
 
   Discovery discovery;
-  ASSERT_TRUE(
-      RefitEquations(run.c, run.model, equations, nullptr, &discovery, &error))
+  ASSERT_TRUE(RefitEquations(run.c.problem, run.model, equations,
+                             run.c.discover, run.c.options, nullptr, &discovery,
+                             &error))
       << error;
   EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
   EXPECT_THAT(discovery.dropped, ::testing::IsEmpty());
@@ -83,7 +85,8 @@ Discovery FromDerivatives(const Case& c) {
   EXPECT_TRUE(DiscoverFromDerivatives(c.problem, c.discover, &equations, &begin,
                                       &error))
       << error;
-  EXPECT_TRUE(RefitEquations(c, begin, equations, nullptr, &discovery, &error))
+  EXPECT_TRUE(RefitEquations(c.problem, begin, equations, c.discover, c.options,
+                             nullptr, &discovery, &error))
       << error;
   EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
   return discovery;

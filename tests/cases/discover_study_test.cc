@@ -12,8 +12,8 @@
 
 #include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/case/discovered_case.h"
 #include "pinode/discover/discovery.h"
+#include "pinode/study/refit.h"
 #include "tests/cases/chain_terms.h"
 #include "tests/cases/measure.h"
 
@@ -46,7 +46,8 @@ Discovery DiscoverChain(const std::string& scheme, double percent,
                                         &begin, &error))
         << error;
   }
-  EXPECT_TRUE(RefitEquations(c, begin, equations, nullptr, &discovery, &error))
+  EXPECT_TRUE(RefitEquations(c.problem, begin, equations, c.discover, c.options,
+                             nullptr, &discovery, &error))
       << error;
   return discovery;
 }

@@ -6,10 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "gtest/gtest.h"
-#include "pinode/case/baseline.h"
-#include "pinode/case/damage_analysis.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/network/initialize_weights.h"
+#include "pinode/study/baseline.h"
 
 namespace pinode {
 namespace testing {
@@ -88,14 +87,16 @@ ChangeRun CompareRuns(const CaseRun& healthy, const CaseRun& current) {
     subject.kind = KindOf(term.group.target);
     run.subjects.push_back(std::move(subject));
   }
-  const GroupState before =
-      GroupsOf(*healthy.c.problem.dynamics, healthy.summary, names);
+  GroupState before, after;
+  std::string error;
+  EXPECT_TRUE(GroupsOf(*healthy.c.problem.dynamics, healthy.summary, names,
+                       &before, &error))
+      << error;
+  EXPECT_TRUE(GroupsOf(dynamics, current.summary, names, &after, &error))
+      << error;
   ChangeOptions options;
   options.absolute = NearlyGone({before});
-  std::string error;
-  EXPECT_TRUE(EstimateChange({before},
-                             GroupsOf(dynamics, current.summary, names),
-                             options, &run.estimate, &error))
+  EXPECT_TRUE(EstimateChange({before}, after, options, &run.estimate, &error))
       << error;
   run.judgement = JudgeChange(run.subjects, run.estimate, options);
   return run;

@@ -1,20 +1,20 @@
-#include "pinode/case/baseline.h"
+#include "pinode/case/baseline_folder.h"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <vector>
 
 #include "pinode/base/file.h"
-#include "pinode/base/logging.h"
-#include "pinode/case/finite_element_section.h"
-#include "pinode/case/renewed_basis.h"
+#include "pinode/case/grown_case.h"
 #include "pinode/case/toml_value.h"
-#include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
 #include "pinode/structure/matrix_market.h"
+#include "pinode/study/reduced_structure.h"
 
 namespace pinode {
 namespace {
@@ -206,12 +206,51 @@ bool ReadPresent(const std::string& path, const std::vector<std::string>& names,
   return true;
 }
 
+// Whether the group's matrix in the folder is that of the case.
+bool SameGroup(const std::string& folder, const Case& c,
+               const std::string& name, std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  for (size_t j = 0; j < dynamics.groups().size(); ++j) {
+    const GroupTerm& term = dynamics.groups()[j];
+    if (term.group.name != name ||
+        (RenewsBasis(c) && c.finite_element->groups[j].matrix.rows() > 0)) {
+      continue;
+    }
+    const std::string file =
+        (std::filesystem::path(folder) / ("group_" + name + ".mtx")).string();
+    Matrix matrix;
+    if (!ReadMatrix(file, &matrix, error)) return false;
+    if (matrix.rows() != term.group.matrix.rows() ||
+        !matrix.isApprox(term.group.matrix, 1e-9)) {
+      *error = file +
+               ": differs from the case's matrix of that group, expected a "
+               "baseline of the same structure in the same units";
+      return false;
+    }
+  }
+  return true;
+}
+
+// The records of the baseline with the model that was found.
+void ReadFit(const std::string& path, Baseline* baseline) {
+  Case healthy;
+  std::string error;
+  if (!ReadCase(path, &healthy, &error)) {
+    baseline->why_no_fit = error;
+    return;
+  }
+  HealthyFit fit;
+  fit.problem = std::move(healthy.problem);
+  fit.options = healthy.options;
+  baseline->fit = std::make_shared<const HealthyFit>(std::move(fit));
+}
+
 }  // namespace
 
-bool ReadBaseline(const std::string& folder, const Case& c,
-                  const std::vector<std::string>& names, Baseline* baseline,
+bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
                   std::string* error) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
+  const std::vector<std::string> names = FreeGroups(dynamics);
   const auto path = [&folder](const std::string& name) {
     return (std::filesystem::path(folder) / name).string();
   };
@@ -222,36 +261,17 @@ bool ReadBaseline(const std::string& folder, const Case& c,
   std::vector<int> rows;
   Vector values(static_cast<Eigen::Index>(names.size()));
   for (size_t i = 0; i < names.size(); ++i) {
-    const auto position =
-        std::find(result.free.begin(), result.free.end(), names[i]);
-    if (position == result.free.end()) {
+    const Eigen::Index row = IndexOf(result.free, names[i]);
+    if (row < 0) {
       *error = path("result.json") + ": group '" + names[i] +
                "' of the case is not among its free parameters, expected a "
                "baseline with the same groups";
       return false;
     }
-    rows.push_back(static_cast<int>(position - result.free.begin()));
-    const auto value =
-        std::find(result.names.begin(), result.names.end(), names[i]);
+    rows.push_back(static_cast<int>(row));
     values[static_cast<Eigen::Index>(i)] =
-        result.values[value - result.names.begin()];
-    for (size_t j = 0; j < dynamics.groups().size(); ++j) {
-      const GroupTerm& term = dynamics.groups()[j];
-      if (term.group.name != names[i] ||
-          (RenewsBasis(c) && c.finite_element->groups[j].matrix.rows() > 0)) {
-        continue;
-      }
-      const std::string file = path("group_" + names[i] + ".mtx");
-      Matrix matrix;
-      if (!ReadMatrix(file, &matrix, error)) return false;
-      if (matrix.rows() != term.group.matrix.rows() ||
-          !matrix.isApprox(term.group.matrix, 1e-9)) {
-        *error = file +
-                 ": differs from the case's matrix of that group, expected a "
-                 "baseline of the same structure in the same units";
-        return false;
-      }
-    }
+        result.values[IndexOf(result.names, names[i])];
+    if (!SameGroup(folder, c, names[i], error)) return false;
   }
 
   Vector offsets = Vector::Zero(values.size());
@@ -276,61 +296,18 @@ bool ReadBaseline(const std::string& folder, const Case& c,
              ": is not the covariance of the free parameters in result.json";
     return false;
   }
-  baseline->folder = folder;
-  baseline->groups = {values + present, table.values(rows, rows)};
-  baseline->offsets = std::move(offsets);
-  baseline->parameter_names = result.names;
-  baseline->parameter_values = result.values;
+  Baseline read;
+  read.name = folder;
+  read.group_names = names;
+  read.groups = {values + present, table.values(rows, rows)};
+  read.offsets = std::move(offsets);
+  read.parameter_names = result.names;
+  read.parameter_values = result.values;
+  if (!c.damage.masses.empty() || !c.damage.springs.empty()) {
+    ReadFit(path("model.toml"), &read);
+  }
+  *baseline = std::move(read);
   return true;
-}
-
-IdentifiedModel BeginFromBaseline(const Baseline& baseline,
-                                  const std::vector<std::string>& groups,
-                                  const IdentificationProblem& problem) {
-  const ParameterLayout layout(problem);
-  IdentifiedModel model;
-  model.parameters = layout.InitialValues();
-  for (const int index : layout.free()) {
-    const Parameter& parameter = layout.parameter(index);
-    const Eigen::Index name = IndexOf(baseline.parameter_names, parameter.name);
-    if (!layout.IsNamed(index) || name < 0) continue;
-    double value = baseline.parameter_values[name];
-    const Eigen::Index group = IndexOf(groups, parameter.name);
-    if (group >= 0) value += baseline.offsets[group];
-    model.parameters[index] =
-        std::clamp(value, parameter.lower, parameter.upper);
-  }
-  return model;
-}
-
-Vector AlreadyPresent(const StructuralDynamics& dynamics,
-                      const std::vector<std::string>& names) {
-  Vector present = Vector::Zero(static_cast<Eigen::Index>(names.size()));
-  for (const GroupTerm& term : dynamics.groups()) {
-    const Eigen::Index i = IndexOf(names, term.group.name);
-    if (i >= 0) present[i] = term.present - 1.0;
-  }
-  return present;
-}
-
-GroupState GroupsOf(const StructuralDynamics& dynamics,
-                    const IdentificationSummary& summary,
-                    const std::vector<std::string>& names) {
-  GroupState state;
-  state.values.resize(static_cast<Eigen::Index>(names.size()));
-  std::vector<Eigen::Index> rows;
-  for (size_t i = 0; i < names.size(); ++i) {
-    const Eigen::Index row = IndexOf(summary.covariance_names, names[i]);
-    CHECK_GE(row, 0) << "'" << names[i] << "' has no covariance";
-    rows.push_back(row);
-    for (const ParameterEstimate& parameter : summary.parameters) {
-      if (parameter.name != names[i]) continue;
-      state.values[static_cast<Eigen::Index>(i)] = parameter.value;
-    }
-  }
-  state.values += AlreadyPresent(dynamics, names);
-  state.covariance = summary.covariance(rows, rows);
-  return state;
 }
 
 }  // namespace pinode

@@ -1,18 +1,13 @@
-#include "pinode/case/damage_analysis.h"
+#include "pinode/study/damage_analysis.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <utility>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
-#include "pinode/case/change_candidates.h"
-#include "pinode/case/grown_case.h"
-#include "pinode/estimate/covariance.h"
-#include "pinode/estimate/fitted_cost.h"
-#include "pinode/estimate/parameter_layout.h"
+#include "pinode/study/wide_state.h"
 
 namespace pinode {
 namespace {
@@ -26,13 +21,9 @@ constexpr int kMaxRounds = 3;
 // not looked for.
 constexpr double kErrorLeft = 1.5;
 
-using Candidates = std::vector<ChangeCandidate>;
+constexpr char kNewRecords[] = "the new records";
 
-struct Fit {
-  Case fitted;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-};
+using Candidates = std::vector<ChangeCandidate>;
 
 // Of the training records, a fraction.
 double LargestError(const IdentificationSummary& summary) {
@@ -60,116 +51,28 @@ Candidates Without(const Candidates& all, const Candidates& taken) {
   return rest;
 }
 
-// The entries behind the groups in the unit of their candidates.
-void Scale(const Candidates& candidates, GroupState* state) {
-  Vector unit = Vector::Ones(state->values.size());
-  for (size_t j = 0; j < candidates.size(); ++j) {
-    unit[unit.size() - static_cast<Eigen::Index>(candidates.size() - j)] =
-        candidates[j].unit;
-  }
-  state->values = state->values.cwiseQuotient(unit);
-  const auto inverse = unit.cwiseInverse().asDiagonal();
-  state->covariance = inverse * state->covariance * inverse;
-}
-
-// log(1 + alpha) in place of alpha of groups and masses. Where the ground
-// shakes a structure, all of them times the same factor is the same structure;
-// that direction is then the same on both sides, whatever has changed between
-// them. What is nearly gone in one of the states stays as it is in all of them.
-void ToLogarithms(size_t num_groups, const Candidates& candidates,
-                  std::vector<GroupState>* states) {
-  const std::vector<bool> gone = NearlyGone(*states);
-  for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
-    if (gone[j] ||
-        (j >= num_groups &&
-         candidates[j - num_groups].subject.kind != ChangeKind::kMass)) {
-      continue;
-    }
-    const Eigen::Index i = static_cast<Eigen::Index>(j);
-    for (GroupState& state : *states) {
-      const double scale = 1.0 + state.values[i];
-      state.values[i] = std::log(scale);
-      state.covariance.row(i) /= scale;
-      state.covariance.col(i) /= scale;
-    }
-  }
-}
-
-// Groups and candidates as one Gauss-Newton step from `fit` leaves them, which
-// may lack the candidates.
-bool StateNear(const Fit& fit, const std::vector<std::string>& groups,
-               const Candidates& candidates, GroupState* state,
-               std::string* error) {
-  Candidates missing;
-  const std::map<std::string, double> values =
-      ParametersByName(fit.fitted.problem, fit.model);
-  for (const ChangeCandidate& candidate : candidates) {
-    if (values.find(candidate.subject.name) == values.end()) {
-      missing.push_back(candidate);
-    }
-  }
-  Case extended;
-  if (!AddCandidates(fit.fitted, missing, &extended, error)) return false;
-  const ParameterLayout layout(extended.problem);
-  IdentifiedModel at = BeginFrom(values, fit.model, extended.problem);
-  at.decays = fit.model.decays;
-  FittedCost cost;
-  Matrix root, null_space;
-  if (!LinearizeAtFit(extended.problem, layout, at, fit.summary.records,
-                      extended.options.num_threads, &cost) ||
-      !InvertInformation(cost.system.hessian / cost.memory, &root,
-                         &null_space)) {
-    *error = "the model with all kinds of change in it is not finite";
-    return false;
-  }
-  const Matrix covariance = root * root.transpose();
-  const Vector solution = layout.Free(at.parameters) -
-                          covariance * cost.system.gradient / cost.memory;
-  std::vector<std::string> names = groups;
-  for (const ChangeCandidate& candidate : candidates) {
-    names.push_back(candidate.subject.name);
-  }
-  std::vector<int> rows(names.size(), -1);
-  for (const int index : layout.free()) {
-    const auto name =
-        std::find(names.begin(), names.end(), layout.parameter(index).name);
-    if (name != names.end()) {
-      rows[static_cast<size_t>(name - names.begin())] = layout.FreeIndex(index);
-    }
-  }
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (rows[i] < 0) {
-      *error = "'" + names[i] + "' is not free in " + fit.fitted.path;
-      return false;
-    }
-  }
-  state->values =
-      solution(rows) + AlreadyPresent(*fit.fitted.problem.dynamics, names);
-  state->covariance = covariance(rows, rows);
-  Scale(candidates, state);
-  return true;
-}
-
 class Analyst {
  public:
-  Analyst(const Case& c, const std::vector<Baseline>& baselines,
-          const ChangeOptions& options, const FitFunction& fit,
-          DamageResult* result)
-      : c_(c),
+  Analyst(const IdentificationProblem& problem,
+          const std::vector<Baseline>& baselines,
+          const DamageAnalysisOptions& options, DamageResult* result)
+      : problem_(problem),
         baselines_(baselines),
-        options_(options),
-        fit_(fit),
-        groups_(FreeGroups(*c.problem.dynamics)),
+        identification_(options.identification),
+        search_(options.search),
+        options_(options.change),
+        fit_(FitOrIdentify(options.fit)),
+        groups_(FreeGroups(*problem.dynamics)),
         result_(*result) {}
 
   bool Run(const IdentificationSummary& summary, const IdentifiedModel& model,
            std::string* error) {
     for (const Baseline& baseline : baselines_) {
-      result_.baselines.push_back(baseline.folder);
+      result_.baselines.push_back(baseline.name);
     }
     result_.options = options_;
-    fit_of_new_ = {c_, summary, model};
-    candidates_ = MakeChangeCandidates(c_, summary, model);
+    fit_of_new_ = {kNewRecords, problem_, summary, model};
+    candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
     for (const ChangeCandidate& candidate : candidates_) {
       const std::string place =
           std::string(ChangeKindName(candidate.subject.kind)) + " at " +
@@ -189,7 +92,7 @@ class Analyst {
     }
     if (!kinds) {
       found_.clear();
-      fit_of_new_ = {c_, summary, model};
+      fit_of_new_ = {kNewRecords, problem_, summary, model};
     }
     return Conclude(kinds, error);
   }
@@ -212,19 +115,24 @@ class Analyst {
 
   bool RefitBaselines(std::string* problem) {
     for (const Baseline& baseline : baselines_) {
-      Fit fit;
-      if (!ReadCase(
-              (std::filesystem::path(baseline.folder) / "model.toml").string(),
-              &fit.fitted, problem)) {
+      if (baseline.fit == nullptr) {
+        *problem = baseline.why_no_fit;
         return false;
       }
-      fit.fitted.options.num_threads = c_.options.num_threads;
-      BeginNearTheEnd(&fit.fitted.options);
-      fit_("healthy", fit.fitted, nullptr, &fit.summary, &fit.model);
-      // No better than before, so not "usable".
-      if (fit.summary.termination != Termination::kConverged) {
-        *problem = baseline.folder + ": " + fit.summary.message;
-        return false;
+      const HealthyFit& healthy = *baseline.fit;
+      FitOfRecords fit{baseline.name, healthy.problem, healthy.summary,
+                       healthy.model};
+      if (!healthy.IsFitted()) {
+        IdentificationOptions options = healthy.options;
+        options.num_threads = identification_.num_threads;
+        BeginNearTheEnd(&options);
+        fit_("healthy", fit.problem, options, nullptr, &fit.summary,
+             &fit.model);
+        // No better than before, so not "usable".
+        if (fit.summary.termination != Termination::kConverged) {
+          *problem = baseline.name + ": " + fit.summary.message;
+          return false;
+        }
       }
       fits_of_healthy_.push_back(std::move(fit));
     }
@@ -236,8 +144,8 @@ class Analyst {
     states->clear();
     for (size_t i = 0; i < baselines_.size(); ++i) {
       GroupState state;
-      if (!StateNear(fits_of_healthy_[i], groups_, candidates, &state,
-                     problem)) {
+      if (!StateNear(fits_of_healthy_[i], groups_, candidates,
+                     identification_.num_threads, &state, problem)) {
         return false;
       }
       states->push_back(std::move(state));
@@ -248,7 +156,8 @@ class Analyst {
   // Groups and all candidates of the healthy records and the new ones.
   bool WideStates(std::string* problem) {
     if (!HealthyStates(candidates_, &healthy_, problem) ||
-        !StateNear(fit_of_new_, groups_, candidates_, &current_, problem)) {
+        !StateNear(fit_of_new_, groups_, candidates_,
+                   identification_.num_threads, &current_, problem)) {
       return false;
     }
     healthy_.push_back(std::move(current_));
@@ -280,14 +189,18 @@ class Analyst {
           Without(found_, asked_for).empty()) {
         return true;
       }
-      Fit fit;
-      if (!AddCandidates(c_, asked_for, &fit.fitted, problem)) return false;
-      BeginNearTheEnd(&fit.fitted.options);
-      IdentifiedModel begin = BeginFrom(
-          ParametersByName(fit_of_new_.fitted.problem, fit_of_new_.model),
-          fit_of_new_.model, fit.fitted.problem);
-      fit_("with " + std::to_string(asked_for.size()) + " more", fit.fitted,
-           &begin, &fit.summary, &fit.model);
+      FitOfRecords fit;
+      fit.name = kNewRecords;
+      if (!AddCandidates(problem_, asked_for, &fit.problem, problem)) {
+        return false;
+      }
+      IdentificationOptions options = identification_;
+      BeginNearTheEnd(&options);
+      const IdentifiedModel begin =
+          BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
+                    fit_of_new_.model, fit.problem);
+      fit_("with " + std::to_string(asked_for.size()) + " more", fit.problem,
+           options, &begin, &fit.summary, &fit.model);
       if (!fit.summary.usable || fit.summary.covariance.size() == 0) {
         *problem = "the fit with " + asked_for[0].subject.name +
                    (asked_for.size() > 1 ? " and others" : "") +
@@ -301,7 +214,7 @@ class Analyst {
   }
 
   bool Conclude(bool kinds, std::string* error) {
-    for (const GroupTerm& term : c_.problem.dynamics->groups()) {
+    for (const GroupTerm& term : problem_.dynamics->groups()) {
       if (std::find(groups_.begin(), groups_.end(), term.group.name) ==
           groups_.end()) {
         continue;
@@ -311,7 +224,7 @@ class Analyst {
       subject.kind = KindOf(term.group.target);
       result_.subjects.push_back(std::move(subject));
     }
-    SetForceShares(fit_of_new_.fitted, fit_of_new_.summary, fit_of_new_.model,
+    SetForceShares(fit_of_new_.problem, fit_of_new_.summary, fit_of_new_.model,
                    &found_);
     std::vector<std::string> names = groups_;
     for (const ChangeCandidate& candidate : found_) {
@@ -326,9 +239,12 @@ class Analyst {
         healthy.push_back(baseline.groups);
       }
     }
-    GroupState current = GroupsOf(*fit_of_new_.fitted.problem.dynamics,
-                                  fit_of_new_.summary, names);
-    Scale(found_, &current);
+    GroupState current;
+    if (!GroupsOf(*fit_of_new_.problem.dynamics, fit_of_new_.summary, names,
+                  &current, error)) {
+      return false;
+    }
+    ScaleToUnits(found_, &current);
     ChangeOptions options =
         OptionsFor(found_, (kinds ? 1.0 - kShareOfKinds : 1.0) *
                                options_.false_alarm_rate);
@@ -344,7 +260,8 @@ class Analyst {
     SayWhatIsLeft();
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_);
-    result_.fitted = std::move(fit_of_new_.fitted);
+    result_.added = std::move(found_);
+    result_.problem = std::move(fit_of_new_.problem);
     result_.summary = std::move(fit_of_new_.summary);
     result_.model = std::move(fit_of_new_.model);
     return true;
@@ -352,7 +269,7 @@ class Analyst {
 
   void SayWhatIsLeft() {
     double healthy = 0.0;
-    for (const Fit& fit : fits_of_healthy_) {
+    for (const FitOfRecords& fit : fits_of_healthy_) {
       healthy = std::max(healthy, LargestError(fit.summary));
     }
     const double left = LargestError(fit_of_new_.summary);
@@ -408,41 +325,76 @@ class Analyst {
     return true;
   }
 
-  const Case& c_;
+  const IdentificationProblem& problem_;
   const std::vector<Baseline>& baselines_;
+  const IdentificationOptions& identification_;
+  const DamageSearch& search_;
   const ChangeOptions& options_;
-  const FitFunction& fit_;
+  const FitFunction fit_;
   const std::vector<std::string> groups_;
   DamageResult& result_;
 
   Candidates candidates_, found_;
-  std::vector<Fit> fits_of_healthy_;
-  Fit fit_of_new_;
+  std::vector<FitOfRecords> fits_of_healthy_;
+  FitOfRecords fit_of_new_;
   // Groups and all candidates, see ToLogarithms.
   std::vector<GroupState> healthy_;
   GroupState current_;
 };
 
-}  // namespace
-
-std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics) {
-  std::vector<std::string> names;
-  for (const GroupTerm& term : dynamics.groups()) {
-    if (term.alpha.free && term.follows == GroupTerm::Follows::kNothing) {
-      names.push_back(term.group.name);
+// What a caller can have put together wrongly.
+bool CheckInput(const IdentificationProblem& problem,
+                const std::vector<Baseline>& baselines,
+                const DamageAnalysisOptions& options, std::string* error) {
+  if (!options.change.IsValid(error) ||
+      !options.identification.IsValid(error) ||
+      !options.search.IsValid(problem.dynamics->model(), error)) {
+    return false;
+  }
+  if (baselines.empty()) {
+    *error = "there is no baseline, expected at least one";
+    return false;
+  }
+  const std::vector<std::string> groups = FreeGroups(*problem.dynamics);
+  if (groups.empty()) {
+    *error = "no group is free, expected those whose change is asked for";
+    return false;
+  }
+  const auto size = static_cast<Eigen::Index>(groups.size());
+  for (const Baseline& baseline : baselines) {
+    const GroupState& state = baseline.groups;
+    if (baseline.group_names != groups) {
+      *error = "baseline '" + baseline.name + "' has the groups " +
+               Join(baseline.group_names, ", ") + ", expected " +
+               Join(groups, ", ");
+      return false;
+    }
+    if (state.values.size() != size || state.covariance.rows() != size ||
+        state.covariance.cols() != size || !state.values.allFinite() ||
+        !state.covariance.allFinite()) {
+      *error = "baseline '" + baseline.name +
+               "' has not a finite value and covariance of every group";
+      return false;
     }
   }
-  return names;
+  return true;
 }
 
-bool AnalyseDamage(const Case& c, const std::vector<Baseline>& baselines,
-                   const ChangeOptions& options,
+}  // namespace
+
+bool AnalyseDamage(const IdentificationProblem& problem,
                    const IdentificationSummary& summary,
-                   const IdentifiedModel& model, const FitFunction& fit,
-                   DamageResult* result, std::string* error) {
-  CHECK(!baselines.empty());
+                   const IdentifiedModel& model,
+                   const std::vector<Baseline>& baselines,
+                   const DamageAnalysisOptions& options, DamageResult* result,
+                   std::string* error) {
+  if (!IsFitOf(problem, summary, model, true, error) ||
+      !CheckInput(problem, baselines, options, error)) {
+    return false;
+  }
   *result = DamageResult();
-  return Analyst(c, baselines, options, fit, result).Run(summary, model, error);
+  return Analyst(problem, baselines, options, result)
+      .Run(summary, model, error);
 }
 
 }  // namespace pinode

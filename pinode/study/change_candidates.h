@@ -1,15 +1,16 @@
-// Other kinds of change than those of groups, as terms of a case.
+// Other kinds of change than those of groups, as terms of a problem.
 
-#ifndef PINODE_CASE_CHANGE_CANDIDATES_H_
-#define PINODE_CASE_CHANGE_CANDIDATES_H_
+#ifndef PINODE_STUDY_CHANGE_CANDIDATES_H_
+#define PINODE_STUDY_CHANGE_CANDIDATES_H_
 
 #include <string>
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/case/case_file.h"
 #include "pinode/damage/verdict.h"
+#include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/study/damage_search.h"
 
 namespace pinode {
 
@@ -28,8 +29,8 @@ struct ChangeCandidate {
   std::string library;  // the name of the term
 };
 
-// Candidates at the places of c.damage: masses, and per spring four nonlinear
-// forces,
+// Candidates at the places of `search`, which is valid: masses, and per spring
+// four nonlinear forces,
 //
 //   opening    |d|            stiffness that differs by sign, as of a crack
 //   hardening  d^3            or softening
@@ -37,25 +38,35 @@ struct ChangeCandidate {
 //   drag       |w| w
 //
 // of deformation d and rate w, with units by the trajectories of `summary`, a
-// fit of c's own unknowns.
+// fit of the problem's own unknowns.
 std::vector<ChangeCandidate> MakeChangeCandidates(
-    const Case& c, const IdentificationSummary& summary,
-    const IdentifiedModel& model);
+    const IdentificationProblem& problem, const DamageSearch& search,
+    const IdentificationSummary& summary, const IdentifiedModel& model);
 
-// `c` with these candidates as further unknowns that begin at zero, each with a
-// prior of deviation 1 in its unit, which says no more than that it is not many
-// times what is there, and keeps what the data cannot see from running away.
-[[nodiscard]] bool AddCandidates(const Case& c,
+// The deformation of a candidate's place, then its rate: what its function may
+// look at.
+std::vector<Feature> FeaturesOf(const ChangeCandidate& candidate);
+
+// Standard deviation of the prior of a candidate's unknown around zero.
+double PriorOf(const ChangeCandidate& candidate);
+
+// `problem` with these candidates as further unknowns that begin at zero, each
+// with a prior of deviation 1 in its unit, which says no more than that it is
+// not many times what is there, and keeps what the data cannot see from running
+// away. False where a name is taken, or a candidate is none of this problem's.
+[[nodiscard]] bool AddCandidates(const IdentificationProblem& problem,
                                  const std::vector<ChangeCandidate>& candidates,
-                                 Case* extended, std::string* error);
+                                 IdentificationProblem* extended,
+                                 std::string* error);
 
 // RMS of the candidates' forces at each place together as a fraction of the
 // RMS of the whole restoring force there, K x and theirs at DOF `to`, on the
 // trajectories of `summary`, a fit that had them; into their subjects.
-void SetForceShares(const Case& extended, const IdentificationSummary& summary,
+void SetForceShares(const IdentificationProblem& extended,
+                    const IdentificationSummary& summary,
                     const IdentifiedModel& model,
                     std::vector<ChangeCandidate>* candidates);
 
 }  // namespace pinode
 
-#endif  // PINODE_CASE_CHANGE_CANDIDATES_H_
+#endif  // PINODE_STUDY_CHANGE_CANDIDATES_H_

@@ -1,4 +1,4 @@
-#include "pinode/case/change_candidates.h"
+#include "pinode/study/change_candidates.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,24 +8,42 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
-#include "pinode/case/testing.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/structure/damping.h"
+#include "pinode/study/testing.h"
 
 namespace pinode {
 namespace {
 
-// A fit of the small case in which u1 swings as 0.01 sin and u2 as 0.03 sin.
+// A fit of two storeys in which u1 swings as 0.01 sin and u2 as 0.03 sin.
 class ChangeCandidates : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_.Write("quake.csv", SmallRecord());
+    Matrix stiffness(2, 2);
+    stiffness << 300.0, -100.0, -100.0, 100.0;
+    const Matrix mass = Vector{{2.0, 1.0}}.asDiagonal();
+    auto dynamics = std::make_shared<StructuralDynamics>(
+        MakeStructuralModel(mass, 0.01 * stiffness, stiffness),
+        std::vector<InputSpec>{
+            {InputSpec::Kind::kGroundAcceleration, 0, "ag"}});
+    GroupTerm group;
+    group.group.name = "k1";
+    group.group.matrix = 200.0 * SpringMatrix(2, Feature::kGround, 0);
     std::string error;
-    ASSERT_TRUE(ReadCase(
-        folder_.Write("case.toml", SmallCase() +
-                                       "[[damage.place]]\nname = \"gap\"\n"
-                                       "between = [\"u1\", \"u2\"]\n"),
-        &case_, &error))
-        << error;
+    ASSERT_TRUE(dynamics->AddGroup(group, &error)) << error;
+    IdentificationRecord record =
+        testing::MakeExcitedRecord(*dynamics, 200, 0.01);
+    record.channels = {
+        testing::MakeChannel("a1", Quantity::kAbsoluteAcceleration, 2, 0),
+        testing::MakeChannel("d2", Quantity::kDisplacement, 2, 1)};
+    for (MeasuredChannel& channel : record.channels) {
+      channel.values = Vector::Zero(200);
+    }
+    problem_.dynamics = dynamics;
+    problem_.records = {record};
+    ChooseStepsOrFail(&problem_);
+    search_ = LookEverywhere(problem_);
+    search_.springs = {{"gap", 0, 1}};
     constexpr int kSamples = 2000;
     constexpr double kFrequency = 5.0;
     RecordScore score;
@@ -39,20 +57,20 @@ class ChangeCandidates : public ::testing::Test {
           0.03 * kFrequency * std::cos(phase);
     }
     summary_.records = {score};
-    model_.parameters = ParameterLayout(case_.problem).InitialValues();
+    model_.parameters = ParameterLayout(problem_).InitialValues();
     model_.sigmas = {Vector::Constant(2, 0.1)};
     model_.starts = {Vector::Zero(4)};
   }
 
-  TemporaryFolder folder_;
-  Case case_;
+  IdentificationProblem problem_;
+  DamageSearch search_;
   IdentificationSummary summary_;
   IdentifiedModel model_;
 };
 
 TEST_F(ChangeCandidates, AreMeasuredByWhatIsThere) {
   const std::vector<ChangeCandidate> candidates =
-      MakeChangeCandidates(case_, summary_, model_);
+      MakeChangeCandidates(problem_, search_, summary_, model_);
   ASSERT_EQ(candidates.size(), 2u + 4u);
   EXPECT_EQ(candidates[0].subject.name, "mass.u1");
   EXPECT_EQ(candidates[0].subject.kind, ChangeKind::kMass);
@@ -75,14 +93,14 @@ TEST_F(ChangeCandidates, AreMeasuredByWhatIsThere) {
               force / (std::pow(0.1, 2) * std::sqrt(3.0 / 8.0)), 1e-8);
 }
 
-TEST_F(ChangeCandidates, BecomeUnknownsOfTheCase) {
+TEST_F(ChangeCandidates, BecomeUnknownsOfTheProblem) {
   std::vector<ChangeCandidate> candidates =
-      MakeChangeCandidates(case_, summary_, model_);
+      MakeChangeCandidates(problem_, search_, summary_, model_);
   candidates.erase(candidates.begin() + 3, candidates.end());
-  Case extended;
+  IdentificationProblem extended;
   std::string error;
-  ASSERT_TRUE(AddCandidates(case_, candidates, &extended, &error)) << error;
-  const ParameterLayout layout(extended.problem);
+  ASSERT_TRUE(AddCandidates(problem_, candidates, &extended, &error)) << error;
+  const ParameterLayout layout(extended);
   EXPECT_EQ(layout.num_free(), 1 + 3);
   for (const ChangeCandidate& candidate : candidates) {
     int count = 0;
@@ -95,19 +113,38 @@ TEST_F(ChangeCandidates, BecomeUnknownsOfTheCase) {
     EXPECT_EQ(count, 1) << candidate.subject.name;
   }
   // Without them it is the case that it was.
-  Case same;
-  ASSERT_TRUE(AddCandidates(case_, {}, &same, &error)) << error;
-  EXPECT_EQ(ParameterLayout(same.problem).num_free(), 1);
+  IdentificationProblem same;
+  ASSERT_TRUE(AddCandidates(problem_, {}, &same, &error)) << error;
+  EXPECT_EQ(ParameterLayout(same).num_free(), 1);
+}
+
+TEST_F(ChangeCandidates, RefuseWhatIsNotThere) {
+  std::vector<ChangeCandidate> candidates =
+      MakeChangeCandidates(problem_, search_, summary_, model_);
+  IdentificationProblem extended;
+  std::string error;
+  EXPECT_FALSE(AddCandidates(problem_, {candidates[0], candidates[0]},
+                             &extended, &error));
+  EXPECT_THAT(error, ::testing::HasSubstr("'mass.u1'"));
+  candidates[0].masses = Vector::Ones(3);
+  EXPECT_FALSE(AddCandidates(problem_, {candidates[0]}, &extended, &error));
+  candidates[2].to = 7;
+  EXPECT_FALSE(AddCandidates(problem_, {candidates[2]}, &extended, &error));
+  candidates[3].basis = "d[u1,u3]^3";
+  EXPECT_FALSE(AddCandidates(problem_, {candidates[3]}, &extended, &error));
+  candidates[4].subject.dof = "u9";
+  EXPECT_FALSE(AddCandidates(problem_, {candidates[4]}, &extended, &error));
+  EXPECT_THAT(error, ::testing::HasSubstr("'u9'"));
 }
 
 TEST_F(ChangeCandidates, ShareTheRestoringForce) {
   std::vector<ChangeCandidate> candidates =
-      MakeChangeCandidates(case_, summary_, model_);
+      MakeChangeCandidates(problem_, search_, summary_, model_);
   candidates = {candidates[2]};
-  Case extended;
+  IdentificationProblem extended;
   std::string error;
-  ASSERT_TRUE(AddCandidates(case_, candidates, &extended, &error)) << error;
-  const ParameterLayout layout(extended.problem);
+  ASSERT_TRUE(AddCandidates(problem_, candidates, &extended, &error)) << error;
+  const ParameterLayout layout(extended);
   IdentifiedModel model = model_;
   model.parameters = layout.InitialValues();
   for (const int index : layout.free()) {

@@ -1,15 +1,18 @@
-#include "pinode/case/change_candidates.h"
+#include "pinode/study/change_candidates.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <set>
 #include <utility>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
-#include "pinode/case/grown_case.h"
-#include "pinode/case/toml_value.h"
 #include "pinode/dynamics/library_function.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/study/growth.h"
+#include "pinode/study/library_term.h"
 
 namespace pinode {
 namespace {
@@ -51,15 +54,19 @@ double Rms(const Vector& values) {
                                         static_cast<double>(values.size()));
 }
 
-// Deformation, then its rate, as case files write them.
+std::vector<Feature> FeaturesAt(int from, int to) {
+  if (from < 0) return {Feature::Displacement(to), Feature::Velocity(to)};
+  return {Feature::Deformation(from, to), Feature::DeformationRate(from, to)};
+}
+
+// Deformation, then its rate, as functions are written.
 std::vector<std::string> FeatureNames(const StructuralModel& model, int from,
                                       int to) {
-  if (from < 0) {
-    return {Feature::Displacement(to).Name(model.dof_names, {}),
-            Feature::Velocity(to).Name(model.dof_names, {})};
+  std::vector<std::string> names;
+  for (const Feature& feature : FeaturesAt(from, to)) {
+    names.push_back(feature.Name(model.dof_names, {}));
   }
-  return {Feature::Deformation(from, to).Name(model.dof_names, {}),
-          Feature::DeformationRate(from, to).Name(model.dof_names, {})};
+  return names;
 }
 
 Vector Values(const std::string& basis, const std::vector<std::string>& names,
@@ -81,24 +88,41 @@ std::string OutputName(const StructuralModel& model, int from, int to) {
                   : end + "-" + model.dof_names[static_cast<size_t>(from)];
 }
 
-void AppendTo(const char* key, TomlValue table, TomlValue* tree) {
-  std::vector<TomlValue> tables;
-  if (const TomlValue* present = tree->Find(key)) tables = present->elements;
-  tables.push_back(std::move(table));
-  tree->Set(key, TomlValue::Array(std::move(tables)));
+GroupTerm MassTerm(const ChangeCandidate& candidate) {
+  GroupTerm term;
+  term.group.name = candidate.subject.name;
+  term.group.target = MatrixGroup::Target::kMass;
+  term.group.matrix = candidate.masses.asDiagonal();
+  term.alpha.name = candidate.subject.name;
+  term.alpha.prior_sigma = PriorOf(candidate);
+  return term;
+}
+
+bool ForceTerm(const ChangeCandidate& candidate,
+               const StructuralDynamics& dynamics, const UnitSystem& units,
+               LawTerm* term, std::string* error) {
+  LibrarySpec spec;
+  spec.name = candidate.library;
+  spec.features = FeaturesOf(candidate);
+  spec.output = candidate.subject.dof;
+  spec.acts_as = ActsAs::kForce;
+  spec.coefficients.resize(1);
+  spec.coefficients[0].basis = candidate.basis;
+  spec.coefficients[0].parameter.prior_sigma = PriorOf(candidate);
+  return MakeLibraryTerm(spec, dynamics, units, term, error);
 }
 
 }  // namespace
 
 std::vector<ChangeCandidate> MakeChangeCandidates(
-    const Case& c, const IdentificationSummary& summary,
-    const IdentifiedModel& model) {
-  const StructuralDynamics& dynamics = *c.problem.dynamics;
+    const IdentificationProblem& problem, const DamageSearch& search,
+    const IdentificationSummary& summary, const IdentifiedModel& model) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
   const StructuralModel corrected =
       dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
   const int size = corrected.num_dofs();
   std::vector<ChangeCandidate> candidates;
-  for (const DamageSearch::MassPlace& place : c.damage.masses) {
+  for (const DamageSearch::MassPlace& place : search.masses) {
     ChangeCandidate candidate;
     candidate.subject.name = TermName("mass." + place.name);
     candidate.subject.kind = ChangeKind::kMass;
@@ -110,7 +134,7 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     for (const int dof : place.dofs) candidate.masses[dof] = mean;
     candidates.push_back(std::move(candidate));
   }
-  for (const SpringPlace& place : c.damage.springs) {
+  for (const SpringPlace& place : search.springs) {
     const Motion motion = MotionAt(summary, size, place.from, place.to);
     const std::vector<std::string> names =
         FeatureNames(corrected, place.from, place.to);
@@ -149,54 +173,57 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
   return candidates;
 }
 
-bool AddCandidates(const Case& c,
-                   const std::vector<ChangeCandidate>& candidates,
-                   Case* extended, std::string* error) {
-  const StructuralModel& model = c.problem.dynamics->model();
-  TomlValue tree = *c.source;
-  for (const ChangeCandidate& candidate : candidates) {
-    const TomlValue prior = TomlValue::Float(kPriorDeviation * candidate.unit);
-    if (candidate.subject.kind == ChangeKind::kMass) {
-      TomlValue matrix = TomlValue::Table();
-      matrix.Set("diagonal", TomlValue::Numbers({candidate.masses.begin(),
-                                                 candidate.masses.end()}));
-      TomlValue group = TomlValue::Table();
-      group.Set("name", TomlValue::String(candidate.subject.name));
-      group.Set("adds_to", TomlValue::String("mass"));
-      group.Set("matrix", std::move(matrix));
-      group.Set("prior_sigma", prior);
-      AppendTo("group", std::move(group), &tree);
-      continue;
-    }
-    std::vector<std::string> inputs;
-    for (const std::string& name :
-         FeatureNames(model, candidate.from, candidate.to)) {
-      if (candidate.basis.find(name) != std::string::npos) {
-        inputs.push_back(name);
-      }
-    }
-    TomlValue term = TomlValue::Table();
-    term.Set("basis", TomlValue::String(candidate.basis));
-    term.Set("prior_sigma", prior);
-    TomlValue library = TomlValue::Table();
-    library.Set("name", TomlValue::String(candidate.library));
-    library.Set("inputs", TomlValue::Strings(inputs));
-    library.Set("output", TomlValue::String(candidate.subject.dof));
-    library.Set("acts_as", TomlValue::String("force"));
-    library.Set("terms", TomlValue::Array({std::move(term)}));
-    AppendTo("library", std::move(library), &tree);
-  }
-  return RebuildCase(c, tree, extended, error);
+std::vector<Feature> FeaturesOf(const ChangeCandidate& candidate) {
+  return FeaturesAt(candidate.from, candidate.to);
 }
 
-void SetForceShares(const Case& extended, const IdentificationSummary& summary,
+double PriorOf(const ChangeCandidate& candidate) {
+  return kPriorDeviation * candidate.unit;
+}
+
+bool AddCandidates(const IdentificationProblem& problem,
+                   const std::vector<ChangeCandidate>& candidates,
+                   IdentificationProblem* extended, std::string* error) {
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  std::set<std::string> names;
+  for (const ParameterBlock& block : dynamics->blocks()) {
+    for (const Parameter& parameter : block.parameters) {
+      names.insert(parameter.name);
+    }
+  }
+  for (const ChangeCandidate& candidate : candidates) {
+    if (!names.insert(candidate.subject.name).second) {
+      *error = "two unknowns are named '" + candidate.subject.name + "'";
+      return false;
+    }
+    if (candidate.subject.kind == ChangeKind::kMass) {
+      if (!dynamics->AddGroup(MassTerm(candidate), error)) return false;
+      continue;
+    }
+    LawTerm term;
+    if (!ForceTerm(candidate, *dynamics, problem.description.units, &term,
+                   error) ||
+        !dynamics->AddLaw(std::move(term), error)) {
+      return false;
+    }
+  }
+  IdentificationProblem result = problem;
+  result.dynamics = std::move(dynamics);
+  result.description.known_as.clear();
+  if (!result.IsValid(error)) return false;
+  *extended = std::move(result);
+  return true;
+}
+
+void SetForceShares(const IdentificationProblem& extended,
+                    const IdentificationSummary& summary,
                     const IdentifiedModel& model,
                     std::vector<ChangeCandidate>* candidates) {
-  const StructuralDynamics& dynamics = *extended.problem.dynamics;
+  const StructuralDynamics& dynamics = *extended.dynamics;
   const StructuralModel corrected =
       dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
   const std::map<std::string, double> values =
-      ParametersByName(extended.problem, model);
+      ParametersByName(extended, model);
   for (ChangeCandidate& candidate : *candidates) {
     if (candidate.subject.kind != ChangeKind::kNonlinear) continue;
     const std::vector<std::string> names =
@@ -210,7 +237,7 @@ void SetForceShares(const Case& extended, const IdentificationSummary& summary,
         continue;
       }
       const auto value = values.find(other.subject.name);
-      CHECK(value != values.end()) << other.subject.name;
+      if (value == values.end()) continue;
       force += value->second * Values(other.basis, names, motion);
     }
     Vector restoring = force;

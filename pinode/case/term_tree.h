@@ -1,0 +1,30 @@
+// Terms that were found, as a case file writes them.
+
+#ifndef PINODE_CASE_TERM_TREE_H_
+#define PINODE_CASE_TERM_TREE_H_
+
+#include <vector>
+
+#include "pinode/case/toml_value.h"
+#include "pinode/discover/discovery.h"
+#include "pinode/structure/structural_model.h"
+#include "pinode/study/change_candidates.h"
+
+namespace pinode {
+
+// The tree of a case of `model` with these candidates as further [[group]] and
+// [[library]] (AddCandidates).
+TomlValue TreeWithCandidates(TomlValue tree, const StructuralModel& model,
+                             const std::vector<ChangeCandidate>& candidates);
+
+// The tree with [[library]] in place of the networks that `equations` speak of,
+// and with `substeps` (one a record) where it is not empty
+// (MakeDiscoveredProblem); without [discover]: nothing is looked for in what is
+// left.
+TomlValue TreeWithEquations(TomlValue tree,
+                            const std::vector<DiscoveredEquation>& equations,
+                            const std::vector<int>& substeps);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_TERM_TREE_H_
