@@ -20,7 +20,6 @@
 #include "apps/fit_flags.h"
 #include "apps/fitting.h"
 #include "apps/program.h"
-#include "apps/reporting.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/baseline_folder.h"
@@ -136,7 +135,7 @@ int main(int argc, char** argv) {
           .count();
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
-  if (judged) report.damage = MakeReportDamage(result);
+  if (judged) report.damage = &result;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
@@ -150,7 +149,7 @@ int main(int argc, char** argv) {
   if (judged) {
     std::printf("%s\n\nChange since the baseline\n%s\n",
                 result.judgement.sentence.c_str(),
-                MakeChangeTable(*report.damage).ToText().c_str());
+                MakeChangeTable(result).ToText().c_str());
     for (const std::string& remark : result.remarks) {
       std::printf("%s\n", remark.c_str());
     }

@@ -56,110 +56,146 @@ void RemarkOnModes(const IdentificationProblem& problem,
       "elements, libraries and networks take no part in these.");
 }
 
-bool ReadTree(const std::shared_ptr<const TomlValue>& source,
-              const std::string& path, bool simulation, Case* result,
-              std::string* error) {
-  CaseErrors errors(path, error);
-  const TomlTable root(*source, "", &errors);
-  if (!root.AllowKeys({"title", "units", "model", "group", "element", "library",
-                       "network", "unknown_force", "record", "modal", "mode",
-                       "options", "simulate", "discover", "damage",
-                       "reference_curve"})) {
-    return false;
+// Section by section, in the order in which one needs another.
+class CaseReader {
+ public:
+  CaseReader(const std::shared_ptr<const TomlValue>& source,
+             const std::string& path, bool simulation, std::string* error)
+      : simulation_(simulation),
+        errors_(path, error),
+        root_(*source, "", &errors_),
+        description_(c_.problem.description),
+        units_(description_.units) {
+    c_.path = path;
+    c_.source = source;
   }
-  Case c;
-  c.path = path;
-  c.source = source;
-  ProblemDescription& description = c.problem.description;
-  UnitSystem& units = description.units;
-  description.title = root.String("title");
-  if (!ReadUnits(root, &units) || !ReadOptions(root, &c.options) ||
-      !ReadSimulate(root, &c.noise_percent, &c.noise_seed)) {
-    return false;
+
+  bool Read(Case* result) {
+    if (!ReadHead() || !ReadModel() || !ReadDynamics() || !ReadData() ||
+        !Check() || !ReadDamage(root_, c_.problem, &c_.damage) || !SetSteps()) {
+      return false;
+    }
+    *result = std::move(c_);
+    return true;
   }
-  ModelSection model;
-  if (!ReadModelSection(root, units, &model)) return false;
-  c.expected_hz = model.expected_hz;
-  if (model.finite_element != nullptr) {
-    // Its groups are added below.
-    c.finite_element = std::shared_ptr<const ReducedStructure>(
-        model.finite_element, &model.finite_element->structure);
+
+ private:
+  bool ReadHead() {
+    if (!root_.AllowKeys({"title", "units", "model", "group", "element",
+                          "library", "network", "unknown_force", "record",
+                          "modal", "mode", "options", "simulate", "discover",
+                          "damage", "reference_curve"})) {
+      return false;
+    }
+    description_.title = root_.String("title");
+    return ReadUnits(root_, &units_) && ReadOptions(root_, &c_.options) &&
+           ReadSimulate(root_, &c_.noise_percent, &c_.noise_seed);
+  }
+
+  bool ReadModel() {
+    if (!ReadModelSection(root_, units_, &model_)) return false;
+    c_.expected_hz = model_.expected_hz;
+    if (model_.finite_element != nullptr) {
+      // Its groups are added below.
+      c_.finite_element = std::shared_ptr<const ReducedStructure>(
+          model_.finite_element, &model_.finite_element->structure);
+    }
+    return true;
   }
 
   // The inputs of the dynamics are known before its terms, which may look at
-  // them; the numbers of the records are read after the terms, which decide
-  // on the number of states.
-  std::vector<RecordSection> sections;
-  if (!ReadRecordSections(root, units, model.model, simulation, &sections)) {
-    return false;
-  }
-  std::vector<InputSpec> inputs = CollectInputs(sections, model.model);
-  if (!AddRecordSwitches(root, sections, &inputs)) return false;
-  auto dynamics =
-      std::make_shared<StructuralDynamics>(model.model, std::move(inputs));
-  TermsContext context;
-  context.units = &units;
-  context.model = &model;
-  context.default_seed = c.options.seed;
-  context.remarks = &description.remarks;
-  if (!ReadGroups(root, context, dynamics.get()) ||
-      !ReadElements(root, context, dynamics.get()) ||
-      !ReadLibraries(root, context, dynamics.get()) ||
-      !ReadUnknownForces(root, context, sections, dynamics.get()) ||
-      !ReadNetworks(root, context, dynamics.get()) ||
-      !ReadDiscover(root, *dynamics, &c.discover) ||
-      !ReadReferenceCurves(root, *dynamics, &description.reference_curves)) {
-    return false;
-  }
-  StructuralDynamics::Prepared prepared;
-  std::string message;
-  if (!dynamics->Prepare(dynamics->Parameters(), &prepared, &message)) {
-    return root.Fail("group", message +
-                                  " with the groups' initial values, "
-                                  "expected a positive definite one");
-  }
-  c.problem.dynamics = dynamics;
-
-  for (const RecordSection& section : sections) {
-    IdentificationRecord record;
-    if (!ReadRecordData(section, units, *dynamics, simulation, &record)) {
+  // them; the numbers of the records are read after the terms, which decide on
+  // the number of states.
+  bool ReadDynamics() {
+    if (!ReadRecordSections(root_, units_, model_.model, simulation_,
+                            &sections_)) {
       return false;
     }
-    // Until the steps are chosen, for which the other checks must have passed.
-    record.substeps = 1;
-    c.problem.records.push_back(std::move(record));
+    std::vector<InputSpec> inputs = CollectInputs(sections_, model_.model);
+    if (!AddRecordSwitches(root_, sections_, &inputs)) return false;
+    dynamics_ =
+        std::make_shared<StructuralDynamics>(model_.model, std::move(inputs));
+    TermsContext context;
+    context.units = &units_;
+    context.model = &model_;
+    context.default_seed = c_.options.seed;
+    context.remarks = &description_.remarks;
+    if (!ReadGroups(root_, context, dynamics_.get()) ||
+        !ReadElements(root_, context, dynamics_.get()) ||
+        !ReadLibraries(root_, context, dynamics_.get()) ||
+        !ReadUnknownForces(root_, context, sections_, dynamics_.get()) ||
+        !ReadNetworks(root_, context, dynamics_.get()) ||
+        !ReadDiscover(root_, *dynamics_, &c_.discover) ||
+        !ReadReferenceCurves(root_, *dynamics_,
+                             &description_.reference_curves)) {
+      return false;
+    }
+    StructuralDynamics::Prepared prepared;
+    std::string message;
+    if (!dynamics_->Prepare(dynamics_->Parameters(), &prepared, &message)) {
+      return root_.Fail("group", message +
+                                     " with the groups' initial values, "
+                                     "expected a positive definite one");
+    }
+    c_.problem.dynamics = dynamics_;
+    return true;
   }
-  if (!ReadModes(root, units, model.model, c.problem.num_train_records() > 0,
-                 &c.problem.modal)) {
-    return false;
+
+  bool ReadData() {
+    IdentificationProblem& problem = c_.problem;
+    for (const RecordSection& section : sections_) {
+      IdentificationRecord record;
+      if (!ReadRecordData(section, units_, *dynamics_, simulation_, &record)) {
+        return false;
+      }
+      // Until the steps are chosen, for which the other checks must have
+      // passed.
+      record.substeps = 1;
+      problem.records.push_back(std::move(record));
+    }
+    if (!ReadModes(root_, units_, model_.model, problem.num_train_records() > 0,
+                   &problem.modal)) {
+      return false;
+    }
+    RemarkOnModes(problem, &description_.remarks);
+    SpreadNetworksOfTime(root_, problem, dynamics_.get());
+    return ReadSensors(sections_, units_, &problem);
   }
-  RemarkOnModes(c.problem, &description.remarks);
-  SpreadNetworksOfTime(root, c.problem, dynamics.get());
-  if (!ReadSensors(sections, units, &c.problem) ||
-      !CheckNames(c.problem, &errors)) {
-    return false;
+
+  bool Check() {
+    if (!CheckNames(c_.problem, &errors_)) return false;
+    if (simulation_) return true;
+    if (!CheckUnknownForces(root_, sections_, c_.problem, &c_.options) ||
+        !ReadForceTruths(root_, units_, sections_,
+                         &description_.force_truths)) {
+      return false;
+    }
+    std::string message;
+    return (c_.problem.IsValid(&message) && c_.options.IsValid(&message)) ||
+           errors_.Fail(0, message);
   }
-  if (!simulation &&
-      (!CheckUnknownForces(root, sections, c.problem, &c.options) ||
-       !ReadForceTruths(root, units, sections, &description.force_truths))) {
-    return false;
+
+  bool SetSteps() {
+    for (size_t r = 0; r < sections_.size(); ++r) {
+      c_.problem.records[r].substeps = sections_[r].substeps;
+    }
+    int failed = 0;
+    std::string message;
+    return SetSubsteps(&c_.problem, &c_.substeps, &failed, &message) ||
+           sections_[static_cast<size_t>(failed)].table.Fail("substeps",
+                                                             message);
   }
-  if (!simulation &&
-      (!c.problem.IsValid(&message) || !c.options.IsValid(&message))) {
-    return errors.Fail(0, message);
-  }
-  if (!ReadDamage(root, c.problem, &c.damage)) return false;
-  for (size_t r = 0; r < sections.size(); ++r) {
-    c.problem.records[r].substeps = sections[r].substeps;
-  }
-  int failed = 0;
-  if (!SetSubsteps(&c.problem, &c.substeps, &failed, &message)) {
-    return sections[static_cast<size_t>(failed)].table.Fail("substeps",
-                                                            message);
-  }
-  *result = std::move(c);
-  return true;
-}
+
+  const bool simulation_;
+  Case c_;
+  CaseErrors errors_;
+  const TomlTable root_;
+  ProblemDescription& description_;
+  UnitSystem& units_;
+  ModelSection model_;
+  std::vector<RecordSection> sections_;
+  std::shared_ptr<StructuralDynamics> dynamics_;
+};
 
 bool Read(const std::string& path, bool simulation, Case* result,
           std::string* error) {
@@ -167,7 +203,7 @@ bool Read(const std::string& path, bool simulation, Case* result,
   if (!ReadTextFile(path, &text, error)) return false;
   auto source = std::make_shared<TomlValue>();
   if (!ParseToml(text, path, source.get(), error)) return false;
-  return ReadTree(source, path, simulation, result, error);
+  return CaseReader(source, path, simulation, error).Read(result);
 }
 
 }  // namespace
@@ -178,7 +214,8 @@ bool ReadCase(const std::string& path, Case* c, std::string* error) {
 
 bool ReadCaseTree(const TomlValue& tree, const std::string& path, Case* c,
                   std::string* error) {
-  return ReadTree(std::make_shared<TomlValue>(tree), path, false, c, error);
+  return CaseReader(std::make_shared<TomlValue>(tree), path, false, error)
+      .Read(c);
 }
 
 bool ReadCaseForSimulation(const std::string& path, Case* c,

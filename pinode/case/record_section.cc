@@ -183,6 +183,20 @@ class RecordReader {
   }
 
   bool ReadInputs() {
+    if (!ReadGrounds() || !ReadForces() || !ReadCovariates()) return false;
+    if (section_->has_excitation() &&
+        !table_.RequireKey("interpolation",
+                           "one of held, linear, cubic: what the excitation "
+                           "does between its samples")) {
+      return false;
+    }
+    const std::string interpolation =
+        table_.Choice("interpolation", {"held", "linear", "cubic"}, "linear");
+    return table_.errors()->ok() &&
+           ParseInterpolation(interpolation, &section_->interpolation);
+  }
+
+  bool ReadGrounds() {
     for (TomlTable& table : table_.Tables("ground", "record")) {
       table.set_name(table_.name() + ", ground");
       if (!table.AllowKeys({"direction", "column", "unit", "file", "scale",
@@ -210,6 +224,10 @@ class RecordReader {
         return false;
       }
     }
+    return true;
+  }
+
+  bool ReadForces() {
     for (TomlTable& table : table_.Tables("force", "record")) {
       table.set_name(table_.name() + ", force");
       if (!table.AllowKeys({"dof", "column", "unit", "file", "scale",
@@ -232,6 +250,10 @@ class RecordReader {
         return false;
       }
     }
+    return true;
+  }
+
+  bool ReadCovariates() {
     for (TomlTable& table : table_.Tables("covariate", "record")) {
       table.set_name(table_.name() + ", covariate");
       if (!table.AllowKeys({"name", "column", "file"})) return false;
@@ -250,16 +272,7 @@ class RecordReader {
         return false;
       }
     }
-    if (section_->has_excitation() &&
-        !table_.RequireKey("interpolation",
-                           "one of held, linear, cubic: what the excitation "
-                           "does between its samples")) {
-      return false;
-    }
-    const std::string interpolation =
-        table_.Choice("interpolation", {"held", "linear", "cubic"}, "linear");
-    return table_.errors()->ok() &&
-           ParseInterpolation(interpolation, &section_->interpolation);
+    return true;
   }
 
   // `dof` or `combination`.

@@ -82,18 +82,20 @@ std::array<double, 3> ColourOf(double probability) {
 
 }  // namespace
 
-Figure MakeChangeFigure(const ReportDamage& damage) {
+Figure MakeChangeFigure(const DamageResult& damage) {
   Figure figure;
   std::vector<std::string> labels;
   std::vector<double> changes, lows, highs, reds, greens, blues;
-  for (const ReportDamage::Change& change : damage.changes) {
+  const std::vector<size_t> shown = ShownChanges(damage);
+  for (const size_t j : shown) {
+    const GroupChange& change = damage.estimate.groups[j];
     if (static_cast<int>(labels.size()) == kMaxParameters) break;
-    if (!change.IsSeen()) continue;
-    labels.push_back(change.name);
+    if (!IsSeen(change)) continue;
+    labels.push_back(damage.subjects[j].name);
     changes.push_back(100.0 * change.change);
     lows.push_back(100.0 * change.lower95);
     highs.push_back(100.0 * change.upper95);
-    const std::array<double, 3> colour = ColourOf(change.probability);
+    const std::array<double, 3> colour = ColourOf(LossProbability(damage, j));
     reds.push_back(colour[0]);
     greens.push_back(colour[1]);
     blues.push_back(colour[2]);
@@ -104,7 +106,8 @@ Figure MakeChangeFigure(const ReportDamage& damage) {
                       80 + 24 * static_cast<int>(labels.size()));
   const std::vector<double> places =
       BeginBars(labels, changes, lows, highs, &script);
-  const std::string threshold = FormatNumber(-100.0 * damage.threshold, 6);
+  const std::string threshold =
+      FormatNumber(-100.0 * damage.options.threshold, 6);
   script.Line("set arrow from " + threshold + ", graph 0 to " + threshold +
               ", graph 1 nohead lc rgb '#888888' dt 2 lw 0.8");
   const std::string data =
@@ -120,9 +123,9 @@ Figure MakeChangeFigure(const ReportDamage& damage) {
   figure.caption =
       "Changes since the baseline with 95 % intervals. Colour: probability of "
       "a loss of more than " +
-      ReadableNumber(100.0 * damage.threshold, 3) +
+      ReadableNumber(100.0 * damage.options.threshold, 3) +
       " % (dashed), from grey (none) over orange (a half) to red (certain).";
-  if (labels.size() < damage.changes.size()) {
+  if (labels.size() < shown.size()) {
     figure.caption += " The others are in the table.";
   }
   return figure;

@@ -45,24 +45,27 @@ std::string Hundredths(double fraction) {
 
 }  // namespace
 
-TextTable MakeChangeTable(const ReportDamage& damage) {
+TextTable MakeChangeTable(const DamageResult& damage) {
   TextTable table(
       {{"change of", Align::kLeft},
        {"%", Align::kDecimal},
        {"95 % interval", Align::kDecimal},
-       {"P(loss > " + FormatNumber(100.0 * damage.threshold, 3) + " %)",
+       {"P(loss > " + FormatNumber(100.0 * damage.options.threshold, 3) + " %)",
         Align::kDecimal},
        {"", Align::kLeft}});
-  for (const ReportDamage::Change& change : damage.changes) {
-    if (!change.IsSeen()) {
-      table.AddRow({change.name, "", "not seen", "", ""});
+  for (const size_t j : ShownChanges(damage)) {
+    const std::string& name = damage.subjects[j].name;
+    const GroupChange& change = damage.estimate.groups[j];
+    if (!IsSeen(change)) {
+      table.AddRow({name, "", "not seen", "", ""});
       continue;
     }
+    const double probability = LossProbability(damage, j);
     table.AddRow(
-        {change.name, Hundredths(change.change),
+        {name, Hundredths(change.change),
          Hundredths(change.lower95) + " to " + Hundredths(change.upper95),
-         std::isfinite(change.probability)
-             ? FormatNumber(std::round(1e3 * change.probability) / 1e3, 3)
+         std::isfinite(probability)
+             ? FormatNumber(std::round(1e3 * probability) / 1e3, 3)
              : "",
          change.changed ? "changed" : ""});
   }

@@ -13,7 +13,7 @@ namespace pinode {
 // Named parameters: initial and identified value, half width of the 95 %
 // interval, unit, and "fixed", "at bound" or "no interval" where it applies.
 // What has changed since healthy records.
-TextTable MakeChangeTable(const ReportDamage& damage);
+TextTable MakeChangeTable(const DamageResult& damage);
 
 TextTable MakeParameterTable(const ReportInput& input);
 

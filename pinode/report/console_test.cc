@@ -131,10 +131,12 @@ TEST(Console, HasAllTables) {
 }
 
 TEST(Console, ShowsChangesThatTheDataShow) {
-  ReportDamage damage;
-  damage.threshold = 0.05;
-  damage.changes = {{"k1", -0.10004, -0.1213, -0.08, 0.99987, true},
-                    {"k2", 3e6, -1e12, 1e12, 0.5, false}};
+  DamageResult damage;
+  damage.options.threshold = 0.05;
+  const ChangeKind kind = ChangeKind::kStiffness;
+  testing::AddChange("k1", kind, -0.10004, -0.1213, -0.08, 0.99987, true,
+                     &damage);
+  testing::AddChange("k2", kind, 3e6, -1e12, 1e12, 0.5, false, &damage);
   const std::string text = MakeChangeTable(damage).ToText();
   EXPECT_THAT(text, HasSubstr("P(loss > 5 %)"));
   EXPECT_THAT(text, HasSubstr("-12.13 to -8"));

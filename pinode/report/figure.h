@@ -44,7 +44,7 @@ Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
 
 // Changes since healthy records with their intervals, bars coloured by the
 // probability of a loss beyond the threshold.
-Figure MakeChangeFigure(const ReportDamage& damage);
+Figure MakeChangeFigure(const DamageResult& damage);
 
 // An unknown force with its 95 % band, beside what it was in truth where that
 // is given: the whole record and the part where the force is largest.

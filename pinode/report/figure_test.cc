@@ -281,11 +281,12 @@ TEST_F(FigureTest, ShowsAForceWithoutABand) {
 }
 
 TEST_F(FigureTest, ColoursChangesByTheirProbability) {
-  ReportDamage damage;
-  damage.threshold = 0.05;
-  damage.changes = {{"k1", 0.002, -0.01, 0.014, 0.0, false},
-                    {"k2", -0.1, -0.12, -0.08, 1.0, true},
-                    {"k3", -0.05, -0.1, 0.0, 0.5, false}};
+  DamageResult damage;
+  damage.options.threshold = 0.05;
+  const ChangeKind kind = ChangeKind::kStiffness;
+  testing::AddChange("k1", kind, 0.002, -0.01, 0.014, 0.0, false, &damage);
+  testing::AddChange("k2", kind, -0.1, -0.12, -0.08, 1.0, true, &damage);
+  testing::AddChange("k3", kind, -0.05, -0.1, 0.0, 0.5, false, &damage);
   const Figure figure = MakeChangeFigure(damage);
   const std::string svg = Draw(figure);
   EXPECT_THAT(figure.caption, HasSubstr("a loss of more than 5"));
@@ -295,10 +296,10 @@ TEST_F(FigureTest, ColoursChangesByTheirProbability) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   // Of what the data do not show there is no bar.
-  damage.changes = {{"k1", 3e6, -1e12, 1e12, 0.5, false}};
+  damage = DamageResult();
+  testing::AddChange("k1", kind, 3e6, -1e12, 1e12, 0.5, false, &damage);
   EXPECT_TRUE(MakeChangeFigure(damage).empty());
-  damage.changes.clear();
-  EXPECT_TRUE(MakeChangeFigure(damage).empty());
+  EXPECT_TRUE(MakeChangeFigure(DamageResult()).empty());
 }
 
 }  // namespace

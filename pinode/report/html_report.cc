@@ -185,17 +185,17 @@ class PageMaker {
   }
 
   void AddDamage() {
-    if (!input_.damage.has_value()) {
+    if (input_.damage == nullptr) {
       page_.set("damage", Data(false));
       return;
     }
-    const ReportDamage& damage = *input_.damage;
+    const DamageResult& damage = *input_.damage;
     Data data;
-    data.set("sentence", damage.sentence);
-    data.set("alarm", damage.alarm);
+    data.set("sentence", damage.judgement.sentence);
+    data.set("alarm", damage.judgement.verdict != DamageVerdict::kNoDamage);
     std::vector<bool> strong;
-    for (const ReportDamage::Change& change : damage.changes) {
-      strong.push_back(change.changed);
+    for (const size_t j : ShownChanges(damage)) {
+      strong.push_back(damage.estimate.groups[j].changed);
     }
     data.set("changes", TableData(MakeChangeTable(damage), strong));
     SetIf("change_figure", figures_.changes >= 0,

@@ -273,16 +273,22 @@ TEST(HtmlReport, BeginsWithWhatHasChanged) {
   auto example = testing::MakeReportExample();
   EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
               Not(HasSubstr("Change since the baseline")));
-  ReportDamage damage;
-  damage.sentence = "Damage: k<2> (-10 %) lost stiffness.";
-  damage.alarm = true;
-  damage.threshold = 0.05;
-  damage.changes = {{"k2", -0.1, -0.12, -0.08, 1.0, true},
-                    {"c_mass", 0.01, -0.02, 0.04, std::nan(""), false}};
+  DamageResult damage;
+  damage.judgement.sentence = "Damage: k<2> (-10 %) lost stiffness.";
+  damage.judgement.verdict = DamageVerdict::kDamage;
+  damage.options.threshold = 0.05;
+  testing::AddChange("k2", ChangeKind::kStiffness, -0.1, -0.12, -0.08, 1.0,
+                     true, &damage);
+  testing::AddChange("c_mass", ChangeKind::kDamping, 0.01, -0.02, 0.04, 0.375,
+                     false, &damage);
+  // What was looked for and not found is not shown.
+  testing::AddChange("mass.u1", ChangeKind::kMass, 0.02, -0.1, 0.14, 0.5, false,
+                     &damage);
+  damage.subjects[2].place = "mass at u1";
   damage.baselines = {"results/last_year"};
   damage.places = {"mass at u1"};
   damage.remarks = {"Something to know."};
-  example->input.damage = damage;
+  example->input.damage = &damage;
   const std::string page = RenderHtmlReport(example->input, WithoutGnuplot());
   ExpectSelfContained(page);
   for (const char* text :
@@ -292,6 +298,8 @@ TEST(HtmlReport, BeginsWithWhatHasChanged) {
         "<li>Something to know.</li>", "Colour: probability of a loss"}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
+  EXPECT_THAT(page, Not(HasSubstr("mass.u1")));
+  EXPECT_THAT(page, Not(HasSubstr("0.375")));
   EXPECT_LT(page.find("Change since the baseline"),
             page.find("How well the model predicts"));
 }

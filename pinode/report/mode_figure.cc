@@ -18,16 +18,11 @@ Vector NormalisedShape(const Vector& shape, const Vector& like) {
   return shape * (sign / largest);
 }
 
-}  // namespace
-
-Figure MakeModeShapeFigure(const ReportInput& input) {
-  Figure figure;
-  const std::vector<std::string>& dofs =
-      input.problem->dynamics->model().dof_names;
-  const int num_dofs = static_cast<int>(dofs.size());
+// Modes that have shapes before and after, at most kMaxModes.
+std::vector<int> ModesToDraw(const std::vector<ModePair>& pairs, int num_dofs) {
   std::vector<int> modes;
-  for (size_t m = 0; m < input.prior.modes.size(); ++m) {
-    const ModePair& mode = input.prior.modes[m];
+  for (size_t m = 0; m < pairs.size(); ++m) {
+    const ModePair& mode = pairs[m];
     if (mode.initial_shape.size() == num_dofs &&
         mode.updated_shape.size() == num_dofs &&
         mode.initial_shape.allFinite() && mode.updated_shape.allFinite()) {
@@ -35,6 +30,38 @@ Figure MakeModeShapeFigure(const ReportInput& input) {
     }
     if (static_cast<int>(modes.size()) == kMaxModes) break;
   }
+  return modes;
+}
+
+// One panel; the first has the legend of all.
+void DrawMode(const ModePair& mode, const std::string& title, bool is_first,
+              FigureScript* script) {
+  std::vector<double> places;
+  for (Eigen::Index i = 0; i < mode.updated_shape.size(); ++i) {
+    places.push_back(static_cast<double>(i + 1));
+  }
+  script->Line("set title " + GnuplotString(title) + " offset 0,-0.5");
+  const std::string initial = script->Data(
+      {Column(NormalisedShape(mode.initial_shape, mode.updated_shape)),
+       places});
+  const std::string updated = script->Data(
+      {Column(NormalisedShape(mode.updated_shape, mode.updated_shape)),
+       places});
+  script->Line("plot " + initial + " using 1:2 with linespoints pt 6 ps 0.7 " +
+               kPriorLine + (is_first ? " title 'initial'" : " notitle") +
+               ", " + updated + " using 1:2 with linespoints pt 7 ps 0.5 " +
+               kUpdatedLine + (is_first ? " title 'updated'" : " notitle"));
+  script->Line("unset key");
+}
+
+}  // namespace
+
+Figure MakeModeShapeFigure(const ReportInput& input) {
+  Figure figure;
+  const std::vector<std::string>& dofs =
+      input.problem->dynamics->model().dof_names;
+  const int num_dofs = static_cast<int>(dofs.size());
+  const std::vector<int> modes = ModesToDraw(input.prior.modes, num_dofs);
   if (num_dofs < 2 || modes.empty()) return figure;
 
   const int count = static_cast<int>(modes.size());
@@ -55,10 +82,8 @@ Figure MakeModeShapeFigure(const ReportInput& input) {
               "," + fraction(height - 75.0, height) + " spacing " +
               fraction(75, width) + "," + fraction(60, height));
   std::vector<std::string> ticks;
-  std::vector<double> places;
   const int every = (num_dofs + 11) / 12;
   for (int i = 0; i < num_dofs; ++i) {
-    places.push_back(i + 1);
     if (i % every == 0) {
       ticks.push_back(GnuplotString(dofs[static_cast<size_t>(i)]) + " " +
                       std::to_string(i + 1));
@@ -72,24 +97,11 @@ Figure MakeModeShapeFigure(const ReportInput& input) {
   const double hz = input.problem->description.HzPerModelFrequency();
   for (size_t i = 0; i < modes.size(); ++i) {
     const ModePair& mode = input.prior.modes[static_cast<size_t>(modes[i])];
-    script.Line("set title " +
-                GnuplotString("mode " + std::to_string(modes[i] + 1) + ":  " +
-                              ReadableNumber(hz * mode.initial_frequency, 4) +
-                              " \u2192 " +
-                              ReadableNumber(hz * mode.updated_frequency, 4) +
-                              " Hz") +
-                " offset 0,-0.5");
-    const std::string initial = script.Data(
-        {Column(NormalisedShape(mode.initial_shape, mode.updated_shape)),
-         places});
-    const std::string updated = script.Data(
-        {Column(NormalisedShape(mode.updated_shape, mode.updated_shape)),
-         places});
-    script.Line("plot " + initial + " using 1:2 with linespoints pt 6 ps 0.7 " +
-                kPriorLine + (i == 0 ? " title 'initial'" : " notitle") + ", " +
-                updated + " using 1:2 with linespoints pt 7 ps 0.5 " +
-                kUpdatedLine + (i == 0 ? " title 'updated'" : " notitle"));
-    script.Line("unset key");
+    DrawMode(mode,
+             "mode " + std::to_string(modes[i] + 1) + ":  " +
+                 ReadableNumber(hz * mode.initial_frequency, 4) + " \u2192 " +
+                 ReadableNumber(hz * mode.updated_frequency, 4) + " Hz",
+             i == 0, &script);
   }
   script.Line("unset multiplot");
   figure.script = script.text();

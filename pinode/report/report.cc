@@ -230,6 +230,26 @@ double NoiseShare(const ReportInput& input, int record, int channel) {
   return sigma / std::sqrt(squares / count);
 }
 
+std::vector<size_t> ShownChanges(const DamageResult& damage) {
+  std::vector<size_t> shown;
+  for (size_t j = 0; j < damage.subjects.size(); ++j) {
+    if (damage.subjects[j].place.empty() || damage.estimate.groups[j].changed) {
+      shown.push_back(j);
+    }
+  }
+  return shown;
+}
+
+bool IsSeen(const GroupChange& change) {
+  return change.upper95 - change.lower95 < 20.0;
+}
+
+double LossProbability(const DamageResult& damage, size_t index) {
+  return damage.subjects[index].kind == ChangeKind::kStiffness
+             ? damage.estimate.groups[index].probability
+             : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::string FeatureUnit(const Feature& feature, const UnitSystem& units) {
   if (feature.OnDisplacement()) return UnitName(Dimension::kLength, units);
   if (feature.OnVelocity()) return UnitName(Dimension::kVelocity, units);

@@ -3,8 +3,6 @@
 #ifndef PINODE_REPORT_REPORT_H_
 #define PINODE_REPORT_REPORT_H_
 
-#include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,35 +12,10 @@
 #include "pinode/dynamics/feature.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/study/damage_analysis.h"
 #include "pinode/study/prior_comparison.h"
 
 namespace pinode {
-
-// What has changed since healthy records.
-struct ReportDamage {
-  struct Change {
-    std::string name;
-    // Fractions; of a nonlinear force, of the linear one at its place.
-    double change = 0.0;
-    double lower95 = 0.0;
-    double upper95 = 0.0;
-    // P(loss > threshold); NaN where a loss has no meaning.
-    double probability = std::numeric_limits<double>::quiet_NaN();
-    bool changed = false;
-
-    // Whether the data say anything of it: the numbers of what they do not show
-    // are those of rounding.
-    bool IsSeen() const { return upper95 - lower95 < 20.0; }
-  };
-
-  std::string sentence;
-  bool alarm = false;  // something has changed
-  double threshold = 0.0;
-  std::vector<Change> changes;
-  std::vector<std::string> baselines;
-  std::vector<std::string> places;  // where else was looked
-  std::vector<std::string> remarks;
-};
 
 // Where a report comes from.
 struct ReportOrigin {
@@ -61,7 +34,8 @@ struct ReportInput {
   PriorComparison prior;
   // In place of networks; nullptr: there was no discovery.
   const std::vector<DiscoveredEquation>* equations = nullptr;
-  std::optional<ReportDamage> damage;
+  // What has changed since healthy records; nullptr: nobody asked.
+  const DamageResult* damage = nullptr;
 
   ReportOrigin origin;
   std::string version;  // of pinode
@@ -87,6 +61,18 @@ std::string ChannelUnit(const ReportInput& input, int record, int channel);
 // Noise of the channel as a fraction of its fluctuation, sigma / rms(y -
 // mean(y)): the nrmse of a perfect model. NaN where it is not known.
 double NoiseShare(const ReportInput& input, int record, int channel);
+
+// The changes that are shown, as indices of damage.subjects: those of groups,
+// and what was found beside them.
+std::vector<size_t> ShownChanges(const DamageResult& damage);
+
+// Whether the data say anything of a change: the numbers of what they do not
+// show are those of rounding.
+bool IsSeen(const GroupChange& change);
+
+// P(loss > threshold) of damage.subjects[index]; NaN where a loss has no
+// meaning.
+double LossProbability(const DamageResult& damage, size_t index);
 
 // The unit of a feature's values; empty where it has none.
 std::string FeatureUnit(const Feature& feature, const UnitSystem& units);

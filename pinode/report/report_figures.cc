@@ -43,7 +43,7 @@ class Planner {
         figures_(*figures) {}
 
   void Plan() {
-    if (input_.damage.has_value()) {
+    if (input_.damage != nullptr) {
       figures_.changes = Add(MakeChangeFigure(*input_.damage));
     }
     figures_.parameters = Add(MakeParameterFigure(input_));

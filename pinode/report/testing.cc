@@ -358,6 +358,22 @@ DiscoveredTerm MakeTerm(const std::string& basis, const std::string& unit,
   return term;
 }
 
+void AddChange(const std::string& name, ChangeKind kind, double change,
+               double lower95, double upper95, double probability, bool changed,
+               DamageResult* damage) {
+  ChangeSubject subject;
+  subject.name = name;
+  subject.kind = kind;
+  damage->subjects.push_back(subject);
+  GroupChange of_group;
+  of_group.change = change;
+  of_group.lower95 = lower95;
+  of_group.upper95 = upper95;
+  of_group.probability = probability;
+  of_group.changed = changed;
+  damage->estimate.groups.push_back(of_group);
+}
+
 std::string FindHtmlFault(const std::string& html) {
   static const std::set<std::string> kVoid = {"meta", "br", "hr", "img",
                                               "link"};

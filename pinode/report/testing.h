@@ -33,6 +33,12 @@ DiscoveredTerm MakeTerm(const std::string& basis, const std::string& unit,
                         double coefficient, double half_width,
                         double regressed);
 
+// A change with its 95 % limits, in *damage, of a group of stiffness or
+// damping.
+void AddChange(const std::string& name, ChangeKind kind, double change,
+               double lower95, double upper95, double probability, bool changed,
+               DamageResult* damage);
+
 // Checks that every element opened in `html` is closed in its order (void
 // elements excepted) and that attribute values are quoted. Returns "" or what
 // is wrong, with the offset.

@@ -53,78 +53,90 @@ class Hash {
   std::uint64_t state_ = 0xcbf29ce484222325u;
 };
 
+void Add(const StructuralDynamics& dynamics, Hash* hash) {
+  const StructuralModel& model = dynamics.model();
+  for (const std::string& name : model.dof_names) hash->Add(name);
+  hash->Add(model.mass);
+  hash->Add(model.damping);
+  hash->Add(model.stiffness);
+  hash->Add(model.influence);
+  hash->Add(model.support_mass_coupling);
+  for (const GroupTerm& term : dynamics.groups()) {
+    hash->Add(static_cast<std::int64_t>(term.group.target));
+    hash->Add(term.group.matrix);
+  }
+  for (const LawTerm& term : dynamics.laws()) {
+    hash->Add(term.type);
+    hash->Add(term.outputs);
+    hash->Add(static_cast<std::int64_t>(term.acts_as));
+  }
+  for (const UnknownForceTerm& term : dynamics.unknown_forces()) {
+    hash->Add(term.history->Description());
+    hash->Add(Matrix(term.outputs));
+    hash->Add(static_cast<std::int64_t>(term.input));
+    for (const CombinationPrior::Combination& c : term.prior.combinations) {
+      hash->Add(static_cast<std::int64_t>(c.group));
+      hash->Add(Matrix(c.weights));
+    }
+    for (const double precision : term.prior.precisions) hash->Add(precision);
+  }
+  for (const NetworkTerm& term : dynamics.networks()) {
+    const NetworkArchitecture& architecture = term.network->architecture();
+    for (const int width : architecture.hidden_widths) {
+      hash->Add(static_cast<std::int64_t>(width));
+    }
+    hash->Add(static_cast<std::int64_t>(architecture.activation));
+    hash->Add(static_cast<std::int64_t>(architecture.gauge));
+    hash->Add(term.outputs);
+  }
+  for (const ParameterBlock& block : dynamics.blocks()) {
+    hash->Add(block);
+  }
+}
+
+void Add(const IdentificationRecord& record, Hash* hash) {
+  hash->Add(record.name);
+  hash->Add(static_cast<std::int64_t>(record.role));
+  hash->Add(static_cast<std::int64_t>(record.start));
+  hash->Add(static_cast<std::int64_t>(record.substeps));
+  hash->Add(record.sampling_step());
+  hash->Add(record.excitation->samples());
+  for (const MeasuredChannel& channel : record.channels) {
+    hash->Add(channel.observation.name);
+    hash->Add(static_cast<std::int64_t>(channel.observation.quantity));
+    hash->Add(Matrix(channel.observation.weights));
+    hash->Add(Matrix(channel.values));
+    hash->Add(channel.sigma);
+    hash->Add(static_cast<std::int64_t>(channel.fit));
+  }
+}
+
+void Add(const ModalData& modal, Hash* hash) {
+  if (!modal.empty()) {
+    hash->Add(static_cast<std::int64_t>(modal.form));
+  }
+  for (const MeasuredMode& mode : modal.modes) {
+    hash->Add(mode.name);
+    for (const double value :
+         {mode.frequency, mode.frequency_sigma, mode.frequency_weight,
+          mode.shape_sigma, mode.shape_weight, mode.residual_weight}) {
+      hash->Add(value);
+    }
+    for (const int dof : mode.dofs) hash->Add(static_cast<std::int64_t>(dof));
+    hash->Add(Matrix(mode.shape));
+  }
+}
+
 }  // namespace
 
 std::string ProblemHash(const IdentificationProblem& problem) {
   Hash hash;
-  const StructuralModel& model = problem.dynamics->model();
-  for (const std::string& name : model.dof_names) hash.Add(name);
-  hash.Add(model.mass);
-  hash.Add(model.damping);
-  hash.Add(model.stiffness);
-  hash.Add(model.influence);
-  hash.Add(model.support_mass_coupling);
-  for (const GroupTerm& term : problem.dynamics->groups()) {
-    hash.Add(static_cast<std::int64_t>(term.group.target));
-    hash.Add(term.group.matrix);
-  }
-  for (const LawTerm& term : problem.dynamics->laws()) {
-    hash.Add(term.type);
-    hash.Add(term.outputs);
-    hash.Add(static_cast<std::int64_t>(term.acts_as));
-  }
-  for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
-    hash.Add(term.history->Description());
-    hash.Add(Matrix(term.outputs));
-    hash.Add(static_cast<std::int64_t>(term.input));
-    for (const CombinationPrior::Combination& c : term.prior.combinations) {
-      hash.Add(static_cast<std::int64_t>(c.group));
-      hash.Add(Matrix(c.weights));
-    }
-    for (const double precision : term.prior.precisions) hash.Add(precision);
-  }
-  for (const NetworkTerm& term : problem.dynamics->networks()) {
-    const NetworkArchitecture& architecture = term.network->architecture();
-    for (const int width : architecture.hidden_widths) {
-      hash.Add(static_cast<std::int64_t>(width));
-    }
-    hash.Add(static_cast<std::int64_t>(architecture.activation));
-    hash.Add(static_cast<std::int64_t>(architecture.gauge));
-    hash.Add(term.outputs);
-  }
-  for (const ParameterBlock& block : problem.dynamics->blocks()) {
-    hash.Add(block);
-  }
+  Add(*problem.dynamics, &hash);
   hash.Add(problem.sensors);
   for (const IdentificationRecord& record : problem.records) {
-    hash.Add(record.name);
-    hash.Add(static_cast<std::int64_t>(record.role));
-    hash.Add(static_cast<std::int64_t>(record.start));
-    hash.Add(static_cast<std::int64_t>(record.substeps));
-    hash.Add(record.sampling_step());
-    hash.Add(record.excitation->samples());
-    for (const MeasuredChannel& channel : record.channels) {
-      hash.Add(channel.observation.name);
-      hash.Add(static_cast<std::int64_t>(channel.observation.quantity));
-      hash.Add(Matrix(channel.observation.weights));
-      hash.Add(Matrix(channel.values));
-      hash.Add(channel.sigma);
-      hash.Add(static_cast<std::int64_t>(channel.fit));
-    }
+    Add(record, &hash);
   }
-  if (!problem.modal.empty()) {
-    hash.Add(static_cast<std::int64_t>(problem.modal.form));
-  }
-  for (const MeasuredMode& mode : problem.modal.modes) {
-    hash.Add(mode.name);
-    for (const double value :
-         {mode.frequency, mode.frequency_sigma, mode.frequency_weight,
-          mode.shape_sigma, mode.shape_weight, mode.residual_weight}) {
-      hash.Add(value);
-    }
-    for (const int dof : mode.dofs) hash.Add(static_cast<std::int64_t>(dof));
-    hash.Add(Matrix(mode.shape));
-  }
+  Add(problem.modal, &hash);
   return hash.Text();
 }
 
