@@ -114,6 +114,10 @@ class LibraryFunction {
   };
 
   static double Apply(const Operation& operation, const double* values);
+  // The derivatives of an operation's value by its first two operands, a and b.
+  // False where it has none, or is flat wherever it has one.
+  static bool Differentiate(const Operation& operation, double a, double b,
+                            double value, double* by_first, double* by_second);
   // Fills `values`, one an operation, and returns the last.
   double Forward(const double* q, double* values) const;
 

@@ -10,15 +10,31 @@
 
 namespace pinode {
 
+bool LibraryLaw::AreValid(int num_features,
+                          const std::vector<LibraryFunction>& functions,
+                          std::string* error) {
+  if (num_features < 1 || num_features > kMaxFeatures) {
+    *error = std::to_string(num_features) + " features, expected 1 to " +
+             std::to_string(kMaxFeatures);
+    return false;
+  }
+  if (functions.empty()) {
+    *error = "a library term needs at least one function";
+    return false;
+  }
+  for (const LibraryFunction& function : functions) {
+    if (function.num_features() != num_features) {
+      *error = "'" + function.text() + "' is of other features than its term";
+      return false;
+    }
+  }
+  return true;
+}
+
 LibraryLaw::LibraryLaw(int num_features, std::vector<LibraryFunction> functions)
     : num_features_(num_features), functions_(std::move(functions)) {
-  CHECK(num_features > 0 && num_features <= kMaxFeatures)
-      << num_features << " features, expected 1 to " << kMaxFeatures;
-  CHECK(!functions_.empty()) << "a library term needs at least one function";
-  for (const LibraryFunction& function : functions_) {
-    CHECK_EQ(function.num_features(), num_features)
-        << "'" << function.text() << "' is of other features than its term";
-  }
+  std::string error;
+  CHECK(AreValid(num_features_, functions_, &error)) << error;
 }
 
 void LibraryLaw::Evaluate(const double* features, const double* /*internal*/,

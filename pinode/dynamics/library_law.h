@@ -23,7 +23,11 @@ class LibraryLaw final : public Law {
   static constexpr int kMaxFeatures = 256;
 
   // All functions are of the same `num_features` (1 to kMaxFeatures) features;
-  // there is at least one.
+  // there is at least one. AreValid says so in *error where it is not so; the
+  // constructor aborts.
+  [[nodiscard]] static bool AreValid(
+      int num_features, const std::vector<LibraryFunction>& functions,
+      std::string* error);
   LibraryLaw(int num_features, std::vector<LibraryFunction> functions);
 
   int num_features() const override { return num_features_; }
