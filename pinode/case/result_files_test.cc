@@ -243,7 +243,7 @@ TEST(ResultFilesTest, ModelCaseReadsBack) {
   for (int i = 0; i < 2; ++i) {
     StructuralDynamics::Prepared prepared;
     ASSERT_TRUE(both[i]->Prepare(both[i]->Parameters(), &prepared, &error));
-    auto stage = both[i]->MakeStage();
+    auto stage = both[i]->MakeLinearization();
     both[i]->Rate(prepared, 1.5, &input, state.data(), rates[i].data(), &stage);
   }
   EXPECT_LT((rates[0] - rates[1]).norm(), 1e-12 * rates[0].norm());
@@ -403,7 +403,7 @@ TEST(FoldedMatricesTest, AreTheJacobianOfALinearNetwork) {
     EXPECT_TRUE(folded.complete);
     StructuralDynamics::Prepared prepared;
     ASSERT_TRUE(dynamics.Prepare(theta, &prepared, &error)) << error;
-    auto stage = dynamics.MakeStage();
+    auto stage = dynamics.MakeLinearization();
     const Vector state = Vector::Constant(4, 0.3);
     dynamics.Linearize(prepared, 0.0, nullptr, state.data(), &stage);
     EXPECT_LT((-mass * stage.jacobian.bottomLeftCorner(2, 2) - folded.stiffness)

@@ -367,7 +367,7 @@ bool SampleTrajectories(const IdentificationProblem& problem,
   result.rates.resize(ns, total);
   result.inputs.resize(dynamics.num_inputs(), total);
   result.times.resize(total);
-  auto stage = dynamics.MakeStage();
+  auto stage = dynamics.MakeLinearization();
   Rk4Scratch<double> scratch(ns);
   int column = 0;
   for (size_t r = 0; r < problem.records.size(); ++r) {
@@ -669,7 +669,7 @@ bool DiscoverFromNetworks(const IdentificationProblem& problem,
                         &prepared, error)) {
     return false;
   }
-  data.mass = prepared.mass;
+  data.mass = prepared.linear.mass;
   for (const Matrix& sigma : NetworkUncertainty(problem, model, data.samples)) {
     for (Eigen::Index o = 0; o < sigma.rows(); ++o) {
       data.uncertainty.push_back(Rms(sigma.row(o).transpose()));
@@ -730,7 +730,7 @@ bool DiscoverFromDerivatives(const IdentificationProblem& problem,
   StructuralDynamics::Prepared prepared;
   if (!dynamics.Prepare(theta, &prepared, error)) return false;
   NetworkOutputs data;
-  data.mass = prepared.mass;
+  data.mass = prepared.linear.mass;
 
   // Smoothed records, less the samples of which they know little: those at the
   // ends.
@@ -738,7 +738,7 @@ bool DiscoverFromDerivatives(const IdentificationProblem& problem,
   begin.sigmas.resize(num_records);
   begin.starts.resize(num_records);
   std::vector<double> times;
-  auto stage = dynamics.MakeStage();
+  auto stage = dynamics.MakeLinearization();
   Matrix residuals(n, 0);
   const auto append = [](const Matrix& more, Matrix* all) {
     const Eigen::Index before = all->cols();
@@ -827,10 +827,14 @@ bool DiscoverFromDerivatives(const IdentificationProblem& problem,
 
   // residual = sum_j network_map_j outputs_j.
   Eigen::Index num_outputs = 0;
-  for (const Matrix& map : prepared.network_map) num_outputs += map.cols();
+  std::vector<Matrix> network_maps;
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    network_maps.push_back(dynamics.NetworkMap(prepared, static_cast<int>(j)));
+    num_outputs += network_maps.back().cols();
+  }
   Matrix map(n, num_outputs);
   num_outputs = 0;
-  for (const Matrix& part : prepared.network_map) {
+  for (const Matrix& part : network_maps) {
     map.middleCols(num_outputs, part.cols()) = part;
     num_outputs += part.cols();
   }
@@ -850,7 +854,7 @@ bool DiscoverFromDerivatives(const IdentificationProblem& problem,
     data.uncertainty.push_back(std::sqrt(value));
   }
   num_outputs = 0;
-  for (const Matrix& part : prepared.network_map) {
+  for (const Matrix& part : network_maps) {
     data.outputs.push_back(outputs.middleCols(num_outputs, part.cols()));
     num_outputs += part.cols();
   }

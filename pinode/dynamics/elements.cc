@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
@@ -178,6 +179,38 @@ std::vector<ElementParameterInfo> ElementParameters(const std::string& type) {
   CHECK(entry != nullptr) << "unknown element type '" << type
                           << "'; ask CreateElement first";
   return entry->parameters;
+}
+
+bool MakeElement(const std::string& name, const std::string& type, int num_dofs,
+                 int from, int to, const std::vector<double>& values,
+                 LawTerm* term, std::string* error) {
+  LawTerm made;
+  made.name = name;
+  made.type = type;
+  made.law = CreateElement(type, error);
+  if (made.law == nullptr) return false;
+  made.features = {Feature::Deformation(from, to),
+                   Feature::DeformationRate(from, to)};
+  if (!FeaturesExist(name, made.features, num_dofs, 0, error)) return false;
+  made.outputs = made.features[0].Selector(num_dofs).transpose();
+  made.parameters.name = name;
+  const std::vector<ElementParameterInfo> infos = ElementParameters(type);
+  if (values.size() != infos.size()) {
+    *error = "element '" + name + "' of type '" + type +
+             "': " + std::to_string(values.size()) + " values, expected " +
+             std::to_string(infos.size());
+    return false;
+  }
+  for (size_t i = 0; i < infos.size(); ++i) {
+    Parameter parameter;
+    parameter.name = name + "." + infos[i].name;
+    parameter.value = values[i];
+    parameter.lower = infos[i].lower;
+    parameter.upper = infos[i].upper;
+    made.parameters.parameters.push_back(parameter);
+  }
+  *term = std::move(made);
+  return true;
 }
 
 }  // namespace pinode

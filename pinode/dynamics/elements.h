@@ -9,6 +9,7 @@
 
 #include "pinode/base/parameter_block.h"
 #include "pinode/dynamics/law.h"
+#include "pinode/dynamics/law_term.h"
 
 namespace pinode {
 
@@ -46,6 +47,17 @@ std::unique_ptr<Law> CreateElement(const std::string& type, std::string* error);
 
 // One entry per parameter of the law, in its order; `type` must be known.
 std::vector<ElementParameterInfo> ElementParameters(const std::string& type);
+
+// The element between the points `from` and `to` (DOFs, or Feature::kGround) of
+// a structure with num_dofs DOFs, ready for StructuralDynamics::AddLaw: its
+// force resists d = x[to] - x[from] at both ends. `values` has one number per
+// entry of ElementParameters(type); the parameters "<name>.<entry's name>" are
+// free within the element's physical limits. False with a sentence in *error
+// where type, points or values do not fit; *term is untouched then.
+[[nodiscard]] bool MakeElement(const std::string& name, const std::string& type,
+                               int num_dofs, int from, int to,
+                               const std::vector<double>& values, LawTerm* term,
+                               std::string* error);
 
 }  // namespace pinode
 

@@ -38,26 +38,30 @@ Feature Feature::Input(int input) {
   return Make(Kind::kInput, kGround, kGround, input);
 }
 
-RowVector Feature::Selector(int num_dofs) const {
-  RowVector selector = RowVector::Zero(num_dofs);
+bool Feature::Exists(int num_dofs, int num_inputs) const {
   switch (kind) {
     case Kind::kDisplacement:
     case Kind::kVelocity:
-      CHECK(a >= 0 && a < num_dofs)
-          << "feature on DOF " << a << " of " << num_dofs;
-      selector[a] = 1.0;
-      break;
+      return a >= 0 && a < num_dofs;
     case Kind::kDeformation:
     case Kind::kDeformationRate:
-      CHECK(a < num_dofs && b < num_dofs && a != b)
-          << "feature between DOFs " << a << " and " << b << " of " << num_dofs;
-      if (a != kGround) selector[a] = -1.0;
-      if (b != kGround) selector[b] = 1.0;
-      break;
+      return a >= kGround && a < num_dofs && b >= kGround && b < num_dofs &&
+             a != b;
     case Kind::kTime:
+      return true;
     case Kind::kInput:
-      break;
+      return input >= 0 && input < num_inputs;
   }
+  return false;
+}
+
+RowVector Feature::Selector(int num_dofs) const {
+  CHECK(kind == Kind::kInput || Exists(num_dofs, 0))
+      << "feature of DOFs " << a << " and " << b << " of " << num_dofs;
+  RowVector selector = RowVector::Zero(num_dofs);
+  ForEachState(num_dofs, [&](int index, double sign) {
+    selector[index % num_dofs] = sign;
+  });
   return selector;
 }
 
@@ -82,6 +86,18 @@ std::string Feature::Name(const std::vector<std::string>& dof_names,
       return "input[" + input_names[static_cast<size_t>(input)] + "]";
   }
   return "";
+}
+
+bool FeaturesExist(const std::string& name,
+                   const std::vector<Feature>& features, int num_dofs,
+                   int num_inputs, std::string* error) {
+  for (const Feature& feature : features) {
+    if (!feature.Exists(num_dofs, num_inputs)) {
+      *error = "'" + name + "' looks at a DOF or an input that does not exist";
+      return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace pinode

@@ -49,6 +49,44 @@ struct Feature {
     return kind == Kind::kVelocity || kind == Kind::kDeformationRate;
   }
 
+  // Whether the DOFs or the input that it looks at exist.
+  [[nodiscard]] bool Exists(int num_dofs, int num_inputs) const;
+
+  // Calls visit(index, sign) for every entry of the state on which the feature
+  // depends: it is the sum of sign * state[index], unless it is the time or an
+  // input, which depend on none.
+  template <typename Visitor>
+  void ForEachState(int num_dofs, const Visitor& visit) const {
+    const int shift = OnVelocity() ? num_dofs : 0;
+    switch (kind) {
+      case Kind::kDisplacement:
+      case Kind::kVelocity:
+        visit(shift + a, 1.0);
+        break;
+      case Kind::kDeformation:
+      case Kind::kDeformationRate:
+        if (b != kGround) visit(shift + b, 1.0);
+        if (a != kGround) visit(shift + a, -1.0);
+        break;
+      case Kind::kTime:
+      case Kind::kInput:
+        break;
+    }
+  }
+
+  // The feature's value, on any scalar.
+  template <typename T>
+  T Value(int num_dofs, double time, const double* inputs,
+          const T* state) const {
+    if (kind == Kind::kTime) return T(time);
+    if (kind == Kind::kInput) return T(inputs[input]);
+    T value(0.0);
+    ForEachState(num_dofs, [&value, state](int index, double sign) {
+      value += sign * state[index];
+    });
+    return value;
+  }
+
   // Row of the linear map from x (or from v, for velocities) to the feature,
   // size num_dofs; zero for time and inputs.
   RowVector Selector(int num_dofs) const;
@@ -57,6 +95,22 @@ struct Feature {
   std::string Name(const std::vector<std::string>& dof_names,
                    const std::vector<std::string>& input_names) const;
 };
+
+// The values of all features, one after the other.
+template <typename T>
+void GatherFeatures(const std::vector<Feature>& features, int num_dofs,
+                    double time, const double* inputs, const T* state,
+                    T* values) {
+  for (size_t i = 0; i < features.size(); ++i) {
+    values[i] = features[i].Value(num_dofs, time, inputs, state);
+  }
+}
+
+// False, with *error saying so of the term `name`, where one does not exist.
+[[nodiscard]] bool FeaturesExist(const std::string& name,
+                                 const std::vector<Feature>& features,
+                                 int num_dofs, int num_inputs,
+                                 std::string* error);
 
 }  // namespace pinode
 

@@ -3,21 +3,9 @@
 #ifndef PINODE_DYNAMICS_LAW_H_
 #define PINODE_DYNAMICS_LAW_H_
 
-#include <string>
-#include <vector>
-
-#include "pinode/base/parameter_block.h"
-
-namespace ceres {
-template <typename T, int N>
-struct Jet;
-}  // namespace ceres
+#include "pinode/dynamics/wide_jet.h"
 
 namespace pinode {
-
-// The one Jet type that crosses virtual functions: wide enough to pay for a
-// pass through a whole step, used by `derivatives = "jets"`.
-using WideJet = ceres::Jet<double, 8>;
 
 // A force law with optional internal states,
 //

@@ -97,7 +97,7 @@ TEST(LibraryLaw, ActsAsAccelerationOrForce) {
     StructuralDynamics::Prepared prepared;
     ASSERT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
     const double state[] = {2.0, 1.0, 0.0, 0.0};
-    auto stage = dynamics.MakeStage();
+    auto stage = dynamics.MakeLinearization();
     dynamics.Linearize(prepared, 0.0, nullptr, state, &stage);
     const bool force = acts_as == ActsAs::kForce;
     EXPECT_DOUBLE_EQ(stage.rate[2], force ? -80.0 / 4.0 : 80.0);

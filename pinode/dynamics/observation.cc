@@ -103,11 +103,11 @@ void ObservationMap::Observe(const double* state, const double* rate,
   }
 }
 
-void ObservationMap::StateJacobian(const StructuralDynamics::Stage& stage,
+void ObservationMap::StateJacobian(const StructuralDynamics::Linearization& at,
                                    Matrix* jacobian) const {
   *jacobian = state_map_;
   if (uses_acceleration()) {
-    jacobian->noalias() += full_rate_map_ * stage.jacobian;
+    jacobian->noalias() += full_rate_map_ * at.jacobian;
   }
 }
 

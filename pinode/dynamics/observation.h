@@ -57,7 +57,7 @@ class ObservationMap {
                double* y) const;
 
   // d y / d state for the linearised dynamics, num_channels x num_states.
-  void StateJacobian(const StructuralDynamics::Stage& stage,
+  void StateJacobian(const StructuralDynamics::Linearization& at,
                      Matrix* jacobian) const;
 
   // Rows whose channel holds accelerations, and the map from the rate of the

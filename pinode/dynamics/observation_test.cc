@@ -50,12 +50,12 @@ TEST(Observation, StateJacobianIsTheDerivative) {
   const double input[] = {0.4, -0.9, 2.1};
   const int ns = dynamics->num_states();
   Vector state = Vector::LinSpaced(ns, -0.4, 0.6);
-  auto stage = dynamics->MakeStage();
+  auto stage = dynamics->MakeLinearization();
   dynamics->Linearize(prepared, 1.0, input, state.data(), &stage);
   Matrix jacobian;
   map.StateJacobian(stage, &jacobian);
   const auto observe = [&](const Vector& h) {
-    auto scratch = dynamics->MakeStage();
+    auto scratch = dynamics->MakeLinearization();
     Vector rate(ns);
     dynamics->Rate(prepared, 1.0, input, h.data(), rate.data(), &scratch);
     Vector y(2);

@@ -4,95 +4,21 @@
 #ifndef PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 #define PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
-#include "pinode/dynamics/feature.h"
-#include "pinode/dynamics/law.h"
-#include "pinode/dynamics/unknown_force.h"
-#include "pinode/network/network.h"
+#include "pinode/dynamics/group_term.h"
+#include "pinode/dynamics/law_term.h"
+#include "pinode/dynamics/linear_dynamics.h"
+#include "pinode/dynamics/network_term.h"
+#include "pinode/dynamics/term.h"
+#include "pinode/dynamics/unknown_force_term.h"
 #include "pinode/structure/structural_model.h"
 
 namespace pinode {
-
-// One entry of the input vector u(t).
-struct InputSpec {
-  enum class Kind {
-    kGroundAcceleration,  // index: direction of the structural model
-    kForce,               // index: DOF
-    kCovariate,           // a measured quantity that groups or terms follow
-    kGroundDisplacement,  // index: direction; for absolute displacements
-    kRecordSwitch,        // one in one record, zero in all others
-  };
-  Kind kind = Kind::kForce;
-  int index = 0;
-  std::string name;
-};
-
-// A correction alpha * matrix to K, C or M, optionally times
-// (u[covariate] - reference) or (t - reference).
-struct GroupTerm {
-  enum class Follows { kNothing, kTime, kCovariate };
-  MatrixGroup group;
-  Parameter alpha;
-  // How many times the group's matrix the model's matrices hold already: alpha
-  // is a change of `present`, 0.1 more than 1 unless these were updated before.
-  double present = 1.0;
-  Follows follows = Follows::kNothing;
-  int input = -1;          // kCovariate
-  double reference = 0.0;  // seconds, or the covariate's unit
-};
-
-// What a term's result is: as an acceleration, outputs * result is added to
-// dv/dt; as a force it resists, that is, outputs * result is subtracted from
-// the right-hand side of the equation of motion.
-enum class ActsAs { kAcceleration, kForce };
-
-// A law. `outputs` (num_dofs x law outputs) puts its results on the DOFs.
-struct LawTerm {
-  std::string name;
-  std::string type;  // an element type, "library" (see LibraryLaw), or "user"
-  std::shared_ptr<const Law> law;
-  std::vector<Feature> features;
-  Matrix outputs;
-  ActsAs acts_as = ActsAs::kForce;
-  ParameterBlock parameters;
-};
-
-// A force that nobody measured: outputs * F(t) is added to the right-hand side.
-struct UnknownForceTerm {
-  std::string name;
-  std::shared_ptr<const ForceHistory> history;
-  Vector outputs;  // num_dofs
-  // What happens in one record does not happen in another: an input that is
-  // one in the force's record and zero in all others, by which the force is
-  // multiplied. -1: the force acts in every record.
-  int input = -1;
-  ParameterBlock parameters;
-  CombinationPrior prior;  // empty: none but the parameters' own
-};
-
-// A network.
-struct NetworkTerm {
-  using ActsAs = pinode::ActsAs;
-  std::string name;
-  std::shared_ptr<const Network> network;
-  std::vector<Feature> features;
-  Matrix outputs;  // num_dofs x network outputs
-  std::vector<std::string> output_names;
-  ActsAs acts_as = ActsAs::kAcceleration;
-  ParameterBlock weights;
-  // Weight decay: negative asks for the evidence's choice, otherwise the
-  // precision of a zero-mean Gaussian prior.
-  double decay = -1.0;
-  // The weights were drawn at random and may be drawn again on the way to a
-  // simpler network; false where they were learned before.
-  bool drawn = true;
-};
 
 // The equation of motion of Lai et al. (2021), eqs. (5), (13), (15), (18), in
 // first-order form with state h = [x; v; z]:
@@ -103,14 +29,27 @@ struct NetworkTerm {
 //   dz/dt = r(q, z)                                    (hysteretic laws)
 //
 // with M, C, K the model's matrices plus group corrections, and
-// B u = -(M r + M_fs) a_g for ground motion.
+// B u = -(M r + M_fs) a_g for ground motion. What is linear with constant
+// matrices is LinearDynamics, everything else a list of terms (term.h); here
+// they are put together.
 //
 // Build it once, add the terms, then only read: all const functions are safe
-// to call from several threads, each with its own Stage objects.
+// to call from several threads, each with its own Linearization objects.
 class StructuralDynamics {
  public:
-  // `model` must be valid (StructuralModel::IsValid).
+  // From a model and inputs that are known to be valid
+  // (LinearDynamics::IsValid); others abort.
   StructuralDynamics(StructuralModel model, std::vector<InputSpec> inputs);
+
+  // From any: nullptr with a sentence in *error where they are not valid.
+  [[nodiscard]] static std::unique_ptr<StructuralDynamics> Create(
+      StructuralModel model, std::vector<InputSpec> inputs, std::string* error);
+
+  // Copies have terms of their own.
+  StructuralDynamics(const StructuralDynamics& other);
+  StructuralDynamics& operator=(const StructuralDynamics& other);
+  StructuralDynamics(StructuralDynamics&& other) = default;
+  StructuralDynamics& operator=(StructuralDynamics&& other) = default;
 
   // Each returns false with a sentence in *error where sizes, features, DOFs
   // or parameters do not fit; nothing is added then.
@@ -118,43 +57,54 @@ class StructuralDynamics {
   [[nodiscard]] bool AddLaw(LawTerm term, std::string* error);
   [[nodiscard]] bool AddUnknownForce(UnknownForceTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
+  // A named element between two DOFs, see MakeElement.
+  [[nodiscard]] bool AddElement(const std::string& name,
+                                const std::string& type, int from, int to,
+                                const std::vector<double>& values,
+                                std::string* error);
+  // A term of any kind.
+  [[nodiscard]] bool AddTerm(std::unique_ptr<Term> term, std::string* error);
 
-  const StructuralModel& model() const { return model_; }
-  const std::vector<InputSpec>& inputs() const { return inputs_; }
-  const std::vector<GroupTerm>& groups() const { return groups_; }
-  const std::vector<LawTerm>& laws() const { return laws_; }
-  const std::vector<UnknownForceTerm>& unknown_forces() const {
-    return unknown_forces_;
+  const LinearDynamics& linear_dynamics() const { return linear_; }
+  const StructuralModel& model() const { return linear_.model(); }
+  const std::vector<InputSpec>& inputs() const { return linear_.inputs(); }
+  const std::vector<GroupTerm>& groups() const;
+  TermRange<LawTerm> laws() const { return Range<LawTerm>(TermKind::kLaw); }
+  TermRange<UnknownForceTerm> unknown_forces() const {
+    return Range<UnknownForceTerm>(TermKind::kUnknownForce);
   }
-  const std::vector<NetworkTerm>& networks() const { return networks_; }
+  TermRange<NetworkTerm> networks() const {
+    return Range<NetworkTerm>(TermKind::kNetwork);
+  }
+  // All terms, in the order of their blocks: block b is that of term b.
+  int num_terms() const { return static_cast<int>(terms_.size()); }
+  const Term& term(int term) const { return *terms_[Index(term)]; }
 
-  int num_dofs() const { return model_.num_dofs(); }
+  int num_dofs() const { return linear_.num_dofs(); }
   int num_internal() const { return num_internal_; }
   int num_states() const { return 2 * num_dofs() + num_internal_; }
-  int num_inputs() const { return static_cast<int>(inputs_.size()); }
+  int num_inputs() const { return linear_.num_inputs(); }
   // "x[u1]", "v[u1]", "z[name]".
   std::vector<std::string> StateNames() const;
 
   // The flat parameter vector theta: one block for all groups (named
   // "groups"; absent where there are none), one per law, one per unknown force,
-  // one per network.
+  // one per term of another kind, one per network.
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   // Indices of the terms' blocks.
   int unknown_force_block(int force) const {
-    return network_block(0) - static_cast<int>(unknown_forces_.size()) + force;
+    return FirstOf(TermKind::kUnknownForce) + force;
   }
   int network_block(int network) const {
-    return static_cast<int>(blocks_.size() - networks_.size()) + network;
+    return FirstOf(TermKind::kNetwork) + network;
   }
-  int block_offset(int block) const {
-    return block_offsets_[static_cast<size_t>(block)];
-  }
+  int block_offset(int block) const { return offsets_[Index(block)].parameter; }
   int num_parameters() const { return num_parameters_; }
   Vector Parameters() const;
   void SetParameters(const Vector& theta);
 
-  // Tangents are computed for whole blocks; a block in which nothing is free
-  // has no columns. tangent_columns()[j] is the index in theta of column j.
+  // The free parameters, in their order: tangent_columns()[j] is the index in
+  // theta of tangent column j.
   const std::vector<int>& tangent_columns() const { return tangent_columns_; }
   int num_tangent_columns() const {
     return static_cast<int>(tangent_columns_.size());
@@ -163,58 +113,52 @@ class StructuralDynamics {
   // Everything that depends on theta alone.
   struct Prepared {
     Vector theta;
-    Matrix mass, damping, stiffness;  // with the constant groups
-    Matrix mass_inverse;
-    Matrix input_map;       // num_dofs x inputs: acceleration per unit input
-    Matrix input_force;     // num_dofs x inputs: force per unit input
-    Matrix state_jacobian;  // of the linear part, num_states x num_states
-    std::vector<Matrix> law_map;            // signed, per law
-    std::vector<Vector> unknown_force_map;  // M^-1 s, per unknown force
-    std::vector<Matrix> network_map;        // signed, per network
+    LinearSystem linear;
+    std::vector<std::unique_ptr<TermPrepared>> terms;
   };
-  // False where the corrected mass matrix is not positive definite.
+  // False with a sentence where the corrected mass matrix is not positive
+  // definite, and where theta has another size than num_parameters.
   [[nodiscard]] bool Prepare(const Vector& theta, Prepared* prepared,
                              std::string* error) const;
+  // dv/dt by the outputs of a network, num_dofs x outputs.
+  const Matrix& NetworkMap(const Prepared& prepared, int network) const {
+    return prepared.terms[Index(network_block(network))]->output_map;
+  }
 
   // The dynamics linearised at one (t, h, u): what a Runge-Kutta stage keeps.
-  struct Stage {
+  struct Linearization {
     Vector rate;      // dh/dt
     Matrix jacobian;  // d rate / d h
     // The rest is the factored derivative by theta, see AddParameterTangents.
     Vector force_acceleration;  // a without what acts as an acceleration
-    Matrix group_forces;        // num_dofs x groups, times the followed value
-    std::vector<Matrix> law_jacobians;  // results x arguments, row-major data
-    std::vector<ForceHistory::Local> unknown_forces;  // times their input
-    std::vector<NetworkTangent> network_tangents;
-    // Scratch.
-    std::vector<NetworkWorkspace> network_workspaces;
-    Vector features, outputs, mapped;
+    Matrix change_forces;       // see LinearDynamics::ChangeForces
+    std::vector<std::unique_ptr<TermLinearization>> terms;
   };
-  Stage MakeStage() const;
+  Linearization MakeLinearization() const;
 
   // rate: num_states values.
   void Rate(const Prepared& prepared, double time, const double* input,
-            const double* state, double* rate, Stage* scratch) const;
+            const double* state, double* rate, Linearization* scratch) const;
 
-  // Fills *stage; no memory is allocated.
+  // Fills *linearization; no memory is allocated.
   void Linearize(const Prepared& prepared, double time, const double* input,
-                 const double* state, Stage* stage) const;
+                 const double* state, Linearization* linearization) const;
 
   // Working memory of AddParameterTangents for a given number of rows.
   struct TangentScratch {
-    Matrix velocity_map;                      // rows x num_dofs
-    std::vector<std::array<Matrix, 4>> left;  // per network and stage
-    std::vector<NetworkWorkspace> network_workspaces;
+    int rows = 0;
+    LinearDynamics::TangentScratch linear;
+    std::vector<std::unique_ptr<TermTangentScratch>> terms;
   };
   TangentScratch MakeTangentScratch(int rows) const;
 
-  // *result += sum_s left_s * (d rate / d theta)_s over up to four stages,
+  // *result += sum_s left_s * (d rate / d theta)_s over up to four points,
   // with left_s of rows x num_states and result of rows x
   // num_tangent_columns. Networks enter as one small matrix product per layer
-  // for all stages together; nothing is allocated.
+  // for all points together; nothing is allocated.
   void AddParameterTangents(const Prepared& prepared,
-                            const Stage* const* stages,
-                            const Matrix* const* lefts, int num_stages,
+                            const Linearization* const* points,
+                            const Matrix* const* lefts, int num_points,
                             TangentScratch* scratch, double* result) const;
 
   // The same right-hand side on Jets, for derivatives = "jets": `theta` as
@@ -226,38 +170,42 @@ class StructuralDynamics {
   StructuralModel CorrectedModel(const Vector& theta) const;
 
  private:
-  void LinearRate(const Prepared& prepared, double time, const double* input,
-                  const double* state, double* rate) const;
-  // a += the unknown forces' share; fills stage->unknown_forces.
-  void AddUnknownForces(const Prepared& prepared, double time,
-                        const double* input, double* a, Stage* stage) const;
-  double Followed(const GroupTerm& term, double time,
-                  const double* input) const;
-  void GatherFeatures(const std::vector<Feature>& features, double time,
-                      const double* input, const double* state,
-                      double* values) const;
-  void RebuildBlocks();
-  [[nodiscard]] bool CheckFeatures(const std::string& term,
-                                   const std::vector<Feature>& features,
-                                   std::string* error) const;
+  // Where a term's parameters, tangents and internal states begin.
+  struct Offsets {
+    int parameter = 0;
+    int column = 0;
+    TermPlace place;
+  };
 
-  StructuralModel model_;
-  std::vector<InputSpec> inputs_;
-  std::vector<GroupTerm> groups_;
-  std::vector<LawTerm> laws_;
-  std::vector<UnknownForceTerm> unknown_forces_;
-  std::vector<NetworkTerm> networks_;
+  static size_t Index(int i) { return static_cast<size_t>(i); }
+  // The first term of a kind or of those behind it.
+  int FirstOf(TermKind kind) const;
+  template <typename Description>
+  TermRange<Description> Range(TermKind kind) const;
+  // Finds blocks, offsets and changes of the matrices anew.
+  void Layout();
+  template <typename T>
+  TermPoint<T> PointOf(int term, double time, const double* input,
+                       const T* state, const T* theta) const;
+  template <typename T>
+  TermRate<T> RateOf(int term, T* rate, T* force_acceleration) const;
+
+  LinearDynamics linear_;
+  std::vector<std::unique_ptr<Term>> terms_;  // by kind, then as added
+  std::vector<Offsets> offsets_;              // of each term
+  std::vector<ParameterBlock> blocks_;        // of each term
+  std::vector<int> tangent_columns_;
   int num_internal_ = 0;
   int num_parameters_ = 0;
-  std::vector<ParameterBlock> blocks_;
-  std::vector<int> block_offsets_;
-  std::vector<int> tangent_columns_;
-  // Offsets in theta and in the tangent columns (-1: none) per term.
-  std::vector<int> law_offset_, unknown_force_offset_, network_offset_;
-  int group_tangent_ = -1;
-  std::vector<int> law_tangent_, unknown_force_tangent_, network_tangent_;
-  std::vector<int> law_internal_offset_;
 };
+
+template <typename Description>
+TermRange<Description> StructuralDynamics::Range(TermKind kind) const {
+  const int first = FirstOf(kind);
+  int last = first;
+  while (last < num_terms() && term(last).kind() == kind) ++last;
+  return TermRange<Description>(terms_.data() + first, Index(last - first));
+}
 
 }  // namespace pinode
 

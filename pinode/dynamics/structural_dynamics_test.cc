@@ -1,9 +1,10 @@
 #include "pinode/dynamics/structural_dynamics.h"
 
-#include <ceres/jet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "pinode/dynamics/elements.h"
@@ -21,31 +22,6 @@ Vector SomeState(int size) {
   return state;
 }
 
-// All derivatives of dh/dt by Jets, columns: states then parameters.
-Matrix JetJacobian(const StructuralDynamics& dynamics,
-                   const StructuralDynamics::Prepared& prepared,
-                   const Vector& state) {
-  const int ns = dynamics.num_states();
-  const int np = dynamics.num_parameters();
-  constexpr int kWidth = 8;
-  Matrix jacobian(ns, ns + np);
-  std::vector<WideJet> h(ns), theta(np), rate(ns);
-  for (int begin = 0; begin < ns + np; begin += kWidth) {
-    for (int i = 0; i < ns; ++i) h[i] = WideJet(state[i]);
-    for (int i = 0; i < np; ++i) theta[i] = WideJet(prepared.theta[i]);
-    const int count = std::min(kWidth, ns + np - begin);
-    for (int k = 0; k < count; ++k) {
-      const int column = begin + k;
-      (column < ns ? h[column] : theta[column - ns]).v[k] = 1.0;
-    }
-    dynamics.Rate(prepared, kTime, kInput, h.data(), theta.data(), rate.data());
-    for (int i = 0; i < ns; ++i) {
-      for (int k = 0; k < count; ++k) jacobian(i, begin + k) = rate[i].v[k];
-    }
-  }
-  return jacobian;
-}
-
 TEST(StructuralDynamics, AgreesWithJetsForEveryTerm) {
   const auto dynamics = testing::MakeEverything();
   std::string error;
@@ -57,23 +33,24 @@ TEST(StructuralDynamics, AgreesWithJetsForEveryTerm) {
   ASSERT_EQ(dynamics->num_tangent_columns(), np);
   const Vector state = SomeState(ns);
 
-  auto stage = dynamics->MakeStage();
-  dynamics->Linearize(prepared, kTime, kInput, state.data(), &stage);
+  auto point = dynamics->MakeLinearization();
+  dynamics->Linearize(prepared, kTime, kInput, state.data(), &point);
   Vector rate(ns);
-  auto scratch = dynamics->MakeStage();
+  auto scratch = dynamics->MakeLinearization();
   dynamics->Rate(prepared, kTime, kInput, state.data(), rate.data(), &scratch);
-  EXPECT_LT((rate - stage.rate).norm(), 1e-13 * rate.norm());
+  EXPECT_LT((rate - point.rate).norm(), 1e-13 * rate.norm());
 
   const Matrix identity = Matrix::Identity(ns, ns);
-  const StructuralDynamics::Stage* stages[] = {&stage};
+  const StructuralDynamics::Linearization* points[] = {&point};
   const Matrix* lefts[] = {&identity};
   auto tangent_scratch = dynamics->MakeTangentScratch(ns);
   Matrix by_theta = Matrix::Zero(ns, np);
-  dynamics->AddParameterTangents(prepared, stages, lefts, 1, &tangent_scratch,
+  dynamics->AddParameterTangents(prepared, points, lefts, 1, &tangent_scratch,
                                  by_theta.data());
 
-  const Matrix jets = JetJacobian(*dynamics, prepared, state);
-  EXPECT_LT((stage.jacobian - jets.leftCols(ns)).norm(),
+  const Matrix jets =
+      testing::JetJacobian(*dynamics, prepared, kTime, kInput, state);
+  EXPECT_LT((point.jacobian - jets.leftCols(ns)).norm(),
             1e-12 * jets.leftCols(ns).norm());
   for (int j = 0; j < np; ++j) {
     EXPECT_LT((by_theta.col(j) - jets.col(ns + j)).norm(),
@@ -82,7 +59,7 @@ TEST(StructuralDynamics, AgreesWithJetsForEveryTerm) {
   }
 }
 
-TEST(StructuralDynamics, LinearPartIsTheEquationOfMotion) {
+TEST(StructuralDynamics, LinearDynamicsIsTheEquationOfMotion) {
   // M a + C v + K x = f - M r a_g by hand for two DOFs.
   StructuralModel model = testing::MakeChain(2, 10.0, 0.5);
   model.mass.diagonal() << 2.0, 4.0;
@@ -95,7 +72,7 @@ TEST(StructuralDynamics, LinearPartIsTheEquationOfMotion) {
   const double state[] = {0.1, 0.3, -1.0, 2.0};
   const double input[] = {0.7, 5.0};
   double rate[4];
-  auto scratch = dynamics.MakeStage();
+  auto scratch = dynamics.MakeLinearization();
   dynamics.Rate(prepared, 0.0, input, state, rate, &scratch);
   EXPECT_DOUBLE_EQ(rate[0], -1.0);
   EXPECT_DOUBLE_EQ(rate[1], 2.0);
@@ -105,7 +82,7 @@ TEST(StructuralDynamics, LinearPartIsTheEquationOfMotion) {
   EXPECT_NEAR(rate[3], (5.0 - 2.0 - 1.5) / 4.0 - 0.7, 1e-14);
 }
 
-TEST(StructuralDynamics, FixedBlocksHaveNoTangentColumns) {
+TEST(StructuralDynamics, FixedParametersHaveNoTangentColumns) {
   auto dynamics = testing::MakeEverything();
   StructuralDynamics copy(dynamics->model(), dynamics->inputs());
   std::string error;
@@ -114,8 +91,11 @@ TEST(StructuralDynamics, FixedBlocksHaveNoTangentColumns) {
   ASSERT_TRUE(copy.AddGroup(group, &error)) << error;
   LawTerm law = dynamics->laws()[0];
   ASSERT_TRUE(copy.AddLaw(law, &error)) << error;
-  EXPECT_EQ(copy.num_parameters(), 3);
-  EXPECT_THAT(copy.tangent_columns(), ::testing::ElementsAre(1, 2));
+  law.name = law.parameters.name = "half fixed";
+  law.parameters.parameters[0].free = false;
+  ASSERT_TRUE(copy.AddLaw(law, &error)) << error;
+  EXPECT_EQ(copy.num_parameters(), 5);
+  EXPECT_THAT(copy.tangent_columns(), ::testing::ElementsAre(1, 2, 4));
 }
 
 TEST(StructuralDynamics, RefusesWhatDoesNotFit) {
@@ -136,6 +116,102 @@ TEST(StructuralDynamics, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(dynamics.AddGroup(group, &error));
   EXPECT_THAT(error, ::testing::HasSubstr("mass cannot follow"));
   EXPECT_EQ(dynamics.num_parameters(), 0);
+}
+
+TEST(StructuralDynamics, RefusesModelsAndInputsThatDoNotFit) {
+  std::string error;
+  const StructuralModel model = testing::MakeChain(2, 1.0, 0.1);
+  EXPECT_NE(StructuralDynamics::Create(model, {}, &error), nullptr) << error;
+  using Kind = InputSpec::Kind;
+  for (Kind kind :
+       {Kind::kForce, Kind::kGroundAcceleration, Kind::kGroundDisplacement}) {
+    for (int index : {-1, 2}) {
+      EXPECT_EQ(
+          StructuralDynamics::Create(model, {{kind, index, "in"}}, &error),
+          nullptr);
+      EXPECT_THAT(error, ::testing::HasSubstr("input 'in' needs a "));
+    }
+  }
+  StructuralModel bad = model;
+  bad.mass(0, 0) = -1.0;
+  EXPECT_EQ(StructuralDynamics::Create(bad, {}, &error), nullptr);
+  EXPECT_EQ(StructuralDynamics::Create({}, {}, &error), nullptr);
+}
+
+TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
+  const auto all = testing::MakeEverything();
+  StructuralDynamics dynamics(all->model(), {});
+  std::string error;
+  const auto refused = [&](bool added, const char* why) {
+    EXPECT_FALSE(added);
+    EXPECT_THAT(error, ::testing::HasSubstr(why));
+  };
+  refused(dynamics.AddTerm(nullptr, &error), "no term");
+  refused(dynamics.AddLaw(LawTerm(), &error), "has no law");
+  refused(dynamics.AddNetwork(NetworkTerm(), &error), "has no network");
+  refused(dynamics.AddUnknownForce(UnknownForceTerm(), &error),
+          "has no history");
+  LawTerm law = all->laws()[0];
+  law.outputs.resize(2, 1);
+  refused(dynamics.AddLaw(law, &error), "outputs do not fit");
+  law = all->laws()[0];
+  law.outputs(0, 0) = std::nan("");
+  refused(dynamics.AddLaw(law, &error), "not finite");
+  law = all->laws()[0];
+  law.features[0].b = 3;
+  refused(dynamics.AddLaw(law, &error), "does not exist");
+  NetworkTerm network = all->networks()[0];
+  network.weights.parameters.pop_back();
+  refused(dynamics.AddNetwork(network, &error), "weights");
+  refused(dynamics.AddNetwork(all->networks()[1], &error), "an input");
+  UnknownForceTerm force = all->unknown_forces()[0];
+  force.prior.precisions = {-1.0};
+  force.prior.combinations.resize(1);
+  force.prior.combinations[0] = {1, 0, Vector::Ones(1)};
+  refused(dynamics.AddUnknownForce(force, &error), "its prior does not fit");
+  force.prior.combinations[0] = {0, 7, Vector::Ones(2)};
+  refused(dynamics.AddUnknownForce(force, &error), "its prior does not fit");
+  force.prior.combinations[0] = {0, 7, Vector::Ones(1)};
+  force.parameters.parameters[3].free = false;
+  refused(dynamics.AddUnknownForce(force, &error), "are free, or none");
+  force.input = 0;
+  refused(dynamics.AddUnknownForce(force, &error), "does not exist");
+  refused(dynamics.AddElement("e", "cubick", -1, 0, {1.0}, &error), "cubic");
+  refused(dynamics.AddElement("e", "cubic", 0, 0, {1.0}, &error), "exist");
+  refused(dynamics.AddElement("e", "cubic", 0, 3, {1.0}, &error), "exist");
+  refused(dynamics.AddElement("e", "cubic", 0, 1, {}, &error), "0 values");
+  refused(dynamics.AddElement("e", "bilinear", 0, 1, {1.0, -1.0}, &error),
+          "e.gap");
+  EXPECT_EQ(dynamics.num_terms(), 0);
+  ASSERT_TRUE(dynamics.AddElement("e", "cubic", -1, 1, {2.0}, &error)) << error;
+  EXPECT_EQ(dynamics.laws()[0].parameters.parameters[0].name, "e.k3");
+  StructuralDynamics::Prepared prepared;
+  EXPECT_FALSE(dynamics.Prepare(Vector(), &prepared, &error));
+  EXPECT_THAT(error,
+              ::testing::HasSubstr("0 values of parameters, expected 1"));
+}
+
+// A copy's terms are its own; theta is in the order of the kinds, whatever the
+// order in which they were added.
+TEST(StructuralDynamics, CopiesAndOrders) {
+  const auto all = testing::MakeEverything();
+  StructuralDynamics backwards(all->model(), all->inputs());
+  std::string error;
+  for (int i = all->num_terms() - 1; i >= 0; --i) {
+    ASSERT_TRUE(backwards.AddTerm(all->term(i).Clone(), &error)) << error;
+  }
+  const int last = static_cast<int>(all->networks().size()) - 1;
+  EXPECT_EQ(backwards.networks()[0].name, all->networks()[last].name);
+  EXPECT_EQ(backwards.block_offset(backwards.network_block(0)),
+            all->block_offset(all->network_block(0)));
+  StructuralDynamics copy = *all;
+  copy.SetParameters(Vector::Zero(copy.num_parameters()));
+  EXPECT_NE(all->Parameters(), copy.Parameters());
+  EXPECT_EQ(copy.groups()[0].alpha.value, 0.0);
+  EXPECT_EQ(copy.linear_dynamics().changes()[0].group, &copy.groups()[0].group);
+  const StructuralDynamics moved = std::move(copy);
+  EXPECT_EQ(moved.linear_dynamics().changes()[0].group,
+            &moved.groups()[0].group);
 }
 
 TEST(StructuralDynamics, MassThatTurnsIndefiniteIsRefused) {
@@ -159,9 +235,9 @@ TEST(StructuralDynamics, CorrectedModelCarriesTheGroups) {
   ASSERT_TRUE(dynamics->Prepare(dynamics->Parameters(), &prepared, &error));
   const StructuralModel model =
       dynamics->CorrectedModel(dynamics->Parameters());
-  EXPECT_EQ(model.stiffness, prepared.stiffness);
-  EXPECT_EQ(model.damping, prepared.damping);
-  EXPECT_EQ(model.mass, prepared.mass);
+  EXPECT_EQ(model.stiffness, prepared.linear.stiffness);
+  EXPECT_EQ(model.damping, prepared.linear.damping);
+  EXPECT_EQ(model.mass, prepared.linear.mass);
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include "pinode/dynamics/testing.h"
 
+#include <ceres/jet.h>
+
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -220,6 +223,33 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
   AddNetwork("linear", {}, true, false, NetworkTerm::ActsAs::kAcceleration,
              {x0, d01}, first, dynamics.get());
   return dynamics;
+}
+
+Matrix JetJacobian(const StructuralDynamics& dynamics,
+                   const StructuralDynamics::Prepared& prepared, double time,
+                   const double* input, const Vector& state) {
+  const int ns = dynamics.num_states();
+  const int np = dynamics.num_parameters();
+  const int columns = ns + dynamics.num_tangent_columns();
+  constexpr int kWidth = WideJet::DIMENSION;
+  Matrix jacobian(ns, columns);
+  std::vector<WideJet> h(static_cast<size_t>(ns)), rate(h.size());
+  std::vector<WideJet> theta(static_cast<size_t>(np));
+  for (int begin = 0; begin < columns; begin += kWidth) {
+    for (int i = 0; i < ns; ++i) h[i] = WideJet(state[i]);
+    for (int i = 0; i < np; ++i) theta[i] = WideJet(prepared.theta[i]);
+    const int count = std::min(kWidth, columns - begin);
+    for (int k = 0; k < count; ++k) {
+      const int column = begin + k;
+      (column < ns ? h[column] : theta[dynamics.tangent_columns()[column - ns]])
+          .v[k] = 1.0;
+    }
+    dynamics.Rate(prepared, time, input, h.data(), theta.data(), rate.data());
+    for (int i = 0; i < ns; ++i) {
+      for (int k = 0; k < count; ++k) jacobian(i, begin + k) = rate[i].v[k];
+    }
+  }
+  return jacobian;
 }
 
 }  // namespace testing

@@ -20,6 +20,12 @@ StructuralModel MakeChain(int n, double k, double c);
 // Inputs: ground acceleration, force on DOF 2, covariate.
 std::unique_ptr<StructuralDynamics> MakeEverything();
 
+// All derivatives of dh/dt by Jets, num_states x (num_states +
+// num_tangent_columns): by the state, then by the free parameters.
+Matrix JetJacobian(const StructuralDynamics& dynamics,
+                   const StructuralDynamics::Prepared& prepared, double time,
+                   const double* input, const Vector& state);
+
 }  // namespace testing
 }  // namespace pinode
 

@@ -23,9 +23,24 @@ T HalfSine(double time, const T* parameters) {
 }  // namespace
 
 SplineForce::SplineForce(const Options& options) : options_(options) {
-  CHECK(options.degree == 1 || options.degree == 3) << options.degree;
-  CHECK_GT(options.spacing, 0.0);
-  CHECK_GT(options.num_knots, 0);
+  std::string error;
+  CHECK(AreValid(options, &error)) << error;
+}
+
+bool SplineForce::AreValid(const Options& options, std::string* error) {
+  if (options.degree != 1 && options.degree != 3) {
+    *error = "a spline of degree " + std::to_string(options.degree) +
+             ", expected 1 or 3";
+  } else if (!(options.spacing > 0.0) || !std::isfinite(options.spacing)) {
+    *error = "the spacing of a spline's knots is not positive";
+  } else if (options.num_knots < 1) {
+    *error = "a spline without knots";
+  } else if (!std::isfinite(options.start) || !std::isfinite(options.scale)) {
+    *error = "the start or the scale of a spline is not finite";
+  } else {
+    return true;
+  }
+  return false;
 }
 
 ForceHistory::Local SplineForce::Basis(double time) const {
@@ -102,6 +117,15 @@ ForceHistory::Local HalfSinePulse::Evaluate(double time,
 
 WideJet HalfSinePulse::Evaluate(double time, const WideJet* parameters) const {
   return HalfSine(time, parameters);
+}
+
+bool CombinationPrior::Fits(int num_parameters) const {
+  return std::all_of(combinations.begin(), combinations.end(),
+                     [this, num_parameters](const Combination& c) {
+                       return c.first >= 0 && c.group >= 0 &&
+                              c.group < num_groups() &&
+                              c.first + c.weights.size() <= num_parameters;
+                     });
 }
 
 double CombinationPrior::ShareToBeChosen() const {

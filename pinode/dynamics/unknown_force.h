@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/dynamics/law.h"
+#include "pinode/dynamics/wide_jet.h"
 
 namespace pinode {
 
@@ -50,7 +50,10 @@ class SplineForce final : public ForceHistory {
     int num_knots = 0;     // positive
     double scale = 1.0;    // force; makes the coefficients pure numbers
   };
+  // The options must be valid, see AreValid.
   explicit SplineForce(const Options& options);
+  [[nodiscard]] static bool AreValid(const Options& options,
+                                     std::string* error);
 
   const Options& options() const { return options_; }
   int num_parameters() const override { return options_.num_knots; }
@@ -100,6 +103,8 @@ struct CombinationPrior {
   std::vector<double> precisions;
 
   int num_groups() const { return static_cast<int>(precisions.size()); }
+  // Whether its groups exist and its combinations are of `num_parameters`.
+  [[nodiscard]] bool Fits(int num_parameters) const;
   // Share of the combinations whose precision the evidence chooses.
   double ShareToBeChosen() const;
 };

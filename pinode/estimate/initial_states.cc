@@ -20,7 +20,7 @@ std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
     return frequencies;
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
-      prepared.stiffness, prepared.mass, Eigen::EigenvaluesOnly);
+      prepared.linear.stiffness, prepared.linear.mass, Eigen::EigenvaluesOnly);
   const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
   for (double value : solver.eigenvalues()) {
     if (value > 1e-12 * largest) frequencies.push_back(std::sqrt(value));

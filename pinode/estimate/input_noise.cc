@@ -43,7 +43,7 @@ LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
   const IntegrationGrid grid(*data.excitation, data.substeps);
   const bool held = data.excitation->interpolation() == Interpolation::kHeld;
 
-  auto stage = dynamics.MakeStage();
+  auto stage = dynamics.MakeLinearization();
   Rk4Scratch<double> scratch(ns);
   std::vector<double> values(static_cast<size_t>(dynamics.num_inputs()));
   const auto perturbed = [&](const double* nominal, int input, double step) {

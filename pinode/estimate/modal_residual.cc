@@ -135,7 +135,8 @@ bool ModalResidual::EvaluateModes(const StructuralDynamics::Prepared& prepared,
                                   Vector* residuals, Matrix* jacobian,
                                   std::string* error) const {
   UndampedModes modes;
-  if (!ComputeUndampedModes(prepared.mass, prepared.stiffness, &modes, error)) {
+  if (!ComputeUndampedModes(prepared.linear.mass, prepared.linear.stiffness,
+                            &modes, error)) {
     return false;
   }
   const int n = static_cast<int>(modes.eigenvalues.size());
@@ -240,14 +241,14 @@ bool ModalResidual::EvaluateModes(const StructuralDynamics::Prepared& prepared,
 bool ModalResidual::EvaluateDynamicResiduals(
     const StructuralDynamics::Prepared& prepared, Vector* residuals,
     Matrix* jacobian, std::string* error) const {
-  const int n = static_cast<int>(prepared.mass.rows());
+  const int n = static_cast<int>(prepared.linear.mass.rows());
   for (size_t i = 0; i < data_.modes.size(); ++i) {
     const MeasuredMode& mode = data_.modes[i];
     const Shape& shape = shapes_[i];
     const double measured = MeasuredEigenvalue(mode);
     const int row = static_cast<int>(i) * n;
     const Matrix dynamic_stiffness =
-        prepared.stiffness - measured * prepared.mass;
+        prepared.linear.stiffness - measured * prepared.linear.mass;
     const bool complete = shape.unmeasured.empty();
     const Matrix unmeasured = dynamic_stiffness(Eigen::all, shape.unmeasured);
     Eigen::ColPivHouseholderQR<Matrix> factor;

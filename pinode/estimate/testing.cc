@@ -33,24 +33,9 @@ LawTerm MakeElement(const std::string& name, const std::string& type,
                     const std::vector<double>& values) {
   std::string error;
   LawTerm term;
-  term.name = name;
-  term.type = type;
-  term.law = CreateElement(type, &error);
-  CHECK(term.law != nullptr) << error;
-  term.features = {Feature::Deformation(from, to),
-                   Feature::DeformationRate(from, to)};
-  term.outputs = Matrix::Zero(num_dofs, 1);
-  term.outputs(to, 0) = 1.0;
-  if (from >= 0) term.outputs(from, 0) = -1.0;
-  term.parameters.name = name;
-  const auto infos = ElementParameters(type);
-  CHECK_EQ(infos.size(), values.size());
-  for (size_t i = 0; i < infos.size(); ++i) {
-    Parameter parameter;
-    parameter.name = name + "." + infos[i].name;
-    parameter.value = values[i];
-    term.parameters.parameters.push_back(parameter);
-  }
+  CHECK(pinode::MakeElement(name, type, num_dofs, from, to, values, &term,
+                            &error))
+      << error;
   return term;
 }
 

@@ -29,7 +29,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
   trajectory->channels =
       Matrix::Constant(observation.num_channels(), samples, kNaN);
 
-  auto stage = dynamics.MakeStage();
+  auto stage = dynamics.MakeLinearization();
   Rk4Scratch<double> scratch(ns);
   Vector state = start;
   for (int i = first_sample; i <= last_sample; ++i) {

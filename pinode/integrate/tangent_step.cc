@@ -6,8 +6,8 @@ namespace pinode {
 
 TangentStep::TangentStep(const StructuralDynamics& dynamics)
     : dynamics_(dynamics),
-      stages_{dynamics.MakeStage(), dynamics.MakeStage(), dynamics.MakeStage(),
-              dynamics.MakeStage()},
+      stages_{dynamics.MakeLinearization(), dynamics.MakeLinearization(),
+              dynamics.MakeLinearization(), dynamics.MakeLinearization()},
       scratch_(dynamics.MakeTangentScratch(dynamics.num_states())),
       observation_scratch_(dynamics.MakeTangentScratch(1)) {
   const int ns = dynamics.num_states();
@@ -18,7 +18,7 @@ TangentStep::TangentStep(const StructuralDynamics& dynamics)
   stage_state_ = Vector::Zero(ns);
 }
 
-const StructuralDynamics::Stage& TangentStep::LinearizeAt(
+const StructuralDynamics::Linearization& TangentStep::LinearizeAt(
     const StructuralDynamics::Prepared& prepared, double time,
     const double* input, const double* state) {
   dynamics_.Linearize(prepared, time, input, state, &stages_[0]);
@@ -29,11 +29,11 @@ void TangentStep::AddParameterTangents(
     const StructuralDynamics::Prepared& prepared, const Matrix& left,
     Matrix* result) {
   DCHECK_EQ(result->rows(), left.rows());
-  if (observation_scratch_.velocity_map.rows() != left.rows()) {
+  if (observation_scratch_.rows != left.rows()) {
     observation_scratch_ =
         dynamics_.MakeTangentScratch(static_cast<int>(left.rows()));
   }
-  const StructuralDynamics::Stage* stage = &stages_[0];
+  const StructuralDynamics::Linearization* stage = &stages_[0];
   const Matrix* lefts[] = {&left};
   dynamics_.AddParameterTangents(prepared, &stage, lefts, 1,
                                  &observation_scratch_, result->data());
@@ -88,8 +88,8 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   }
   DCHECK_EQ(sensitivity->cols(), next_.cols());
   next_.noalias() = transition_ * *sensitivity;
-  const StructuralDynamics::Stage* stages[] = {&stages_[0], &stages_[1],
-                                               &stages_[2], &stages_[3]};
+  const StructuralDynamics::Linearization* stages[] = {
+      &stages_[0], &stages_[1], &stages_[2], &stages_[3]};
   const Matrix* lefts[] = {&weights_[0], &weights_[1], &weights_[2],
                            &weights_[3]};
   dynamics_.AddParameterTangents(

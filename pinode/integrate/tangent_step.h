@@ -28,7 +28,7 @@ class TangentStep {
 
   // The dynamics linearised at a sample, as observation needs it and as the
   // first stage of the step that starts there.
-  const StructuralDynamics::Stage& LinearizeAt(
+  const StructuralDynamics::Linearization& LinearizeAt(
       const StructuralDynamics::Prepared& prepared, double time,
       const double* input, const double* state);
 
@@ -48,7 +48,7 @@ class TangentStep {
 
  private:
   const StructuralDynamics& dynamics_;
-  std::array<StructuralDynamics::Stage, 4> stages_;
+  std::array<StructuralDynamics::Linearization, 4> stages_;
   std::array<Matrix, 4> weights_;  // G_1 ... G_4
   StructuralDynamics::TangentScratch scratch_;
   StructuralDynamics::TangentScratch observation_scratch_;

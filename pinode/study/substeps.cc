@@ -155,13 +155,14 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
   if (!dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) {
     return Matrix::Zero(dynamics.num_states(), dynamics.num_states());
   }
-  StructuralDynamics::Stage stage = dynamics.MakeStage();
+  StructuralDynamics::Linearization stage = dynamics.MakeLinearization();
   const Vector rest = Vector::Zero(dynamics.num_states());
   Vector input(dynamics.num_inputs());
   record.excitation->Evaluate(0, 0.0, input.data());
   dynamics.Linearize(prepared, record.excitation->start_time(), input.data(),
                      rest.data(), &stage);
-  return stage.jacobian.allFinite() ? stage.jacobian : prepared.state_jacobian;
+  return stage.jacobian.allFinite() ? stage.jacobian
+                                    : prepared.linear.state_jacobian;
 }
 
 bool ChooseSubsteps(const StructuralDynamics& dynamics,

@@ -234,7 +234,7 @@ class Nsd : public ::testing::TestWithParam<const char*> {
   // The second network drives DOF 1 with an acceleration; the device resists.
   static double NetworkForce(const CaseRun& run, const Vector& state) {
     const StructuralDynamics& dynamics = *run.c.problem.dynamics;
-    const NetworkTerm& term = dynamics.networks().at(1);
+    const NetworkTerm& term = dynamics.networks()[1];
     const int n = dynamics.num_dofs();
     Vector features(term.network->num_inputs());
     for (size_t k = 0; k < term.features.size(); ++k) {

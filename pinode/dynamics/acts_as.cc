@@ -1,0 +1,11 @@
+#include "pinode/dynamics/acts_as.h"
+
+namespace pinode {
+
+Matrix AccelerationMap(ActsAs acts_as, const Matrix& outputs,
+                       const Matrix& mass_inverse) {
+  if (acts_as == ActsAs::kAcceleration) return outputs;
+  return -mass_inverse * outputs;
+}
+
+}  // namespace pinode

@@ -1,0 +1,56 @@
+// Where the results of a term go.
+
+#ifndef PINODE_DYNAMICS_ACTS_AS_H_
+#define PINODE_DYNAMICS_ACTS_AS_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/feature.h"
+#include "pinode/dynamics/products.h"
+
+namespace pinode {
+
+// What a term's result is: as an acceleration, outputs * result is added to
+// dv/dt; as a force it resists, that is, outputs * result is subtracted from
+// the right-hand side of the equation of motion.
+enum class ActsAs { kAcceleration, kForce };
+
+// dv/dt by the results (num_dofs x results): -M^-1 outputs of a force, outputs
+// of an acceleration.
+Matrix AccelerationMap(ActsAs acts_as, const Matrix& outputs,
+                       const Matrix& mass_inverse);
+
+// acceleration += map * results; of forces force_acceleration as well.
+template <typename T>
+void AddResults(const Matrix& map, ActsAs acts_as, const T* results,
+                T* acceleration, T* force_acceleration) {
+  for (Eigen::Index o = 0; o < map.cols(); ++o) {
+    AddScaled(map.col(o), results[o], acceleration);
+    if (acts_as == ActsAs::kForce) {
+      AddScaled(map.col(o), results[o], force_acceleration);
+    }
+  }
+}
+
+// The state's share through the features, jacobian += [0; map * slope * d
+// features / d state; 0]: slope(o, f) is the derivative of result o by feature
+// f, jacobian is num_states x num_states, `scratch` has num_dofs entries.
+template <typename Slope>
+void AddFeatureColumns(const Matrix& map, const std::vector<Feature>& features,
+                       const Slope& slope, Vector* scratch, Matrix* jacobian) {
+  const int n = static_cast<int>(map.rows());
+  for (size_t f = 0; f < features.size(); ++f) {
+    scratch->setZero();
+    for (int o = 0; o < map.cols(); ++o) {
+      *scratch += map.col(o) * slope(o, static_cast<int>(f));
+    }
+    features[f].ForEachState(n, [&](int index, double sign) {
+      jacobian->col(index).segment(n, n) += sign * *scratch;
+    });
+  }
+}
+
+}  // namespace pinode
+
+#endif  // PINODE_DYNAMICS_ACTS_AS_H_

@@ -1,0 +1,219 @@
+#include "pinode/dynamics/law_term.h"
+
+#include <ceres/jet.h>
+
+#include <utility>
+
+namespace pinode {
+namespace {
+
+struct LinearizedLaw : TermLinearization {
+  // Law::Linearize's, results x arguments in rows, is the transpose.
+  Matrix jacobian;  // arguments x results
+  // Scratch.
+  Vector features, results, mapped;
+};
+
+struct LawScratch : TermTangentScratch {
+  Vector mapped;  // rows
+};
+
+class LawDynamics final : public TermOf<LawTerm> {
+ public:
+  explicit LawDynamics(LawTerm term)
+      : TermOf(std::move(term)),
+        columns_(TangentColumns(description_.parameters)),
+        any_free_(NumFree(description_.parameters) > 0) {}
+
+  TermKind kind() const override { return TermKind::kLaw; }
+
+  std::unique_ptr<Term> Clone() const override {
+    return std::make_unique<LawDynamics>(*this);
+  }
+
+  bool IsValid(const StructuralModel& model, int num_inputs,
+               std::string* error) const override {
+    const LawTerm& term = description_;
+    if (term.law == nullptr) {
+      *error = "'" + term.name + "' has no law";
+      return false;
+    }
+    if (!FeaturesExist(term.name, term.features, model.num_dofs(), num_inputs,
+                       error)) {
+      return false;
+    }
+    if (static_cast<int>(term.features.size()) != law().num_features() ||
+        term.parameters.size() != law().num_parameters() ||
+        term.outputs.rows() != model.num_dofs() ||
+        term.outputs.cols() != law().num_outputs()) {
+      *error =
+          "'" + term.name +
+          "': numbers of features, parameters or outputs do not fit its law";
+      return false;
+    }
+    if (!term.outputs.allFinite()) {
+      *error = "'" + term.name + "': its outputs are not finite";
+      return false;
+    }
+    return term.parameters.IsValid(error);
+  }
+
+  const ParameterBlock& parameters() const override {
+    return description_.parameters;
+  }
+  void SetParameters(const Vector& values) override {
+    description_.parameters.SetValues(values);
+  }
+
+  std::vector<std::string> InternalNames() const override {
+    std::vector<std::string> names;
+    const int count = law().num_internal();
+    for (int i = 0; i < count; ++i) {
+      names.push_back("z[" + description_.name +
+                      (count > 1 ? "," + std::to_string(i + 1) : "") + "]");
+    }
+    return names;
+  }
+
+  std::unique_ptr<TermPrepared> Prepare(
+      const LinearSystem& linear, const double* /*parameters*/) const override {
+    auto prepared = std::make_unique<TermPrepared>();
+    prepared->output_map = AccelerationMap(
+        description_.acts_as, description_.outputs, linear.mass_inverse);
+    return prepared;
+  }
+
+  std::unique_ptr<TermLinearization> MakeLinearization(
+      const TermPlace& place) const override {
+    auto linearization = std::make_unique<LinearizedLaw>();
+    linearization->jacobian =
+        Matrix::Zero(law().num_arguments(), law().num_results());
+    linearization->features = Vector::Zero(law().num_features());
+    linearization->results = Vector::Zero(law().num_results());
+    linearization->mapped = Vector::Zero(place.num_dofs);
+    return linearization;
+  }
+
+  void AddRate(const TermPrepared& prepared, const TermPoint<double>& at,
+               TermRate<double>* rate,
+               TermLinearization* scratch) const override {
+    auto* own = static_cast<LinearizedLaw*>(scratch);
+    AddRateOf(prepared, at, own->features.data(), own->results.data(), rate);
+  }
+
+  void AddRate(const TermPrepared& prepared, const TermPoint<WideJet>& at,
+               TermRate<WideJet>* rate) const override {
+    std::vector<WideJet> features(static_cast<size_t>(law().num_features()));
+    std::vector<WideJet> results(static_cast<size_t>(law().num_results()));
+    AddRateOf(prepared, at, features.data(), results.data(), rate);
+  }
+
+  void Linearize(const TermPrepared& prepared, const TermPoint<double>& at,
+                 TermRate<double>* rate, Matrix* jacobian,
+                 TermLinearization* kept) const override {
+    auto* own = static_cast<LinearizedLaw*>(kept);
+    const int n = at.place.num_dofs;
+    const int outputs = law().num_outputs();
+    const int internal = law().num_internal();
+    const int features = law().num_features();
+    GatherFeatures(description_.features, n, at.time, at.input, at.state,
+                   own->features.data());
+    law().Linearize(own->features.data(), at.internal(), at.parameters,
+                    own->results.data(), own->jacobian.data());
+    AddResultsOf(prepared, own->results.data(), rate);
+
+    const Matrix& map = prepared.output_map;
+    const Matrix& slopes = own->jacobian;
+    AddFeatureColumns(
+        map, description_.features,
+        [&slopes](int output, int feature) { return slopes(feature, output); },
+        &own->mapped, jacobian);
+    const int first = at.place.first_internal;
+    for (int i = 0; i < internal; ++i) {
+      for (int f = 0; f < features; ++f) {
+        description_.features[static_cast<size_t>(f)].ForEachState(
+            n, [&](int index, double sign) {
+              (*jacobian)(first + i, index) += sign * slopes(f, outputs + i);
+            });
+      }
+      for (int k = 0; k < internal; ++k) {
+        (*jacobian)(first + k, first + i) += slopes(features + i, outputs + k);
+      }
+      for (int o = 0; o < outputs; ++o) {
+        jacobian->col(first + i).segment(n, n) +=
+            map.col(o) * slopes(features + i, o);
+      }
+    }
+  }
+
+  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
+      const TermPlace& /*place*/, int rows) const override {
+    auto scratch = std::make_unique<LawScratch>();
+    scratch->mapped = Vector::Zero(rows);
+    return scratch;
+  }
+
+  void AddParameterTangents(const TermPlace& place,
+                            const TermPrepared& prepared,
+                            const TermLinearization* const* stages,
+                            const Matrix* const* lefts, int num_stages,
+                            TermTangentScratch* scratch,
+                            double* result) const override {
+    if (!any_free_) return;
+    const int n = place.num_dofs;
+    const int outputs = law().num_outputs();
+    const int first_parameter = law().num_features() + law().num_internal();
+    Vector& mapped = static_cast<LawScratch*>(scratch)->mapped;
+    for (int s = 0; s < num_stages; ++s) {
+      const Matrix& slopes =
+          static_cast<const LinearizedLaw&>(*stages[s]).jacobian;
+      for (int r = 0; r < law().num_results(); ++r) {
+        if (r < outputs) {
+          mapped.noalias() =
+              lefts[s]->middleCols(n, n) * prepared.output_map.col(r);
+        } else {
+          mapped = lefts[s]->col(place.first_internal + r - outputs);
+        }
+        for (int p = 0; p < law().num_parameters(); ++p) {
+          const int column = columns_[static_cast<size_t>(p)];
+          if (column < 0) continue;
+          Eigen::Map<Vector>(result + mapped.size() * column, mapped.size()) +=
+              mapped * slopes(first_parameter + p, r);
+        }
+      }
+    }
+  }
+
+ private:
+  const Law& law() const { return *description_.law; }
+
+  template <typename T>
+  void AddResultsOf(const TermPrepared& prepared, const T* results,
+                    TermRate<T>* rate) const {
+    AddResults(prepared.output_map, description_.acts_as, results,
+               rate->acceleration, rate->force_acceleration);
+    for (int i = 0; i < law().num_internal(); ++i) {
+      rate->internal[i] = results[law().num_outputs() + i];
+    }
+  }
+
+  template <typename T>
+  void AddRateOf(const TermPrepared& prepared, const TermPoint<T>& at,
+                 T* features, T* results, TermRate<T>* rate) const {
+    GatherFeatures(description_.features, at.place.num_dofs, at.time, at.input,
+                   at.state, features);
+    law().Evaluate(features, at.internal(), at.parameters, results);
+    AddResultsOf(prepared, results, rate);
+  }
+
+  std::vector<int> columns_;
+  bool any_free_;
+};
+
+}  // namespace
+
+std::unique_ptr<Term> MakeTerm(LawTerm law) {
+  return std::make_unique<LawDynamics>(std::move(law));
+}
+
+}  // namespace pinode

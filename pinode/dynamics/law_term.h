@@ -1,0 +1,33 @@
+// A law as a term of the equation of motion.
+
+#ifndef PINODE_DYNAMICS_LAW_TERM_H_
+#define PINODE_DYNAMICS_LAW_TERM_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/acts_as.h"
+#include "pinode/dynamics/feature.h"
+#include "pinode/dynamics/law.h"
+#include "pinode/dynamics/term.h"
+
+namespace pinode {
+
+// A law. `outputs` (num_dofs x law outputs) puts its results on the DOFs.
+struct LawTerm {
+  std::string name;
+  std::string type;  // an element type, "library" (see LibraryLaw), or "user"
+  std::shared_ptr<const Law> law;
+  std::vector<Feature> features;
+  Matrix outputs;
+  ActsAs acts_as = ActsAs::kForce;
+  ParameterBlock parameters;
+};
+
+// Its derivatives are those of Law::Linearize.
+std::unique_ptr<Term> MakeTerm(LawTerm law);
+
+}  // namespace pinode
+
+#endif  // PINODE_DYNAMICS_LAW_TERM_H_

@@ -1,0 +1,171 @@
+#include "pinode/dynamics/unknown_force_term.h"
+
+#include <ceres/jet.h>
+
+#include <utility>
+#include <vector>
+
+#include "pinode/dynamics/products.h"
+
+namespace pinode {
+namespace {
+
+struct LinearizedForce : TermLinearization {
+  ForceHistory::Local local;  // times the force's input
+};
+
+struct ForceScratch : TermTangentScratch {
+  Vector mapped;  // rows
+};
+
+class UnknownForceDynamics final : public TermOf<UnknownForceTerm> {
+ public:
+  explicit UnknownForceDynamics(UnknownForceTerm term)
+      : TermOf(std::move(term)),
+        columns_(TangentColumns(description_.parameters)),
+        any_free_(NumFree(description_.parameters) > 0) {}
+
+  TermKind kind() const override { return TermKind::kUnknownForce; }
+
+  std::unique_ptr<Term> Clone() const override {
+    return std::make_unique<UnknownForceDynamics>(*this);
+  }
+
+  bool IsValid(const StructuralModel& model, int num_inputs,
+               std::string* error) const override {
+    const UnknownForceTerm& term = description_;
+    if (term.history == nullptr) {
+      *error = "'" + term.name + "' has no history";
+      return false;
+    }
+    if (term.outputs.size() != model.num_dofs() ||
+        term.parameters.size() != term.history->num_parameters()) {
+      *error = "'" + term.name +
+               "': numbers of DOFs or parameters do not fit the force";
+      return false;
+    }
+    if (!term.outputs.allFinite()) {
+      *error = "'" + term.name + "': its outputs are not finite";
+      return false;
+    }
+    if (term.input < -1 || term.input >= num_inputs) {
+      *error = "'" + term.name + "' looks at an input that does not exist";
+      return false;
+    }
+    if (!term.prior.Fits(term.parameters.size())) {
+      *error = "'" + term.name + "': its prior does not fit its parameters";
+      return false;
+    }
+    const int num_free = NumFree(term.parameters);
+    if (!term.prior.combinations.empty() && num_free > 0 &&
+        num_free < term.parameters.size()) {
+      *error = "'" + term.name +
+               "': all of its parameters are free, or none, where it has a "
+               "prior";
+      return false;
+    }
+    return term.parameters.IsValid(error);
+  }
+
+  const ParameterBlock& parameters() const override {
+    return description_.parameters;
+  }
+  void SetParameters(const Vector& values) override {
+    description_.parameters.SetValues(values);
+  }
+
+  std::unique_ptr<TermPrepared> Prepare(
+      const LinearSystem& linear, const double* /*parameters*/) const override {
+    auto prepared = std::make_unique<TermPrepared>();
+    prepared->output_map = linear.mass_inverse * description_.outputs;
+    return prepared;
+  }
+
+  std::unique_ptr<TermLinearization> MakeLinearization(
+      const TermPlace& /*place*/) const override {
+    return std::make_unique<LinearizedForce>();
+  }
+
+  void AddRate(const TermPrepared& prepared, const TermPoint<double>& at,
+               TermRate<double>* rate,
+               TermLinearization* scratch) const override {
+    ForceHistory::Local& local = static_cast<LinearizedForce*>(scratch)->local;
+    local = ForceHistory::Local();
+    const double factor = Switch(at.input);
+    if (factor == 0.0) return;
+    local = description_.history->Evaluate(at.time, at.parameters);
+    local.value *= factor;
+    for (double& derivative : local.derivatives) derivative *= factor;
+    AddForce(prepared, local.value, rate);
+  }
+
+  void AddRate(const TermPrepared& prepared, const TermPoint<WideJet>& at,
+               TermRate<WideJet>* rate) const override {
+    const double factor = Switch(at.input);
+    if (factor == 0.0) return;
+    const WideJet value =
+        factor * description_.history->Evaluate(at.time, at.parameters);
+    AddForce(prepared, value, rate);
+  }
+
+  // It does not depend on the state.
+  void Linearize(const TermPrepared& prepared, const TermPoint<double>& at,
+                 TermRate<double>* rate, Matrix* /*jacobian*/,
+                 TermLinearization* kept) const override {
+    AddRate(prepared, at, rate, kept);
+  }
+
+  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
+      const TermPlace& /*place*/, int rows) const override {
+    auto scratch = std::make_unique<ForceScratch>();
+    scratch->mapped = Vector::Zero(rows);
+    return scratch;
+  }
+
+  void AddParameterTangents(const TermPlace& place,
+                            const TermPrepared& prepared,
+                            const TermLinearization* const* stages,
+                            const Matrix* const* lefts, int num_stages,
+                            TermTangentScratch* scratch,
+                            double* result) const override {
+    if (!any_free_) return;
+    const int n = place.num_dofs;
+    Vector& mapped = static_cast<ForceScratch*>(scratch)->mapped;
+    for (int s = 0; s < num_stages; ++s) {
+      const ForceHistory::Local& local =
+          static_cast<const LinearizedForce&>(*stages[s]).local;
+      if (local.count == 0) continue;
+      mapped.noalias() =
+          lefts[s]->middleCols(n, n) * prepared.output_map.col(0);
+      for (int p = 0; p < local.count; ++p) {
+        const int column = columns_[static_cast<size_t>(local.first + p)];
+        if (column < 0) continue;
+        Eigen::Map<Vector>(result + mapped.size() * column, mapped.size()) +=
+            mapped * local.derivatives[p];
+      }
+    }
+  }
+
+ private:
+  double Switch(const double* input) const {
+    return description_.input < 0 ? 1.0 : input[description_.input];
+  }
+
+  template <typename T>
+  void AddForce(const TermPrepared& prepared, const T& value,
+                TermRate<T>* rate) const {
+    AddScaled(prepared.output_map.col(0), value, rate->acceleration);
+    AddScaled(prepared.output_map.col(0), value, rate->force_acceleration);
+  }
+
+  std::vector<int> columns_;
+  bool any_free_;
+};
+
+}  // namespace
+
+std::unique_ptr<Term> MakeTerm(UnknownForceTerm force) {
+  return std::make_unique<UnknownForceDynamics>(std::move(force));
+}
+
+}  // namespace pinode
