@@ -107,5 +107,16 @@ TEST(LibraryLaw, ActsAsAccelerationOrForce) {
   }
 }
 
+TEST(LibraryLaw, FunctionsThatDoNotFitAreRefused) {
+  std::vector<LibraryFunction> functions(1);
+  std::string error;
+  ASSERT_TRUE(LibraryFunction::Parse("a*b", {"a", "b"}, &functions[0], &error));
+  EXPECT_TRUE(LibraryLaw::AreValid(2, functions, &error)) << error;
+  EXPECT_FALSE(LibraryLaw::AreValid(1, functions, &error));
+  EXPECT_EQ(error, "'a*b' is of other features than its term");
+  EXPECT_FALSE(LibraryLaw::AreValid(0, functions, &error));
+  EXPECT_FALSE(LibraryLaw::AreValid(2, {}, &error));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -5,6 +5,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "pinode/base/constants.h"
@@ -91,6 +92,21 @@ TEST(ForceHistory, DerivativesAreLocalAndEqualThoseOfJets) {
       }
     }
     EXPECT_GT(active, 15) << force->Description();
+  }
+}
+
+TEST(SplineForce, OptionsThatDoNotFitAreRefused) {
+  std::string error;
+  EXPECT_TRUE(SplineForce::AreValid({3, 0.0, 0.1, 8, 1.0}, &error)) << error;
+  for (const SplineForce::Options& options :
+       {SplineForce::Options{2, 0.0, 0.1, 8, 1.0},
+        SplineForce::Options{3, 0.0, 0.0, 8, 1.0},
+        SplineForce::Options{3, 0.0, std::nan(""), 8, 1.0},
+        SplineForce::Options{3, 0.0, 0.1, 0, 1.0},
+        SplineForce::Options{3, std::nan(""), 0.1, 8, 1.0}}) {
+    error.clear();
+    EXPECT_FALSE(SplineForce::AreValid(options, &error));
+    EXPECT_FALSE(error.empty());
   }
 }
 
