@@ -60,9 +60,9 @@ bool AssessProblem(const IdentificationProblem& problem,
   InputNoiseFit point;
   point.free = layout.Free(layout.InitialValues());
   point.sigmas = sigmas;
-  const int segment_samples = FirstSegmentSamples(problem);
-  if (!InitialTrajectories(problem, segment_samples, point.free, &shooting,
-                           &point.trajectories)) {
+  const int segment_samples = FirstSegmentSamples(problem, StageTuning());
+  if (!InitialTrajectories(problem, segment_samples, point.free, StageTuning(),
+                           &shooting, &point.trajectories)) {
     return fail();
   }
   const auto plain = [&]() {

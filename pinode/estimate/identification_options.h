@@ -9,6 +9,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/tuning.h"
 #include "pinode/integrate/segment.h"
 
 namespace pinode {
@@ -72,6 +73,9 @@ struct IdentificationOptions {
   uint64_t seed = 1;
 
   int num_threads = 1;
+
+  // For studies; what a user needs is an option above.
+  Tuning tuning;
 
   // Called after each iteration; false stops the fit, keeping the best so far.
   std::function<bool(const IdentificationProgress&)> callback;

@@ -32,87 +32,6 @@
 namespace pinode {
 namespace {
 
-// Gaps are closed when they are below this, in units of the state's RMS.
-constexpr double kClosedGap = 1e-6;
-
-// Rounds of one stage: multipliers, noise levels and decay are updated between
-// them.
-constexpr int kMaxRounds = 80;
-
-// With networks whose decay the evidence chooses the noise is never taken to be
-// below this share of the spread: what a network leaves over is misfit, and
-// trusting it further makes the evidence buy weights for it that do not
-// generalise (data/README.md has the figures).
-constexpr double kSmallestMisfit = 0.002;
-
-// A network is learned twice. First at the smallest noise, which finds a good
-// fit soon, but one of the many that bring in all inputs. Then it is drawn
-// anew, close to a linear map, and the noise comes down from this share of the
-// spread step by step: the evidence grants what the data ask for most before
-// the rest, and inputs that are not needed stay out.
-constexpr double kAnnealedNoise = 0.1;
-// Scale of the hidden weights drawn anew, and first decay of the output
-// weights, which then have to be large, as a share of kFirstDecay.
-constexpr double kAnnealedWeights = 0.1;
-constexpr double kAnnealedOutputDecay = 1e-4;
-
-// Rounds for the decay of networks after the noise levels have settled, before
-// the fit runs to its tolerance.
-constexpr int kEvidenceRounds = 12;
-// A fit has not ended before the number of well-determined parameters has
-// changed by less than this share in so many rounds (or kEvidenceRounds have
-// passed again). Where it changes by more than kNewEvidence the fit has found
-// another way to explain the data, which is to fade down to what is needed in
-// turn.
-constexpr double kQuietEvidence = 0.01;
-constexpr int kQuietRounds = 3;
-constexpr double kNewEvidence = 0.1;
-
-// Change of the cost in one iteration at which such a fit has converged.
-constexpr double kSmallestChange = 0.03;
-
-// Iterations after which the tolerance is measured by the cost anew.
-constexpr int kFineNetworkIterations = 50;
-
-// Largest step down of a noise level between rounds of such a fit.
-constexpr double kNetworkShrink = 0.75;
-
-// First radii of the trust region; networks need small steps at first.
-constexpr double kFirstRadius = 1e4;
-constexpr double kFirstNetworkRadius = 30.0;
-
-// Steps that Ceres may take uphill before it goes back: a network's valleys
-// bend.
-constexpr int kUphillSteps = 5;
-
-// How firmly gaps are closed at first, as a share of how firmly the data hold
-// the starts.
-constexpr double kFirstFirmness = 0.01;
-constexpr double kFirstNetworkFirmness = 0.1;
-
-// A first guess of the noise, as a share of the channel's spread, for channels
-// whose noise is to be estimated.
-constexpr double kFirstNoise = 0.05;
-
-// No noise estimate goes below this share of the channel's RMS.
-constexpr double kSmallestNoise = 1e-8;
-
-// Starts of a multistart whose costs differ by less than this share have
-// reached the same minimum.
-constexpr double kSameCost = 1e-3;
-
-// A noise level is estimated from what an unknown force leaves of a channel.
-// Below this share of its samples there is a second maximum of the likelihood,
-// with no noise and a force that follows every sample.
-constexpr double kLeastLeft = 0.1;
-
-// See BandDecays.
-constexpr double kPooledSamples = 2.0;
-
-// First precision of a weight decay that the evidence is to choose.
-constexpr double kFirstDecay = 0.1;
-constexpr double kLargestDecay = 1e8;
-
 double Seconds(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
       .count();
@@ -153,6 +72,7 @@ class Trainer {
           const IdentificationOptions& options, IdentificationSummary* summary)
       : problem_(problem),
         options_(options),
+        tuning_(options.tuning),
         summary_(summary),
         layout_(problem),
         begin_(std::chrono::steady_clock::now()) {
@@ -160,6 +80,7 @@ class Trainer {
     shooting_options_.loss = options.loss;
     shooting_options_.loss_scale = options.loss_scale;
     shooting_options_.num_threads = options.num_threads;
+    shooting_options_.starts = options.tuning.starts;
     shooting_ =
         std::make_unique<MultipleShooting>(problem, layout_, shooting_options_);
   }
@@ -210,10 +131,12 @@ class Trainer {
   // Below the misfit that networks are allowed, the simpler one counts as the
   // better.
   bool IsWorseThanBest(const Solution& solution) const {
-    if (HasNetworks() && solution.free_run_error <= kSmallestMisfit) {
+    if (HasNetworks() &&
+        solution.free_run_error <= tuning_.noise.smallest_misfit) {
       return false;
     }
-    return !(solution.ExpectedError() <= 1.02 * best_.ExpectedError());
+    return !(solution.ExpectedError() <=
+             (1.0 + tuning_.stages.worse_share) * best_.ExpectedError());
   }
   std::vector<int> StageLengths() const;
   bool RunStage(int samples, bool last);
@@ -222,7 +145,7 @@ class Trainer {
   // noise does not exceed afterwards. Without a first fit as far as it may, and
   // no limit.
   void MeasureNoise();
-  // Draws the networks anew and raises the noise, see kAnnealedNoise.
+  // Draws the networks anew and raises the noise, see AnnealingTuning.
   void BeginAnnealing();
   bool HasNetworks() const { return layout_.HasNetworkDecay(); }
   // The hidden units of a network of time hardly move: its first step is that
@@ -231,8 +154,8 @@ class Trainer {
     const auto& networks = problem_.dynamics->networks();
     return !HasNetworks() ||
                    std::all_of(networks.begin(), networks.end(), IsForceOfTime)
-               ? kFirstRadius
-               : kFirstNetworkRadius;
+               ? tuning_.solve.first_radius
+               : tuning_.solve.first_network_radius;
   }
   bool SolveRound(int max_iterations, double function_tolerance,
                   bool* converged);
@@ -251,6 +174,7 @@ class Trainer {
 
   const IdentificationProblem& problem_;
   const IdentificationOptions& options_;
+  const Tuning& tuning_;
   IdentificationSummary* summary_;
   ParameterLayout layout_;
   MultipleShooting::Options shooting_options_;
@@ -271,7 +195,7 @@ class Trainer {
   int stage_ = 0;
   int num_stages_ = 0;
   int stage_samples_ = 0;
-  double radius_ = kFirstRadius;
+  double radius_ = 0.0;
   double free_run_error_ = kInfinity;  // the newest one measured
 };
 
@@ -339,10 +263,10 @@ bool Trainer::GoOn(const Vector& free, double cost) {
 
 double Trainer::SmallestNoise(const MeasuredChannel& channel) const {
   const double floor =
-      kSmallestNoise * std::max(RmsOfPresent(channel.values), 1e-290);
-  return HasNetworks()
-             ? std::max(floor, kSmallestMisfit * Spread(channel.values))
-             : floor;
+      tuning_.noise.smallest * std::max(RmsOfPresent(channel.values), 1e-290);
+  return HasNetworks() ? std::max(floor, tuning_.noise.smallest_misfit *
+                                             Spread(channel.values))
+                       : floor;
 }
 
 void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
@@ -353,7 +277,8 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
     Vector sigma(static_cast<int>(record.channels.size()));
     for (int c = 0; c < sigma.size(); ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-      const double share = HasNetworks() ? kSmallestMisfit : kFirstNoise;
+      const double share = HasNetworks() ? tuning_.noise.smallest_misfit
+                                         : tuning_.noise.first_share;
       sigma[c] = channel.sigma > 0.0 ? channel.sigma
                                      : std::max(share * Spread(channel.values),
                                                 SmallestNoise(channel));
@@ -369,7 +294,7 @@ void Trainer::SetInitialNoise(const IdentifiedModel* initial) {
   current_.decays.resize(layout_.num_decay_groups());
   for (int g = 0; g < layout_.num_decay_groups(); ++g) {
     const double given = GivenDecay(g);
-    current_.decays[g] = given >= 0.0 ? given : kFirstDecay;
+    current_.decays[g] = given >= 0.0 ? given : tuning_.evidence.first_decay;
   }
   if (initial != nullptr && initial->decays.size() == current_.decays.size()) {
     current_.decays = initial->decays;
@@ -386,7 +311,8 @@ void Trainer::MeasureNoise() {
     // Decays found on the way are of no use.
     const Vector decays = current_.decays;
     // Noise grows tenfold at most at once.
-    for (int i = 0; i < 3; ++i) UpdateNoiseAndDecay(true);
+    for (int i = 0; i < tuning_.annealing.measuring_rounds; ++i)
+      UpdateNoiseAndDecay(true);
     current_.decays = decays;
     ceilings = current_.sigmas;
     std::vector<Matrix> residuals;
@@ -413,7 +339,8 @@ void Trainer::BeginAnnealing() {
     evidence = true;
     const bool output =
         group.kind == ParameterLayout::DecayGroup::Kind::kOutput;
-    current_.decays[g] = (output ? kAnnealedOutputDecay : 1.0) * kFirstDecay;
+    current_.decays[g] = (output ? tuning_.annealing.output_decay : 1.0) *
+                         tuning_.evidence.first_decay;
   }
   if (!evidence) return;
   MeasureNoise();
@@ -427,7 +354,8 @@ void Trainer::BeginAnnealing() {
     }
     const bool output =
         group.kind == ParameterLayout::DecayGroup::Kind::kOutput;
-    current_.free[j] = (output ? 1.0 : kAnnealedWeights) * first_free_[j];
+    current_.free[j] =
+        (output ? 1.0 : tuning_.annealing.weights) * first_free_[j];
   }
   for (size_t r = 0; r < current_.sigmas.size(); ++r) {
     const IdentificationRecord& record =
@@ -436,7 +364,7 @@ void Trainer::BeginAnnealing() {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       if (channel.sigma > 0.0) continue;
       double& sigma = current_.sigmas[r][c];
-      sigma = std::max(sigma, kAnnealedNoise * Spread(channel.values));
+      sigma = std::max(sigma, tuning_.annealing.noise * Spread(channel.values));
     }
   }
   radius_ = FirstRadius();
@@ -454,11 +382,14 @@ std::vector<int> Trainer::StageLengths() const {
   std::vector<int> lengths;
   int first = options_.segment_samples;
   if (first == 0) {
-    first = FirstSegmentSamples(problem_);
+    first = FirstSegmentSamples(problem_, tuning_.stages);
     // A model that lacks its nonlinear part goes astray sooner.
-    if (HasNetworks()) first = std::max(10, first / 3);
+    if (HasNetworks())
+      first = std::max(tuning_.stages.least_first_samples,
+                       first / tuning_.stages.network_divisor);
   }
-  for (int length = first; 2 * length < longest; length *= 4) {
+  for (int length = first; 2 * length < longest;
+       length *= tuning_.stages.growth) {
     lengths.push_back(length);
   }
   lengths.push_back(0);
@@ -541,14 +472,15 @@ bool Trainer::SolveRound(int max_iterations, double function_tolerance,
   options.function_tolerance = function_tolerance;
   options.parameter_tolerance = 1e-14;
   options.gradient_tolerance = 0.0;
-  options.initial_trust_region_radius = std::clamp(radius_, 1e-2, 1e8);
+  options.initial_trust_region_radius = std::clamp(
+      radius_, tuning_.solve.least_radius, tuning_.solve.most_radius);
   options.max_num_consecutive_invalid_steps = 50;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
   if (HasNetworks()) {
     options.use_nonmonotonic_steps = true;
-    options.max_consecutive_nonmonotonic_steps = kUphillSteps;
+    options.max_consecutive_nonmonotonic_steps = tuning_.solve.uphill_steps;
   }
   Callback callback(this, &x, summary_->num_iterations);
   options.callbacks.push_back(&callback);
@@ -627,13 +559,13 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   summary_->effective_parameters = effective;
   for (int g = 0; g < current_.decays.size(); ++g) {
     if (GivenDecay(g) >= 0.0) continue;
-    // Never more than a hundredfold at once: a group that seems idle early may
-    // be needed later.
     const double wanted =
-        std::max(determined[g], 1e-3) / std::max(squares[g], 1e-12);
-    current_.decays[g] =
-        std::clamp(wanted, 0.01 * current_.decays[g],
-                   std::min(kLargestDecay, 100.0 * current_.decays[g]));
+        std::max(determined[g], tuning_.evidence.least_determined) /
+        std::max(squares[g], tuning_.evidence.least_squares);
+    current_.decays[g] = std::clamp(
+        wanted, 1.0 / tuning_.evidence.most_change * current_.decays[g],
+        std::min(tuning_.evidence.most_decay,
+                 tuning_.evidence.most_change * current_.decays[g]));
   }
   shooting_->SetDecays(current_.decays);
 
@@ -658,8 +590,8 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       used += problem_.dynamics->num_states();
     }
   }
-  const double share =
-      std::clamp(1.0 - used / std::max(1.0, samples), 0.1, 1.0);
+  const double share = std::clamp(1.0 - used / std::max(1.0, samples),
+                                  tuning_.noise.least_share_left, 1.0);
   current_.share_left = share;
   double noise_change = 0.0;
   for (size_t r = 0; r < residuals.size(); ++r) {
@@ -680,8 +612,10 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
         for (Eigen::Index i = c; i < leverages.size(); i += channels) {
           leverage += leverages[i];
         }
-        left = std::max(0.01, 1.0 - leverage / std::max(1, present));
-        if (left < kLeastLeft && summary_->followed_channel.empty()) {
+        left = std::max(tuning_.noise.least_channel_left,
+                        1.0 - leverage / std::max(1, present));
+        if (left < tuning_.noise.followed &&
+            summary_->followed_channel.empty()) {
           summary_->followed_channel =
               record.channels[static_cast<size_t>(c)].observation.name;
           summary_->followed_record = record.name;
@@ -699,8 +633,11 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
       double& sigma = current_.sigmas[r][c];
       // Never much at once: early residuals mislead, and a network needs time
       // to find out what it can do without.
-      const double shrink = HasNetworks() ? kNetworkShrink : 0.1;
-      const double growth = HasNetworks() && !converged ? 1.0 : 10.0;
+      const double shrink = HasNetworks()
+                                ? 1.0 - tuning_.noise.network_step_down
+                                : tuning_.noise.shrink;
+      const double growth =
+          HasNetworks() && !converged ? 1.0 : tuning_.noise.growth;
       double wanted = std::max(floor, sigma * std::sqrt(mean_square));
       if (!annealed_to_.empty()) {
         double& target = annealed_to_[r][c];
@@ -718,9 +655,10 @@ bool Trainer::UpdateNoiseAndDecay(bool converged) {
   shooting_->SetSigmas(current_.sigmas);
   VLOG(1) << "noise to change by " << noise_change << ", well-determined "
           << "parameters " << effective_before << " -> " << effective;
-  noise_is_quiet_ = noise_change < 0.02;
-  return noise_is_quiet_ &&
-         std::abs(effective - effective_before) < 0.01 * n + 0.1;
+  noise_is_quiet_ = noise_change < tuning_.noise.quiet;
+  return noise_is_quiet_ && std::abs(effective - effective_before) <
+                                tuning_.evidence.quiet_share * n +
+                                    tuning_.evidence.quiet_parameters;
 }
 
 bool Trainer::RunStage(int samples, bool last) {
@@ -752,13 +690,14 @@ bool Trainer::RunStage(int samples, bool last) {
   // Gaps begin softer than the data hold the starts, and end much firmer.
   const bool networks = HasNetworks();
   double firmness = single     ? 0.0
-                    : networks ? kFirstNetworkFirmness
-                               : kFirstFirmness;
+                    : networks ? tuning_.gaps.first_network_firmness
+                               : tuning_.gaps.first_firmness;
   if (!single) {
     shooting_->SetGapPenalty(
         std::max(1.0, firmness * shooting_->DataCurvature()));
   }
-  const int round_iterations = networks ? 10 : 15;
+  const int round_iterations = networks ? tuning_.solve.network_round_iterations
+                                        : tuning_.solve.round_iterations;
   bool settled = false;
   // The first rounds are for noise levels, decay and multipliers to find their
   // place, and end early; the last one runs to the tolerance asked for.
@@ -766,19 +705,22 @@ bool Trainer::RunStage(int samples, bool last) {
   int evidence_rounds = 0;
   bool quiet = false;  // noise and decay, as of the last round
   int quiet_rounds = 0;
-  for (int round = 0; round < kMaxRounds && IterationsLeft(); ++round) {
+  for (int round = 0; round < tuning_.solve.max_rounds && IterationsLeft();
+       ++round) {
     bool converged = false;
-    double tolerance = fine ? options_.function_tolerance : 1e-3;
+    double tolerance =
+        fine ? options_.function_tolerance : tuning_.solve.round_tolerance;
     if (networks && single) {
       // The cost is a negative logarithm of likelihood. Networks have valleys
       // without end; what changes it by less than this cannot be seen. Nor may
       // the rounds before end any sooner: a network that lies on a plateau
       // would stay there while the noise comes down.
-      tolerance = std::clamp(kSmallestChange / current_.cost,
-                             options_.function_tolerance, 1e-2);
+      tolerance = std::clamp(tuning_.solve.smallest_change / current_.cost,
+                             options_.function_tolerance,
+                             tuning_.solve.most_network_tolerance);
     }
-    const int fine_iterations =
-        networks ? kFineNetworkIterations : options_.max_num_iterations;
+    const int fine_iterations = networks ? tuning_.solve.fine_network_iterations
+                                         : options_.max_num_iterations;
     if (!SolveRound(fine ? fine_iterations : round_iterations, tolerance,
                     &converged)) {
       return false;
@@ -786,7 +728,7 @@ bool Trainer::RunStage(int samples, bool last) {
     if (interrupted_) break;
     if (single) {
       if (networks && fine && converged &&
-          (quiet || evidence_rounds >= 2 * kEvidenceRounds)) {
+          (quiet || evidence_rounds >= 2 * tuning_.evidence.rounds)) {
         settled = true;
         break;
       }
@@ -795,10 +737,11 @@ bool Trainer::RunStage(int samples, bool last) {
       if (networks) {
         const double change =
             std::abs(summary_->effective_parameters / effective - 1.0);
-        quiet_rounds =
-            noise_is_quiet_ && change < kQuietEvidence ? quiet_rounds + 1 : 0;
-        quiet = quiet_rounds >= kQuietRounds;
-        if (fine && change > kNewEvidence) {
+        quiet_rounds = noise_is_quiet_ && change < tuning_.evidence.quiet
+                           ? quiet_rounds + 1
+                           : 0;
+        quiet = quiet_rounds >= tuning_.evidence.quiet_rounds;
+        if (fine && change > tuning_.evidence.new_evidence) {
           fine = false;
           evidence_rounds = 0;
           continue;
@@ -810,19 +753,20 @@ bool Trainer::RunStage(int samples, bool last) {
         settled = true;
         if (quiet && !networks) break;
       }
-      fine = fine || quiet || evidence_rounds >= kEvidenceRounds ||
-             round + 1 >= kMaxRounds / 2;
+      fine = fine || quiet || evidence_rounds >= tuning_.evidence.rounds ||
+             round + 1 >= tuning_.solve.max_rounds / 2;
       continue;
     }
     // The multipliers belong to the noise levels at hand: close gaps first.
-    if (shooting_->LargestGap() < kClosedGap && (converged || !last)) {
+    if (shooting_->LargestGap() < tuning_.gaps.closed && (converged || !last)) {
       settled = converged;
       break;
     }
     shooting_->UpdateMultipliers();
     UpdateNoiseAndDecay(converged);
     const double before = shooting_->gap_penalty();
-    firmness = std::min(1e4, 10.0 * firmness);
+    firmness =
+        std::min(tuning_.gaps.most_firmness, tuning_.gaps.growth * firmness);
     CondensedSystem updated;
     if (!shooting_->Linearize(current_.free, &updated)) break;
     const double after =
@@ -878,7 +822,8 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
           : 0;
   const bool anneal = HasNetworks() && (initial == nullptr || cut_off);
   if (!InitialTrajectories(problem_, lengths[first], current_.free,
-                           shooting_.get(), &current_.trajectories)) {
+                           tuning_.stages, shooting_.get(),
+                           &current_.trajectories)) {
     summary_->message = DescribeDivergence(shooting_->divergence());
     return false;
   }
@@ -899,7 +844,8 @@ bool Trainer::Run(const Vector& parameters, const IdentifiedModel* initial) {
       current_ = before;
       break;
     }
-    gaps_closed = summary_->stages.back().largest_gap < 10.0 * kClosedGap &&
+    gaps_closed = summary_->stages.back().largest_gap <
+                      tuning_.gaps.nearly_closed * tuning_.gaps.closed &&
                   !summary_->stages.back().rolled_back;
     if (interrupted_ || !IterationsLeft()) break;
   }
@@ -968,10 +914,11 @@ int RecordOf(const IdentificationProblem& problem, const UnknownForceTerm& term,
 // neighbourhood of knots. The evidence takes each second difference as known to
 // be about as large as it came out, and many as none at all: a band from that
 // is far too narrow where a force strikes, between the samples above all. So
-// there every variance is the mean of those within kPooledSamples samples.
+// there every variance is the mean of those within
+// ForceBandTuning::pooled_samples.
 Vector BandDecays(const IdentificationProblem& problem,
                   const ParameterLayout& layout, const std::vector<int>& train,
-                  const Vector& decays) {
+                  const Vector& decays, const ForceBandTuning& tuning) {
   Vector pooled = decays;
   int first = 0;
   for (const UnknownForceTerm& term : problem.dynamics->unknown_forces()) {
@@ -992,8 +939,8 @@ Vector BandDecays(const IdentificationProblem& problem,
       const double step =
           problem.records[static_cast<size_t>(RecordOf(problem, term, train))]
               .sampling_step();
-      const int reach =
-          static_cast<int>(std::ceil(kPooledSamples * step / width - 1e-9));
+      const int reach = static_cast<int>(
+          std::ceil(tuning.pooled_samples * step / width - 1e-9));
       for (int g = 0; g < groups; ++g) {
         const int from = std::max(0, g - reach);
         const int to = std::min(groups - 1, g + reach);
@@ -1113,7 +1060,8 @@ void ScoreEverything(const IdentificationProblem& problem,
                      const std::vector<int>& train,
                      const std::vector<Matrix>& starts,
                      const std::vector<Vector>& train_sigmas,
-                     IdentificationSummary* summary, IdentifiedModel* model) {
+                     const NoiseTuning& tuning, IdentificationSummary* summary,
+                     IdentifiedModel* model) {
   summary->records.assign(problem.records.size(), RecordScore());
   model->starts.assign(problem.records.size(), Vector());
   model->sigmas.assign(problem.records.size(), Vector());
@@ -1126,9 +1074,10 @@ void ScoreEverything(const IdentificationProblem& problem,
     Vector sigmas(static_cast<int>(record.channels.size()));
     for (int c = 0; c < sigmas.size(); ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-      sigmas[c] = channel.sigma > 0.0
-                      ? channel.sigma
-                      : std::max(kFirstNoise * Spread(channel.values), 1e-290);
+      sigmas[c] =
+          channel.sigma > 0.0
+              ? channel.sigma
+              : std::max(tuning.first_share * Spread(channel.values), 1e-290);
     }
     if (is_train) {
       sigmas = train_sigmas[t];
@@ -1234,7 +1183,7 @@ bool ScaleToResiduals(const ModalResidual& modal, double cost,
 }
 
 // The design's definition of "usable"; says why not.
-void Judge(IdentificationSummary* summary) {
+void Judge(const GapTuning& tuning, IdentificationSummary* summary) {
   std::ostringstream reason;
   summary->usable = false;
   // Both have said why already.
@@ -1270,7 +1219,7 @@ void Judge(IdentificationSummary* summary) {
     summary->message = reason.str();
     return;
   }
-  if (summary->largest_gap > kClosedGap) {
+  if (summary->largest_gap > tuning.closed) {
     reason << "gaps between segments stayed open (" << summary->largest_gap
            << " of the state's RMS)";
     summary->message = reason.str();
@@ -1295,7 +1244,8 @@ void Judge(IdentificationSummary* summary) {
 
 // Another start for a multistart: within bounds and priors, networks reseeded.
 Vector DrawStart(const IdentificationProblem& problem,
-                 const ParameterLayout& layout, uint64_t seed) {
+                 const ParameterLayout& layout, const MultistartTuning& tuning,
+                 uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto uniform = [&random]() {
     return (static_cast<double>(random() >> 11) + 0.5) * 0x1.0p-53;
@@ -1307,8 +1257,10 @@ Vector DrawStart(const IdentificationProblem& problem,
     double low = parameter.lower;
     double high = parameter.upper;
     if (parameter.HasPrior()) {
-      low = std::max(low, parameter.prior_mean - 2.0 * parameter.prior_sigma);
-      high = std::min(high, parameter.prior_mean + 2.0 * parameter.prior_sigma);
+      low = std::max(low, parameter.prior_mean -
+                              tuning.prior_deviations * parameter.prior_sigma);
+      high = std::min(high, parameter.prior_mean + tuning.prior_deviations *
+                                                       parameter.prior_sigma);
     }
     if (!std::isfinite(low) || !std::isfinite(high)) continue;
     values[index] = low + (high - low) * uniform();
@@ -1350,8 +1302,9 @@ void Identify(const IdentificationProblem& problem,
     auto trainer = std::make_unique<Trainer>(problem, options, &attempt);
     Vector parameters = trainer->layout().InitialValues();
     if (start > 0) {
-      parameters = DrawStart(problem, trainer->layout(),
-                             options.seed + static_cast<uint64_t>(start));
+      parameters =
+          DrawStart(problem, trainer->layout(), options.tuning.multistart,
+                    options.seed + static_cast<uint64_t>(start));
     } else if (initial != nullptr) {
       CHECK_EQ(initial->parameters.size(), parameters.size())
           << "the initial model belongs to another problem";
@@ -1380,9 +1333,11 @@ void Identify(const IdentificationProblem& problem,
   const Solution& solution = best->best();
   const ParameterLayout& layout = best->layout();
   summary->num_starts = num_starts;
-  summary->num_starts_at_best = static_cast<int>(
-      std::count_if(costs.begin(), costs.end(), [&solution](double cost) {
-        return cost <= solution.cost + kSameCost * std::abs(solution.cost);
+  summary->num_starts_at_best = static_cast<int>(std::count_if(
+      costs.begin(), costs.end(),
+      [&solution,
+       same_cost = options.tuning.multistart.same_cost](double cost) {
+        return cost <= solution.cost + same_cost * std::abs(solution.cost);
       }));
   MultipleShooting* shooting = best->shooting();
   model->decays = solution.decays;
@@ -1407,7 +1362,8 @@ void Identify(const IdentificationProblem& problem,
       solution.trajectories);
   CovarianceEstimate covariance;
   const Vector band_decays =
-      BandDecays(problem, layout, shooting->train_records(), solution.decays);
+      BandDecays(problem, layout, shooting->train_records(), solution.decays,
+                 options.tuning.force_bands);
   bool has_covariance = false;
   std::vector<Matrix> starts;
   if (best->input_noise().has_value()) {
@@ -1431,8 +1387,8 @@ void Identify(const IdentificationProblem& problem,
   summary->final_cost = solution.cost;
   model->parameters = best->Parameters(solution.free);
   ScoreEverything(problem, layout.InitialValues(), model->parameters,
-                  shooting->train_records(), starts, solution.sigmas, summary,
-                  model);
+                  shooting->train_records(), starts, solution.sigmas,
+                  options.tuning.noise, summary, model);
 
   if (!problem.modal.empty()) {
     ScoreModes(problem, layout.InitialValues(), model->parameters, summary);
@@ -1480,7 +1436,7 @@ void Identify(const IdentificationProblem& problem,
                                  covariance.null_space));
   }
   summary->seconds = Seconds(begin);
-  Judge(summary);
+  Judge(options.tuning.gaps, summary);
 }
 
 }  // namespace pinode

@@ -74,7 +74,8 @@ Vector GuessStateScales(const IdentificationProblem& problem,
   return scales;
 }
 
-int FirstSegmentSamples(const IdentificationProblem& problem) {
+int FirstSegmentSamples(const IdentificationProblem& problem,
+                        const StageTuning& tuning) {
   int shortest = 0;
   double step = 0.0;
   for (const IdentificationRecord& record : problem.records) {
@@ -83,14 +84,17 @@ int FirstSegmentSamples(const IdentificationProblem& problem) {
                              : std::min(shortest, record.num_samples());
     step = std::max(step, record.sampling_step());
   }
-  int samples = 10;
+  int samples = tuning.least_first_samples;
   const std::vector<double> frequencies = ModelFrequencies(problem);
   if (!frequencies.empty()) {
     constexpr double kQuarterTurn = 1.5707963267948966;
     samples = static_cast<int>(
         std::min(1e6, std::ceil(kQuarterTurn / frequencies.front() / step)));
   }
-  return std::clamp(samples, 10, std::max(10, shortest / 4));
+  return std::clamp(
+      samples, tuning.least_first_samples,
+      std::max(tuning.least_first_samples,
+               static_cast<int>(tuning.most_first_share * shortest)));
 }
 
 Vector StateScales(const IdentificationProblem& problem, const Matrix& states) {
@@ -112,7 +116,7 @@ Vector StateScales(const IdentificationProblem& problem, const Matrix& states) {
 
 bool InitialTrajectories(const IdentificationProblem& problem,
                          int segment_samples, const Vector& free,
-                         MultipleShooting* shooting,
+                         const StageTuning& tuning, MultipleShooting* shooting,
                          std::vector<Matrix>* trajectories) {
   const int ns = problem.dynamics->num_states();
   trajectories->clear();
@@ -127,9 +131,7 @@ bool InitialTrajectories(const IdentificationProblem& problem,
   for (int pass = 0; pass < 2; ++pass) {
     shooting->SetSegments(segment_samples, *trajectories);
     shooting->SetStateScales(scales);
-    // A gap of a tenth of a state's RMS counts like one sigma: the model is
-    // wrong by about that much over a segment.
-    shooting->SetGapPenalty(100.0);
+    shooting->SetGapPenalty(tuning.first_gap_penalty);
     double cost = 0.0;
     if (!shooting->Evaluate(free, &cost) ||
         !shooting->Trajectories(free, trajectories)) {

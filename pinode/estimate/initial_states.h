@@ -11,9 +11,10 @@
 namespace pinode {
 
 // Length in samples of the first stage's segments: a quarter of the longest
-// period of the model before the identification, at least ten samples, at most
-// a quarter of the shortest record.
-int FirstSegmentSamples(const IdentificationProblem& problem);
+// period of the model before the identification, within the limits of
+// `tuning`.
+int FirstSegmentSamples(const IdentificationProblem& problem,
+                        const StageTuning& tuning);
 
 // First guess of the states' scales (num_states) from what a record's channels
 // show and the model's lowest frequency.
@@ -31,6 +32,7 @@ Vector StateScales(const IdentificationProblem& problem, const Matrix& states);
 // found.
 [[nodiscard]] bool InitialTrajectories(const IdentificationProblem& problem,
                                        int segment_samples, const Vector& free,
+                                       const StageTuning& tuning,
                                        MultipleShooting* shooting,
                                        std::vector<Matrix>* trajectories);
 

@@ -45,8 +45,9 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
   }
   shooting.SetSigmas({sigmas});
   std::vector<Matrix> states;
-  ASSERT_TRUE(InitialTrajectories(problem_, FirstSegmentSamples(problem_),
-                                  Vector::Zero(3), &shooting, &states));
+  ASSERT_TRUE(InitialTrajectories(
+      problem_, FirstSegmentSamples(problem_, StageTuning()), Vector::Zero(3),
+      StageTuning(), &shooting, &states));
   ASSERT_GT(shooting.num_segments(0), 3);
   ASSERT_EQ(states.size(), 1u);
   ASSERT_EQ(states[0].cols(), truth_.cols());
@@ -60,13 +61,13 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
 
 // omega_1^2 = 4 k/m sin^2(pi/14): a quarter of 2 pi / 3.147 s is 25 samples.
 TEST_F(InitialStatesTest, FirstSegmentsLastAQuarterPeriod) {
-  EXPECT_EQ(FirstSegmentSamples(problem_), 25);
+  EXPECT_EQ(FirstSegmentSamples(problem_, StageTuning()), 25);
   // A record too short for four of them.
   IdentificationRecord record =
       testing::MakeExcitedRecord(*problem_.dynamics, 60, 0.02);
   record.channels = problem_.records[0].channels;
   problem_.records[0] = record;
-  EXPECT_EQ(FirstSegmentSamples(problem_), 15);
+  EXPECT_EQ(FirstSegmentSamples(problem_, StageTuning()), 15);
 }
 
 TEST_F(InitialStatesTest, ScalesAreRmsAndNeverZero) {

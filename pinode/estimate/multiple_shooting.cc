@@ -12,19 +12,6 @@
 namespace pinode {
 namespace {
 
-// Precision, in units of 1 / D^2, of the prior that keeps a free first start
-// from drifting where no channel sees it.
-constexpr double kStartPrecision = 1e-4;
-
-// A step that ruins the trajectories costs a long search for starts, only to be
-// rejected. So the search gives up, after this many iterations, where the cost
-// would stay above this multiple of the last linearisation's even if it fell by
-// this multiple of what the next step promises. (A step uphill that is not to
-// be rejected, as with networks, costs less than that.)
-constexpr int kHopelessIterations = 4;
-constexpr double kHopelessCost = 3.0;
-constexpr double kHopelessPromises = 4.0;
-
 // rho(s) and its derivative for s = (r / sigma)^2; see ceres/loss_function.h.
 void EvaluateLoss(RobustLoss loss, double scale, double s, double* rho,
                   double* slope) {
@@ -424,8 +411,10 @@ void MultipleShooting::AssembleStarts(Record* record, const Matrix& starts,
     }
   }
   if (record->start_is_free) {
-    system.diagonal(0).diagonal() += kStartPrecision * precision;
-    gradient(0) += kStartPrecision * precision.cwiseProduct(starts.col(0));
+    system.diagonal(0).diagonal() +=
+        options_.starts.prior_precision * precision;
+    gradient(0) +=
+        options_.starts.prior_precision * precision.cwiseProduct(starts.col(0));
   } else {
     // A start that is known takes no part.
     system.diagonal(0).setIdentity();
@@ -459,7 +448,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
     }
   }
   divergence_ = Divergence();
-  for (int iteration = 0; iteration < options_.max_start_iterations;
+  for (int iteration = 0; iteration < options_.starts.max_iterations;
        ++iteration) {
     std::vector<std::pair<int, int>> tasks;
     for (size_t r = 0; r < records_.size(); ++r) {
@@ -507,7 +496,7 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
         }
         if (record.start_is_free) {
           trial_cost +=
-              0.5 * kStartPrecision *
+              0.5 * options_.starts.prior_precision *
               inverse_scales.cwiseProduct(search.trial.col(0)).squaredNorm();
         }
         finite = std::isfinite(trial_cost);
@@ -551,13 +540,14 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
       Matrix step = search.gradient;
       record.system->SolveLower(&step);
       const double decrease = 0.5 * step.squaredNorm();
-      const bool hopeless = iteration >= kHopelessIterations &&
-                            search.best_cost - kHopelessPromises * decrease >
-                                kHopelessCost * linearized_cost_;
-      double enough = options_.start_tolerance * search.best_cost;
+      const bool hopeless =
+          iteration >= options_.starts.hopeless_iterations &&
+          search.best_cost - options_.starts.hopeless_promises * decrease >
+              options_.starts.hopeless_cost * linearized_cost_;
+      double enough = options_.starts.tolerance * search.best_cost;
       if (std::isfinite(linearized_cost_)) {
         enough = std::max(
-            enough, options_.start_change_tolerance *
+            enough, options_.starts.change_tolerance *
                         std::abs(search.best_cost - record.linearized_cost));
       }
       if ((improved && decrease <= enough) || hopeless) {

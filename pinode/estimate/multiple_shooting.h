@@ -13,6 +13,7 @@
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/modal_residual.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/tuning.h"
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/segment.h"
 
@@ -61,17 +62,7 @@ class MultipleShooting {
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
     RobustLoss loss = RobustLoss::kNone;
     double loss_scale = 3.0;  // in units of sigma
-    // The search for the best starts ends when its next step promises to lower
-    // the cost by less than this fraction, or after so many steps. Starts that
-    // are short of the best ones leave in the gradient an error of the order
-    // of the square root of what they cost. It is cut short where the
-    // parameters are so bad that no starts can make up for it.
-    double start_tolerance = 1e-10;
-    // Or by less than this share of the change of the record's cost since the
-    // last linearisation: that is enough to judge a step of the parameters, and
-    // the next linearisation takes the rest into account.
-    double start_change_tolerance = 1e-6;
-    int max_start_iterations = 30;
+    StartTuning starts;
     int num_threads = 1;
   };
 

@@ -50,9 +50,9 @@ class ProjectedGradient : public ::testing::TestWithParam<ShootingSetting> {
   // Starts as good as rounding allows.
   static MultipleShooting::Options WithBestStarts() {
     MultipleShooting::Options options = WithLoss(GetParam().loss);
-    options.start_tolerance = 1e-14;
-    options.start_change_tolerance = 0.0;
-    options.max_start_iterations = 300;
+    options.starts.tolerance = 1e-14;
+    options.starts.change_tolerance = 0.0;
+    options.starts.max_iterations = 300;
     return options;
   }
 };

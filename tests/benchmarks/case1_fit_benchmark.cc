@@ -179,7 +179,7 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
   Watch watch(problem);
   Vector x = layout.Free(layout.InitialValues());
   const std::vector<int> train = TrainRecords(problem);
-  const int segment_samples = FirstSegmentSamples(problem);
+  const int segment_samples = FirstSegmentSamples(problem, StageTuning());
   std::vector<IntegrationGrid> grids;
   std::vector<Chain> chains;
   std::vector<Matrix> starts;

@@ -151,8 +151,8 @@ class Fit {
     }
     shooting_.SetSigmas({sigma_});
     shooting_.SetDecays(Vector::Constant(layout_.num_decay_groups(), kDecay));
-    CHECK(InitialTrajectories(problem_, kSegmentSamples, initial_, &shooting_,
-                              &trajectories_));
+    CHECK(InitialTrajectories(problem_, kSegmentSamples, initial_,
+                              StageTuning(), &shooting_, &trajectories_));
     scales_ = StateScales(problem_, trajectories_[0]);
     Restart();
     CHECK_EQ(shooting_.num_segments(0), num_segments());
