@@ -15,13 +15,13 @@
 
 #include "apps/program.h"
 #include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/csv_file.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
-#include "pinode/record/prepare.h"
 
 DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
 DEFINE_string(output_dir, "",

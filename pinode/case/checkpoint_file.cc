@@ -57,7 +57,7 @@ bool ParseCheckpoint(const Json& json, Checkpoint* checkpoint) {
     return false;
   }
   checkpoint->iteration = json["iteration"].get<int>();
-  checkpoint->model.stage = json["stage"].get<int>();
+  checkpoint->model.resume_stage = json["stage"].get<int>();
   checkpoint->cost = json["cost"].get<double>();
   IdentifiedModel& model = checkpoint->model;
   return FromJson(json["parameters"], &model.parameters) &&
@@ -74,7 +74,7 @@ bool WriteCheckpoint(const std::string& path, const std::string& problem_hash,
   json["schema"] = kSchema;
   json["problem"] = problem_hash;
   json["iteration"] = checkpoint.iteration;
-  json["stage"] = checkpoint.model.stage;
+  json["stage"] = checkpoint.model.resume_stage;
   json["cost"] = std::isfinite(checkpoint.cost) ? checkpoint.cost : 0.0;
   json["parameters"] = ToJson(checkpoint.model.parameters);
   json["sigmas"] = ToJson(checkpoint.model.sigmas);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/unknown_force_section.h"
 #include "pinode/record/at2.h"

@@ -5,9 +5,9 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/statistics.h"
 #include "pinode/case/testing.h"
 #include "pinode/record/filter.h"
-#include "pinode/record/prepare.h"
 
 namespace pinode {
 namespace {

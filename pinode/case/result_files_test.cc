@@ -423,7 +423,7 @@ TEST(CheckpointTest, RoundTrip) {
   checkpoint.iteration = 12;
   checkpoint.cost = 1.0 / 3.0;
   checkpoint.model = f.model;
-  checkpoint.model.stage = 3;
+  checkpoint.model.resume_stage = 3;
   std::string error;
   ASSERT_TRUE(
       WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
@@ -431,7 +431,7 @@ TEST(CheckpointTest, RoundTrip) {
   Checkpoint read;
   ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
   EXPECT_EQ(read.iteration, 12);
-  EXPECT_EQ(read.model.stage, 3);
+  EXPECT_EQ(read.model.resume_stage, 3);
   EXPECT_EQ(read.cost, 1.0 / 3.0);
   EXPECT_EQ(read.model.parameters, f.model.parameters);
   ASSERT_EQ(read.model.sigmas.size(), 1u);

@@ -8,6 +8,7 @@
 #include <random>
 #include <sstream>
 
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/covariance.h"
 
 namespace pinode {

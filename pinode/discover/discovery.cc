@@ -9,6 +9,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/discover/ensemble.h"
 #include "pinode/discover/least_squares_system.h"
@@ -17,7 +18,7 @@
 #include "pinode/dynamics/observation.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
 #include "pinode/integrate/integration_grid.h"
@@ -462,14 +463,14 @@ std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
   }
   const ParameterLayout layout(problem);
   if (model.decays.size() != layout.num_decay_groups()) return result;
-  MultipleShooting shooting(problem, layout, MultipleShooting::Options());
-  shooting.SetSigmas(sigmas);
-  shooting.SetDecays(model.decays);
-  shooting.SetStateScales(scales);
-  shooting.SetSegments(0, trajectories);
+  Objective objective(problem, layout, MultipleShooting::Options());
+  objective.shooting().SetSigmas(sigmas);
+  objective.shooting().SetStateScales(scales);
+  objective.shooting().SetSegments(0, trajectories);
+  objective.priors().SetDecays(model.decays);
   const Vector free = layout.Free(model.parameters);
   CondensedSystem system;
-  if (!shooting.Linearize(free, &system) || !system.hessian.allFinite()) {
+  if (!objective.Linearize(free, &system) || !system.hessian.allFinite()) {
     return result;
   }
   // Directions in which nothing is determined would make up any uncertainty,
@@ -776,10 +777,11 @@ bool DiscoverFromDerivatives(const IdentificationProblem& problem,
     for (size_t c = 0; c < record.channels.size(); ++c) {
       double& noise = begin.sigmas[r][static_cast<Eigen::Index>(c)];
       if (noise == 0.0) {
-        noise =
-            record.channels[c].sigma > 0.0
-                ? record.channels[c].sigma
-                : std::max(0.05 * Spread(record.channels[c].values), 1e-290);
+        noise = record.channels[c].sigma > 0.0
+                    ? record.channels[c].sigma
+                    : std::max(0.05 * StandardDeviationOfPresent(
+                                          record.channels[c].values),
+                               1e-290);
       }
     }
     begin.starts[r] = record.start == IdentificationRecord::Start::kKnown

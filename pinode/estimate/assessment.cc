@@ -4,71 +4,71 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/input_noise_fit.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
-#include "pinode/estimate/score.h"
-#include "pinode/record/prepare.h"
+#include "pinode/estimate/objective.h"
+#include "pinode/estimate/stage_schedule.h"
 
 namespace pinode {
 
 bool AssessProblem(const IdentificationProblem& problem,
                    const IdentificationOptions& options,
                    ProblemAssessment* assessment, std::string* error) {
-  constexpr double kAssumedNoise = 0.05;
   constexpr double kFirmness = 1e4;  // of gaps, against the data's own hold
   *assessment = ProblemAssessment();
+  if (!problem.IsValid(error) || !options.IsValid(error)) return false;
   const ParameterLayout layout(problem);
   MultipleShooting::Options shooting_options;
   shooting_options.derivatives = options.derivatives;
   shooting_options.num_threads = options.num_threads;
-  MultipleShooting shooting(problem, layout, shooting_options);
+  Objective objective(problem, layout, shooting_options);
+  MultipleShooting& shooting = objective.shooting();
 
-  std::vector<Vector> sigmas;
+  const std::vector<Vector> sigmas =
+      AssumedNoise(problem, options.tuning.noise);
   for (int r : shooting.train_records()) {
     const IdentificationRecord& record =
         problem.records[static_cast<size_t>(r)];
-    Vector sigma(static_cast<int>(record.channels.size()));
-    for (int c = 0; c < sigma.size(); ++c) {
-      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-      sigma[c] = channel.sigma > 0.0
-                     ? channel.sigma
-                     : std::max(kAssumedNoise * Spread(channel.values), 1e-290);
+    for (const MeasuredChannel& channel : record.channels) {
       if (channel.fit) {
         assessment->num_residuals += CountPresent(channel.values);
       }
     }
-    sigmas.push_back(sigma);
     if (record.start == IdentificationRecord::Start::kFree) {
       assessment->num_starts += problem.dynamics->num_states();
     }
   }
   assessment->num_free = layout.num_free();
-  if (shooting.modal() != nullptr) {
-    assessment->num_residuals += shooting.modal()->num_residuals();
+  if (objective.modes() != nullptr) {
+    assessment->num_residuals += objective.modes()->num_residuals();
   }
   shooting.SetSigmas(sigmas);
 
-  const auto fail = [&shooting, error]() {
-    *error = shooting.modal_error().empty()
-                 ? "no finite trajectory at the initial values"
-                 : shooting.modal_error();
+  const auto fail = [&objective, error]() {
+    const bool modes =
+        objective.modes() != nullptr && !objective.modes()->Failure().empty();
+    *error = modes ? objective.modes()->Failure()
+                   : "no finite trajectory at the initial values";
     return false;
   };
   InputNoiseFit point;
   point.free = layout.Free(layout.InitialValues());
   point.sigmas = sigmas;
-  const int segment_samples = FirstSegmentSamples(problem, StageTuning());
-  if (!InitialTrajectories(problem, segment_samples, point.free, StageTuning(),
-                           &shooting, &point.trajectories)) {
+  const int segment_samples =
+      FirstSegmentSamples(problem, options.tuning.stages);
+  if (!InitialTrajectories(problem, segment_samples, point.free,
+                           options.tuning.stages, &shooting,
+                           &point.trajectories)) {
     return fail();
   }
   const auto plain = [&]() {
-    return EstimateCovariance(problem, layout,
-                              IdentificationOptions::Covariance::kPlain,
-                              point.free, sigmas, &shooting, &point.covariance);
+    return EstimateCovariance(
+        problem, layout, IdentificationOptions::Covariance::kPlain, point.free,
+        sigmas, &objective, &point.covariance);
   };
   // What the data tell about a trajectory in one piece. Where the record does
   // not run so before the fit, segments that are held together nearly as

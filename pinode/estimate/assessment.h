@@ -32,9 +32,9 @@ struct ProblemAssessment {
   std::vector<std::string> undetermined;
 };
 
-// Linearises `problem` (valid) at its initial values, on states that the
-// smoother finds there. False, with a sentence, where no finite trajectory is
-// found.
+// Linearises `problem` at its initial values, on states that the smoother finds
+// there. False, with a sentence, where problem or options are not valid or no
+// finite trajectory is found.
 [[nodiscard]] bool AssessProblem(const IdentificationProblem& problem,
                                  const IdentificationOptions& options,
                                  ProblemAssessment* assessment,

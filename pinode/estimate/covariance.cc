@@ -7,6 +7,7 @@
 #include <random>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/input_noise.h"
 
 namespace pinode {
@@ -81,6 +82,90 @@ std::vector<Matrix> ResidualsOfADraw(const std::vector<Matrix>& residuals,
   return drawn;
 }
 
+// kProbes columns per channel: random signs in its samples, zeros elsewhere.
+Matrix ProbeColumns(int nc, int samples) {
+  Matrix probes = Matrix::Zero(nc * samples, nc * kProbes);
+  std::mt19937_64 random(12345);
+  for (int c = 0; c < nc; ++c) {
+    for (int p = 0; p < kProbes; ++p) {
+      for (int i = 0; i < samples; ++i) {
+        probes(i * nc + c, c * kProbes + p) = (random() & 1) != 0 ? 1.0 : -1.0;
+      }
+    }
+  }
+  return probes;
+}
+
+// The filter is symmetric but for its ends: the adjoint of "predict, then
+// filter" filters the weights.
+void FilterWeights(const ZeroPhaseFilter& filter, int nc, Matrix* weights) {
+  const int samples = static_cast<int>(weights->rows()) / nc;
+  for (int c = 0; c < nc; ++c) {
+    Matrix history(samples, weights->cols());
+    for (int i = 0; i < samples; ++i) {
+      history.row(i) = weights->row(i * nc + c);
+    }
+    filter.Apply(&history);
+    for (int i = 0; i < samples; ++i) {
+      weights->row(i * nc + c) = history.row(i);
+    }
+  }
+}
+
+// Rows of one channel.
+Matrix ChannelRows(const Matrix& jacobian, int nc, int c) {
+  const int samples = static_cast<int>(jacobian.rows()) / nc;
+  Matrix rows(samples, jacobian.cols());
+  for (int i = 0; i < samples; ++i) rows.row(i) = jacobian.row(i * nc + c);
+  return rows;
+}
+
+// sum_c rho_c s_c J_c' J_c + sum_i sigma_u^2 v_i v_i' of one record, added to
+// *middle.
+void AddInputNoise(const IdentificationRecord& data,
+                   const LinearizedRecord& linearized, const Matrix& residuals,
+                   const Matrix& jacobian, const Vector& sigmas,
+                   Matrix* middle) {
+  const int nc = static_cast<int>(residuals.rows());
+  const int samples = static_cast<int>(residuals.cols());
+  const Eigen::Index n = jacobian.cols();
+  // Columns: the weighted Jacobian, then random signs per channel.
+  Matrix weights(nc * samples, n + nc * kProbes);
+  weights << jacobian, ProbeColumns(nc, samples);
+  if (data.filter != nullptr) FilterWeights(*data.filter, nc, &weights);
+  for (int row = 0; row < weights.rows(); ++row) {
+    weights.row(row) /= sigmas[row % nc];
+  }
+  Vector induced = Vector::Zero(nc);  // sum of squares, units of sigma^2
+  const std::vector<int> inputs = data.NoisyInputs();
+  for (size_t j = 0; j < inputs.size(); ++j) {
+    const Matrix effect =
+        data.input_sigma[inputs[j]] *
+        InputSensitivity(linearized, static_cast<int>(j), weights);
+    middle->noalias() += effect.topRows(n) * effect.topRows(n).transpose();
+    for (int c = 0; c < nc; ++c) {
+      induced[c] +=
+          effect.middleRows(n + c * kProbes, kProbes).squaredNorm() / kProbes;
+    }
+  }
+  for (int c = 0; c < nc; ++c) {
+    const double total = residuals.row(c).squaredNorm();
+    // Never nothing: the split itself is estimated.
+    const double share =
+        total > 0.0 ? std::clamp(1.0 - induced[c] / total, 0.02, 1.0) : 1.0;
+    const double scale_to_one = total / std::max(1, samples);
+    const Matrix rows = ChannelRows(jacobian, nc, c);
+    middle->noalias() += share * scale_to_one * rows.transpose() * rows;
+  }
+}
+
+bool HasNoisyInput(const IdentificationProblem& problem,
+                   const std::vector<int>& records) {
+  return std::any_of(records.begin(), records.end(), [&problem](int r) {
+    return !problem.records[static_cast<size_t>(r)].NoisyInputs().empty();
+  });
+}
+
 }  // namespace
 
 bool FactorizeInformation(const Matrix& information, Matrix* lower) {
@@ -95,64 +180,6 @@ bool FactorizeInformation(const Matrix& information, Matrix* lower) {
     return true;
   }
   return false;
-}
-
-double LjungBoxExcess(const Vector& residuals, int num_lags) {
-  const int n = static_cast<int>(residuals.size());
-  const double variance = residuals.squaredNorm();
-  if (n <= 2 * num_lags || !(variance > 0.0)) return 0.0;
-  double statistic = 0.0;
-  for (int k = 1; k <= num_lags; ++k) {
-    const double rho =
-        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
-    statistic += rho * rho / (n - k);
-  }
-  statistic *= static_cast<double>(n) * (n + 2.0);
-  return (statistic - num_lags) / std::sqrt(2.0 * num_lags);
-}
-
-double AutocorrelationTime(const Vector& residuals) {
-  const int n = static_cast<int>(residuals.size());
-  const double variance = residuals.squaredNorm();
-  if (!(variance > 0.0)) return 1.0;
-  double time = 1.0;
-  for (int k = 1; k < n / 2; ++k) {
-    const double rho =
-        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
-    if (rho < 0.05) break;
-    time += 2.0 * rho;
-  }
-  return time;
-}
-
-double MemorylessMeanSquare(const Vector& residuals) {
-  double sum = 0.0;
-  int count = 0;
-  double last = 0.0;
-  for (const double value : residuals) {
-    if (value == 0.0) continue;
-    if (last != 0.0) {
-      sum += 0.5 * (value - last) * (value - last);
-      ++count;
-    }
-    last = value;
-  }
-  return count > 0 ? sum / count : 0.0;
-}
-
-double StudentQuantile(double degrees) {
-  constexpr double z = 1.959963984540054;
-  if (!(degrees >= 1.0)) degrees = 1.0;
-  const double z3 = z * z * z;
-  const double z5 = z3 * z * z;
-  const double z7 = z5 * z * z;
-  const double z9 = z7 * z * z;
-  const double d = degrees;
-  return z + (z3 + z) / (4.0 * d) +
-         (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * d * d) +
-         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * d * d * d) +
-         (79.0 * z9 + 776.0 * z7 + 1482.0 * z5 - 1920.0 * z3 - 945.0 * z) /
-             (92160.0 * d * d * d * d);
 }
 
 bool InvertInformation(const Matrix& information, Matrix* inverse_root,
@@ -185,129 +212,58 @@ bool EstimateCovariance(const IdentificationProblem& problem,
                         const ParameterLayout& layout,
                         IdentificationOptions::Covariance choice,
                         const Vector& free, const std::vector<Vector>& sigmas,
-                        MultipleShooting* shooting,
-                        CovarianceEstimate* estimate) {
+                        Objective* objective, CovarianceEstimate* estimate) {
+  using Covariance = IdentificationOptions::Covariance;
   CondensedSystem system;
   std::vector<Matrix> residuals, jacobians, states;
-  if (!shooting->Linearize(free, &system) ||
-      !shooting->WeightedResiduals(free, true, &residuals, &jacobians) ||
-      !shooting->Trajectories(free, &states)) {
-    return false;
-  }
-  const int n = layout.num_free();
+  MultipleShooting& shooting = objective->shooting();
   Matrix inverse_root;
-  if (!InvertInformation(system.hessian, &inverse_root,
+  if (!objective->Linearize(free, &system) ||
+      !shooting.WeightedResiduals(free, true, &residuals, &jacobians) ||
+      !shooting.Trajectories(free, &states) ||
+      !InvertInformation(system.hessian, &inverse_root,
                          &estimate->null_space)) {
     return false;
   }
   const Matrix inverse = inverse_root * inverse_root.transpose();
-
-  bool noisy_input = false;
-  for (int r : shooting->train_records()) {
-    noisy_input =
-        noisy_input ||
-        !problem.records[static_cast<size_t>(r)].NoisyInputs().empty();
-  }
-  using Covariance = IdentificationOptions::Covariance;
+  const std::vector<int>& train = shooting.train_records();
+  const bool automatic = choice == Covariance::kAuto;
+  const bool noisy_input = HasNoisyInput(problem, train);
   estimate->quantile = StudentQuantile(1e6);
   std::vector<Matrix> drawn;
-  if (choice == Covariance::kAuto) {
-    drawn = ResidualsOfADraw(residuals, jacobians, inverse_root);
-  }
+  if (automatic) drawn = ResidualsOfADraw(residuals, jacobians, inverse_root);
   if (choice == Covariance::kPlain || residuals.empty() ||
-      (choice == Covariance::kAuto && !noisy_input &&
-       !AnyAutocorrelated(drawn))) {
+      (automatic && !noisy_input && !AnyAutocorrelated(drawn))) {
     estimate->method = "plain";
     estimate->covariance = inverse;
     return true;
   }
 
   // The priors' share of the Hessian is theirs in the middle as well.
-  Matrix data_hessian = Matrix::Zero(n, n);
+  Matrix middle = system.hessian;
   for (const Matrix& jacobian : jacobians) {
-    data_hessian.noalias() += jacobian.transpose() * jacobian;
+    middle.noalias() -= jacobian.transpose() * jacobian;
   }
-  const Matrix priors = system.hessian - data_hessian;
-  Matrix middle = priors;
-  if (choice == Covariance::kAuto && noisy_input) {
+  if (automatic && noisy_input) {
     estimate->method = "input noise";
     Vector parameters = layout.InitialValues();
     layout.SetFree(free, &parameters);
     for (size_t t = 0; t < residuals.size(); ++t) {
-      const int record = shooting->train_records()[t];
       const IdentificationRecord& data =
-          problem.records[static_cast<size_t>(record)];
-      const int nc = static_cast<int>(residuals[t].rows());
-      const int samples = static_cast<int>(residuals[t].cols());
-      // Columns: the weighted Jacobian, then random signs per channel.
-      Matrix weights = Matrix::Zero(nc * samples, n + nc * kProbes);
-      weights.leftCols(n) = jacobians[t];
-      std::mt19937_64 random(12345);
-      for (int c = 0; c < nc; ++c) {
-        for (int p = 0; p < kProbes; ++p) {
-          for (int i = 0; i < samples; ++i) {
-            weights(i * nc + c, n + c * kProbes + p) =
-                (random() & 1) != 0 ? 1.0 : -1.0;
-          }
-        }
-      }
-      if (data.filter != nullptr) {
-        // The filter is symmetric but for its ends: the adjoint of "predict,
-        // then filter" filters the weights.
-        for (int c = 0; c < nc; ++c) {
-          Matrix history(samples, weights.cols());
-          for (int i = 0; i < samples; ++i) {
-            history.row(i) = weights.row(i * nc + c);
-          }
-          data.filter->Apply(&history);
-          for (int i = 0; i < samples; ++i) {
-            weights.row(i * nc + c) = history.row(i);
-          }
-        }
-      }
-      for (int row = 0; row < weights.rows(); ++row) {
-        weights.row(row) /= sigmas[t][row % nc];
-      }
-      Vector induced = Vector::Zero(nc);  // sum of squares, units of sigma^2
-      const std::vector<int> inputs = data.NoisyInputs();
+          problem.records[static_cast<size_t>(train[t])];
       const LinearizedRecord linearized = LinearizeRecord(
-          problem, layout, record, inputs, parameters, states[t]);
-      for (size_t j = 0; j < inputs.size(); ++j) {
-        const Matrix effect =
-            data.input_sigma[inputs[j]] *
-            InputSensitivity(linearized, static_cast<int>(j), weights);
-        middle.noalias() += effect.topRows(n) * effect.topRows(n).transpose();
-        for (int c = 0; c < nc; ++c) {
-          induced[c] +=
-              effect.middleRows(n + c * kProbes, kProbes).squaredNorm() /
-              kProbes;
-        }
-      }
-      for (int c = 0; c < nc; ++c) {
-        const double total = residuals[t].row(c).squaredNorm();
-        // Never nothing: the split itself is estimated.
-        const double share =
-            total > 0.0 ? std::clamp(1.0 - induced[c] / total, 0.02, 1.0) : 1.0;
-        const double scale_to_one = total / std::max(1, samples);
-        Matrix rows(samples, n);
-        for (int i = 0; i < samples; ++i) {
-          rows.row(i) = jacobians[t].row(i * nc + c);
-        }
-        middle.noalias() += share * scale_to_one * rows.transpose() * rows;
-      }
+          problem, layout, train[t], data.NoisyInputs(), parameters, states[t]);
+      AddInputNoise(data, linearized, residuals[t], jacobians[t], sigmas[t],
+                    &middle);
     }
-  } else if (choice == Covariance::kAuto && layout.HasForceDecay()) {
+  } else if (automatic && layout.HasForceDecay()) {
     // More knots than blocks: scores of blocks cannot say how well each is
     // known. Noise with a memory counts as one sample per autocorrelation time.
     estimate->method = "inflated";
     for (size_t t = 0; t < residuals.size(); ++t) {
       const int nc = static_cast<int>(residuals[t].rows());
-      const int samples = static_cast<int>(residuals[t].cols());
       for (int c = 0; c < nc; ++c) {
-        Matrix rows(samples, n);
-        for (int i = 0; i < samples; ++i) {
-          rows.row(i) = jacobians[t].row(i * nc + c);
-        }
+        const Matrix rows = ChannelRows(jacobians[t], nc, c);
         middle.noalias() +=
             AutocorrelationTime(drawn[t].row(c)) * (rows.transpose() * rows);
       }

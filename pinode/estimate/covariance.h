@@ -8,7 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_options.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/objective.h"
 
 namespace pinode {
 
@@ -25,7 +25,7 @@ struct CovarianceEstimate {
   Matrix null_space;
 };
 
-// At the solution `free` of `shooting`, which is linearised there.
+// At the solution `free` of `objective`, which is linearised there.
 //
 //   plain         H^-1, H the Gauss-Newton Hessian with priors and decay
 //   sandwich      H^-1 (sum_b g_b g_b' + P) H^-1 over blocks of consecutive
@@ -51,7 +51,7 @@ struct CovarianceEstimate {
                                       IdentificationOptions::Covariance choice,
                                       const Vector& free,
                                       const std::vector<Vector>& sigmas,
-                                      MultipleShooting* shooting,
+                                      Objective* objective,
                                       CovarianceEstimate* estimate);
 
 // A root R of the inverse of an information matrix (n x n, symmetric), so that
@@ -69,24 +69,6 @@ struct CovarianceEstimate {
 // is not finite or no such e is enough.
 [[nodiscard]] bool FactorizeInformation(const Matrix& information,
                                         Matrix* lower);
-
-// Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
-// its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65
-// (1978) 297-303).
-double LjungBoxExcess(const Vector& residuals, int num_lags);
-
-// 1 + 2 sum rho_k up to the first lag with rho_k < 0.05, in samples.
-double AutocorrelationTime(const Vector& residuals);
-
-// Mean square of what has no memory in `residuals`, half that of successive
-// differences (J. von Neumann, Annals of Mathematical Statistics 12 (1941)
-// 367): the variance of white noise, and next to nothing of a signal that is
-// smooth. Zeros stand for missing samples and are passed over; 0 where fewer
-// than two are left.
-double MemorylessMeanSquare(const Vector& residuals);
-
-// 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
-double StudentQuantile(double degrees);
 
 }  // namespace pinode
 

@@ -37,13 +37,14 @@ class CovarianceTest : public ::testing::Test {
 
   CovarianceEstimate Estimate(IdentificationOptions::Covariance choice) {
     const ParameterLayout layout(problem_);
-    MultipleShooting shooting(problem_, layout, MultipleShooting::Options());
+    Objective objective(problem_, layout, MultipleShooting::Options());
+    MultipleShooting& shooting = objective.shooting();
     shooting.SetSegments(0, {states_});
     shooting.SetSigmas({sigma_});
     shooting.SetStateScales({Vector::Constant(4, 0.2)});
     CovarianceEstimate estimate;
     EXPECT_TRUE(EstimateCovariance(problem_, layout, choice, free_, {sigma_},
-                                   &shooting, &estimate));
+                                   &objective, &estimate));
     start_ = shooting.starts()[0].col(0);
     return estimate;
   }
@@ -217,79 +218,6 @@ TEST_F(CovarianceTest, FindsTheNullSpace) {
   EXPECT_NEAR(direction[0], -direction[2], 1e-6);
   EXPECT_NEAR(direction[1], 0.0, 1e-6);
   EXPECT_GT(estimate.covariance(0, 0), 1e6 * estimate.covariance(1, 1));
-}
-
-Vector Autoregressive(double a, int count, uint64_t seed) {
-  testing::Gaussian random(seed);
-  Vector values(count);
-  double x = random.Next() / std::sqrt(1.0 - a * a);
-  for (double& value : values) {
-    value = x;
-    x = a * x + random.Next();
-  }
-  return values;
-}
-
-TEST(LjungBoxExcess, TellsWhiteNoiseFromAutoregressive) {
-  double sum = 0.0;
-  double squares = 0.0;
-  const int trials = 200;
-  for (int seed = 0; seed < trials; ++seed) {
-    const double excess = LjungBoxExcess(
-        Autoregressive(0.0, 1000, static_cast<uint64_t>(seed)), 20);
-    sum += excess;
-    squares += excess * excess;
-  }
-  // Zero mean and unit variance.
-  EXPECT_NEAR(sum / trials, 0.0, 0.25);
-  EXPECT_NEAR(squares / trials, 1.0, 0.35);
-  // n rho^2 / (1 - rho^2) in all: (1000 * 0.0989 - 0) / sqrt(40).
-  EXPECT_NEAR(LjungBoxExcess(Autoregressive(0.3, 1000, 1), 20), 15.6, 8.0);
-  EXPECT_EQ(LjungBoxExcess(Vector::Zero(500), 20), 0.0);
-  EXPECT_EQ(LjungBoxExcess(Vector::Ones(30), 20), 0.0);
-}
-
-TEST(AutocorrelationTime, OfAutoregressiveNoise) {
-  for (double a : {0.0, 0.5, 0.8, 0.9}) {
-    const double expected = (1.0 + a) / (1.0 - a);
-    // The sum ends where the correlation falls below 0.05; what is left out is
-    // at most 2 * 0.05 / (1 - a).
-    const double cut = a > 0.0 ? 0.1 / (1.0 - a) : 0.0;
-    const double time = AutocorrelationTime(Autoregressive(a, 200000, 7));
-    EXPECT_LT(time, 1.05 * expected) << a;
-    EXPECT_GT(time, 0.95 * expected - cut) << a;
-  }
-  EXPECT_EQ(AutocorrelationTime(Vector::Zero(10)), 1.0);
-}
-
-TEST(MemorylessMeanSquare, TellsNoiseFromASmoothSignal) {
-  Vector values = 0.5 * Autoregressive(0.0, 20000, 3);
-  // Of 20000 values the estimate has a relative standard deviation of 0.9 %.
-  EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.01);
-  const double step = 0.02;
-  Vector signal(values.size());
-  for (Eigen::Index i = 0; i < signal.size(); ++i) {
-    signal[i] = 10.0 * std::sin(step * static_cast<double>(i) + 0.1);
-  }
-  // A sine of amplitude 10: half the mean square of its differences.
-  const double alone = 50.0 * (1.0 - std::cos(step));
-  EXPECT_NEAR(MemorylessMeanSquare(signal), alone, 1e-3 * alone);
-  EXPECT_NEAR(MemorylessMeanSquare(values + signal), 0.25 + alone, 0.01);
-  // Missing ones are passed over.
-  for (Eigen::Index i = 0; i < values.size(); i += 3) values[i] = 0.0;
-  EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.012);
-  EXPECT_EQ(MemorylessMeanSquare(Vector::Zero(10)), 0.0);
-  EXPECT_EQ(MemorylessMeanSquare(Vector::Unit(10, 3)), 0.0);
-}
-
-// NIST/SEMATECH e-Handbook, section 1.3.6.7.2.
-TEST(StudentQuantile, EqualsTheTable) {
-  EXPECT_NEAR(StudentQuantile(5.0), 2.571, 3e-3);
-  EXPECT_NEAR(StudentQuantile(10.0), 2.228, 1e-3);
-  EXPECT_NEAR(StudentQuantile(12.0), 2.179, 1e-3);
-  EXPECT_NEAR(StudentQuantile(30.0), 2.042, 1e-3);
-  EXPECT_NEAR(StudentQuantile(100.0), 1.984, 1e-3);
-  EXPECT_NEAR(StudentQuantile(1e6), 1.95996, 1e-4);
 }
 
 // The eigenvalues are 2 and `least`, with vectors (1, 1) and (1, -1).

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/objective.h"
 
 namespace pinode {
 
@@ -13,26 +15,34 @@ bool LinearizeAtFit(const IdentificationProblem& problem,
                     FittedCost* cost) {
   MultipleShooting::Options options;
   options.num_threads = num_threads;
-  MultipleShooting shooting(problem, layout, options);
+  Objective objective(problem, layout, options);
+  MultipleShooting& shooting = objective.shooting();
+  if (model.parameters.size() != layout.num_parameters()) return false;
   std::vector<Vector> sigmas;
   std::vector<Vector> scales;
   std::vector<Matrix> trajectories;
   for (const int record : shooting.train_records()) {
     const size_t r = static_cast<size_t>(record);
-    if (!scores[r].finite) return false;
+    if (r >= scores.size() || r >= model.sigmas.size() || !scores[r].finite ||
+        scores[r].states.cols() != problem.records[r].num_samples() ||
+        model.sigmas[r].size() !=
+            static_cast<Eigen::Index>(problem.records[r].channels.size())) {
+      return false;
+    }
     sigmas.push_back(model.sigmas[r]);
     trajectories.push_back(scores[r].states);
     scales.push_back(StateScales(problem, scores[r].states));
   }
   shooting.SetSigmas(sigmas);
-  shooting.SetDecays(model.decays.size() == layout.num_decay_groups()
-                         ? model.decays
-                         : Vector(Vector::Zero(layout.num_decay_groups())));
+  objective.priors().SetDecays(
+      model.decays.size() == layout.num_decay_groups()
+          ? model.decays
+          : Vector(Vector::Zero(layout.num_decay_groups())));
   shooting.SetStateScales(scales);
   shooting.SetSegments(0, trajectories);
   const Vector free = layout.Free(model.parameters);
   std::vector<Matrix> residuals;
-  if (!shooting.Linearize(free, &cost->system) ||
+  if (!objective.Linearize(free, &cost->system) ||
       !cost->system.hessian.allFinite() ||
       !shooting.WeightedResiduals(free, false, &residuals, nullptr)) {
     return false;

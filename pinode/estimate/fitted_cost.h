@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_summary.h"
-#include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {

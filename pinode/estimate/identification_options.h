@@ -8,7 +8,7 @@
 #include <string>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/robust_loss.h"
 #include "pinode/estimate/tuning.h"
 #include "pinode/integrate/segment.h"
 

@@ -2,13 +2,164 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace pinode {
 namespace {
 
-bool AnyFree(const ParameterBlock& block) {
+bool HasFree(const ParameterBlock& block) {
   return std::any_of(block.parameters.begin(), block.parameters.end(),
-                     [](const Parameter& p) { return p.free; });
+                     [](const Parameter& parameter) { return parameter.free; });
+}
+
+// What modes without a record can tell of.
+bool AreGroupsAloneFree(const IdentificationProblem& problem,
+                        std::string* error) {
+  for (const ParameterBlock& block : problem.dynamics->blocks()) {
+    if (block.name == "groups" || !HasFree(block)) continue;
+    *error = "modes tell of groups alone: '" + block.name +
+             "' cannot be free without a training record";
+    return false;
+  }
+  if (HasFree(problem.sensors)) {
+    *error =
+        "modes tell of groups alone: sensors cannot be free without a "
+        "training record";
+    return false;
+  }
+  return true;
+}
+
+bool HasGroundDisplacement(const StructuralDynamics& dynamics) {
+  return std::any_of(dynamics.inputs().begin(), dynamics.inputs().end(),
+                     [](const InputSpec& input) {
+                       return input.kind ==
+                              InputSpec::Kind::kGroundDisplacement;
+                     });
+}
+
+bool IsValidObservation(const StructuralDynamics& dynamics,
+                        const Observation& observation, std::string* error) {
+  std::ostringstream message;
+  if (observation.weights.size() != dynamics.num_dofs()) {
+    message << "it has " << observation.weights.size()
+            << " weights, the model has " << dynamics.num_dofs() << " DOFs";
+  } else if (!observation.weights.allFinite()) {
+    message << "a weight of its DOFs is not finite";
+  } else if (observation.quantity == Quantity::kAbsoluteDisplacement &&
+             !HasGroundDisplacement(dynamics)) {
+    message << "an absolute displacement needs the ground displacement among "
+               "the inputs";
+  } else {
+    return true;
+  }
+  *error = message.str();
+  return false;
+}
+
+bool AreValidSensors(const IdentificationProblem& problem,
+                     const MeasuredChannel& channel, std::string* error) {
+  const struct {
+    const char* name;
+    int index;
+  } sensors[] = {{"gain", channel.gain},
+                 {"offset", channel.offset},
+                 {"delay", channel.delay}};
+  for (const auto& sensor : sensors) {
+    if (sensor.index >= -1 && sensor.index < problem.sensors.size()) continue;
+    *error = std::string("its ") + sensor.name + " is sensor parameter " +
+             std::to_string(sensor.index) + ", the problem has " +
+             std::to_string(problem.sensors.size());
+    return false;
+  }
+  return true;
+}
+
+bool AreValidSamples(const IdentificationRecord& record,
+                     const MeasuredChannel& channel, std::string* error) {
+  int finite = 0;
+  bool any_infinite = false;
+  for (const double value : channel.values) {
+    any_infinite = any_infinite || std::isinf(value);
+    finite += std::isfinite(value);
+  }
+  if (channel.values.size() != record.num_samples()) {
+    *error = "its length differs from that of the excitation";
+  } else if (any_infinite) {
+    *error = "it holds an infinite value";
+  } else if (finite == 0) {
+    *error = "it holds no value";
+  } else if (record.filter != nullptr && finite != channel.values.size()) {
+    *error = "a record with missing samples cannot be filtered";
+  } else if (channel.description.factor == 0.0 ||
+             !std::isfinite(channel.description.factor)) {
+    *error = "the factor of its unit is zero or not finite";
+  } else if (!(channel.sigma >= 0.0)) {
+    *error = "its standard deviation is negative";
+  } else if (std::isinf(channel.sigma)) {
+    *error = "its standard deviation is not finite";
+  } else {
+    return true;
+  }
+  return false;
+}
+
+bool IsValidExcitation(const StructuralDynamics& dynamics,
+                       const IdentificationRecord& record, std::string* error) {
+  std::ostringstream message;
+  if (!record.excitation.has_value() || record.num_samples() < 2) {
+    message << "it has fewer than two samples";
+  } else if (record.excitation->num_inputs() != dynamics.num_inputs()) {
+    message << "it has " << record.excitation->num_inputs()
+            << " inputs, the model has " << dynamics.num_inputs();
+  } else if (!(record.sampling_step() > 0.0) ||
+             !std::isfinite(record.sampling_step()) ||
+             !record.excitation->samples().allFinite()) {
+    message << "its excitation holds a value, or has a step, that is not "
+               "finite";
+  } else if (record.input_sigma.size() != 0 &&
+             record.input_sigma.size() != dynamics.num_inputs()) {
+    message << "it has " << record.input_sigma.size()
+            << " standard deviations of inputs, the model has "
+            << dynamics.num_inputs() << " inputs";
+  } else if (!record.input_sigma.allFinite() ||
+             !(record.input_sigma.array() >= 0.0).all()) {
+    message << "the standard deviation of an input is negative or not finite";
+  } else if (record.substeps < 1) {
+    message << "it needs at least one Runge-Kutta step per sample; "
+               "PrepareProblem chooses their number";
+  } else if (record.start == IdentificationRecord::Start::kKnown &&
+             (record.known_start.size() != dynamics.num_states() ||
+              !record.known_start.allFinite())) {
+    message << "its start needs " << dynamics.num_states()
+            << " finite values, one per state";
+  } else {
+    return true;
+  }
+  *error = message.str();
+  return false;
+}
+
+// On failure without the record's name.
+bool IsValidRecord(const IdentificationProblem& problem,
+                   const IdentificationRecord& record, std::string* error) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  if (!IsValidExcitation(dynamics, record, error)) return false;
+  if (record.channels.empty()) {
+    *error = "it has no measured channel";
+    return false;
+  }
+  for (const MeasuredChannel& channel : record.channels) {
+    std::string what;
+    if (AreValidSamples(record, channel, &what) &&
+        IsValidObservation(dynamics, channel.observation, &what) &&
+        AreValidSensors(problem, channel, &what)) {
+      continue;
+    }
+    *error = "channel '" + channel.observation.name + "': " + what;
+    return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -19,6 +170,14 @@ std::vector<int> IdentificationRecord::NoisyInputs() const {
     if (input_sigma[i] > 0.0) inputs.push_back(i);
   }
   return inputs;
+}
+
+std::vector<Observation> IdentificationRecord::Observations() const {
+  std::vector<Observation> observations;
+  for (const MeasuredChannel& channel : channels) {
+    observations.push_back(channel.observation);
+  }
+  return observations;
 }
 
 int IdentificationProblem::num_train_records() const {
@@ -63,160 +222,44 @@ bool IdentificationProblem::IsValid(std::string* error) const {
     *error = "there is no model";
     return false;
   }
-  StructuralDynamics::Prepared prepared;
-  if (!description.IsValid(error) || !AreUnknownsValid(error) ||
-      !dynamics->Prepare(dynamics->Parameters(), &prepared, error) ||
-      !modal.IsValid(dynamics->num_dofs(), error)) {
-    return false;
-  }
-  bool any_fitted = !modal.empty();
-  for (const IdentificationRecord& record : records) {
-    if (!IsRecordValid(record, error)) {
-      *error = "record '" + record.name + "': " + *error;
-      return false;
-    }
-    if (record.role != IdentificationRecord::Role::kTrain) continue;
-    for (const MeasuredChannel& channel : record.channels) {
-      any_fitted = any_fitted || channel.fit;
-    }
-  }
-  if (!any_fitted) {
-    *error =
-        "no training record has a fitted channel, and no mode was measured";
-    return false;
-  }
-  return true;
-}
-
-bool IdentificationProblem::AreUnknownsValid(std::string* error) const {
-  bool any_free = AnyFree(sensors);
+  bool any_free = false;
   for (const ParameterBlock& block : dynamics->blocks()) {
     if (!block.IsValid(error)) return false;
-    any_free = any_free || AnyFree(block);
+    any_free = any_free || HasFree(block);
   }
   if (!sensors.IsValid(error)) return false;
+  any_free = any_free || HasFree(sensors);
   if (!any_free) {
     *error =
         "no parameter is free: mark at least one group, element parameter, "
         "network or sensor parameter as free";
     return false;
   }
-  if (modal.empty() || num_train_records() > 0) return true;
-  for (const ParameterBlock& block : dynamics->blocks()) {
-    if (block.name == "groups" || !AnyFree(block)) continue;
-    *error = "modes tell of groups alone: '" + block.name +
-             "' cannot be free without a training record";
+  StructuralDynamics::Prepared prepared;
+  if (!description.IsValid(error) ||
+      !dynamics->Prepare(dynamics->Parameters(), &prepared, error) ||
+      !modal.IsValid(dynamics->num_dofs(), error)) {
     return false;
   }
-  if (AnyFree(sensors)) {
-    *error =
-        "modes tell of groups alone: sensors cannot be free without a "
-        "training record";
+  if (!modal.empty() && num_train_records() == 0 &&
+      !AreGroupsAloneFree(*this, error)) {
     return false;
   }
-  return true;
-}
-
-bool IdentificationProblem::IsRecordValid(const IdentificationRecord& record,
-                                          std::string* error) const {
-  if (!record.excitation.has_value() || record.num_samples() < 2) {
-    *error = "it has fewer than two samples";
-    return false;
-  }
-  if (record.excitation->num_inputs() != dynamics->num_inputs()) {
-    *error = "it has " + std::to_string(record.excitation->num_inputs()) +
-             " inputs, the model has " + std::to_string(dynamics->num_inputs());
-    return false;
-  }
-  if (!(record.sampling_step() > 0.0) ||
-      !std::isfinite(record.sampling_step()) ||
-      !record.excitation->samples().allFinite()) {
-    *error = "its excitation holds a value, or has a step, that is not finite";
-    return false;
-  }
-  if (record.input_sigma.size() != 0 &&
-      (record.input_sigma.size() != dynamics->num_inputs() ||
-       !record.input_sigma.allFinite() ||
-       record.input_sigma.minCoeff() < 0.0)) {
-    *error = "the noise of its inputs needs no value, or " +
-             std::to_string(dynamics->num_inputs()) +
-             " that are finite and not negative";
-    return false;
-  }
-  if (record.substeps < 1) {
-    *error =
-        "it needs at least one Runge-Kutta step per sample; PrepareProblem "
-        "chooses their number";
-    return false;
-  }
-  if (record.start == IdentificationRecord::Start::kKnown &&
-      (record.known_start.size() != dynamics->num_states() ||
-       !record.known_start.allFinite())) {
-    *error = "its start needs " + std::to_string(dynamics->num_states()) +
-             " finite values, one per state";
-    return false;
-  }
-  const double time_factor = record.description.time_factor;
-  if (!(time_factor > 0.0) || !std::isfinite(time_factor)) {
-    *error = "its unit of time has no positive factor";
-    return false;
-  }
-  if (record.channels.empty()) {
-    *error = "it has no measured channel";
-    return false;
-  }
-  for (const MeasuredChannel& channel : record.channels) {
-    if (IsChannelValid(record, channel, error)) continue;
-    *error = "channel '" + channel.observation.name + "': " + *error;
-    return false;
-  }
-  return true;
-}
-
-bool IdentificationProblem::IsChannelValid(const IdentificationRecord& record,
-                                           const MeasuredChannel& channel,
-                                           std::string* error) const {
-  const Vector& weights = channel.observation.weights;
-  if (weights.size() != dynamics->num_dofs() || !weights.allFinite()) {
-    *error = "it needs " + std::to_string(dynamics->num_dofs()) +
-             " finite weights, one per DOF";
-    return false;
-  }
-  for (const int index : {channel.gain, channel.offset, channel.delay}) {
-    if (index < -1 || index >= sensors.size()) {
-      *error = "parameter " + std::to_string(index) +
-               " of its sensor is none of the " +
-               std::to_string(sensors.size()) + " there are (-1: ideal)";
+  bool any_fitted = !modal.empty();
+  for (const IdentificationRecord& record : records) {
+    std::string what;
+    if (!IsValidRecord(*this, record, &what)) {
+      *error = "record '" + record.name + "': " + what;
       return false;
     }
-  }
-  if (channel.values.size() != record.num_samples()) {
-    *error = "its length differs from that of the excitation";
-    return false;
-  }
-  Eigen::Index num_present = 0;
-  for (const double value : channel.values) {
-    if (std::isinf(value)) {
-      *error = "it holds an infinite value";
-      return false;
+    const bool train = record.role == IdentificationRecord::Role::kTrain;
+    for (const MeasuredChannel& channel : record.channels) {
+      any_fitted = any_fitted || (train && channel.fit);
     }
-    if (std::isfinite(value)) ++num_present;
   }
-  if (num_present == 0) {
-    *error = "it holds no value";
-    return false;
-  }
-  if (record.filter != nullptr && num_present != channel.values.size()) {
-    *error = "a record with missing samples cannot be filtered";
-    return false;
-  }
-  const double factor = channel.description.factor;
-  if (factor == 0.0 || !std::isfinite(factor)) {
-    *error = "the factor of its unit is zero or not finite";
-    return false;
-  }
-  if (!(channel.sigma >= 0.0) || !std::isfinite(channel.sigma)) {
-    *error = "its standard deviation is negative or not finite";
+  if (!any_fitted) {
+    *error =
+        "no training record has a fitted channel, and no mode was measured";
     return false;
   }
   return true;

@@ -64,6 +64,9 @@ struct IdentificationRecord {
   // Indices of the inputs that have noise.
   std::vector<int> NoisyInputs() const;
 
+  // What its channels see, in their order.
+  std::vector<Observation> Observations() const;
+
   int num_samples() const { return excitation->num_samples(); }
   double sampling_step() const { return excitation->step(); }
 };
@@ -89,21 +92,16 @@ struct IdentificationProblem {
   std::string UnitOf(const MeasuredChannel& channel) const;
   std::string LocationOf(const MeasuredChannel& channel) const;
 
-  // Whether everything above the problem can work on it without a further look
-  // at sizes and numbers: a model whose mass matrix can be inverted; at least
-  // one free parameter, which without a training record must be a group's; at
-  // least one training record with a fitted channel, or one mode; and of each
-  // record two samples, finite excitations, steps that are chosen, and channels
-  // with one weight per DOF and parameters that exist. On failure *error names
-  // the record, channel or mode, and what was expected.
+  // Everything that a caller can get wrong, so that what works on a valid
+  // problem needs no further look at sizes and numbers: a mass matrix that can
+  // be inverted; at least one free parameter, which without a training record
+  // must be a group's; at least one training record with a fitted channel, or
+  // one mode; and of each record two samples, finite excitations, steps that
+  // are chosen, sizes and indices of channels, sensors, starts and input noise
+  // that fit the dynamics, no negative deviation. On failure *error names the
+  // record, channel or mode, and what was expected. What takes a problem asks
+  // this first, and aborts on none.
   [[nodiscard]] bool IsValid(std::string* error) const;
-
- private:
-  bool AreUnknownsValid(std::string* error) const;
-  bool IsRecordValid(const IdentificationRecord& record,
-                     std::string* error) const;
-  bool IsChannelValid(const IdentificationRecord& record,
-                      const MeasuredChannel& channel, std::string* error) const;
 };
 
 }  // namespace pinode

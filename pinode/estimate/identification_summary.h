@@ -155,7 +155,7 @@ struct IdentifiedModel {
   Vector decays;               // per decay group of the parameter layout
   // Of a fit that was cut off, the stage in which it goes on, from 1; 0: this
   // is a result, and what begins with it goes through all stages.
-  int stage = 0;
+  int resume_stage = 0;
 };
 
 }  // namespace pinode

@@ -5,12 +5,24 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
-#include "pinode/record/prepare.h"
+#include "pinode/base/statistics.h"
 
 namespace pinode {
 namespace {
 
-// Circular frequencies of the linear model, ascending, without zeros.
+// Typical circular frequency of the motion: from the channels where both a
+// quantity and its derivative are measured, else the model's lowest.
+double TypicalFrequency(const IdentificationProblem& problem, double x,
+                        double v, double a) {
+  if (x > 0.0 && v > 0.0) return v / x;
+  if (v > 0.0 && a > 0.0) return a / v;
+  if (x > 0.0 && a > 0.0) return std::sqrt(a / x);
+  const std::vector<double> frequencies = ModelFrequencies(problem);
+  return frequencies.empty() ? 1.0 : frequencies.front();
+}
+
+}  // namespace
+
 std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   StructuralDynamics::Prepared prepared;
@@ -27,19 +39,6 @@ std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
   }
   return frequencies;
 }
-
-// Typical circular frequency of the motion: from the channels where both a
-// quantity and its derivative are measured, else the model's lowest.
-double TypicalFrequency(const IdentificationProblem& problem, double x,
-                        double v, double a) {
-  if (x > 0.0 && v > 0.0) return v / x;
-  if (v > 0.0 && a > 0.0) return a / v;
-  if (x > 0.0 && a > 0.0) return std::sqrt(a / x);
-  const std::vector<double> frequencies = ModelFrequencies(problem);
-  return frequencies.empty() ? 1.0 : frequencies.front();
-}
-
-}  // namespace
 
 Vector GuessStateScales(const IdentificationProblem& problem,
                         const IdentificationRecord& record) {
@@ -72,29 +71,6 @@ Vector GuessStateScales(const IdentificationProblem& problem,
   scales.segment(n, n).setConstant(std::max(v, 1e-290));
   scales.tail(dynamics.num_internal()).setConstant(std::max(x, 1e-290));
   return scales;
-}
-
-int FirstSegmentSamples(const IdentificationProblem& problem,
-                        const StageTuning& tuning) {
-  int shortest = 0;
-  double step = 0.0;
-  for (const IdentificationRecord& record : problem.records) {
-    if (record.role != IdentificationRecord::Role::kTrain) continue;
-    shortest = shortest == 0 ? record.num_samples()
-                             : std::min(shortest, record.num_samples());
-    step = std::max(step, record.sampling_step());
-  }
-  int samples = tuning.least_first_samples;
-  const std::vector<double> frequencies = ModelFrequencies(problem);
-  if (!frequencies.empty()) {
-    constexpr double kQuarterTurn = 1.5707963267948966;
-    samples = static_cast<int>(
-        std::min(1e6, std::ceil(kQuarterTurn / frequencies.front() / step)));
-  }
-  return std::clamp(
-      samples, tuning.least_first_samples,
-      std::max(tuning.least_first_samples,
-               static_cast<int>(tuning.most_first_share * shortest)));
 }
 
 Vector StateScales(const IdentificationProblem& problem, const Matrix& states) {

@@ -10,11 +10,9 @@
 
 namespace pinode {
 
-// Length in samples of the first stage's segments: a quarter of the longest
-// period of the model before the identification, within the limits of
-// `tuning`.
-int FirstSegmentSamples(const IdentificationProblem& problem,
-                        const StageTuning& tuning);
+// Circular frequencies of the linear model before the identification,
+// ascending, without zeros.
+std::vector<double> ModelFrequencies(const IdentificationProblem& problem);
 
 // First guess of the states' scales (num_states) from what a record's channels
 // show and the model's lowest frequency.

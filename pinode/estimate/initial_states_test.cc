@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/score.h"
 #include "pinode/estimate/testing.h"
 
@@ -40,14 +41,13 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
   Vector sigmas(3);
   for (int c = 0; c < 3; ++c) {
     sigmas[c] =
-        0.05 *
-        Spread(problem_.records[0].channels[static_cast<size_t>(c)].values);
+        0.05 * StandardDeviationOfPresent(
+                   problem_.records[0].channels[static_cast<size_t>(c)].values);
   }
   shooting.SetSigmas({sigmas});
   std::vector<Matrix> states;
-  ASSERT_TRUE(InitialTrajectories(
-      problem_, FirstSegmentSamples(problem_, StageTuning()), Vector::Zero(3),
-      StageTuning(), &shooting, &states));
+  ASSERT_TRUE(InitialTrajectories(problem_, 25, Vector::Zero(3), StageTuning(),
+                                  &shooting, &states));
   ASSERT_GT(shooting.num_segments(0), 3);
   ASSERT_EQ(states.size(), 1u);
   ASSERT_EQ(states[0].cols(), truth_.cols());
@@ -57,17 +57,6 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
     EXPECT_LT(error.row(k).norm(), 0.02 * inside.row(k).norm())
         << problem_.dynamics->StateNames()[static_cast<size_t>(k)];
   }
-}
-
-// omega_1^2 = 4 k/m sin^2(pi/14): a quarter of 2 pi / 3.147 s is 25 samples.
-TEST_F(InitialStatesTest, FirstSegmentsLastAQuarterPeriod) {
-  EXPECT_EQ(FirstSegmentSamples(problem_, StageTuning()), 25);
-  // A record too short for four of them.
-  IdentificationRecord record =
-      testing::MakeExcitedRecord(*problem_.dynamics, 60, 0.02);
-  record.channels = problem_.records[0].channels;
-  problem_.records[0] = record;
-  EXPECT_EQ(FirstSegmentSamples(problem_, StageTuning()), 15);
 }
 
 TEST_F(InitialStatesTest, ScalesAreRmsAndNeverZero) {

@@ -30,16 +30,14 @@ LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
   CHECK(dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
                          &error))
       << error;
-  std::vector<Observation> observations;
   Vector gains = Vector::Ones(nc);
   for (int c = 0; c < nc; ++c) {
     const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
-    observations.push_back(channel.observation);
     if (channel.gain >= 0) {
       gains[c] = parameters[layout.num_dynamics() + channel.gain];
     }
   }
-  const ObservationMap observation(dynamics, observations);
+  const ObservationMap observation(dynamics, data.Observations());
   const IntegrationGrid grid(*data.excitation, data.substeps);
   const bool held = data.excitation->interpolation() == Interpolation::kHeld;
 

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/input_noise.h"
 #include "pinode/estimate/input_noise_filter.h"
@@ -71,6 +73,27 @@ class Fitter {
   // Multiple shooting, one segment a record, under the corrected excitation.
   void Correct(const Point& point);
   bool Cost(const Point& point, double* cost);
+  // What the data say of the parameters, and what the priors add.
+  struct Equations {
+    Matrix data;
+    Vector right;
+    Matrix priors;
+    Vector prior_gradient;
+    double num_residuals = 0.0;
+  };
+  // Of one record, whose errors and start are eliminated by the filter.
+  struct Eliminated {
+    LinearizedRecord linearized;
+    std::unique_ptr<InputNoiseFilter> filter;
+    Vector pseudo_residuals;
+    Matrix jacobian;
+  };
+  // `residuals` and `jacobian` weighted, as WeightedResiduals has them.
+  void AddRecord(size_t t, const Vector& parameters, const Matrix& residuals,
+                 Matrix jacobian, Equations* equations,
+                 Eliminated* eliminated) const;
+  [[nodiscard]] bool StepWithinBounds(const Matrix& hessian,
+                                      const Vector& right, Vector* delta) const;
   // Gauss-Newton: where the linearised problem at point_ has its minimum.
   bool Propose(Point* proposed, double* step);
   // The response to the errors, weighted, channels fastest.
@@ -90,7 +113,7 @@ class Fitter {
   std::vector<Vector> sigmas_;
   std::vector<Matrix> trajectories_;
   IdentificationProblem corrected_;
-  std::unique_ptr<MultipleShooting> shooting_;
+  std::unique_ptr<Objective> objective_;
   // Of the last proposal.
   CovarianceEstimate covariance_;
   std::vector<Vector> next_sigmas_;
@@ -111,16 +134,16 @@ void Fitter::Correct(const Point& point) {
                               record.excitation->interpolation());
     scales.push_back(StateScales(problem_, trajectories_[t]));
   }
-  shooting_ = std::make_unique<MultipleShooting>(corrected_, layout_, options_);
-  shooting_->SetSegments(0, trajectories_);
-  shooting_->SetStateScales(scales);
-  shooting_->SetSigmas(sigmas_);
-  shooting_->SetDecays(decays_);
+  objective_ = std::make_unique<Objective>(corrected_, layout_, options_);
+  objective_->shooting().SetSegments(0, trajectories_);
+  objective_->shooting().SetStateScales(scales);
+  objective_->shooting().SetSigmas(sigmas_);
+  objective_->priors().SetDecays(decays_);
 }
 
 bool Fitter::Cost(const Point& point, double* cost) {
   Correct(point);
-  if (!shooting_->Evaluate(point.free, cost)) return false;
+  if (!objective_->Evaluate(point.free, cost)) return false;
   for (size_t t = 0; t < train_.size(); ++t) {
     const Vector& sigma =
         problem_.records[static_cast<size_t>(train_[t])].input_sigma;
@@ -151,86 +174,56 @@ Vector Fitter::Response(const LinearizedRecord& record, const Matrix& errors,
   return response;
 }
 
-bool Fitter::Propose(Point* proposed, double* step) {
-  Correct(point_);
-  CondensedSystem system;
-  std::vector<Matrix> residuals, jacobians;
-  if (!shooting_->Linearize(point_.free, &system) ||
-      !shooting_->WeightedResiduals(point_.free, true, &residuals,
-                                    &jacobians) ||
-      !shooting_->Trajectories(point_.free, &trajectories_)) {
-    return false;
+void Fitter::AddRecord(size_t t, const Vector& parameters,
+                       const Matrix& residuals, Matrix jacobian,
+                       Equations* equations, Eliminated* eliminated) const {
+  const IdentificationRecord& record =
+      corrected_.records[static_cast<size_t>(train_[t])];
+  const int nc = static_cast<int>(residuals.rows());
+  const int samples = static_cast<int>(residuals.cols());
+  const Eigen::Index n = jacobian.cols();
+  eliminated->linearized = LinearizeRecord(
+      corrected_, layout_, train_[t], inputs_[t], parameters, trajectories_[t]);
+  const LinearizedRecord& linearized = eliminated->linearized;
+  Vector start_sigmas = Vector::Zero(problem_.dynamics->num_states());
+  if (record.start == IdentificationRecord::Start::kFree) {
+    start_sigmas = kStartScales * StateScales(problem_, trajectories_[t]);
   }
-  Vector parameters = layout_.InitialValues();
-  layout_.SetFree(point_.free, &parameters);
+  // Residuals that the fit leaves out are zero, with zero derivatives.
+  Matrix noise(nc, samples);
+  for (int i = 0; i < samples; ++i) {
+    for (int c = 0; c < nc; ++c) {
+      const bool missing =
+          residuals(c, i) == 0.0 && jacobian.row(i * nc + c).isZero(0.0);
+      noise(c, i) = missing ? kMissing : sigmas_[t][c];
+      if (!missing) equations->num_residuals += 1.0;
+    }
+  }
+  eliminated->filter = std::make_unique<InputNoiseFilter>(
+      linearized, Vector(record.input_sigma(inputs_[t])), start_sigmas, noise);
+
+  // y - yhat as the response to all of the errors: weighted residuals are of
+  // the opposite sign, and hold the errors that have been corrected for no
+  // more.
+  const Vector flat = Eigen::Map<const Vector>(residuals.data(), nc * samples);
+  Matrix columns(nc * samples, n + 1);
+  columns.leftCols(n) = jacobian;
+  columns.col(n) = Response(linearized, point_.errors[t], sigmas_[t]) - flat;
+  equations->priors.noalias() -= jacobian.transpose() * jacobian;
+  equations->prior_gradient.noalias() -= jacobian.transpose() * flat;
+  for (int row = 0; row < columns.rows(); ++row) {
+    columns.row(row) *= sigmas_[t][row % nc];
+  }
+  const Matrix information = eliminated->filter->Information(columns);
+  equations->data += information.topLeftCorner(n, n);
+  equations->right += information.topRightCorner(n, 1);
+  eliminated->pseudo_residuals = columns.col(n);
+  eliminated->jacobian = columns.leftCols(n);
+}
+
+bool Fitter::StepWithinBounds(const Matrix& hessian, const Vector& right,
+                              Vector* delta) const {
   const int n = layout_.num_free();
-
-  // What the data say, and what the priors add.
-  Matrix data = Matrix::Zero(n, n);
-  Vector right = Vector::Zero(n);
-  Matrix priors = system.hessian;
-  Vector prior_gradient = system.gradient;
-  double num_residuals = 0.0;
-  std::vector<LinearizedRecord> linearized(train_.size());
-  std::vector<std::unique_ptr<InputNoiseFilter>> filters;
-  std::vector<Vector> pseudo_residuals;
-  for (size_t t = 0; t < train_.size(); ++t) {
-    const IdentificationRecord& record =
-        corrected_.records[static_cast<size_t>(train_[t])];
-    const int nc = static_cast<int>(residuals[t].rows());
-    const int samples = static_cast<int>(residuals[t].cols());
-    linearized[t] = LinearizeRecord(corrected_, layout_, train_[t], inputs_[t],
-                                    parameters, trajectories_[t]);
-    Vector input_sigmas(static_cast<int>(inputs_[t].size()));
-    for (size_t j = 0; j < inputs_[t].size(); ++j) {
-      input_sigmas[static_cast<int>(j)] = record.input_sigma[inputs_[t][j]];
-    }
-    Vector start_sigmas = Vector::Zero(problem_.dynamics->num_states());
-    if (record.start == IdentificationRecord::Start::kFree) {
-      start_sigmas = kStartScales * StateScales(problem_, trajectories_[t]);
-    }
-    // Residuals that the fit leaves out are zero, with zero derivatives.
-    Matrix noise(nc, samples);
-    for (int i = 0; i < samples; ++i) {
-      for (int c = 0; c < nc; ++c) {
-        const bool missing = residuals[t](c, i) == 0.0 &&
-                             jacobians[t].row(i * nc + c).isZero(0.0);
-        noise(c, i) = missing ? kMissing : sigmas_[t][c];
-        if (!missing) num_residuals += 1.0;
-      }
-    }
-    filters.push_back(std::make_unique<InputNoiseFilter>(
-        linearized[t], input_sigmas, start_sigmas, noise));
-
-    // y - yhat as the response to all of the errors: weighted residuals are of
-    // the opposite sign, and hold the errors that have been corrected for no
-    // more.
-    const Vector flat =
-        Eigen::Map<const Vector>(residuals[t].data(), nc * samples);
-    const Vector response =
-        Response(linearized[t], point_.errors[t], sigmas_[t]);
-    Matrix columns(nc * samples, n + 1);
-    columns.leftCols(n) = jacobians[t];
-    columns.col(n) = response - flat;
-    for (int row = 0; row < columns.rows(); ++row) {
-      columns.row(row) *= sigmas_[t][row % nc];
-    }
-    const Matrix information = filters.back()->Information(columns);
-    data += information.topLeftCorner(n, n);
-    right += information.topRightCorner(n, 1);
-    priors.noalias() -= jacobians[t].transpose() * jacobians[t];
-    prior_gradient.noalias() -= jacobians[t].transpose() * flat;
-    pseudo_residuals.push_back(columns.col(n));
-    for (int row = 0; row < columns.rows(); ++row) {
-      jacobians[t].row(row) *= sigmas_[t][row % nc];
-    }
-  }
-  right -= prior_gradient;
-
-  Matrix root;
-  const Matrix hessian = data + priors;
-  if (!InvertInformation(hessian, &root, &covariance_.null_space)) return false;
-  covariance_.covariance = root * root.transpose();
   // At a bound, parameters that would leave it stay.
   std::vector<int> moving;
   for (int j = 0; j < n; ++j) {
@@ -242,35 +235,70 @@ bool Fitter::Propose(Point* proposed, double* step) {
     }
     moving.push_back(j);
   }
-  Vector delta = Vector::Zero(n);
+  *delta = Vector::Zero(n);
   if (static_cast<int>(moving.size()) == n) {
-    delta = covariance_.covariance * right;
+    *delta = covariance_.covariance * right;
   } else if (!moving.empty()) {
     Matrix null_space, free_root;
     if (!InvertInformation(hessian(moving, moving), &free_root, &null_space)) {
       return false;
     }
-    delta(moving) = free_root * (free_root.transpose() * right(moving));
+    (*delta)(moving) = free_root * (free_root.transpose() * right(moving));
   }
-  proposed->free = point_.free + delta;
   for (int j = 0; j < n; ++j) {
     const size_t index = static_cast<size_t>(j);
-    proposed->free[j] =
-        std::clamp(proposed->free[j], lower_[index], upper_[index]);
+    (*delta)[j] =
+        std::clamp(point_.free[j] + (*delta)[j], lower_[index], upper_[index]) -
+        point_.free[j];
   }
-  delta = proposed->free - point_.free;
+  return true;
+}
+
+bool Fitter::Propose(Point* proposed, double* step) {
+  Correct(point_);
+  CondensedSystem system;
+  std::vector<Matrix> residuals, jacobians;
+  MultipleShooting& shooting = objective_->shooting();
+  if (!objective_->Linearize(point_.free, &system) ||
+      !shooting.WeightedResiduals(point_.free, true, &residuals, &jacobians) ||
+      !shooting.Trajectories(point_.free, &trajectories_)) {
+    return false;
+  }
+  Vector parameters = layout_.InitialValues();
+  layout_.SetFree(point_.free, &parameters);
+  const int n = layout_.num_free();
+  Equations equations{Matrix::Zero(n, n), Vector::Zero(n), system.hessian,
+                      system.gradient, 0.0};
+  std::vector<Eliminated> eliminated(train_.size());
+  for (size_t t = 0; t < train_.size(); ++t) {
+    AddRecord(t, parameters, residuals[t], std::move(jacobians[t]), &equations,
+              &eliminated[t]);
+  }
+
+  Matrix root;
+  const Matrix hessian = equations.data + equations.priors;
+  if (!InvertInformation(hessian, &root, &covariance_.null_space)) return false;
+  covariance_.covariance = root * root.transpose();
+  Vector delta;
+  if (!StepWithinBounds(hessian, equations.right - equations.prior_gradient,
+                        &delta)) {
+    return false;
+  }
+  proposed->free = point_.free + delta;
   *step = std::sqrt(std::max(0.0, delta.dot(hessian * delta)));
 
-  const double used = (root.transpose() * data * root).trace();
-  const double share = std::max(0.1, 1.0 - used / std::max(1.0, num_residuals));
+  const double used = (root.transpose() * equations.data * root).trace();
+  const double share =
+      std::max(0.1, 1.0 - used / std::max(1.0, equations.num_residuals));
   proposed->errors.resize(train_.size());
   next_sigmas_ = sigmas_;
   for (size_t t = 0; t < train_.size(); ++t) {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(train_[t])];
     Vector mean_square;
-    filters[t]->Smooth(pseudo_residuals[t] - jacobians[t] * delta,
-                       &proposed->errors[t], &mean_square);
+    eliminated[t].filter->Smooth(
+        eliminated[t].pseudo_residuals - eliminated[t].jacobian * delta,
+        &proposed->errors[t], &mean_square);
     for (int c = 0; c < mean_square.size(); ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       if (channel.sigma > 0.0 || !channel.fit) continue;
@@ -332,8 +360,9 @@ bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
       fit->free = point_.free;
       fit->sigmas = sigmas_;
       fit->cost = after;
-      fit->starts = shooting_->starts();
-      return shooting_->Trajectories(point_.free, &fit->trajectories) &&
+      fit->starts = objective_->shooting().starts();
+      return objective_->shooting().Trajectories(point_.free,
+                                                 &fit->trajectories) &&
              Covariance(&fit->covariance);
     }
     sigmas_ = next_sigmas_;

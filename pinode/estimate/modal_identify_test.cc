@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/assessment.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/identify.h"
-#include "pinode/estimate/modal_residual.h"
+#include "pinode/estimate/modal_cost.h"
 #include "pinode/estimate/testing.h"
 #include "pinode/structure/modal_analysis.h"
 
@@ -264,8 +265,8 @@ TEST(ModalIdentify, IsPartOfTheCondensedSystem) {
     mode.frequency_weight = 30.0;
     mode.shape[0] += 0.2;
   }
-  const auto shooting = fit.Shoot(10, options);
-  ASSERT_TRUE(shooting->Linearize(fit.free, &with));
+  const auto objective = fit.Shoot(10, options);
+  ASSERT_TRUE(objective->Linearize(fit.free, &with));
   Vector all = fit.layout->InitialValues();
   fit.layout->SetFree(fit.free, &all);
   StructuralDynamics::Prepared prepared;
@@ -274,13 +275,14 @@ TEST(ModalIdentify, IsPartOfTheCondensedSystem) {
       all.head(fit.problem.dynamics->num_parameters()), &prepared, &error));
   Vector residuals;
   Matrix jacobian;
-  ASSERT_TRUE(
-      ModalResidual(fit.problem.modal, *fit.problem.dynamics, *fit.layout)
-          .Evaluate(prepared, &residuals, &jacobian, &error))
+  ASSERT_TRUE(ModalCost(fit.problem.modal, *fit.problem.dynamics, *fit.layout)
+                  .Evaluate(prepared, &residuals, &jacobian, &error))
       << error;
   const double cost = 0.5 * residuals.squaredNorm();
   EXPECT_GT(cost, 1.0);
-  EXPECT_EQ(shooting->ModalCost(), cost);
+  double modes = 0.0;
+  ASSERT_TRUE(objective->modes()->Evaluate(fit.free, &modes));
+  EXPECT_EQ(modes, cost);
   EXPECT_NEAR(with.cost - without.cost, cost, 1e-9 * with.cost);
   const Vector gradient = jacobian.transpose() * residuals;
   EXPECT_LT((with.gradient - without.gradient - gradient).norm(),

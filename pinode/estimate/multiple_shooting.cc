@@ -2,125 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <sstream>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/estimate/sensor.h"
+#include "pinode/estimate/residual_rows.h"
 #include "pinode/integrate/free_run.h"
 
 namespace pinode {
-namespace {
-
-// rho(s) and its derivative for s = (r / sigma)^2; see ceres/loss_function.h.
-void EvaluateLoss(RobustLoss loss, double scale, double s, double* rho,
-                  double* slope) {
-  const double b = scale * scale;
-  *rho = s;
-  *slope = 1.0;
-  switch (loss) {
-    case RobustLoss::kNone:
-      return;
-    case RobustLoss::kHuber:
-      if (s > b) {
-        *rho = 2.0 * scale * std::sqrt(s) - b;
-        *slope = scale / std::sqrt(s);
-      }
-      return;
-    case RobustLoss::kCauchy:
-      *rho = b * std::log1p(s / b);
-      *slope = 1.0 / (1.0 + s / b);
-      return;
-  }
-}
-
-}  // namespace
-
-// What one segment contributes.
-struct SegmentResult {
-  bool ok = false;
-  double cost = 0.0;
-  Matrix start_hessian;  // A_k: J_s' J_s
-  Vector start_gradient;
-  Matrix cross;  // J_s' J_theta, num_states x num_free
-  Vector end_state;
-  Matrix end_sensitivity;  // num_states x (num_states [+ num_free])
-  int failed_sample = -1;
-  int failed_state = -1;
-};
-
-struct MultipleShooting::Record {
-  int index = -1;  // in the problem
-  const IdentificationRecord* data = nullptr;
-  IntegrationGrid grid;
-  ObservationMap observation;
-  bool start_is_free = false;
-  Vector fixed_start;
-  std::vector<int> boundaries;  // first samples of the segments, then the last
-  Vector scales;                // D
-  Vector sigmas;
-  Matrix multipliers;  // num_states x gaps
-  std::vector<SegmentResult> results;
-  std::unique_ptr<BlockTridiagonal> system;
-  // d starts / d free, (num_states * segments) x num_free, at the last
-  // linearisation.
-  Matrix start_sensitivity;
-  // Its share of the cost, at the last evaluation and the last linearisation.
-  double cost = 0.0;
-  double linearized_cost = 0.0;
-
-  int num_segments() const { return static_cast<int>(boundaries.size()) - 1; }
-  bool HasFreeStarts() const { return start_is_free || num_segments() > 1; }
-};
 
 struct MultipleShooting::Thread {
-  explicit Thread(const StructuralDynamics& dynamics, DerivativeMethod method,
-                  int num_free)
-      : propagator(dynamics, method),
-        hessian(Matrix::Zero(num_free, num_free)),
-        gradient(Vector::Zero(num_free)) {}
+  Thread(const IdentificationProblem& problem, const ParameterLayout& layout,
+         const Options& options)
+      : propagator(*problem.dynamics, options.derivatives),
+        rows(problem, layout, options.loss, options.loss_scale),
+        sum{Matrix::Zero(layout.num_free(), layout.num_free()),
+            Vector::Zero(layout.num_free())} {}
   SegmentPropagator propagator;
   SegmentTangents tangents;
-  Matrix rows;      // weighted jacobian
-  Vector residual;  // weighted
-  Matrix hessian;   // lower triangle, summed over the thread's segments
-  Vector gradient;
+  ResidualRows rows;
+  FreeEquations sum;  // over the thread's segments
 };
 
 MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
                                    const ParameterLayout& layout,
                                    const Options& options)
     : problem_(problem), layout_(layout), options_(options) {
-  const StructuralDynamics& dynamics = *problem.dynamics;
   for (size_t r = 0; r < problem.records.size(); ++r) {
-    const IdentificationRecord& data = problem.records[r];
-    if (data.role != IdentificationRecord::Role::kTrain) continue;
+    if (problem.records[r].role != IdentificationRecord::Role::kTrain) continue;
     train_records_.push_back(static_cast<int>(r));
-    auto record = std::make_unique<Record>();
-    record->index = static_cast<int>(r);
-    record->data = &data;
-    record->grid = IntegrationGrid(*data.excitation, data.substeps);
-    std::vector<Observation> observations;
-    for (const MeasuredChannel& channel : data.channels) {
-      observations.push_back(channel.observation);
-    }
-    record->observation = ObservationMap(dynamics, observations);
-    record->start_is_free = data.start == IdentificationRecord::Start::kFree;
-    record->fixed_start = data.start == IdentificationRecord::Start::kKnown
-                              ? data.known_start
-                              : Vector::Zero(dynamics.num_states());
-    record->scales = Vector::Ones(dynamics.num_states());
-    record->sigmas = Vector::Ones(static_cast<int>(data.channels.size()));
-    records_.push_back(std::move(record));
+    records_.push_back(std::make_unique<ShootingRecord>(
+        problem, static_cast<int>(r), options.starts.prior_precision));
   }
   starts_.resize(records_.size());
-  if (!problem.modal.empty()) {
-    modal_ = std::make_unique<ModalResidual>(problem.modal, dynamics, layout);
-  }
-  decays_ = Vector::Zero(layout.num_decay_groups());
   for (int t = 0; t < std::max(1, options.num_threads); ++t) {
-    threads_.push_back(std::make_unique<Thread>(dynamics, options.derivatives,
-                                                layout.num_free()));
+    threads_.push_back(std::make_unique<Thread>(problem, layout, options));
   }
 }
 
@@ -130,31 +46,8 @@ void MultipleShooting::SetSegments(int samples,
                                    const std::vector<Matrix>& trajectories) {
   CHECK_EQ(trajectories.size(), records_.size())
       << "one trajectory per training record";
-  const int ns = problem_.dynamics->num_states();
   for (size_t r = 0; r < records_.size(); ++r) {
-    Record& record = *records_[r];
-    const int last = record.data->num_samples() - 1;
-    CHECK_EQ(trajectories[r].cols(), last + 1);
-    CHECK_EQ(trajectories[r].rows(), ns);
-    // Segments of nearly equal length.
-    const int count =
-        samples <= 0 ? 1 : std::max(1, (last + samples / 2) / samples);
-    record.boundaries.clear();
-    for (int k = 0; k <= count; ++k) {
-      record.boundaries.push_back(
-          static_cast<int>(static_cast<int64_t>(last) * k / count));
-    }
-    Matrix& starts = starts_[r];
-    starts.resize(ns, count);
-    for (int k = 0; k < count; ++k) {
-      starts.col(k) =
-          trajectories[r].col(record.boundaries[static_cast<size_t>(k)]);
-    }
-    if (!record.start_is_free) starts.col(0) = record.fixed_start;
-    record.multipliers = Matrix::Zero(ns, count - 1);
-    record.results.assign(static_cast<size_t>(count), SegmentResult());
-    record.system = std::make_unique<BlockTridiagonal>(count, ns);
-    record.start_sensitivity.resize(0, 0);
+    starts_[r] = records_[r]->Cut(samples, trajectories[r]);
   }
   linearized_starts_ = starts_;
   linearized_free_.resize(0);
@@ -166,10 +59,9 @@ int MultipleShooting::num_segments(int train_record) const {
 }
 
 bool MultipleShooting::IsSingleShooting() const {
-  for (const auto& record : records_) {
-    if (record->num_segments() > 1) return false;
-  }
-  return true;
+  return std::all_of(records_.begin(), records_.end(), [](const auto& record) {
+    return record->num_segments() == 1;
+  });
 }
 
 void MultipleShooting::SetStateScales(const std::vector<Vector>& scales) {
@@ -177,7 +69,7 @@ void MultipleShooting::SetStateScales(const std::vector<Vector>& scales) {
   for (size_t r = 0; r < records_.size(); ++r) {
     CHECK_EQ(scales[r].size(), problem_.dynamics->num_states());
     CHECK_GT(scales[r].minCoeff(), 0.0) << "state scales must be positive";
-    records_[r]->scales = scales[r];
+    records_[r]->gaps().set_scales(scales[r]);
   }
   CostHasChanged();
 }
@@ -185,389 +77,141 @@ void MultipleShooting::SetStateScales(const std::vector<Vector>& scales) {
 void MultipleShooting::SetSigmas(const std::vector<Vector>& sigmas) {
   CHECK_EQ(sigmas.size(), records_.size());
   for (size_t r = 0; r < records_.size(); ++r) {
-    CHECK_EQ(sigmas[r].size(), records_[r]->observation.num_channels());
+    CHECK_EQ(sigmas[r].size(), records_[r]->observation().num_channels());
     CHECK_GT(sigmas[r].minCoeff(), 0.0) << "sigmas must be positive";
-    records_[r]->sigmas = sigmas[r];
+    records_[r]->set_sigmas(sigmas[r]);
   }
   CostHasChanged();
 }
 
 bool MultipleShooting::PrepareDynamics(const Vector& free) {
-  full_parameters_ = layout_.InitialValues();
-  layout_.SetFree(free, &full_parameters_);
+  parameters_ = layout_.InitialValues();
+  layout_.SetFree(free, &parameters_);
+  divergence_ = Divergence();
   std::string error;
-  return full_parameters_.allFinite() &&
-         problem_.dynamics->Prepare(
-             full_parameters_.head(layout_.num_dynamics()), &prepared_, &error);
+  return parameters_.allFinite() &&
+         problem_.dynamics->Prepare(parameters_.head(layout_.num_dynamics()),
+                                    &prepared_, &error);
 }
 
-void MultipleShooting::WeightRows(const Record& record, int segment,
-                                  bool with_parameters,
-                                  const SegmentTangents& tangents,
-                                  Thread* thread, double* cost) const {
-  const int ns = problem_.dynamics->num_states();
-  const int nc = record.observation.num_channels();
-  const int samples = static_cast<int>(tangents.channels.cols());
-  const int first = record.boundaries[static_cast<size_t>(segment)];
-  const int free = with_parameters ? layout_.num_free() : 0;
-
-  // Columns of the free parameters only.
-  Matrix& rows = thread->rows;
-  rows.resize(nc * samples, ns + free);
-  rows.leftCols(ns) = tangents.jacobian.leftCols(ns);
-  if (with_parameters) {
-    const std::vector<int>& columns = layout_.tangent_columns();
-    for (size_t j = 0; j < columns.size(); ++j) {
-      rows.col(ns + static_cast<int>(j)) =
-          tangents.jacobian.col(ns + columns[j]);
-    }
-    rows.rightCols(free - layout_.num_free_dynamics()).setZero();
-  }
-
-  // Predictions of real sensors, sample-major as the rows are.
-  Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
-                                               tangents.channels.size());
-  std::vector<bool> valid(static_cast<size_t>(nc * samples), true);
-  ApplySensors(problem_, layout_, full_parameters_, *record.data,
-               with_parameters, &prediction, &rows, &valid);
-
-  // A filter needs the whole history; before the last stage the segments are
-  // compared as they are.
-  if (record.data->filter != nullptr && record.num_segments() == 1) {
-    Matrix history(samples, 1 + rows.cols());
-    for (int c = 0; c < nc; ++c) {
-      for (int i = 0; i < samples; ++i) {
-        history(i, 0) = prediction[i * nc + c];
-        history.row(i).tail(rows.cols()) = rows.row(i * nc + c);
-      }
-      record.data->filter->Apply(&history);
-      for (int i = 0; i < samples; ++i) {
-        prediction[i * nc + c] = history(i, 0);
-        rows.row(i * nc + c) = history.row(i).tail(rows.cols());
-      }
-    }
-  }
-
-  thread->residual.resize(nc * samples);
-  Vector weights(nc * samples);
-  for (int i = 0; i < samples; ++i) {
-    for (int c = 0; c < nc; ++c) {
-      const int row = i * nc + c;
-      const MeasuredChannel& channel =
-          record.data->channels[static_cast<size_t>(c)];
-      const double value = channel.values[first + i];
-      if (!channel.fit || !valid[static_cast<size_t>(row)] ||
-          std::isnan(value)) {
-        thread->residual[row] = 0.0;
-        weights[row] = 0.0;
-        continue;
-      }
-      const double residual = (prediction[row] - value) / record.sigmas[c];
-      double rho, slope;
-      EvaluateLoss(options_.loss, options_.loss_scale, residual * residual,
-                   &rho, &slope);
-      *cost += 0.5 * rho;
-      const double root = std::sqrt(slope);
-      thread->residual[row] = residual * root;
-      weights[row] = root / record.sigmas[c];
-    }
-  }
-  rows.array().colwise() *= weights.array();
-}
-
-bool MultipleShooting::EvaluateSegment(Record* record, int segment,
+bool MultipleShooting::EvaluateSegment(ShootingRecord* record, int segment,
                                        const Matrix& starts,
                                        bool with_parameters,
                                        Thread* thread) const {
   const int ns = problem_.dynamics->num_states();
-  const int segments = record->num_segments();
-  const bool last = segment + 1 == segments;
-  SegmentResult& result = record->results[static_cast<size_t>(segment)];
+  const int first = record->first_sample(segment);
+  const SegmentTangents& tangents = thread->tangents;
+  SegmentResult& result = record->result(segment);
   result.ok = thread->propagator.Propagate(
-      prepared_, record->observation, record->grid, starts.col(segment),
-      record->boundaries[static_cast<size_t>(segment)],
-      record->boundaries[static_cast<size_t>(segment) + 1], last,
-      with_parameters, &thread->tangents);
+      prepared_, record->observation(), record->grid(), starts.col(segment),
+      first, record->last_sample(segment),
+      segment + 1 == record->num_segments(), with_parameters,
+      &thread->tangents);
   if (!result.ok) {
-    result.failed_sample = thread->tangents.failed_sample;
-    result.failed_state = thread->tangents.failed_state;
+    result.failed_sample = tangents.failed_sample;
+    result.failed_state = tangents.failed_state;
     return false;
   }
-  result.cost = 0.0;
-  WeightRows(*record, segment, with_parameters, thread->tangents, thread,
-             &result.cost);
-  const auto by_start = thread->rows.leftCols(ns);
+  thread->rows.Compute(record->data(), record->sigmas(), parameters_, first,
+                       record->num_segments() == 1, with_parameters, tangents);
+  const Vector& residuals = thread->rows.residuals();
+  const auto by_start = thread->rows.jacobian().leftCols(ns);
+  result.cost = thread->rows.cost();
   result.start_hessian.noalias() = by_start.transpose() * by_start;
-  result.start_gradient.noalias() = by_start.transpose() * thread->residual;
-  result.end_state = thread->tangents.end_state;
-  result.end_sensitivity = thread->tangents.end_sensitivity.leftCols(ns);
+  result.start_gradient.noalias() = by_start.transpose() * residuals;
+  record->ends().col(segment) = tangents.end_state;
+  SelectFreeColumns(layout_, ns, with_parameters, tangents.end_sensitivity,
+                    &result.end_sensitivity);
   if (!with_parameters) return true;
 
-  const int free = layout_.num_free();
-  const auto by_parameters = thread->rows.rightCols(free);
+  const auto by_parameters =
+      thread->rows.jacobian().rightCols(layout_.num_free());
   result.cross.noalias() = by_start.transpose() * by_parameters;
-  thread->hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+  thread->sum.hessian.selfadjointView<Eigen::Lower>().rankUpdate(
       by_parameters.transpose());
-  thread->gradient.noalias() += by_parameters.transpose() * thread->residual;
-  // Psi, the end by the free parameters; sensors have no part in it.
-  result.end_sensitivity.resize(ns, ns + free);
-  result.end_sensitivity.leftCols(ns) =
-      thread->tangents.end_sensitivity.leftCols(ns);
-  result.end_sensitivity.rightCols(free).setZero();
-  const std::vector<int>& columns = layout_.tangent_columns();
-  for (size_t j = 0; j < columns.size(); ++j) {
-    result.end_sensitivity.col(ns + static_cast<int>(j)) =
-        thread->tangents.end_sensitivity.col(ns + columns[j]);
+  thread->sum.gradient.noalias() += by_parameters.transpose() * residuals;
+  return true;
+}
+
+std::vector<MultipleShooting::Task> MultipleShooting::SegmentsOf(
+    const std::vector<bool>& wanted) const {
+  std::vector<Task> tasks;
+  for (size_t r = 0; r < records_.size(); ++r) {
+    for (int k = 0; wanted[r] && k < records_[r]->num_segments(); ++k) {
+      tasks.emplace_back(static_cast<int>(r), k);
+    }
+  }
+  return tasks;
+}
+
+void MultipleShooting::EvaluateSegments(
+    const std::vector<Task>& tasks, const std::vector<const Matrix*>& starts,
+    bool with_parameters) {
+  ParallelFor(static_cast<int>(tasks.size()), static_cast<int>(threads_.size()),
+              [&](int t, int thread) {
+                const auto& [record, segment] = tasks[static_cast<size_t>(t)];
+                const size_t r = static_cast<size_t>(record);
+                EvaluateSegment(records_[r].get(), segment, *starts[r],
+                                with_parameters,
+                                threads_[static_cast<size_t>(thread)].get());
+              });
+}
+
+bool MultipleShooting::AllFinite(const ShootingRecord& record) {
+  for (int k = 0; k < record.num_segments(); ++k) {
+    const SegmentResult& result = record.result(k);
+    if (result.ok) continue;
+    divergence_ = {record.index(), k, result.failed_sample,
+                   result.failed_state};
+    return false;
   }
   return true;
 }
 
-bool MultipleShooting::EvaluateModes(Matrix* jacobian) {
-  modal_error_.clear();
-  return modal_ == nullptr || modal_->Evaluate(prepared_, &modal_residuals_,
-                                               jacobian, &modal_error_);
-}
-
-double MultipleShooting::PriorCost(const Vector& free) const {
-  double cost = 0.0;
-  for (int j = 0; j < layout_.num_free(); ++j) {
-    const int index = layout_.free()[static_cast<size_t>(j)];
-    const Parameter& parameter = layout_.parameter(index);
-    if (parameter.HasPrior()) {
-      const double r = (free[j] - parameter.prior_mean) / parameter.prior_sigma;
-      cost += 0.5 * r * r;
-    }
+Matrix MultipleShooting::PredictStarts(size_t r, const Vector& free) const {
+  Matrix starts = linearized_starts_[r];
+  const Matrix& sensitivity = records_[r]->start_sensitivity();
+  if (linearized_free_.size() == free.size() &&
+      sensitivity.cols() == free.size()) {
+    const Vector move = sensitivity * (free - linearized_free_);
+    starts +=
+        Eigen::Map<const Matrix>(move.data(), starts.rows(), starts.cols());
   }
-  for (const ParameterLayout::DecayRow& row : layout_.decay_rows()) {
-    const double value = row.Value(free);
-    cost += 0.5 * decays_[row.group] * value * value;
-  }
-  return cost;
-}
-
-void MultipleShooting::AddPriors(const Vector& free,
-                                 CondensedSystem* system) const {
-  for (int j = 0; j < layout_.num_free(); ++j) {
-    const int index = layout_.free()[static_cast<size_t>(j)];
-    const Parameter& parameter = layout_.parameter(index);
-    if (parameter.HasPrior()) {
-      const double precision =
-          1.0 / (parameter.prior_sigma * parameter.prior_sigma);
-      system->gradient[j] += precision * (free[j] - parameter.prior_mean);
-      system->hessian(j, j) += precision;
-    }
-  }
-  for (const ParameterLayout::DecayRow& row : layout_.decay_rows()) {
-    const Eigen::Index count = row.weights.size();
-    const Vector weighted = decays_[row.group] * row.weights;
-    system->gradient.segment(row.first, count) += row.Value(free) * weighted;
-    system->hessian.block(row.first, row.first, count, count).noalias() +=
-        weighted * row.weights.transpose();
-  }
-}
-
-Vector MultipleShooting::GapForce(const Record& record, const Matrix& starts,
-                                  int gap) const {
-  const SegmentResult& result = record.results[static_cast<size_t>(gap)];
-  return gap_penalty_ * ((result.end_state - starts.col(gap + 1))
-                             .cwiseQuotient(record.scales) +
-                         record.multipliers.col(gap))
-                            .cwiseQuotient(record.scales);
-}
-
-void MultipleShooting::AssembleStarts(Record* record, const Matrix& starts,
-                                      int num_free, Matrix* right) const {
-  const int ns = problem_.dynamics->num_states();
-  const int segments = record->num_segments();
-  BlockTridiagonal& system = *record->system;
-  system.SetZero();
-  *right = Matrix::Zero(ns * segments, num_free + 1);
-  const auto cross = [&](int k) {
-    return right->middleRows(k * ns, ns).leftCols(num_free);
-  };
-  const auto gradient = [&](int k) {
-    return right->middleRows(k * ns, ns).col(num_free);
-  };
-  const Vector precision = record->scales.cwiseAbs2().cwiseInverse();
-  const Vector weight = gap_penalty_ * precision;
-  for (int k = 0; k < segments; ++k) {
-    const SegmentResult& result = record->results[static_cast<size_t>(k)];
-    system.diagonal(k) += result.start_hessian;
-    if (num_free > 0) cross(k) += result.cross;
-    gradient(k) += result.start_gradient;
-    if (k + 1 == segments) break;
-    const auto transition = result.end_sensitivity.leftCols(ns);
-    const Matrix weighted = weight.asDiagonal() * transition;
-    const Vector force = GapForce(*record, starts, k);
-    system.diagonal(k).noalias() += transition.transpose() * weighted;
-    system.coupling(k) = -weighted.transpose();
-    system.diagonal(k + 1).diagonal() += weight;
-    gradient(k).noalias() += transition.transpose() * force;
-    gradient(k + 1) -= force;
-    if (num_free > 0) {
-      const auto by_parameters = result.end_sensitivity.rightCols(num_free);
-      cross(k).noalias() += weighted.transpose() * by_parameters;
-      cross(k + 1) -= weight.asDiagonal() * by_parameters;
-    }
-  }
-  if (record->start_is_free) {
-    system.diagonal(0).diagonal() +=
-        options_.starts.prior_precision * precision;
-    gradient(0) +=
-        options_.starts.prior_precision * precision.cwiseProduct(starts.col(0));
-  } else {
-    // A start that is known takes no part.
-    system.diagonal(0).setIdentity();
-    if (segments > 1) system.coupling(0).setZero();
-    right->topRows(ns).setZero();
-  }
+  return starts;
 }
 
 bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
-  const int ns = problem_.dynamics->num_states();
-  // Trial starts: where the last linearisation's tangent leads.
-  struct Search {
-    Matrix trial, best;
-    double best_cost = std::numeric_limits<double>::infinity();
-    double damping = 0.0;
-    double promised = 0.0;  // decrease of the cost by the trial step
-    bool done = false;
-    bool failed_once = false;
-    Matrix gradient;
-  };
-  std::vector<Search> searches(records_.size());
+  std::vector<StartSearch> searches;
   for (size_t r = 0; r < records_.size(); ++r) {
-    Search& search = searches[r];
-    search.trial = linearized_starts_[r];
-    const Record& record = *records_[r];
-    if (linearized_free_.size() == free.size() &&
-        record.start_sensitivity.cols() == free.size()) {
-      const Vector move = record.start_sensitivity * (free - linearized_free_);
-      search.trial +=
-          Eigen::Map<const Matrix>(move.data(), ns, search.trial.cols());
-    }
+    searches.emplace_back(
+        options_.starts, records_[r].get(), gap_penalty_,
+        PredictStarts(r, free),
+        linearized_free_.size() == 0 ? nullptr : &linearized_starts_[r]);
   }
   divergence_ = Divergence();
-  for (int iteration = 0; iteration < options_.starts.max_iterations;
-       ++iteration) {
-    std::vector<std::pair<int, int>> tasks;
-    for (size_t r = 0; r < records_.size(); ++r) {
-      if (searches[r].done) continue;
-      for (int k = 0; k < records_[r]->num_segments(); ++k) {
-        tasks.emplace_back(static_cast<int>(r), k);
-      }
+  for (int i = 0; i < options_.starts.max_iterations; ++i) {
+    std::vector<bool> searching;
+    std::vector<const Matrix*> trials;
+    for (const StartSearch& search : searches) {
+      searching.push_back(!search.done());
+      trials.push_back(&search.trial());
     }
+    const std::vector<Task> tasks = SegmentsOf(searching);
     if (tasks.empty()) break;
-    ParallelFor(static_cast<int>(tasks.size()),
-                static_cast<int>(threads_.size()), [&](int t, int thread) {
-                  const auto& [r, k] = tasks[static_cast<size_t>(t)];
-                  EvaluateSegment(records_[static_cast<size_t>(r)].get(), k,
-                                  searches[static_cast<size_t>(r)].trial, false,
-                                  threads_[static_cast<size_t>(thread)].get());
-                });
+    EvaluateSegments(tasks, trials, false);
     for (size_t r = 0; r < records_.size(); ++r) {
-      Search& search = searches[r];
-      if (search.done) continue;
-      Record& record = *records_[r];
-      const int segments = record.num_segments();
-      double trial_cost = 0.0;
-      bool finite = true;
-      for (int k = 0; k < segments; ++k) {
-        const SegmentResult& result = record.results[static_cast<size_t>(k)];
-        if (!result.ok) {
-          finite = false;
-          divergence_.record = record.index;
-          divergence_.segment = k;
-          divergence_.sample = result.failed_sample;
-          divergence_.state = result.failed_state;
-          break;
-        }
-        trial_cost += result.cost;
+      if (searching[r] &&
+          !searches[r].Advance(AllFinite(*records_[r]), linearized_cost_)) {
+        return false;
       }
-      const Vector inverse_scales = record.scales.cwiseInverse();
-      if (finite) {
-        for (int k = 0; k + 1 < segments; ++k) {
-          const Vector gap =
-              inverse_scales.cwiseProduct(
-                  record.results[static_cast<size_t>(k)].end_state -
-                  search.trial.col(k + 1)) +
-              record.multipliers.col(k);
-          trial_cost += 0.5 * gap_penalty_ * gap.squaredNorm();
-        }
-        if (record.start_is_free) {
-          trial_cost +=
-              0.5 * options_.starts.prior_precision *
-              inverse_scales.cwiseProduct(search.trial.col(0)).squaredNorm();
-        }
-        finite = std::isfinite(trial_cost);
-      }
-      if (!record.HasFreeStarts()) {
-        if (!finite) return false;
-        search.best = search.trial;
-        search.best_cost = trial_cost;
-        search.done = true;
-        continue;
-      }
-      const bool improved = finite && trial_cost < search.best_cost;
-      if (improved) {
-        const double gain = search.best_cost - trial_cost;
-        search.best = search.trial;
-        search.best_cost = trial_cost;
-        if (gain < 0.25 * search.promised) {
-          search.damping = std::max(1e-3, 3.0 * search.damping);
-        } else if (gain > 0.75 * search.promised) {
-          search.damping *= search.damping > 1e-6 ? 0.1 : 0.0;
-        }
-        AssembleStarts(&record, search.best, 0, &search.gradient);
-      } else {
-        if (search.best_cost == std::numeric_limits<double>::infinity()) {
-          // The tangent led astray: fall back on the starts themselves, once.
-          if (search.failed_once || linearized_free_.size() == 0) return false;
-          search.failed_once = true;
-          search.trial = linearized_starts_[r];
-          continue;
-        }
-        search.damping = std::max(1e-3, 10.0 * search.damping);
-        if (search.damping > 1e8) {
-          search.done = true;
-          continue;
-        }
-      }
-      while (!record.system->Factor(search.damping)) {
-        search.damping = std::max(1e-12, 10.0 * search.damping);
-        if (search.damping > 1e8) return false;
-      }
-      Matrix step = search.gradient;
-      record.system->SolveLower(&step);
-      const double decrease = 0.5 * step.squaredNorm();
-      const bool hopeless =
-          iteration >= options_.starts.hopeless_iterations &&
-          search.best_cost - options_.starts.hopeless_promises * decrease >
-              options_.starts.hopeless_cost * linearized_cost_;
-      double enough = options_.starts.tolerance * search.best_cost;
-      if (std::isfinite(linearized_cost_)) {
-        enough = std::max(
-            enough, options_.starts.change_tolerance *
-                        std::abs(search.best_cost - record.linearized_cost));
-      }
-      if ((improved && decrease <= enough) || hopeless) {
-        search.done = true;
-        continue;
-      }
-      search.promised = decrease;
-      record.system->SolveUpper(&step);
-      search.trial =
-          search.best - Eigen::Map<const Matrix>(step.data(), ns, segments);
     }
   }
-  *cost = PriorCost(free);
+  *cost = 0.0;
   for (size_t r = 0; r < records_.size(); ++r) {
-    if (searches[r].best_cost == std::numeric_limits<double>::infinity()) {
-      return false;
-    }
-    starts_[r] = searches[r].best;
-    records_[r]->cost = searches[r].best_cost;
-    *cost += searches[r].best_cost;
+    if (!searches[r].found()) return false;
+    starts_[r] = searches[r].best();
+    records_[r]->cost = searches[r].best_cost();
+    *cost += searches[r].best_cost();
   }
   divergence_ = Divergence();
   return std::isfinite(*cost);
@@ -579,9 +223,8 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
     return true;
   }
   last_free_.resize(0);
-  if (!PrepareDynamics(free) || !EvaluateModes(nullptr)) return false;
-  if (!SolveStarts(free, cost)) return false;
-  *cost += ModalCost();
+  failed_ = !PrepareDynamics(free) || !SolveStarts(free, cost);
+  if (failed_) return false;
   last_free_ = free;
   last_cost_ = *cost;
   return true;
@@ -589,144 +232,92 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
 
 bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   if (!Evaluate(free, &system->cost)) return false;
-  Matrix modal_jacobian;
-  if (!PrepareDynamics(free) || !EvaluateModes(&modal_jacobian)) return false;
-  const int ns = problem_.dynamics->num_states();
-  const int nf = layout_.num_free();
+  failed_ = true;
+  if (!PrepareDynamics(free)) return false;
   for (auto& thread : threads_) {
-    thread->hessian.setZero();
-    thread->gradient.setZero();
+    thread->sum.hessian.setZero();
+    thread->sum.gradient.setZero();
   }
-  std::vector<std::pair<int, int>> tasks;
-  for (size_t r = 0; r < records_.size(); ++r) {
-    for (int k = 0; k < records_[r]->num_segments(); ++k) {
-      tasks.emplace_back(static_cast<int>(r), k);
-    }
+  std::vector<const Matrix*> starts;
+  for (const Matrix& record : starts_) starts.push_back(&record);
+  EvaluateSegments(SegmentsOf(std::vector<bool>(records_.size(), true)), starts,
+                   true);
+  int num_segments = 0;
+  for (const auto& record : records_) {
+    if (!AllFinite(*record)) return false;
+    num_segments += record->num_segments();
   }
-  std::vector<char> ok(tasks.size(), 0);
-  ParallelFor(static_cast<int>(tasks.size()), static_cast<int>(threads_.size()),
-              [&](int t, int thread) {
-                const auto& [r, k] = tasks[static_cast<size_t>(t)];
-                ok[static_cast<size_t>(t)] = EvaluateSegment(
-                    records_[static_cast<size_t>(r)].get(), k,
-                    starts_[static_cast<size_t>(r)], true,
-                    threads_[static_cast<size_t>(thread)].get());
-              });
-  if (std::find(ok.begin(), ok.end(), 0) != ok.end()) return false;
 
-  Matrix hessian = threads_[0]->hessian;
-  Vector gradient = threads_[0]->gradient;
+  FreeEquations sum = threads_[0]->sum;
   for (size_t t = 1; t < threads_.size(); ++t) {
-    hessian += threads_[t]->hessian;
-    gradient += threads_[t]->gradient;
+    sum.hessian += threads_[t]->sum.hessian;
+    sum.gradient += threads_[t]->sum.gradient;
   }
-
-  double curvature_sum = 0.0;
-  int curvature_count = 0;
+  data_curvature_ = 0.0;
   for (size_t r = 0; r < records_.size(); ++r) {
-    Record& record = *records_[r];
-    const int segments = record.num_segments();
-    for (int k = 0; k < segments; ++k) {
-      curvature_sum +=
-          (record.results[static_cast<size_t>(k)].start_hessian.diagonal())
-              .dot(record.scales.cwiseAbs2()) /
-          ns;
-      ++curvature_count;
-    }
-    if (!record.HasFreeStarts()) {
-      record.start_sensitivity = Matrix::Zero(ns, nf);
-      continue;
-    }
-    BlockTridiagonal& start_system = *record.system;
-    // Right-hand sides: the cross terms with theta, then the gradient.
-    Matrix right;
-    AssembleStarts(&record, starts_[r], nf, &right);
-    for (int k = 0; k + 1 < segments; ++k) {
-      const SegmentResult& result = record.results[static_cast<size_t>(k)];
-      const auto by_parameters = result.end_sensitivity.rightCols(nf);
-      const Matrix scaled =
-          (std::sqrt(gap_penalty_) * record.scales.cwiseInverse())
-              .asDiagonal() *
-          by_parameters;
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
-      gradient.noalias() +=
-          by_parameters.transpose() * GapForce(record, starts_[r], k);
-    }
-    double damping = 0.0;
-    while (!start_system.Factor(damping)) {
-      damping = std::max(1e-12, 10.0 * damping);
-      if (damping > 1.0) return false;
-    }
-    start_system.SolveLower(&right);
-    const auto projected = right.leftCols(nf);
-    hessian.selfadjointView<Eigen::Lower>().rankUpdate(projected.transpose(),
-                                                       -1.0);
-    gradient.noalias() -= projected.transpose() * right.col(nf);
-    start_system.SolveUpper(&right);
-    record.start_sensitivity = -right.leftCols(nf);
+    data_curvature_ += records_[r]->DataCurvature() / num_segments;
+    if (!records_[r]->Eliminate(gap_penalty_, starts_[r], &sum)) return false;
   }
-  data_curvature_ = curvature_count > 0 ? curvature_sum / curvature_count : 0.0;
-  system->gradient = gradient;
-  system->hessian = hessian.selfadjointView<Eigen::Lower>();
-  AddPriors(free, system);
-  if (modal_ != nullptr) {
-    modal_information_ = modal_jacobian.transpose() * modal_jacobian;
-    system->hessian += modal_information_;
-    system->gradient.noalias() += modal_jacobian.transpose() * modal_residuals_;
-  }
+  system->gradient = sum.gradient;
+  system->hessian = sum.hessian.selfadjointView<Eigen::Lower>();
   linearized_free_ = free;
   linearized_starts_ = starts_;
   linearized_cost_ = system->cost;
   for (auto& record : records_) record->linearized_cost = record->cost;
-  return system->hessian.allFinite() && system->gradient.allFinite();
+  failed_ = !system->hessian.allFinite() || !system->gradient.allFinite();
+  return !failed_;
+}
+
+std::string MultipleShooting::Failure() const {
+  if (!failed_) return "";
+  if (!divergence_.Happened()) return "the trajectory is not finite";
+  const IdentificationRecord& record =
+      problem_.records[static_cast<size_t>(divergence_.record)];
+  std::ostringstream text;
+  text << "the trajectory of record '" << record.name
+       << "' is not finite in segment " << divergence_.segment + 1
+       << " at t = " << record.excitation->time(divergence_.sample)
+       << " s, state "
+       << problem_.dynamics->StateNames()[static_cast<size_t>(
+              std::max(0, divergence_.state))];
+  return text.str();
 }
 
 double MultipleShooting::LargestGap() const {
   double largest = 0.0;
   for (size_t r = 0; r < records_.size(); ++r) {
-    const Record& record = *records_[r];
-    for (int k = 0; k + 1 < record.num_segments(); ++k) {
-      const Vector gap = (record.results[static_cast<size_t>(k)].end_state -
-                          starts_[r].col(k + 1))
-                             .cwiseQuotient(record.scales);
-      largest = std::max(largest, gap.cwiseAbs().maxCoeff());
-    }
+    largest = std::max(largest, records_[r]->gaps().LargestGap(
+                                    records_[r]->ends(), starts_[r]));
   }
   return largest;
 }
 
 void MultipleShooting::UpdateMultipliers() {
   for (size_t r = 0; r < records_.size(); ++r) {
-    Record& record = *records_[r];
-    for (int k = 0; k + 1 < record.num_segments(); ++k) {
-      record.multipliers.col(k) +=
-          (record.results[static_cast<size_t>(k)].end_state -
-           starts_[r].col(k + 1))
-              .cwiseQuotient(record.scales);
-    }
+    records_[r]->gaps().UpdateMultipliers(records_[r]->ends(), starts_[r]);
   }
   CostHasChanged();
 }
 
 void MultipleShooting::RescaleMultipliers(double factor) {
-  for (auto& record : records_) record->multipliers *= factor;
+  for (auto& record : records_) record->gaps().RescaleMultipliers(factor);
   CostHasChanged();
 }
 
 bool MultipleShooting::Trajectories(const Vector& free,
                                     std::vector<Matrix>* states) {
   if (!PrepareDynamics(free)) return false;
-  const int ns = problem_.dynamics->num_states();
   states->clear();
   for (size_t r = 0; r < records_.size(); ++r) {
-    const Record& record = *records_[r];
-    Matrix whole(ns, record.grid.num_samples());
+    const ShootingRecord& record = *records_[r];
+    Matrix whole(problem_.dynamics->num_states(), record.grid().num_samples());
     for (int k = 0; k < record.num_segments(); ++k) {
       Trajectory trajectory;
-      const int first = record.boundaries[static_cast<size_t>(k)];
-      const int last = record.boundaries[static_cast<size_t>(k) + 1];
-      if (!FreeRun(*problem_.dynamics, prepared_, record.observation,
-                   record.grid, starts_[r].col(k), first, last, &trajectory)) {
+      const int first = record.first_sample(k);
+      const int last = record.last_sample(k);
+      if (!FreeRun(*problem_.dynamics, prepared_, record.observation(),
+                   record.grid(), starts_[r].col(k), first, last,
+                   &trajectory)) {
         return false;
       }
       const bool final = k + 1 == record.num_segments();
@@ -748,26 +339,27 @@ bool MultipleShooting::WeightedResiduals(const Vector& free, bool with_jacobian,
   if (with_jacobian) jacobians->clear();
   Thread& thread = *threads_[0];
   for (size_t r = 0; r < records_.size(); ++r) {
-    Record& record = *records_[r];
-    const int nc = record.observation.num_channels();
-    const int samples = record.grid.num_samples();
+    ShootingRecord& record = *records_[r];
+    const int nc = record.observation().num_channels();
+    const int samples = record.grid().num_samples();
     Matrix residual(nc, samples);
     Matrix jacobian(with_jacobian ? nc * samples : 0, nf);
     for (int k = 0; k < record.num_segments(); ++k) {
       if (!EvaluateSegment(&record, k, starts_[r], with_jacobian, &thread)) {
         return false;
       }
-      const int first = record.boundaries[static_cast<size_t>(k)];
-      const int count = static_cast<int>(thread.residual.size()) / nc;
+      const Vector& values = thread.rows.residuals();
+      const int first = record.first_sample(k);
+      const int count = static_cast<int>(values.size()) / nc;
       residual.middleCols(first, count) =
-          Eigen::Map<const Matrix>(thread.residual.data(), nc, count);
-      if (with_jacobian) {
-        jacobian.middleRows(first * nc, count * nc) = thread.rows.rightCols(nf);
-        if (record.HasFreeStarts()) {
-          jacobian.middleRows(first * nc, count * nc).noalias() +=
-              thread.rows.leftCols(ns) *
-              record.start_sensitivity.middleRows(k * ns, ns);
-        }
+          Eigen::Map<const Matrix>(values.data(), nc, count);
+      if (!with_jacobian) continue;
+      const Matrix& rows = thread.rows.jacobian();
+      jacobian.middleRows(first * nc, count * nc) = rows.rightCols(nf);
+      if (record.HasFreeStarts()) {
+        jacobian.middleRows(first * nc, count * nc).noalias() +=
+            rows.leftCols(ns) *
+            record.start_sensitivity().middleRows(k * ns, ns);
       }
     }
     residuals->push_back(std::move(residual));

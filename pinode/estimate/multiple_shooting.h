@@ -6,27 +6,20 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/block_tridiagonal.h"
+#include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/modal_residual.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/robust_loss.h"
+#include "pinode/estimate/shooting_record.h"
+#include "pinode/estimate/start_search.h"
 #include "pinode/estimate/tuning.h"
-#include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/segment.h"
 
 namespace pinode {
-
-enum class RobustLoss { kNone, kHuber, kCauchy };
-
-// Normal equations of the free parameters after the starts are eliminated.
-struct CondensedSystem {
-  double cost = 0.0;
-  Vector gradient;  // num_free
-  Matrix hessian;   // num_free x num_free, Gauss-Newton, both triangles
-};
 
 // Where a trajectory stopped being finite.
 struct Divergence {
@@ -37,26 +30,27 @@ struct Divergence {
   bool Happened() const { return record >= 0; }
 };
 
-// Multiple shooting with the segment starts projected out.
+// Multiple shooting with the segment starts projected out: the trajectories'
+// part of the cost.
 //
 // Every training record is cut into segments; s_k is the state at the start of
 // segment k and phi_k(s_k, theta) the state at its end. For given theta the
 // starts minimise
 //
 //   F(s, theta) = 1/2 sum_i rho(|y_i - yhat_i(s, theta)|^2 / sigma_i^2)
-//               + mu/2 sum_k |D^-1 (phi_k(s_k, theta) - s_{k+1}) + lambda_k|^2
-//               + 1/2 |modal residuals(theta)|^2 + priors,
+//               + mu/2 sum_k |D^-1 (phi_k(s_k, theta) - s_{k+1}) + lambda_k|^2,
 //
 // an augmented Lagrangian for closed gaps (J. Nocedal and S. Wright, Numerical
 // Optimization, ch. 17) with scaled multipliers lambda and state scales D. The
-// minimisation is an iterated Rauch-Tung-Striebel smoother: Gauss-Newton on a
-// block tridiagonal system. What is left, f(theta) = min_s F(s, theta), is what
-// Ceres sees: variable projection (G. H. Golub and V. Pereyra, SIAM J. Numer.
-// Anal. 10 (1973) 413-432) with the Gauss-Newton Hessian of the projected
-// problem, that is, the Schur complement of the starts.
+// minimisation is an iterated Rauch-Tung-Striebel smoother (start_search.h):
+// Gauss-Newton on a block tridiagonal system (shooting_record.h). What is left,
+// f(theta) = min_s F(s, theta), is what Ceres sees: variable projection (G. H.
+// Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432) with the
+// Gauss-Newton Hessian of the projected problem, that is, the Schur complement
+// of the starts.
 //
 // The cost of an evaluation grows linearly with the record's length.
-class MultipleShooting {
+class MultipleShooting final : public CostPart {
  public:
   struct Options {
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
@@ -69,7 +63,7 @@ class MultipleShooting {
   // `problem` (valid) and `layout` must outlive this object.
   MultipleShooting(const IdentificationProblem& problem,
                    const ParameterLayout& layout, const Options& options);
-  ~MultipleShooting();
+  ~MultipleShooting() override;
 
   // Training records, as indices into the problem's records. The vectors below
   // have one entry for each of them.
@@ -87,11 +81,6 @@ class MultipleShooting {
   void SetStateScales(const std::vector<Vector>& scales);
   // sigma, one per channel and record.
   void SetSigmas(const std::vector<Vector>& sigmas);
-  // Precision of the decay prior per decay group of the layout.
-  void SetDecays(const Vector& decays) {
-    decays_ = decays;
-    CostHasChanged();
-  }
   void SetGapPenalty(double mu) {
     gap_penalty_ = mu;
     CostHasChanged();
@@ -104,22 +93,19 @@ class MultipleShooting {
 
   // f(free) by the smoother started from the last linearisation. False where a
   // trajectory is not finite, see divergence().
-  [[nodiscard]] bool Evaluate(const Vector& free, double* cost);
+  [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
 
   // The same, and gradient and Hessian. Starts stay those found here for the
   // next evaluations.
-  [[nodiscard]] bool Linearize(const Vector& free, CondensedSystem* system);
+  [[nodiscard]] bool Linearize(const Vector& free,
+                               CondensedSystem* system) override;
 
   const Divergence& divergence() const { return divergence_; }
 
-  // Measured modes against the model's; nullptr: there are none.
-  const ModalResidual* modal() const { return modal_.get(); }
-  // Why the last evaluation of these failed; empty: it did not.
-  const std::string& modal_error() const { return modal_error_; }
+  // Record, segment, time and state where the trajectory stopped being finite.
+  std::string Failure() const override;
 
   // Of the last successful evaluation:
-  // The cost of the modal residuals.
-  double ModalCost() const { return 0.5 * modal_residuals_.squaredNorm(); }
   // Starts, num_states x segments per training record.
   const std::vector<Matrix>& starts() const { return starts_; }
   // max |D^-1 gap|.
@@ -137,58 +123,51 @@ class MultipleShooting {
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
   double DataCurvature() const { return data_curvature_; }
-  // J'J of the modal residuals at the last Linearize, num_free x num_free;
-  // empty without modes.
-  const Matrix& ModalInformation() const { return modal_information_; }
 
  private:
-  struct Record;
   struct Thread;
 
+  // Of one record and segment.
+  using Task = std::pair<int, int>;
+
   [[nodiscard]] bool PrepareDynamics(const Vector& free);
-  // At prepared_.
-  [[nodiscard]] bool EvaluateModes(Matrix* jacobian);
-  bool EvaluateSegment(Record* record, int segment, const Matrix& starts,
-                       bool with_parameters, Thread* thread) const;
-  void WeightRows(const Record& record, int segment, bool with_parameters,
-                  const SegmentTangents& tangents, Thread* thread,
-                  double* cost) const;
+  // Propagates a segment from `start` and weighs its residuals.
+  bool EvaluateSegment(ShootingRecord* record, int segment,
+                       const Matrix& starts, bool with_parameters,
+                       Thread* thread) const;
+  // The same for segments side by side.
+  void EvaluateSegments(const std::vector<Task>& tasks,
+                        const std::vector<const Matrix*>& starts,
+                        bool with_parameters);
+  // All segments of the records for which it is true.
+  std::vector<Task> SegmentsOf(const std::vector<bool>& wanted) const;
+  // Whether all of them are finite; where not, notes the first one.
+  bool AllFinite(const ShootingRecord& record);
   void CostHasChanged() {
     last_free_.resize(0);
     linearized_cost_ = std::numeric_limits<double>::infinity();
   }
-  // W (gap + D lambda): the force with which gap k pulls, num_states.
-  Vector GapForce(const Record& record, const Matrix& starts, int gap) const;
-  // Fills record->system with the normal equations of the starts, and *right
-  // with their coupling to the free parameters (num_free columns, 0 to leave
-  // them out) and, in the last column, their gradient.
-  void AssembleStarts(Record* record, const Matrix& starts, int num_free,
-                      Matrix* right) const;
+  // Where the last linearisation's tangent leads.
+  Matrix PredictStarts(size_t record, const Vector& free) const;
   bool SolveStarts(const Vector& free, double* cost);
-  double PriorCost(const Vector& free) const;
-  void AddPriors(const Vector& free, CondensedSystem* system) const;
 
   const IdentificationProblem& problem_;
   const ParameterLayout& layout_;
   Options options_;
   std::vector<int> train_records_;
-  std::vector<std::unique_ptr<Record>> records_;
+  std::vector<std::unique_ptr<ShootingRecord>> records_;
   std::vector<std::unique_ptr<Thread>> threads_;
-  std::unique_ptr<ModalResidual> modal_;
-  Vector modal_residuals_;
-  Matrix modal_information_;
-  std::string modal_error_;
-  Vector decays_;
   double gap_penalty_ = 1.0;
   double data_curvature_ = 0.0;
 
   StructuralDynamics::Prepared prepared_;
-  Vector full_parameters_;  // of prepared_
+  Vector parameters_;  // of prepared_, all
   // The point of the last evaluation, and of the last linearisation.
   Vector last_free_, linearized_free_;
   std::vector<Matrix> starts_, linearized_starts_;
   double linearized_cost_ = std::numeric_limits<double>::infinity();
   double last_cost_ = 0.0;
+  bool failed_ = false;
   Divergence divergence_;
 };
 

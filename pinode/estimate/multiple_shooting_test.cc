@@ -32,19 +32,19 @@ struct ShootingSetting {
 
 class ProjectedGradient : public ::testing::TestWithParam<ShootingSetting> {
  protected:
-  // A shooting at its second linearisation, with multipliers that are not zero.
-  static std::unique_ptr<MultipleShooting> LinearizeTwice(
+  // At its second linearisation, with multipliers that are not zero.
+  static std::unique_ptr<Objective> LinearizeTwice(
       const SmallFit& fit, const MultipleShooting::Options& options,
       CondensedSystem* system) {
     const int samples = GetParam().segment_samples;
-    auto shooting = fit.Shoot(samples, options);
-    EXPECT_TRUE(shooting->Linearize(fit.free, system));
+    auto objective = fit.Shoot(samples, options);
+    EXPECT_TRUE(objective->Linearize(fit.free, system));
     if (samples > 0) {
-      EXPECT_GT(shooting->LargestGap(), 1e-3);
-      shooting->UpdateMultipliers();
-      EXPECT_TRUE(shooting->Linearize(fit.free, system));
+      EXPECT_GT(objective->shooting().LargestGap(), 1e-3);
+      objective->shooting().UpdateMultipliers();
+      EXPECT_TRUE(objective->Linearize(fit.free, system));
     }
-    return shooting;
+    return objective;
   }
 
   // Starts as good as rounding allows.
@@ -63,9 +63,9 @@ class ProjectedGradient : public ::testing::TestWithParam<ShootingSetting> {
 TEST_P(ProjectedGradient, EqualsDifferencesOfTheCost) {
   const SmallFit fit(GetParam().start);
   CondensedSystem system;
-  auto shooting = LinearizeTwice(fit, WithBestStarts(), &system);
+  auto objective = LinearizeTwice(fit, WithBestStarts(), &system);
   double cost = 0.0;
-  ASSERT_TRUE(shooting->Evaluate(fit.free, &cost));
+  ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
   EXPECT_DOUBLE_EQ(cost, system.cost);
 
   // The rate of the hysteresis has a kink where the slip changes its
@@ -82,7 +82,7 @@ TEST_P(ProjectedGradient, EqualsDifferencesOfTheCost) {
         j < n ? Vector(Vector::Unit(n, j)) : random.Draw(n).normalized();
     const auto moved = [&](double h) {
       double value = 0.0;
-      EXPECT_TRUE(shooting->Evaluate(fit.free + h * direction, &value));
+      EXPECT_TRUE(objective->Evaluate(fit.free + h * direction, &value));
       return Vector::Constant(1, value);
     };
     const double expected = testing::Differentiate(moved, kStep)[0];
@@ -280,29 +280,30 @@ class DenseOracle : public ::testing::TestWithParam<ShootingSetting> {};
 TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
   const ShootingSetting& setting = GetParam();
   const SmallFit fit(setting.start);
-  auto shooting =
+  auto objective =
       fit.Shoot(setting.segment_samples, MultipleShooting::Options());
   CondensedSystem system;
   std::vector<Matrix> multipliers;
   for (size_t r = 0; r < fit.states.size(); ++r) {
-    multipliers.push_back(
-        Matrix::Zero(fit.problem.dynamics->num_states(),
-                     shooting->num_segments(static_cast<int>(r)) - 1));
+    multipliers.push_back(Matrix::Zero(
+        fit.problem.dynamics->num_states(),
+        objective->shooting().num_segments(static_cast<int>(r)) - 1));
   }
   for (int round = 0; round < 2; ++round) {
-    ASSERT_TRUE(shooting->Linearize(fit.free, &system));
-    const DenseSystem dense = AssembleDense(
-        fit, shooting->starts(), multipliers, shooting->gap_penalty());
+    ASSERT_TRUE(objective->Linearize(fit.free, &system));
+    const DenseSystem dense =
+        AssembleDense(fit, objective->shooting().starts(), multipliers,
+                      objective->shooting().gap_penalty());
     EXPECT_NEAR(system.cost, dense.cost, 1e-11 * dense.cost);
     const double size = dense.gradient.norm();
     EXPECT_LT((system.gradient - dense.gradient).norm(), 1e-9 * size);
     EXPECT_LT((system.hessian - dense.hessian).norm(),
               1e-9 * dense.hessian.norm());
     EXPECT_EQ(system.hessian, system.hessian.transpose());
-    if (shooting->IsSingleShooting()) break;
+    if (objective->shooting().IsSingleShooting()) break;
     // lambda += D^-1 gap, from the states as they are at the ends.
     std::vector<Matrix> trajectories;
-    ASSERT_TRUE(shooting->Trajectories(fit.free, &trajectories));
+    ASSERT_TRUE(objective->shooting().Trajectories(fit.free, &trajectories));
     StructuralDynamics::Prepared prepared;
     std::string error;
     Vector all = fit.layout->InitialValues();
@@ -312,7 +313,7 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
     for (size_t r = 0; r < fit.states.size(); ++r) {
       const IdentificationRecord& record = fit.problem.records[r];
       const IntegrationGrid grid(*record.excitation, record.substeps);
-      const int count = shooting->num_segments(static_cast<int>(r));
+      const int count = objective->shooting().num_segments(static_cast<int>(r));
       SegmentPropagator propagator(*fit.problem.dynamics,
                                    DerivativeMethod::kTangents);
       const ObservationMap observation(*fit.problem.dynamics,
@@ -321,18 +322,18 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
         const int last_sample = record.num_samples() - 1;
         SegmentTangents tangents;
         ASSERT_TRUE(propagator.Propagate(
-            prepared, observation, grid, shooting->starts()[r].col(k),
-            last_sample * k / count, last_sample * (k + 1) / count, false,
-            false, &tangents));
+            prepared, observation, grid,
+            objective->shooting().starts()[r].col(k), last_sample * k / count,
+            last_sample * (k + 1) / count, false, false, &tangents));
         multipliers[r].col(k) +=
-            (tangents.end_state - shooting->starts()[r].col(k + 1))
+            (tangents.end_state - objective->shooting().starts()[r].col(k + 1))
                 .cwiseQuotient(fit.scales[r]);
       }
     }
-    shooting->UpdateMultipliers();
+    objective->shooting().UpdateMultipliers();
     // A firmer penalty with the same force.
-    shooting->SetGapPenalty(21.0);
-    shooting->RescaleMultipliers(7.0 / 21.0);
+    objective->shooting().SetGapPenalty(21.0);
+    objective->shooting().RescaleMultipliers(7.0 / 21.0);
     for (Matrix& lambda : multipliers) lambda *= 7.0 / 21.0;
   }
 }
@@ -349,18 +350,18 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(MultipleShooting, StartsAreTheBestOnes) {
   const SmallFit fit(Start::kFree);
-  auto shooting = fit.Shoot(7, MultipleShooting::Options());
+  auto objective = fit.Shoot(7, MultipleShooting::Options());
   double cost = 0.0;
-  ASSERT_TRUE(shooting->Evaluate(fit.free, &cost));
+  ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
   std::vector<Matrix> zero;
   for (size_t r = 0; r < fit.states.size(); ++r) {
-    zero.push_back(
-        Matrix::Zero(fit.states[r].rows(), shooting->starts()[r].cols() - 1));
+    zero.push_back(Matrix::Zero(fit.states[r].rows(),
+                                objective->shooting().starts()[r].cols() - 1));
   }
   // Any other starts cost more.
   testing::Gaussian random(2);
   for (int trial = 0; trial < 5; ++trial) {
-    std::vector<Matrix> moved = shooting->starts();
+    std::vector<Matrix> moved = objective->shooting().starts();
     for (Matrix& starts : moved) {
       for (int k = 0; k < starts.cols(); ++k) {
         starts.col(k) += 1e-3 * random.Draw(static_cast<int>(starts.rows()));
@@ -372,37 +373,37 @@ TEST(MultipleShooting, StartsAreTheBestOnes) {
 
 TEST(MultipleShooting, CutsRecordsEvenly) {
   const SmallFit fit(Start::kFree);
-  auto shooting = fit.Shoot(7, MultipleShooting::Options());
-  EXPECT_EQ(shooting->num_segments(0), 4);
-  EXPECT_EQ(shooting->num_segments(1), 3);
-  EXPECT_FALSE(shooting->IsSingleShooting());
-  shooting->SetSegments(0, fit.states);
-  EXPECT_EQ(shooting->num_segments(0), 1);
-  EXPECT_TRUE(shooting->IsSingleShooting());
-  EXPECT_EQ(shooting->starts()[0].cols(), 1);
-  EXPECT_EQ(shooting->starts()[0].col(0), fit.states[0].col(0));
+  auto objective = fit.Shoot(7, MultipleShooting::Options());
+  EXPECT_EQ(objective->shooting().num_segments(0), 4);
+  EXPECT_EQ(objective->shooting().num_segments(1), 3);
+  EXPECT_FALSE(objective->shooting().IsSingleShooting());
+  objective->shooting().SetSegments(0, fit.states);
+  EXPECT_EQ(objective->shooting().num_segments(0), 1);
+  EXPECT_TRUE(objective->shooting().IsSingleShooting());
+  EXPECT_EQ(objective->shooting().starts()[0].cols(), 1);
+  EXPECT_EQ(objective->shooting().starts()[0].col(0), fit.states[0].col(0));
 }
 
 // What an evaluation depends on must not be remembered past a change of it.
 TEST(MultipleShooting, SettingsTakeEffectAtTheSamePoint) {
   const SmallFit fit(Start::kFree);
   const auto fresh = [&fit](double mu, const Vector& decays) {
-    auto shooting = fit.Shoot(7, MultipleShooting::Options());
-    shooting->SetGapPenalty(mu);
-    shooting->SetDecays(decays);
+    auto objective = fit.Shoot(7, MultipleShooting::Options());
+    objective->shooting().SetGapPenalty(mu);
+    objective->priors().SetDecays(decays);
     double cost = 0.0;
-    EXPECT_TRUE(shooting->Evaluate(fit.free, &cost));
+    EXPECT_TRUE(objective->Evaluate(fit.free, &cost));
     return cost;
   };
-  auto shooting = fit.Shoot(7, MultipleShooting::Options());
+  auto objective = fit.Shoot(7, MultipleShooting::Options());
   double cost = 0.0;
-  ASSERT_TRUE(shooting->Evaluate(fit.free, &cost));
+  ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
   EXPECT_NEAR(cost, fresh(7.0, fit.decays), 1e-8 * cost);
-  shooting->SetGapPenalty(70.0);
-  ASSERT_TRUE(shooting->Evaluate(fit.free, &cost));
+  objective->shooting().SetGapPenalty(70.0);
+  ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
   EXPECT_NEAR(cost, fresh(70.0, fit.decays), 1e-8 * cost);
-  shooting->SetDecays(3.0 * fit.decays);
-  ASSERT_TRUE(shooting->Evaluate(fit.free, &cost));
+  objective->priors().SetDecays(3.0 * fit.decays);
+  ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
   EXPECT_NEAR(cost, fresh(70.0, 3.0 * fit.decays), 1e-8 * cost);
   EXPECT_GT(std::abs(fresh(7.0, fit.decays) - fresh(70.0, fit.decays)), 1e-3);
 }
@@ -412,9 +413,9 @@ TEST(MultipleShooting, ThreadsDoNotMatter) {
   const auto solve = [&fit](int threads) {
     MultipleShooting::Options options;
     options.num_threads = threads;
-    auto shooting = fit.Shoot(4, options);
+    auto objective = fit.Shoot(4, options);
     CondensedSystem system;
-    EXPECT_TRUE(shooting->Linearize(fit.free, &system));
+    EXPECT_TRUE(objective->Linearize(fit.free, &system));
     return system;
   };
   const CondensedSystem one = solve(1);
@@ -451,12 +452,12 @@ TEST(MultipleShooting, JetsGiveTheSame) {
 TEST(MultipleShooting, WeightedResidualsAreThoseOfTheCost) {
   for (RobustLoss loss : {RobustLoss::kNone, RobustLoss::kHuber}) {
     const SmallFit fit(Start::kRest);
-    auto shooting = fit.Shoot(0, WithLoss(loss));
+    auto objective = fit.Shoot(0, WithLoss(loss));
     CondensedSystem system;
     std::vector<Matrix> residuals, jacobians;
-    ASSERT_TRUE(shooting->Linearize(fit.free, &system));
-    ASSERT_TRUE(
-        shooting->WeightedResiduals(fit.free, true, &residuals, &jacobians));
+    ASSERT_TRUE(objective->Linearize(fit.free, &system));
+    ASSERT_TRUE(objective->shooting().WeightedResiduals(
+        fit.free, true, &residuals, &jacobians));
     Vector gradient = Vector::Zero(fit.free.size());
     double cost = 0.0;
     for (size_t r = 0; r < residuals.size(); ++r) {

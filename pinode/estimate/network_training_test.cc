@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/statistics.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/score.h"
@@ -118,7 +119,8 @@ TEST(NetworkTraining, LeavesOutTheInputThatIsNotNeeded) {
   // Decay groups: inputs x and v, the output, the biases.
   ASSERT_EQ(fit.model.decays.size(), 4);
   EXPECT_GT(fit.model.decays[1], 100.0 * fit.model.decays[0]);
-  EXPECT_EQ(fit.model.stage, 0) << "a result is not a fit that was cut off";
+  EXPECT_EQ(fit.model.resume_stage, 0)
+      << "a result is not a fit that was cut off";
 }
 
 TEST(NetworkTraining, TheLastStageBeginsNearlyLinear) {
@@ -206,7 +208,8 @@ TEST(NetworkTraining, WhatWasLearnedBeforeIsNotDrawnAnew) {
   ASSERT_EQ(end.stage, end.num_stages);
   const Vector drawn = second.problem.dynamics->Parameters().head(12);
   EXPECT_FALSE(FirstLayer(end.model).isApprox(0.1 * drawn, 0.5));
-  const double spread = Spread(second.problem.records[0].channels[0].values);
+  const double spread =
+      StandardDeviationOfPresent(second.problem.records[0].channels[0].values);
   EXPECT_LT(end.model.sigmas[0][0], 0.05 * spread);
 }
 
@@ -217,7 +220,7 @@ TEST(NetworkTraining, AFitThatWasCutOffGoesOnFromWhatItLearned) {
   cut.Run(nullptr, 25);
   EXPECT_EQ(cut.summary.termination, Termination::kInterrupted);
   const auto& at = cut.steps.back();
-  EXPECT_EQ(cut.model.stage, at.num_stages);
+  EXPECT_EQ(cut.model.resume_stage, at.num_stages);
   // As a checkpoint of the running fit has it, without starts.
   HardeningOscillator resumed;
   resumed.Run(&at.model);

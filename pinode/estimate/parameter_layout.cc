@@ -142,6 +142,13 @@ ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
   }
 }
 
+int ParameterLayout::FreeIndex(const std::string& name) const {
+  for (int i = 0; i < num_parameters(); ++i) {
+    if (parameter(i).name == name) return FreeIndex(i);
+  }
+  return -1;
+}
+
 Vector ParameterLayout::InitialValues() const {
   Vector values(num_parameters());
   for (int i = 0; i < num_parameters(); ++i) values[i] = parameter(i).value;

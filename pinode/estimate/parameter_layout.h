@@ -13,7 +13,12 @@ namespace pinode {
 
 // All parameters of a problem in one flat vector, dynamics first, then
 // sensors; and the free ones among them, again in one vector, in the same
-// order.
+// order. The latter is the parameter block that Ceres sees.
+//
+// Names on this floor: `parameters` are all of the problem's, `theta` all of
+// the dynamics', which come first among them, and `free` the free ones. An
+// `index` counts among all of them, `j` and a column of a derivative among the
+// free ones.
 class ParameterLayout {
  public:
   explicit ParameterLayout(const IdentificationProblem& problem);
@@ -41,6 +46,8 @@ class ParameterLayout {
     std::string name;
     Kind kind = Kind::kLayer;
     double given = -1.0;  // negative: the evidence chooses
+
+    bool IsGiven() const { return given >= 0.0; }
   };
   const std::vector<DecayGroup>& decay_groups() const { return decay_groups_; }
   int num_decay_groups() const {
@@ -81,6 +88,8 @@ class ParameterLayout {
   int FreeIndex(int index) const {
     return free_index_[static_cast<size_t>(index)];
   }
+  // The same by name; -1 too where there is no such parameter.
+  int FreeIndex(const std::string& name) const;
 
   Vector InitialValues() const;
   Vector Free(const Vector& all) const;

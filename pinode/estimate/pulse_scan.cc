@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
 
@@ -159,8 +160,9 @@ class Scanner {
           problem_.records[static_cast<size_t>(records_[i])];
       for (size_t c = 0; c < record.channels.size(); ++c) {
         const MeasuredChannel& channel = record.channels[c];
-        const double scale =
-            channel.sigma > 0.0 ? channel.sigma : Spread(channel.values);
+        const double scale = channel.sigma > 0.0
+                                 ? channel.sigma
+                                 : StandardDeviationOfPresent(channel.values);
         if (!channel.fit || !(scale > 0.0)) continue;
         const Eigen::Index row = static_cast<Eigen::Index>(c);
         for (Eigen::Index k = 0; k < channel.values.size(); ++k) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/statistics.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -78,7 +79,7 @@ IdentificationProblem PulseProblem(const std::vector<Pulse>& truth,
   for (int c = 0; c < 2; ++c) {
     Vector& values = problem.records[0].channels[static_cast<size_t>(c)].values;
     values = score.prediction.row(c);
-    const double sigma = 0.01 * Spread(values);
+    const double sigma = 0.01 * StandardDeviationOfPresent(values);
     values += sigma * random.Draw(201);
   }
   problem.dynamics = with(guess);

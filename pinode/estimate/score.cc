@@ -6,11 +6,10 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/sensor.h"
 #include "pinode/integrate/free_run.h"
-#include "pinode/record/prepare.h"
 
 namespace pinode {
 namespace {
@@ -18,20 +17,7 @@ namespace {
 // Share of a hold-out record from which its start is smoothed.
 constexpr double kStartShare = 0.05;
 
-ObservationMap MapOf(const IdentificationProblem& problem,
-                     const IdentificationRecord& record) {
-  std::vector<Observation> observations;
-  for (const MeasuredChannel& channel : record.channels) {
-    observations.push_back(channel.observation);
-  }
-  return ObservationMap(*problem.dynamics, observations);
-}
-
 }  // namespace
-
-double Spread(const Vector& values) {
-  return StandardDeviationOfPresent(values);
-}
 
 int FreeRunStart(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& sigmas,
@@ -96,11 +82,14 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
   StructuralDynamics::Prepared prepared;
   std::string error;
   Trajectory trajectory;
-  const ObservationMap observation = MapOf(problem, data);
+  const ObservationMap observation(dynamics, data.Observations());
   const int nc = observation.num_channels();
   const int samples = data.num_samples();
-  if (dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
-                       &error)) {
+  // A model of another problem has no finite run here.
+  const bool fits = parameters.size() == layout.num_parameters() &&
+                    start.size() == dynamics.num_states();
+  if (fits && dynamics.Prepare(parameters.head(layout.num_dynamics()),
+                               &prepared, &error)) {
     const IntegrationGrid grid(*data.excitation, data.substeps);
     score->finite = FreeRun(dynamics, prepared, observation, grid, start, 0,
                             samples - 1, &trajectory);
@@ -154,6 +143,24 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     result.nrmse = spread > 0.0 ? std::sqrt(sum / spread) : kInfinity;
   }
   score->nrmse = CombinedError(data, *score);
+}
+
+double FreeRunError(const IdentificationProblem& problem,
+                    const ParameterLayout& layout,
+                    const MultipleShooting& shooting, const Vector& free) {
+  Vector parameters = layout.InitialValues();
+  layout.SetFree(free, &parameters);
+  const std::vector<int>& train = shooting.train_records();
+  if (train.empty()) return 0.0;
+  double sum = 0.0;
+  for (size_t t = 0; t < train.size(); ++t) {
+    RecordScore score;
+    ScoreRecord(problem, train[t], parameters, shooting.starts()[t].col(0), 0,
+                &score);
+    if (!score.finite) return kInfinity;
+    sum += score.nrmse * score.nrmse;
+  }
+  return std::sqrt(sum / static_cast<double>(train.size()));
 }
 
 double CombinedError(const IdentificationRecord& record,

@@ -8,6 +8,8 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
 
@@ -26,12 +28,16 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
                  int first_scored_sample, RecordScore* score);
 
+// Root mean square over the training records of their errors, each run freely
+// from its first start in `shooting`; infinite where one is not finite, 0 where
+// there is none. What the fit itself is judged by on the way.
+double FreeRunError(const IdentificationProblem& problem,
+                    const ParameterLayout& layout,
+                    const MultipleShooting& shooting, const Vector& free);
+
 // sqrt(mean over fitted channels of nrmse^2); infinite where not finite.
 double CombinedError(const IdentificationRecord& record,
                      const RecordScore& score);
-
-// RMS of the present values about their mean.
-double Spread(const Vector& values);
 
 }  // namespace pinode
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/statistics.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/testing.h"
 
@@ -103,8 +104,8 @@ class HoldoutStart : public ::testing::TestWithParam<double> {
     record.start = Start::kFree;
     sigmas_.resize(2);
     for (int c = 0; c < 2; ++c) {
-      sigmas_[c] =
-          0.05 * Spread(record.channels[static_cast<size_t>(c)].values);
+      sigmas_[c] = 0.05 * StandardDeviationOfPresent(
+                              record.channels[static_cast<size_t>(c)].values);
     }
     problem_.records.push_back(record);
     problem_.dynamics = dynamics;

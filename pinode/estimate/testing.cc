@@ -6,6 +6,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/score.h"
@@ -165,7 +166,7 @@ Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
   Gaussian random(seed);
   for (size_t c = 0; c < record->channels.size(); ++c) {
     Vector values = trajectory.channels.row(static_cast<int>(c));
-    const double size = noise * Spread(values);
+    const double size = noise * StandardDeviationOfPresent(values);
     values += size * random.Draw(record->num_samples());
     record->channels[c].values = values;
   }
@@ -237,7 +238,8 @@ SmallFit::SmallFit(IdentificationRecord::Start start) {
     record.channels[2].values[11] = std::numeric_limits<double>::quiet_NaN();
     Vector sigma(4);
     for (int c = 0; c < 4; ++c) {
-      sigma[c] = 0.1 * Spread(record.channels[static_cast<size_t>(c)].values);
+      sigma[c] = 0.1 * StandardDeviationOfPresent(
+                           record.channels[static_cast<size_t>(c)].values);
     }
     sigmas.push_back(sigma);
     scales.push_back(Vector::LinSpaced(ns, 0.1, 0.4));
@@ -254,15 +256,15 @@ SmallFit::SmallFit(IdentificationRecord::Start start) {
   decays = Vector::LinSpaced(layout->num_decay_groups(), 0.3, 2.0);
 }
 
-std::unique_ptr<MultipleShooting> SmallFit::Shoot(
+std::unique_ptr<Objective> SmallFit::Shoot(
     int segment_samples, const MultipleShooting::Options& options) const {
-  auto shooting = std::make_unique<MultipleShooting>(problem, *layout, options);
-  shooting->SetSegments(segment_samples, states);
-  shooting->SetSigmas(sigmas);
-  shooting->SetStateScales(scales);
-  shooting->SetDecays(decays);
-  shooting->SetGapPenalty(7.0);
-  return shooting;
+  auto objective = std::make_unique<Objective>(problem, *layout, options);
+  objective->shooting().SetSegments(segment_samples, states);
+  objective->shooting().SetSigmas(sigmas);
+  objective->shooting().SetStateScales(scales);
+  objective->shooting().SetGapPenalty(7.0);
+  objective->priors().SetDecays(decays);
+  return objective;
 }
 
 }  // namespace testing

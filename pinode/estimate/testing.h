@@ -13,7 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/measured_mode.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -77,8 +77,8 @@ Vector Differentiate(const std::function<Vector(double)>& function, double h);
 struct SmallFit {
   SmallFit(IdentificationRecord::Start start);
 
-  // Shooting with scales, sigmas and decays set, cut into segments.
-  std::unique_ptr<MultipleShooting> Shoot(
+  // All of its cost with scales, sigmas and decays set, cut into segments.
+  std::unique_ptr<Objective> Shoot(
       int segment_samples, const MultipleShooting::Options& options) const;
 
   IdentificationProblem problem;

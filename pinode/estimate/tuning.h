@@ -53,7 +53,7 @@ struct StartTuning {
   double prior_precision = 1e-4;
 };
 
-// How a stage closes the gaps between its segments (gap_closing.h).
+// How a stage closes the gaps between its segments (gap_penalty.h, stage.h).
 struct GapTuning {
   // Gaps are closed when they are below this, in units of the state's RMS.
   double closed = 1e-6;

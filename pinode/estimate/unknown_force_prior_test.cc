@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/statistics.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/covariance.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/testing.h"
 
@@ -82,19 +83,20 @@ TEST(UnknownForcePrior, HasItsGroupsAndRows) {
 TEST(UnknownForcePrior, CostGradientAndHessianBelongTogether) {
   const IdentificationProblem problem = ForceProblem(true);
   const ParameterLayout layout(problem);
-  MultipleShooting shooting(problem, layout, MultipleShooting::Options());
+  Objective objective(problem, layout, MultipleShooting::Options());
+  MultipleShooting& shooting = objective.shooting();
   shooting.SetSegments(0, {Matrix::Zero(2, 24)});
   shooting.SetSigmas({Vector::Constant(1, 0.02)});
   const Vector decays = Vector::LinSpaced(3, 2.0, 30.0);
-  shooting.SetDecays(decays);
+  objective.priors().SetDecays(decays);
   Vector free = Vector::LinSpaced(1 + kKnots, -0.2, 0.3);
   CondensedSystem system;
-  ASSERT_TRUE(shooting.Linearize(free, &system));
+  ASSERT_TRUE(objective.Linearize(free, &system));
 
   Vector step = Vector::Zero(1 + kKnots);
   for (int k = 1; k <= kKnots; ++k) step[k] = 0.1 * std::cos(1.7 * k);
   double moved = 0.0;
-  ASSERT_TRUE(shooting.Evaluate(free + step, &moved));
+  ASSERT_TRUE(objective.Evaluate(free + step, &moved));
   const double expected = system.cost + system.gradient.dot(step) +
                           0.5 * step.dot(system.hessian * step);
   EXPECT_NEAR(moved, expected, 1e-11 * moved);
@@ -108,9 +110,9 @@ TEST(UnknownForcePrior, CostGradientAndHessianBelongTogether) {
     const double bend = p(k - 1) - 2.09 * p(k) + p(k + 1);
     share += 0.5 * decays[k / 5] * bend * bend;
   }
-  shooting.SetDecays(Vector::Zero(3));
+  objective.priors().SetDecays(Vector::Zero(3));
   double without = 0.0;
-  ASSERT_TRUE(shooting.Evaluate(free, &without));
+  ASSERT_TRUE(objective.Evaluate(free, &without));
   EXPECT_GT(share, 0.1);
   EXPECT_NEAR(system.cost - without, share, 1e-10 * system.cost);
 }
@@ -161,14 +163,15 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
     problem.records.push_back(record);
 
     const ParameterLayout layout(problem);
-    MultipleShooting shooting(problem, layout, MultipleShooting::Options());
+    Objective objective(problem, layout, MultipleShooting::Options());
+    MultipleShooting& shooting = objective.shooting();
     shooting.SetSegments(0, {Matrix::Zero(2, kLength)});
     const std::vector<Vector> sigmas = {Vector::Constant(1, kSigma)};
     shooting.SetSigmas(sigmas);
-    shooting.SetDecays(Vector::Constant(1, 500.0));
+    objective.priors().SetDecays(Vector::Constant(1, 500.0));
     // Linear: one step leads to the minimum.
     CondensedSystem system;
-    ASSERT_TRUE(shooting.Linearize(Vector::Zero(kMany), &system));
+    ASSERT_TRUE(objective.Linearize(Vector::Zero(kMany), &system));
     const Vector free = -system.hessian.ldlt().solve(system.gradient);
     std::vector<Matrix> residuals;
     ASSERT_TRUE(shooting.WeightedResiduals(free, false, &residuals, nullptr));
@@ -177,10 +180,10 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
     CovarianceEstimate plain, automatic;
     ASSERT_TRUE(EstimateCovariance(problem, layout,
                                    IdentificationOptions::Covariance::kPlain,
-                                   free, sigmas, &shooting, &plain));
+                                   free, sigmas, &objective, &plain));
     ASSERT_TRUE(EstimateCovariance(problem, layout,
                                    IdentificationOptions::Covariance::kAuto,
-                                   free, sigmas, &shooting, &automatic));
+                                   free, sigmas, &objective, &automatic));
     if (memory == 0.0) {
       EXPECT_EQ(automatic.method, "plain");
     } else {

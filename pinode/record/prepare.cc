@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {
@@ -13,17 +13,6 @@ namespace {
 
 // Rounding of a time given in decimals, as a fraction of the step.
 constexpr double kSameTime = 1e-6;
-
-// Mean over the present samples of function(x).
-template <typename Function>
-double MeanOf(const Vector& values, const Function& function) {
-  double sum = 0.0;
-  for (const double value : values) {
-    if (!std::isnan(value)) sum += function(value);
-  }
-  const int count = CountPresent(values);
-  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
-}
 
 }  // namespace
 
@@ -38,27 +27,6 @@ std::vector<Gap> FindGaps(const Vector& values) {
     }
   }
   return gaps;
-}
-
-int CountPresent(const Vector& values) {
-  return static_cast<int>(
-      std::count_if(values.begin(), values.end(),
-                    [](double value) { return !std::isnan(value); }));
-}
-
-double MeanOfPresent(const Vector& values) {
-  return MeanOf(values, [](double value) { return value; });
-}
-
-double RmsOfPresent(const Vector& values) {
-  return std::sqrt(MeanOf(values, [](double value) { return value * value; }));
-}
-
-double StandardDeviationOfPresent(const Vector& values) {
-  const double mean = MeanOfPresent(values);
-  return std::sqrt(MeanOf(values, [mean](double value) {
-    return (value - mean) * (value - mean);
-  }));
 }
 
 double RemoveOffset(Vector* values) {

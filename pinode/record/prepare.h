@@ -20,14 +20,6 @@ struct Gap {
 };
 std::vector<Gap> FindGaps(const Vector& values);
 
-int CountPresent(const Vector& values);
-
-// Over the samples that are present; NaN if there are none. The standard
-// deviation is that of the population: sqrt(mean((x - mean(x))^2)).
-double MeanOfPresent(const Vector& values);
-double RmsOfPresent(const Vector& values);
-double StandardDeviationOfPresent(const Vector& values);
-
 // Subtracts the mean, which is returned (0 where nothing is present).
 double RemoveOffset(Vector* values);
 

@@ -19,19 +19,6 @@ Vector Make(std::initializer_list<double> values) {
   return result;
 }
 
-TEST(PrepareTest, StatisticsSkipWhatIsMissing) {
-  const Vector values = Make({1.0, kNaN, 3.0, kNaN, kNaN, -1.0});
-  EXPECT_EQ(CountPresent(values), 3);
-  EXPECT_DOUBLE_EQ(MeanOfPresent(values), 1.0);
-  EXPECT_DOUBLE_EQ(RmsOfPresent(values), std::sqrt(11.0 / 3.0));
-  EXPECT_DOUBLE_EQ(StandardDeviationOfPresent(values), std::sqrt(8.0 / 3.0));
-  EXPECT_TRUE(std::isnan(MeanOfPresent(Make({kNaN}))));
-  EXPECT_TRUE(std::isnan(RmsOfPresent(Vector())));
-  // No cancellation under a large offset.
-  const Vector offset = Make({1e9 + 1.0, 1e9 - 1.0, kNaN});
-  EXPECT_NEAR(StandardDeviationOfPresent(offset), 1.0, 1e-6);
-}
-
 TEST(PrepareTest, RemovesTheOffset) {
   Vector values = Make({1.0, kNaN, 3.0});
   EXPECT_DOUBLE_EQ(RemoveOffset(&values), 2.0);

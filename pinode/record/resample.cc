@@ -6,6 +6,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/record/prepare.h"
 
 namespace pinode {

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/integration_grid.h"
-#include "pinode/record/prepare.h"
 
 namespace pinode {
 namespace {

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/case/case_file.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/initial_states.h"
@@ -205,7 +206,7 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
     }
     Vector sigma(Chain::kStates);
     for (int i = 0; i < Chain::kStates; ++i) {
-      sigma[i] = weights.sigma * Spread(measured.row(i));
+      sigma[i] = weights.sigma * StandardDeviationOfPresent(measured.row(i));
     }
     AddPlainSegments(chains.back(), record, boundaries, sigma,
                      weights.gap_sigma * StateScales(problem, measured),
@@ -238,7 +239,7 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
 Case WithGivenNoise(Case c, double share) {
   for (IdentificationRecord& record : c.problem.records) {
     for (MeasuredChannel& channel : record.channels) {
-      channel.sigma = share * Spread(channel.values);
+      channel.sigma = share * StandardDeviationOfPresent(channel.values);
     }
   }
   return c;

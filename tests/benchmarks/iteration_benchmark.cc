@@ -27,10 +27,11 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
-#include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/square_root.h"
+#include "pinode/estimate/trajectory_cost.h"
 #include "tests/benchmarks/chain_problem.h"
 #include "tests/benchmarks/measure.h"
 #include "tests/benchmarks/plain_chain.h"
@@ -139,7 +140,8 @@ class Fit {
   explicit Fit(int num_samples)
       : problem_(MakeChainProblem(kDofs, kGroups, num_samples)),
         layout_(problem_),
-        shooting_(problem_, layout_, MultipleShooting::Options()),
+        objective_(problem_, layout_, MultipleShooting::Options()),
+        shooting_(objective_.shooting()),
         boundaries_(CutSegments(num_samples, kSegmentSamples)),
         grid_(*record().excitation, record().substeps),
         chain_(kStiffness, kDamping, Vector(), &grid_) {
@@ -150,7 +152,8 @@ class Fit {
       sigma_[c] = record().channels[static_cast<size_t>(c)].sigma;
     }
     shooting_.SetSigmas({sigma_});
-    shooting_.SetDecays(Vector::Constant(layout_.num_decay_groups(), kDecay));
+    objective_.priors().SetDecays(
+        Vector::Constant(layout_.num_decay_groups(), kDecay));
     CHECK(InitialTrajectories(problem_, kSegmentSamples, initial_,
                               StageTuning(), &shooting_, &trajectories_));
     scales_ = StateScales(problem_, trajectories_[0]);
@@ -172,9 +175,15 @@ class Fit {
     ceres::Problem ceres_problem;
     ceres_problem.AddResidualBlock(
         new TimedCost(
-            std::make_unique<CondensedCost>(&shooting_, layout_.num_free()),
+            std::make_unique<TrajectoryCost>(&shooting_, layout_.num_free()),
             &times),
         nullptr, x.data());
+    if (objective_.priors().num_priors() > 0) {
+      auto priors = std::make_unique<PriorCost>(layout_);
+      priors->SetDecays(Vector::Constant(layout_.num_decay_groups(), kDecay));
+      ceres_problem.AddResidualBlock(new TimedCost(std::move(priors), &times),
+                                     nullptr, x.data());
+    }
     std::vector<IterationTimes> iterations =
         RunIterations(kIterations, times, &ceres_problem);
     SplitJacobian(x, &iterations);
@@ -230,7 +239,7 @@ class Fit {
   // costs agree but for pinode's faint prior on the first start.
   void CheckSameCost() {
     double cost = 0.0;
-    CHECK(shooting_.Evaluate(initial_, &cost));
+    CHECK(objective_.Evaluate(initial_, &cost));
     Vector x = initial_;
     Matrix starts = shooting_.starts()[0];
     EvaluationTimes times;
@@ -243,7 +252,7 @@ class Fit {
         << cost << " against " << plain_cost;
   }
 
-  // CondensedCost computes tangents, condenses and takes a square root in one
+  // TrajectoryCost computes tangents, condenses and takes a square root in one
   // evaluation. The parts are timed one by one at the last iterate and taken in
   // proportion.
   void SplitJacobian(const Vector& x, std::vector<IterationTimes>* iterations) {
@@ -291,7 +300,8 @@ class Fit {
 
   IdentificationProblem problem_;
   ParameterLayout layout_;
-  MultipleShooting shooting_;
+  Objective objective_;
+  MultipleShooting& shooting_;
   std::vector<int> boundaries_;
   IntegrationGrid grid_;
   Chain chain_;

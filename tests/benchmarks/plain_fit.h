@@ -1,5 +1,9 @@
 // The plain way to fit trajectories: multiple shooting as Ceres' documentation
-// leads one to write it.
+// leads one to write it, without pinode.
+//
+// pinode/estimate/segment_cost.h is a block of the same shape. It is not used
+// here: its tangents are what pinode is measured by, and the plain way is to
+// have none of them.
 
 #ifndef PINODE_TESTS_BENCHMARKS_PLAIN_FIT_H_
 #define PINODE_TESTS_BENCHMARKS_PLAIN_FIT_H_

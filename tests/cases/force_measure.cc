@@ -13,6 +13,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/score.h"
 
 namespace pinode {
@@ -131,7 +132,7 @@ void DrawNoiseAnew(uint64_t seed, Case* c) {
   auto& channels = c->problem.records[0].channels;
   for (size_t i = 0; i < channels.size(); ++i) {
     Vector values = score.prediction.row(static_cast<Eigen::Index>(i));
-    const double sigma = 0.01 * Spread(values);
+    const double sigma = 0.01 * StandardDeviationOfPresent(values);
     for (double& value : values) value += sigma * normal(random);
     channels[i].values = values;
   }

@@ -1,13 +1,16 @@
 // Measured modes against those of the model, with derivatives.
 
-#ifndef PINODE_ESTIMATE_MODAL_RESIDUAL_H_
-#define PINODE_ESTIMATE_MODAL_RESIDUAL_H_
+#ifndef PINODE_ESTIMATE_MODAL_COST_H_
+#define PINODE_ESTIMATE_MODAL_COST_H_
+
+#include <ceres/cost_function.h>
 
 #include <string>
 #include <vector>
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/measured_mode.h"
 #include "pinode/estimate/parameter_layout.h"
 
@@ -28,13 +31,12 @@ namespace pinode {
 // measured of a shape in the dynamic residual is projected out with its full
 // derivative (G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973)
 // 413-432).
-class ModalResidual {
+class ModalCost final : public ceres::CostFunction, public CostPart {
  public:
   // `data` is valid; all must outlive this object.
-  ModalResidual(const ModalData& data, const StructuralDynamics& dynamics,
-                const ParameterLayout& layout);
+  ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
+            const ParameterLayout& layout);
 
-  int num_residuals() const { return num_residuals_; }
   // Of the shapes: unknowns that the residuals have used up.
   int num_eliminated() const { return num_eliminated_; }
 
@@ -46,6 +48,16 @@ class ModalResidual {
   [[nodiscard]] bool Evaluate(const StructuralDynamics::Prepared& prepared,
                               Vector* residuals, Matrix* jacobian,
                               std::string* error) const;
+
+  // The same at the free parameters, the one parameter block. Evaluations must
+  // come one at a time.
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+  [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
+  [[nodiscard]] bool Linearize(const Vector& free,
+                               CondensedSystem* system) override;
+  std::string Failure() const override { return failure_; }
+  int failed_evaluations() const { return failed_evaluations_; }
 
  private:
   // A free correction to M or K.
@@ -69,14 +81,20 @@ class ModalResidual {
                                 Vector* residuals, Matrix* jacobian,
                                 std::string* error) const;
 
+  // At the free parameters; notes why where it fails.
+  [[nodiscard]] bool EvaluateAt(const Vector& free, Vector* residuals,
+                                Matrix* jacobian) const;
+
   const ModalData& data_;
+  const StructuralDynamics& dynamics_;
   const ParameterLayout& layout_;
   std::vector<Column> columns_;
   std::vector<Shape> shapes_;  // one per mode
-  int num_residuals_ = 0;
   int num_eliminated_ = 0;
+  mutable std::string failure_;
+  mutable int failed_evaluations_ = 0;
 };
 
 }  // namespace pinode
 
-#endif  // PINODE_ESTIMATE_MODAL_RESIDUAL_H_
+#endif  // PINODE_ESTIMATE_MODAL_COST_H_

@@ -1,4 +1,4 @@
-#include "pinode/estimate/modal_residual.h"
+#include "pinode/estimate/modal_cost.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -44,11 +44,11 @@ Matrix WithoutRow(const Rows& rows, int largest) {
 
 }  // namespace
 
-ModalResidual::ModalResidual(const ModalData& data,
-                             const StructuralDynamics& dynamics,
-                             const ParameterLayout& layout)
-    : data_(data), layout_(layout) {
+ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
+                     const ParameterLayout& layout)
+    : data_(data), dynamics_(dynamics), layout_(layout) {
   std::string error;
+  int num_residuals = 0;
   CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
   // The groups are the first parameters.
   for (size_t j = 0; j < dynamics.groups().size(); ++j) {
@@ -89,13 +89,13 @@ ModalResidual::ModalResidual(const ModalData& data,
     }
     switch (data.form) {
       case ModalForm::kMac:
-        num_residuals_ += mode.HasShape() ? 2 : 1;
+        num_residuals += mode.HasShape() ? 2 : 1;
         break;
       case ModalForm::kEigenvectorDifference:
-        num_residuals_ += mode.HasShape() ? count : 1;
+        num_residuals += mode.HasShape() ? count : 1;
         break;
       case ModalForm::kDynamicResidual:
-        num_residuals_ += dynamics.num_dofs();
+        num_residuals += dynamics.num_dofs();
         for (int i = 0; i < dynamics.num_dofs(); ++i) {
           if (std::find(mode.dofs.begin(), mode.dofs.end(), i) ==
               mode.dofs.end()) {
@@ -107,14 +107,16 @@ ModalResidual::ModalResidual(const ModalData& data,
     }
     shapes_.push_back(std::move(shape));
   }
+  set_num_residuals(num_residuals);
+  mutable_parameter_block_sizes()->push_back(layout.num_free());
 }
 
-bool ModalResidual::Evaluate(const StructuralDynamics::Prepared& prepared,
-                             Vector* residuals, Matrix* jacobian,
-                             std::string* error) const {
-  residuals->resize(num_residuals_);
+bool ModalCost::Evaluate(const StructuralDynamics::Prepared& prepared,
+                         Vector* residuals, Matrix* jacobian,
+                         std::string* error) const {
+  residuals->resize(num_residuals());
   if (jacobian != nullptr) {
-    *jacobian = Matrix::Zero(num_residuals_, layout_.num_free());
+    *jacobian = Matrix::Zero(num_residuals(), layout_.num_free());
   }
   const bool ok =
       data_.form == ModalForm::kDynamicResidual
@@ -131,9 +133,62 @@ bool ModalResidual::Evaluate(const StructuralDynamics::Prepared& prepared,
   return true;
 }
 
-bool ModalResidual::EvaluateModes(const StructuralDynamics::Prepared& prepared,
-                                  Vector* residuals, Matrix* jacobian,
-                                  std::string* error) const {
+bool ModalCost::EvaluateAt(const Vector& free, Vector* residuals,
+                           Matrix* jacobian) const {
+  failure_ = "the parameters are not finite";
+  if (!free.allFinite()) return false;
+  Vector all = layout_.InitialValues();
+  layout_.SetFree(free, &all);
+  StructuralDynamics::Prepared prepared;
+  if (!dynamics_.Prepare(all.head(layout_.num_dynamics()), &prepared,
+                         &failure_) ||
+      !Evaluate(prepared, residuals, jacobian, &failure_)) {
+    return false;
+  }
+  failure_.clear();
+  return true;
+}
+
+bool ModalCost::Evaluate(double const* const* parameters, double* residuals,
+                         double** jacobians) const {
+  const int n = layout_.num_free();
+  const bool derive = jacobians != nullptr && jacobians[0] != nullptr;
+  Vector values;
+  Matrix jacobian;
+  if (!EvaluateAt(Eigen::Map<const Vector>(parameters[0], n), &values,
+                  derive ? &jacobian : nullptr)) {
+    ++failed_evaluations_;
+    return false;
+  }
+  Eigen::Map<Vector>(residuals, num_residuals()) = values;
+  if (derive) {
+    Eigen::Map<
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        jacobians[0], num_residuals(), n) = jacobian;
+  }
+  return true;
+}
+
+bool ModalCost::Evaluate(const Vector& free, double* cost) {
+  Vector residuals;
+  if (!EvaluateAt(free, &residuals, nullptr)) return false;
+  *cost = 0.5 * residuals.squaredNorm();
+  return true;
+}
+
+bool ModalCost::Linearize(const Vector& free, CondensedSystem* system) {
+  Vector residuals;
+  Matrix jacobian;
+  if (!EvaluateAt(free, &residuals, &jacobian)) return false;
+  system->cost = 0.5 * residuals.squaredNorm();
+  system->gradient = jacobian.transpose() * residuals;
+  system->hessian = jacobian.transpose() * jacobian;
+  return true;
+}
+
+bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
+                              Vector* residuals, Matrix* jacobian,
+                              std::string* error) const {
   UndampedModes modes;
   if (!ComputeUndampedModes(prepared.linear.mass, prepared.linear.stiffness,
                             &modes, error)) {
@@ -238,7 +293,7 @@ bool ModalResidual::EvaluateModes(const StructuralDynamics::Prepared& prepared,
   return true;
 }
 
-bool ModalResidual::EvaluateDynamicResiduals(
+bool ModalCost::EvaluateDynamicResiduals(
     const StructuralDynamics::Prepared& prepared, Vector* residuals,
     Matrix* jacobian, std::string* error) const {
   const int n = static_cast<int>(prepared.linear.mass.rows());

@@ -1,4 +1,4 @@
-#include "pinode/estimate/modal_residual.h"
+#include "pinode/estimate/modal_cost.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ struct ModalSetup {
     layout.SetFree(free, &all);
     StructuralDynamics::Prepared prepared;
     return problem.dynamics->Prepare(all, &prepared, error) &&
-           ModalResidual(problem.modal, *problem.dynamics, layout)
+           ModalCost(problem.modal, *problem.dynamics, layout)
                .Evaluate(prepared, residuals, jacobian, error);
   }
 
@@ -99,9 +99,9 @@ std::shared_ptr<StructuralDynamics> MakeSixDofs() {
   return dynamics;
 }
 
-class ModalResidualForms : public ::testing::TestWithParam<ModalForm> {};
+class ModalCostForms : public ::testing::TestWithParam<ModalForm> {};
 
-TEST_P(ModalResidualForms, DerivativesMatchRiddersDifferences) {
+TEST_P(ModalCostForms, DerivativesMatchRiddersDifferences) {
   constexpr double kLimit = 1e-9;
   double worst = 0.0;
   for (const bool with_sigmas : {false, true}) {
@@ -150,7 +150,7 @@ TEST_P(ModalResidualForms, DerivativesMatchRiddersDifferences) {
   EXPECT_LT(worst, kLimit);
 }
 
-TEST_P(ModalResidualForms, VanishAtTheModelsOwnModes) {
+TEST_P(ModalCostForms, VanishAtTheModelsOwnModes) {
   ModalSetup setup(MakeSixDofs());
   const StructuralModel model = setup.problem.dynamics->CorrectedModel(
       setup.problem.dynamics->Parameters());
@@ -171,7 +171,7 @@ TEST_P(ModalResidualForms, VanishAtTheModelsOwnModes) {
   EXPECT_LT(setup.Residuals(setup.InitialFree()).cwiseAbs().maxCoeff(), 1e-11);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ModalResidualForms,
+INSTANTIATE_TEST_SUITE_P(All, ModalCostForms,
                          ::testing::Values(ModalForm::kMac,
                                            ModalForm::kEigenvectorDifference,
                                            ModalForm::kDynamicResidual),
@@ -200,7 +200,7 @@ struct TwoDofs : ModalSetup {
   double measured;
 };
 
-TEST(ModalResidual, MatchesTheClosedFormOfTwoDofs) {
+TEST(ModalCost, MatchesTheClosedFormOfTwoDofs) {
   TwoDofs setup;
   const double norm = 1.0 + setup.golden * setup.golden;
   const double frequency = 1.0 - setup.eigenvalue / setup.measured;
@@ -233,7 +233,7 @@ TEST(ModalResidual, MatchesTheClosedFormOfTwoDofs) {
   EXPECT_NEAR(jacobian(1, 0), 2.0 * ratio_slope, 1e-14);
 }
 
-TEST(ModalResidual, MatchesTheClosedFormOfADynamicResidual) {
+TEST(ModalCost, MatchesTheClosedFormOfADynamicResidual) {
   TwoDofs setup;
   setup.problem.modal.form = ModalForm::kDynamicResidual;
   setup.problem.modal.modes[0].residual_weight = 3.0;
@@ -252,7 +252,7 @@ TEST(ModalResidual, MatchesTheClosedFormOfADynamicResidual) {
 
 // Where the errors of a shape are known, the residuals are those of the best
 // scale: nothing depends on which entry scales.
-TEST(ModalResidual, SigmasMakeAllowanceForTheScale) {
+TEST(ModalCost, SigmasMakeAllowanceForTheScale) {
   ModalSetup setup(MakeSixDofs());
   const StructuralModel model = setup.problem.dynamics->CorrectedModel(
       setup.problem.dynamics->Parameters());
@@ -278,7 +278,7 @@ TEST(ModalResidual, SigmasMakeAllowanceForTheScale) {
   EXPECT_NEAR(found, expected, 1e-3 * expected);
 }
 
-TEST(ModalResidual, WeighsFrequenciesByTheirSigma) {
+TEST(ModalCost, WeighsFrequenciesByTheirSigma) {
   TwoDofs setup;
   const double frequency = std::sqrt(setup.eigenvalue) / kTwoPi;
   setup.problem.modal.modes = {
@@ -289,7 +289,7 @@ TEST(ModalResidual, WeighsFrequenciesByTheirSigma) {
 
 // Two masses on springs of their own. The modes change places as the springs
 // do, and the residuals take no notice.
-TEST(ModalResidual, IsSmoothWhereModesCross) {
+TEST(ModalCost, IsSmoothWhereModesCross) {
   auto dynamics = std::make_shared<StructuralDynamics>(
       MakeStructuralModel(Matrix::Identity(2, 2), Matrix::Zero(2, 2),
                           Vector::Constant(2, 1.0).asDiagonal()),
@@ -318,7 +318,7 @@ TEST(ModalResidual, IsSmoothWhereModesCross) {
   EXPECT_NEAR(setup.Jacobian(Vector::Zero(2))(2, 1), -1.0 / measured, 1e-12);
 }
 
-TEST(ModalResidual, RefusesModesOfOneFrequencyThatAGroupMixes) {
+TEST(ModalCost, RefusesModesOfOneFrequencyThatAGroupMixes) {
   auto dynamics = std::make_shared<StructuralDynamics>(
       MakeStructuralModel(Matrix::Identity(2, 2), Matrix::Zero(2, 2),
                           Matrix::Identity(2, 2)),
@@ -339,7 +339,7 @@ TEST(ModalResidual, RefusesModesOfOneFrequencyThatAGroupMixes) {
       << error;
 }
 
-TEST(ModalResidual, SaysWhyThereIsNone) {
+TEST(ModalCost, SaysWhyThereIsNone) {
   TwoDofs setup;
   Vector residuals;
   std::string error;

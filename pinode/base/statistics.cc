@@ -1,0 +1,102 @@
+#include "pinode/base/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pinode {
+namespace {
+
+// Mean over the present samples of function(x).
+template <typename Function>
+double MeanOf(const Vector& values, const Function& function) {
+  double sum = 0.0;
+  for (const double value : values) {
+    if (!std::isnan(value)) sum += function(value);
+  }
+  const int count = CountPresent(values);
+  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+}
+
+}  // namespace
+
+int CountPresent(const Vector& values) {
+  return static_cast<int>(
+      std::count_if(values.begin(), values.end(),
+                    [](double value) { return !std::isnan(value); }));
+}
+
+double MeanOfPresent(const Vector& values) {
+  return MeanOf(values, [](double value) { return value; });
+}
+
+double RmsOfPresent(const Vector& values) {
+  return std::sqrt(MeanOf(values, [](double value) { return value * value; }));
+}
+
+double StandardDeviationOfPresent(const Vector& values) {
+  const double mean = MeanOfPresent(values);
+  return std::sqrt(MeanOf(values, [mean](double value) {
+    return (value - mean) * (value - mean);
+  }));
+}
+
+double LjungBoxExcess(const Vector& residuals, int num_lags) {
+  const int n = static_cast<int>(residuals.size());
+  const double variance = residuals.squaredNorm();
+  if (n <= 2 * num_lags || !(variance > 0.0)) return 0.0;
+  double statistic = 0.0;
+  for (int k = 1; k <= num_lags; ++k) {
+    const double rho =
+        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
+    statistic += rho * rho / (n - k);
+  }
+  statistic *= static_cast<double>(n) * (n + 2.0);
+  return (statistic - num_lags) / std::sqrt(2.0 * num_lags);
+}
+
+double AutocorrelationTime(const Vector& residuals) {
+  const int n = static_cast<int>(residuals.size());
+  const double variance = residuals.squaredNorm();
+  if (!(variance > 0.0)) return 1.0;
+  double time = 1.0;
+  for (int k = 1; k < n / 2; ++k) {
+    const double rho =
+        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
+    if (rho < 0.05) break;
+    time += 2.0 * rho;
+  }
+  return time;
+}
+
+double MemorylessMeanSquare(const Vector& residuals) {
+  double sum = 0.0;
+  int count = 0;
+  double last = 0.0;
+  for (const double value : residuals) {
+    if (value == 0.0) continue;
+    if (last != 0.0) {
+      sum += 0.5 * (value - last) * (value - last);
+      ++count;
+    }
+    last = value;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+double StudentQuantile(double degrees) {
+  constexpr double z = 1.959963984540054;
+  if (!(degrees >= 1.0)) degrees = 1.0;
+  const double z3 = z * z * z;
+  const double z5 = z3 * z * z;
+  const double z7 = z5 * z * z;
+  const double z9 = z7 * z * z;
+  const double d = degrees;
+  return z + (z3 + z) / (4.0 * d) +
+         (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * d * d) +
+         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * d * d * d) +
+         (79.0 * z9 + 776.0 * z7 + 1482.0 * z5 - 1920.0 * z3 - 945.0 * z) /
+             (92160.0 * d * d * d * d);
+}
+
+}  // namespace pinode

@@ -1,0 +1,39 @@
+// What a series of numbers is like: its size, its memory, what is missing.
+
+#ifndef PINODE_BASE_STATISTICS_H_
+#define PINODE_BASE_STATISTICS_H_
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+// Values that are not NaN, which means missing.
+int CountPresent(const Vector& values);
+
+// Over the samples that are present; NaN if there are none. The standard
+// deviation is that of the population: sqrt(mean((x - mean(x))^2)).
+double MeanOfPresent(const Vector& values);
+double RmsOfPresent(const Vector& values);
+double StandardDeviationOfPresent(const Vector& values);
+
+// Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
+// its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65
+// (1978) 297-303).
+double LjungBoxExcess(const Vector& residuals, int num_lags);
+
+// 1 + 2 sum rho_k up to the first lag with rho_k < 0.05, in samples.
+double AutocorrelationTime(const Vector& residuals);
+
+// Mean square of what has no memory in `residuals`, half that of successive
+// differences (J. von Neumann, Annals of Mathematical Statistics 12 (1941)
+// 367): the variance of white noise, and next to nothing of a signal that is
+// smooth. Zeros stand for missing samples and are passed over; 0 where fewer
+// than two are left.
+double MemorylessMeanSquare(const Vector& residuals);
+
+// 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
+double StudentQuantile(double degrees);
+
+}  // namespace pinode
+
+#endif  // PINODE_BASE_STATISTICS_H_

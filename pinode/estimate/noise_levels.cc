@@ -1,0 +1,227 @@
+#include "pinode/estimate/noise_levels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/statistics.h"
+
+namespace pinode {
+namespace {
+
+// The least positive noise of a channel that never moves.
+constexpr double kNoSpread = 1e-290;
+
+// Noise of the sensors of `record` that were in a training record.
+void TakeFromSameSensors(const IdentificationProblem& problem,
+                         const std::vector<Vector>& train_sigmas,
+                         const IdentificationRecord& record, Vector* sigmas) {
+  size_t t = 0;
+  for (const IdentificationRecord& train : problem.records) {
+    if (train.role != IdentificationRecord::Role::kTrain) continue;
+    const Vector& known = train_sigmas[t++];
+    for (int c = 0; c < sigmas->size(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      if (channel.sigma > 0.0) continue;
+      for (size_t o = 0; o < train.channels.size(); ++o) {
+        if (train.channels[o].fit &&
+            train.channels[o].observation.name == channel.observation.name) {
+          (*sigmas)[c] = known[static_cast<int>(o)];
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Vector AssumedNoise(const IdentificationRecord& record,
+                    const NoiseTuning& tuning) {
+  Vector sigmas(static_cast<int>(record.channels.size()));
+  for (int c = 0; c < sigmas.size(); ++c) {
+    const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+    sigmas[c] = channel.sigma > 0.0
+                    ? channel.sigma
+                    : std::max(tuning.first_share *
+                                   StandardDeviationOfPresent(channel.values),
+                               kNoSpread);
+  }
+  return sigmas;
+}
+
+std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
+                                 const NoiseTuning& tuning) {
+  std::vector<Vector> sigmas;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role == IdentificationRecord::Role::kTrain) {
+      sigmas.push_back(AssumedNoise(record, tuning));
+    }
+  }
+  return sigmas;
+}
+
+bool AreValidSigmas(const IdentificationProblem& problem,
+                    const std::vector<Vector>& sigmas, std::string* error) {
+  if (sigmas.empty()) return true;
+  if (static_cast<int>(sigmas.size()) != problem.num_train_records()) {
+    *error = "there are sigmas for " + std::to_string(sigmas.size()) +
+             " training records of " +
+             std::to_string(problem.num_train_records());
+    return false;
+  }
+  size_t t = 0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    const Vector& sigma = sigmas[t++];
+    if (sigma.size() != static_cast<Eigen::Index>(record.channels.size()) ||
+        !sigma.allFinite() || !(sigma.array() > 0.0).all()) {
+      *error = "record '" + record.name + "': its sigmas must be " +
+               std::to_string(record.channels.size()) +
+               " positive numbers, one per channel";
+      return false;
+    }
+  }
+  return true;
+}
+
+std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
+                                      const std::vector<Vector>& sigmas,
+                                      const NoiseTuning& tuning) {
+  std::vector<Vector> all;
+  size_t t = 0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role == IdentificationRecord::Role::kTrain) {
+      all.push_back(sigmas[t++]);
+      continue;
+    }
+    all.push_back(AssumedNoise(record, tuning));
+    TakeFromSameSensors(problem, sigmas, record, &all.back());
+  }
+  return all;
+}
+
+double NoiseLevels::Smallest(const MeasuredChannel& channel) const {
+  const NoiseTuning& tuning = context_.tuning().noise;
+  const double floor =
+      tuning.smallest * std::max(RmsOfPresent(channel.values), kNoSpread);
+  return context_.HasNetworks()
+             ? std::max(floor, tuning.smallest_misfit *
+                                   StandardDeviationOfPresent(channel.values))
+             : floor;
+}
+
+std::vector<Vector> NoiseLevels::First(const IdentifiedModel* initial) const {
+  const NoiseTuning& tuning = context_.tuning().noise;
+  const double share =
+      context_.HasNetworks() ? tuning.smallest_misfit : tuning.first_share;
+  std::vector<Vector> sigmas;
+  for (size_t t = 0; t < context_.train_records().size(); ++t) {
+    const IdentificationRecord& record = context_.train_record(t);
+    Vector sigma(static_cast<int>(record.channels.size()));
+    for (int c = 0; c < sigma.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      sigma[c] =
+          channel.sigma > 0.0
+              ? channel.sigma
+              : std::max(share * StandardDeviationOfPresent(channel.values),
+                         Smallest(channel));
+    }
+    const size_t r = static_cast<size_t>(context_.train_records()[t]);
+    if (initial != nullptr && r < initial->sigmas.size() &&
+        initial->sigmas[r].size() == sigma.size() &&
+        initial->sigmas[r].minCoeff() > 0.0) {
+      sigma = initial->sigmas[r];
+    }
+    sigmas.push_back(sigma);
+  }
+  return sigmas;
+}
+
+double NoiseLevels::ShareLeft(const WeightedRows& rows,
+                              const Evidence& evidence) const {
+  double samples = 0.0;
+  double used = evidence.effective;
+  const Matrix& modes = context_.objective.modal_information();
+  if (modes.size() > 0) {
+    // The modes' part, which the channels need not pay for.
+    used -= (evidence.inverse_root.transpose() * modes * evidence.inverse_root)
+                .trace();
+  }
+  for (size_t t = 0; t < rows.residuals.size(); ++t) {
+    const IdentificationRecord& record = context_.train_record(t);
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.fit) samples += CountPresent(channel.values);
+    }
+    // Closed gaps leave the first start alone.
+    if (record.start == IdentificationRecord::Start::kFree) {
+      used += context_.problem.dynamics->num_states();
+    }
+  }
+  return std::clamp(1.0 - used / std::max(1.0, samples),
+                    context_.tuning().noise.least_share_left, 1.0);
+}
+
+double NoiseLevels::ChannelShareLeft(size_t t, int c,
+                                     const Vector& leverages) const {
+  const NoiseTuning& tuning = context_.tuning().noise;
+  const IdentificationRecord& record = context_.train_record(t);
+  const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+  const Eigen::Index channels =
+      static_cast<Eigen::Index>(record.channels.size());
+  double leverage = 0.0;
+  for (Eigen::Index i = c; i < leverages.size(); i += channels) {
+    leverage += leverages[i];
+  }
+  const double left =
+      std::max(tuning.least_channel_left,
+               1.0 - leverage / std::max(1, CountPresent(channel.values)));
+  IdentificationSummary& summary = context_.summary;
+  if (left < tuning.followed && summary.followed_channel.empty()) {
+    summary.followed_channel = channel.observation.name;
+    summary.followed_record = record.name;
+  }
+  return left;
+}
+
+NoiseLevels::Change NoiseLevels::Update(const WeightedRows& rows,
+                                        const Evidence& evidence,
+                                        bool converged, Annealing* annealing,
+                                        FitState* state) const {
+  const NoiseTuning& tuning = context_.tuning().noise;
+  const bool networks = context_.HasNetworks();
+  const double shrink =
+      networks ? 1.0 - tuning.network_step_down : tuning.shrink;
+  const double growth = networks && !converged ? 1.0 : tuning.growth;
+  context_.summary.followed_channel.clear();
+  state->share_left = ShareLeft(rows, evidence);
+  Change change;
+  for (size_t t = 0; t < rows.residuals.size(); ++t) {
+    const IdentificationRecord& record = context_.train_record(t);
+    const Matrix& residuals = rows.residuals[t];
+    Vector leverages;  // of each residual, channels fastest
+    if (!rows.jacobians.empty()) {
+      leverages =
+          (rows.jacobians[t] * evidence.inverse_root).rowwise().squaredNorm();
+    }
+    for (int c = 0; c < residuals.rows(); ++c) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
+      if (channel.sigma > 0.0 || !channel.fit) continue;
+      const double left = rows.jacobians.empty()
+                              ? state->share_left
+                              : ChannelShareLeft(t, c, leverages);
+      double mean_square = residuals.row(c).squaredNorm() /
+                           std::max(1, CountPresent(channel.values)) / left;
+      if (networks) mean_square *= AutocorrelationTime(residuals.row(c));
+      const double floor = Smallest(channel);
+      double& sigma = state->sigmas[t][c];
+      const double wanted = annealing->Limit(
+          t, c, floor, sigma, std::max(floor, sigma * std::sqrt(mean_square)));
+      change.wanted = std::max(change.wanted, std::abs(wanted / sigma - 1.0));
+      sigma = std::clamp(wanted, std::max(floor, shrink * sigma),
+                         std::max(floor, growth * sigma));
+    }
+  }
+  change.quiet = change.wanted < tuning.quiet;
+  return change;
+}
+
+}  // namespace pinode

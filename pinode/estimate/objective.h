@@ -1,0 +1,57 @@
+// All that a fit minimises.
+
+#ifndef PINODE_ESTIMATE_OBJECTIVE_H_
+#define PINODE_ESTIMATE_OBJECTIVE_H_
+
+#include <memory>
+#include <string>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/cost_part.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/modal_cost.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/prior_cost.h"
+
+namespace pinode {
+
+// The sum of a problem's trajectories, priors and measured modes. Each part is
+// set by itself: noise levels and segments in shooting(), decays in priors().
+class Objective final : public CostPart {
+ public:
+  // `problem` (valid) and `layout` must outlive this object.
+  Objective(const IdentificationProblem& problem, const ParameterLayout& layout,
+            const MultipleShooting::Options& options);
+
+  MultipleShooting& shooting() { return shooting_; }
+  const MultipleShooting& shooting() const { return shooting_; }
+  PriorCost& priors() { return priors_; }
+  // nullptr: no mode was measured.
+  ModalCost* modes() { return modes_.get(); }
+
+  [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
+  [[nodiscard]] bool Linearize(const Vector& free,
+                               CondensedSystem* system) override;
+  // Of the first part that has failed.
+  std::string Failure() const override;
+
+  // Evaluations of the modes by Ceres that have failed.
+  int num_modal_failures() const {
+    return modes_ == nullptr ? 0 : modes_->failed_evaluations();
+  }
+
+  // Hessian of the modes at the last Linearize, num_free x num_free; empty
+  // without modes.
+  const Matrix& modal_information() const { return modal_information_; }
+
+ private:
+  MultipleShooting shooting_;
+  PriorCost priors_;
+  std::unique_ptr<ModalCost> modes_;
+  Matrix modal_information_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_OBJECTIVE_H_

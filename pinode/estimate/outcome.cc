@@ -1,0 +1,235 @@
+#include "pinode/estimate/outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/force_bands.h"
+#include "pinode/estimate/noise_levels.h"
+#include "pinode/estimate/null_space.h"
+#include "pinode/estimate/score.h"
+
+namespace pinode {
+namespace {
+
+// What the estimate says about one parameter.
+ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
+                               double sigma, double quantile) {
+  ParameterEstimate estimate;
+  estimate.name = parameter.name;
+  estimate.unit = parameter.unit;
+  estimate.initial = parameter.value;
+  estimate.value = value;
+  estimate.free = parameter.free;
+  estimate.sigma = parameter.free ? sigma : 0.0;
+  estimate.lower95 = value - quantile * estimate.sigma;
+  estimate.upper95 = value + quantile * estimate.sigma;
+  const double span = 1e-9 * std::max(1.0, std::abs(value));
+  estimate.at_bound = parameter.free && (value <= parameter.lower + span ||
+                                         value >= parameter.upper - span);
+  return estimate;
+}
+
+// At the fit's best point: what is known of the parameters, and from which
+// starts the training records run.
+struct Certainty {
+  bool known = false;
+  CovarianceEstimate covariance;
+  std::vector<Matrix> starts;  // per training record
+};
+
+Certainty MeasureCertainty(const IdentificationProblem& problem,
+                           const IdentificationOptions& options, Fit* fit) {
+  const FitState& best = fit->best();
+  const IdentificationSummary& summary = fit->summary();
+  Objective& objective = fit->objective();
+  MultipleShooting& shooting = objective.shooting();
+  // The objective at the solution: single where that runs.
+  shooting.SetSigmas(best.sigmas);
+  objective.priors().SetDecays(best.decays);
+  shooting.SetSegments(
+      summary.single_shooting ? 0 : summary.stages.back().segment_samples,
+      best.trajectories);
+  const Vector band_decays = BandDecays(problem, fit->layout(), best.decays,
+                                        options.tuning.force_bands);
+  Certainty certainty;
+  if (fit->input_noise().has_value()) {
+    InputNoiseFit with_noise = *fit->input_noise();
+    certainty.starts = with_noise.starts;
+    certainty.known =
+        problem.dynamics->unknown_forces().empty() ||
+        InputNoiseCovariance(problem, fit->layout(), fit->shooting_options(),
+                             band_decays, &with_noise);
+    certainty.covariance = with_noise.covariance;
+  } else {
+    double cost = 0.0;
+    const bool evaluated = objective.Evaluate(best.free, &cost);
+    certainty.starts = shooting.starts();
+    objective.priors().SetDecays(band_decays);
+    certainty.known =
+        evaluated && EstimateCovariance(
+                         problem, fit->layout(), options.covariance, best.free,
+                         best.sigmas, &objective, &certainty.covariance);
+  }
+  return certainty;
+}
+
+// Free runs of all records, by the model before and after.
+void ScoreRecords(const IdentificationProblem& problem,
+                  const Vector& prior_parameters,
+                  const std::vector<Matrix>& starts,
+                  IdentificationSummary* summary, IdentifiedModel* model) {
+  size_t t = 0;
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const int index = static_cast<int>(r);
+    const Vector& sigmas = model->sigmas[r];
+    RecordScore prior, score;
+    Vector start;
+    int first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
+    ScoreRecord(problem, index, prior_parameters, start, first, &prior);
+    if (problem.records[r].role == IdentificationRecord::Role::kTrain) {
+      start = starts[t++].col(0);
+      first = 0;
+    } else {
+      first = FreeRunStart(problem, index, model->parameters, sigmas, &start);
+    }
+    ScoreRecord(problem, index, model->parameters, start, first, &score);
+    score.prior_nrmse = prior.nrmse;
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      score.channels[c].prior_nrmse = prior.channels[c].nrmse;
+      score.channels[c].sigma = sigmas[static_cast<int>(c)];
+    }
+    summary->records.push_back(score);
+    model->starts.push_back(start);
+  }
+}
+
+// Measured modes beside those of the models before and after.
+void ScoreModes(const IdentificationProblem& problem,
+                const Vector& prior_parameters, const Vector& parameters,
+                IdentificationSummary* summary) {
+  if (problem.modal.empty()) return;
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  std::vector<ModeMatch> initial, updated;
+  std::string error;
+  if (!MatchModes(problem.modal,
+                  dynamics.CorrectedModel(
+                      prior_parameters.head(dynamics.num_parameters())),
+                  &initial, &error) ||
+      !MatchModes(
+          problem.modal,
+          dynamics.CorrectedModel(parameters.head(dynamics.num_parameters())),
+          &updated, &error)) {
+    return;
+  }
+  for (size_t i = 0; i < problem.modal.modes.size(); ++i) {
+    const MeasuredMode& mode = problem.modal.modes[i];
+    summary->modes.push_back(
+        {mode.name, mode.frequency, initial[i], updated[i]});
+  }
+}
+
+// Half the sum of squares of the modal residuals; infinite where there are
+// none to be had.
+double ModalCostAt(const Vector& parameters, const ParameterLayout& layout,
+                   ModalCost* modes) {
+  double cost = 0.0;
+  return modes->Evaluate(layout.Free(parameters), &cost) ? cost : kInfinity;
+}
+
+// Where modes have weights and no sigma, and nothing else is fitted, what is
+// left over says how large their errors are, as it does for channels. Where
+// nothing is left there is no covariance.
+bool ScaleToResiduals(const ModalCost& modal, double cost,
+                      double effective_parameters,
+                      CovarianceEstimate* covariance) {
+  const double determined =
+      effective_parameters - static_cast<double>(covariance->null_space.cols());
+  const double left =
+      modal.num_residuals() - modal.num_eliminated() - determined;
+  if (left < 0.5) return false;
+  covariance->covariance *= 2.0 * cost / left;
+  covariance->quantile = StudentQuantile(left);
+  return true;
+}
+
+void ReportModes(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, const Vector& parameters,
+                 ModalCost* modes, Certainty* certainty,
+                 IdentificationSummary* summary) {
+  const Vector initial = layout.InitialValues();
+  ScoreModes(problem, initial, parameters, summary);
+  summary->initial_modal_cost = ModalCostAt(initial, layout, modes);
+  summary->final_modal_cost = ModalCostAt(parameters, layout, modes);
+  if (certainty->known && problem.num_train_records() == 0 &&
+      !problem.modal.HasSigmas()) {
+    certainty->known =
+        ScaleToResiduals(*modes, summary->final_modal_cost,
+                         summary->effective_parameters, &certainty->covariance);
+  }
+}
+
+void ReportParameters(const IdentificationProblem& problem,
+                      const ParameterLayout& layout, const Vector& parameters,
+                      const Certainty& certainty,
+                      IdentificationSummary* summary) {
+  const CovarianceEstimate& covariance = certainty.covariance;
+  std::vector<int> named;
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    if (!layout.IsNamed(i)) continue;
+    const int j = layout.FreeIndex(i);
+    const double sigma =
+        j >= 0 && certainty.known
+            ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
+            : (j >= 0 ? kInfinity : 0.0);
+    summary->parameters.push_back(MakeEstimate(
+        layout.parameter(i), parameters[i], sigma, covariance.quantile));
+    if (j >= 0) {
+      named.push_back(j);
+      summary->covariance_names.push_back(layout.parameter(i).name);
+    }
+  }
+  if (!certainty.known) return;
+  summary->covariance_method = covariance.method;
+  summary->covariance = covariance.covariance(named, named);
+  summary->undetermined = DescribeNullSpace(
+      layout, WithUnseenGroups(problem, layout, covariance.covariance,
+                               covariance.null_space));
+}
+
+}  // namespace
+
+void ReportOutcome(const IdentificationProblem& problem,
+                   const IdentificationOptions& options, Fit* fit,
+                   IdentificationSummary* summary, IdentifiedModel* model) {
+  const FitState& best = fit->best();
+  const ParameterLayout& layout = fit->layout();
+  model->parameters = fit->BestParameters();
+  model->decays = best.decays;
+  model->sigmas = NoiseOfAllRecords(problem, best.sigmas, options.tuning.noise);
+  model->resume_stage = fit->converged() ? 0 : fit->stage();
+  summary->decays.assign(best.decays.begin(), best.decays.end());
+  if (!summary->iterations.empty()) {
+    summary->initial_cost = summary->iterations.front().cost;
+  }
+  summary->final_cost = best.cost;
+
+  Certainty certainty = MeasureCertainty(problem, options, fit);
+  ScoreRecords(problem, layout.InitialValues(), certainty.starts, summary,
+               model);
+  if (!problem.modal.empty()) {
+    ReportModes(problem, layout, model->parameters, fit->objective().modes(),
+                &certainty, summary);
+  }
+  ReportParameters(problem, layout, model->parameters, certainty, summary);
+  summary->forces = EstimateForces(
+      problem, layout, model->parameters,
+      certainty.known ? certainty.covariance.covariance : Matrix(),
+      certainty.covariance.quantile);
+}
+
+}  // namespace pinode

@@ -1,0 +1,148 @@
+#include "pinode/estimate/shooting_record.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+ShootingRecord::ShootingRecord(const IdentificationProblem& problem, int index,
+                               double start_precision)
+    : index_(index),
+      data_(&problem.records[static_cast<size_t>(index)]),
+      num_states_(problem.dynamics->num_states()),
+      start_precision_(start_precision),
+      grid_(*data_->excitation, data_->substeps),
+      observation_(*problem.dynamics, data_->Observations()),
+      start_is_free_(data_->start == IdentificationRecord::Start::kFree),
+      fixed_start_(data_->start == IdentificationRecord::Start::kKnown
+                       ? data_->known_start
+                       : Vector::Zero(num_states_)),
+      sigmas_(Vector::Ones(static_cast<int>(data_->channels.size()))),
+      gaps_(num_states_, 1) {}
+
+Matrix ShootingRecord::Cut(int samples, const Matrix& trajectory) {
+  const int last = data_->num_samples() - 1;
+  CHECK_EQ(trajectory.cols(), last + 1);
+  CHECK_EQ(trajectory.rows(), num_states_);
+  const int count =
+      samples <= 0 ? 1 : std::max(1, (last + samples / 2) / samples);
+  boundaries_.clear();
+  for (int k = 0; k <= count; ++k) {
+    boundaries_.push_back(
+        static_cast<int>(static_cast<int64_t>(last) * k / count));
+  }
+  Matrix starts(num_states_, count);
+  for (int k = 0; k < count; ++k)
+    starts.col(k) = trajectory.col(first_sample(k));
+  if (!start_is_free_) starts.col(0) = fixed_start_;
+  gaps_.ResetMultipliers(count);
+  results_.assign(static_cast<size_t>(count), SegmentResult());
+  ends_ = Matrix::Zero(num_states_, count);
+  system_ = std::make_unique<BlockTridiagonal>(count, num_states_);
+  start_sensitivity_.resize(0, 0);
+  return starts;
+}
+
+double ShootingRecord::Cost(double mu, const Matrix& starts) const {
+  double sum = gaps_.Cost(mu, ends_, starts);
+  for (const SegmentResult& result : results_) sum += result.cost;
+  if (start_is_free_) {
+    sum += 0.5 * start_precision_ *
+           starts.col(0).cwiseQuotient(scales()).squaredNorm();
+  }
+  return sum;
+}
+
+void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
+                              Matrix* right) {
+  const int ns = num_states_;
+  const int segments = num_segments();
+  BlockTridiagonal& system = *system_;
+  system.SetZero();
+  *right = Matrix::Zero(ns * segments, num_free + 1);
+  const auto cross = [&](int k) {
+    return right->middleRows(k * ns, ns).leftCols(num_free);
+  };
+  const auto gradient = [&](int k) {
+    return right->middleRows(k * ns, ns).col(num_free);
+  };
+  const Vector precision = scales().cwiseAbs2().cwiseInverse();
+  const Vector weight = mu * precision;
+  for (int k = 0; k < segments; ++k) {
+    const SegmentResult& part = result(k);
+    system.diagonal(k) += part.start_hessian;
+    if (num_free > 0) cross(k) += part.cross;
+    gradient(k) += part.start_gradient;
+    if (k + 1 == segments) break;
+    const auto transition = part.end_sensitivity.leftCols(ns);
+    const Matrix weighted = weight.asDiagonal() * transition;
+    const Vector force = gaps_.Force(mu, ends_, starts, k);
+    system.diagonal(k).noalias() += transition.transpose() * weighted;
+    system.coupling(k) = -weighted.transpose();
+    system.diagonal(k + 1).diagonal() += weight;
+    gradient(k).noalias() += transition.transpose() * force;
+    gradient(k + 1) -= force;
+    if (num_free > 0) {
+      const auto by_parameters = part.end_sensitivity.rightCols(num_free);
+      cross(k).noalias() += weighted.transpose() * by_parameters;
+      cross(k + 1) -= weight.asDiagonal() * by_parameters;
+    }
+  }
+  if (start_is_free_) {
+    system.diagonal(0).diagonal() += start_precision_ * precision;
+    gradient(0) += start_precision_ * precision.cwiseProduct(starts.col(0));
+  } else {
+    // A start that is known takes no part.
+    system.diagonal(0).setIdentity();
+    if (segments > 1) system.coupling(0).setZero();
+    right->topRows(ns).setZero();
+  }
+}
+
+bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
+                               FreeEquations* equations) {
+  const int nf = static_cast<int>(equations->gradient.size());
+  if (!HasFreeStarts()) {
+    start_sensitivity_ = Matrix::Zero(num_states_, nf);
+    return true;
+  }
+  Matrix& hessian = equations->hessian;
+  Vector& gradient = equations->gradient;
+  // Right-hand sides: the cross terms with theta, then the gradient.
+  Matrix right;
+  Assemble(mu, starts, nf, &right);
+  for (int k = 0; k + 1 < num_segments(); ++k) {
+    const auto by_parameters = result(k).end_sensitivity.rightCols(nf);
+    const Matrix scaled =
+        (std::sqrt(mu) * scales().cwiseInverse()).asDiagonal() * by_parameters;
+    hessian.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
+    gradient.noalias() +=
+        by_parameters.transpose() * gaps_.Force(mu, ends_, starts, k);
+  }
+  double damping = 0.0;
+  while (!system_->Factor(damping)) {
+    damping = std::max(1e-12, 10.0 * damping);
+    if (damping > 1.0) return false;
+  }
+  system_->SolveLower(&right);
+  const auto projected = right.leftCols(nf);
+  hessian.selfadjointView<Eigen::Lower>().rankUpdate(projected.transpose(),
+                                                     -1.0);
+  gradient.noalias() -= projected.transpose() * right.col(nf);
+  system_->SolveUpper(&right);
+  start_sensitivity_ = -right.leftCols(nf);
+  return true;
+}
+
+double ShootingRecord::DataCurvature() const {
+  double sum = 0.0;
+  for (const SegmentResult& part : results_) {
+    sum +=
+        part.start_hessian.diagonal().dot(scales().cwiseAbs2()) / num_states_;
+  }
+  return sum;
+}
+
+}  // namespace pinode

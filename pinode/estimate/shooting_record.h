@@ -1,0 +1,129 @@
+// One training record cut into segments, and the normal equations of their
+// starts.
+
+#ifndef PINODE_ESTIMATE_SHOOTING_RECORD_H_
+#define PINODE_ESTIMATE_SHOOTING_RECORD_H_
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/block_tridiagonal.h"
+#include "pinode/estimate/gap_penalty.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/integrate/integration_grid.h"
+
+namespace pinode {
+
+// Equations of the free parameters, a dense symmetric matrix and a gradient.
+// The matrix holds its lower triangle alone while it is being summed.
+struct FreeEquations {
+  Matrix hessian;   // num_free x num_free
+  Vector gradient;  // num_free
+};
+
+// What one segment contributes to the normal equations.
+struct SegmentResult {
+  bool ok = false;
+  double cost = 0.0;
+  Matrix start_hessian;  // J_s' J_s
+  Vector start_gradient;
+  Matrix cross;            // J_s' J_theta, num_states x num_free
+  Matrix end_sensitivity;  // num_states x (num_states [+ num_free])
+  int failed_sample = -1;
+  int failed_state = -1;
+};
+
+// A record's part of
+//
+//   F(s, theta) = 1/2 |r(s, theta)|^2 + (the gaps' penalty)
+//               + kappa/2 |D^-1 s_0|^2        (where its first start is free),
+//
+// block tridiagonal in the starts s.
+class ShootingRecord {
+ public:
+  // `index`: of a record of `problem` (valid), which must outlive this object.
+  // `start_precision`: kappa.
+  ShootingRecord(const IdentificationProblem& problem, int index,
+                 double start_precision);
+
+  int index() const { return index_; }
+  const IdentificationRecord& data() const { return *data_; }
+  const IntegrationGrid& grid() const { return grid_; }
+  const ObservationMap& observation() const { return observation_; }
+
+  // Segments of nearly equal length, about `samples` samples each, 0: one; and
+  // their starts, num_states x segments, from a trajectory (num_states x
+  // samples). Multipliers are reset to zero.
+  Matrix Cut(int samples, const Matrix& trajectory);
+  int num_segments() const { return static_cast<int>(boundaries_.size()) - 1; }
+  int first_sample(int segment) const {
+    return boundaries_[static_cast<size_t>(segment)];
+  }
+  int last_sample(int segment) const {
+    return boundaries_[static_cast<size_t>(segment) + 1];
+  }
+  bool HasFreeStarts() const { return start_is_free_ || num_segments() > 1; }
+
+  void set_sigmas(const Vector& sigmas) { sigmas_ = sigmas; }
+  const Vector& sigmas() const { return sigmas_; }
+  GapPenalty& gaps() { return gaps_; }
+  const GapPenalty& gaps() const { return gaps_; }
+  const Vector& scales() const { return gaps_.scales(); }
+
+  // Of the last evaluation; segments may be written by different threads.
+  SegmentResult& result(int segment) {
+    return results_[static_cast<size_t>(segment)];
+  }
+  const SegmentResult& result(int segment) const {
+    return results_[static_cast<size_t>(segment)];
+  }
+  // States at the segments' ends, num_states x segments.
+  Matrix& ends() { return ends_; }
+  const Matrix& ends() const { return ends_; }
+
+  // Of the segments' results and the penalty.
+  double Cost(double mu, const Matrix& starts) const;
+
+  // Fills system() with the normal equations of the starts, and *right with
+  // their coupling to the free parameters (num_free columns, 0 to leave them
+  // out) and, in the last column, their gradient.
+  void Assemble(double mu, const Matrix& starts, int num_free, Matrix* right);
+  BlockTridiagonal& system() { return *system_; }
+
+  // Adds the gaps' part to the equations of the free parameters and takes the
+  // starts out of them. False where their matrix is singular.
+  bool Eliminate(double mu, const Matrix& starts, FreeEquations* equations);
+  // d starts / d free after that, (num_states * segments) x num_free; empty
+  // after Cut.
+  const Matrix& start_sensitivity() const { return start_sensitivity_; }
+
+  // Sum over segments of the mean of diag(D J_s'J_s D).
+  double DataCurvature() const;
+
+  // Cost at the last evaluation, and at the last linearisation.
+  double cost = 0.0;
+  double linearized_cost = 0.0;
+
+ private:
+  int index_ = -1;
+  const IdentificationRecord* data_ = nullptr;
+  int num_states_ = 0;
+  double start_precision_ = 0.0;
+  IntegrationGrid grid_;
+  ObservationMap observation_;
+  bool start_is_free_ = false;
+  Vector fixed_start_;
+  std::vector<int> boundaries_;  // first samples of the segments, then the last
+  Vector sigmas_;
+  GapPenalty gaps_;
+  std::vector<SegmentResult> results_;
+  Matrix ends_;
+  std::unique_ptr<BlockTridiagonal> system_;
+  Matrix start_sensitivity_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_SHOOTING_RECORD_H_

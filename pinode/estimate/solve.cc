@@ -1,0 +1,170 @@
+#include "pinode/estimate/solve.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/logging.h"
+#include "pinode/estimate/force_bands.h"
+#include "pinode/estimate/trajectory_cost.h"
+
+namespace pinode {
+namespace {
+
+// Up to so many unknowns the more accurate solver takes no time to speak of.
+constexpr int kMostForQr = 100;
+
+// The hidden units of a network of time hardly move: its first step is that of
+// a linear fit.
+double FirstRadius(const FitContext& context) {
+  const SolveTuning& tuning = context.tuning().solve;
+  const auto& networks = context.problem.dynamics->networks();
+  return !context.HasNetworks() ||
+                 std::all_of(networks.begin(), networks.end(), IsForceOfTime)
+             ? tuning.first_radius
+             : tuning.first_network_radius;
+}
+
+void SetBounds(const ParameterLayout& layout, double* free,
+               ceres::Problem* problem) {
+  for (int j = 0; j < layout.num_free(); ++j) {
+    const Parameter& parameter =
+        layout.parameter(layout.free()[static_cast<size_t>(j)]);
+    if (std::isfinite(parameter.lower)) {
+      problem->SetParameterLowerBound(free, j, parameter.lower);
+    }
+    if (std::isfinite(parameter.upper)) {
+      problem->SetParameterUpperBound(free, j, parameter.upper);
+    }
+  }
+}
+
+ceres::Solver::Options SolverOptions(const FitContext& context,
+                                     double function_tolerance, double radius) {
+  const SolveTuning& tuning = context.tuning().solve;
+  ceres::Solver::Options options;
+  options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  options.linear_solver_type = context.layout.num_free() <= kMostForQr
+                                   ? ceres::DENSE_QR
+                                   : ceres::DENSE_NORMAL_CHOLESKY;
+  options.function_tolerance = function_tolerance;
+  options.parameter_tolerance = 1e-14;
+  options.gradient_tolerance = 0.0;
+  options.initial_trust_region_radius =
+      std::clamp(radius, tuning.least_radius, tuning.most_radius);
+  options.max_num_consecutive_invalid_steps = 50;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  options.update_state_every_iteration = true;
+  if (context.HasNetworks()) {
+    options.use_nonmonotonic_steps = true;
+    options.max_consecutive_nonmonotonic_steps = tuning.uphill_steps;
+  }
+  return options;
+}
+
+}  // namespace
+
+class Solver::Callback final : public ceres::IterationCallback {
+ public:
+  Callback(const FitContext& context, const Vector& free, Progress* progress,
+           double* radius)
+      : context_(context),
+        free_(free),
+        progress_(progress),
+        radius_(radius),
+        first_iteration_(context.summary.num_iterations) {}
+
+  ceres::CallbackReturnType operator()(
+      const ceres::IterationSummary& iteration) override {
+    IterationRecord record;
+    record.iteration = first_iteration_ + iteration.iteration;
+    record.cost = iteration.cost;
+    record.gradient_norm = iteration.gradient_norm;
+    record.step_norm = iteration.step_norm;
+    record.trust_region_radius = iteration.trust_region_radius;
+    record.largest_gap = context_.objective.shooting().LargestGap();
+    record.accepted = iteration.step_is_successful;
+    if (iteration.iteration > 0) {
+      context_.summary.num_iterations = record.iteration;
+      if (!iteration.step_is_successful) ++context_.summary.rejected_steps;
+    }
+    *radius_ = iteration.trust_region_radius;
+    return progress_->Note(record, free_) ? ceres::SOLVER_CONTINUE
+                                          : ceres::SOLVER_ABORT;
+  }
+
+ private:
+  const FitContext& context_;
+  const Vector& free_;
+  Progress* progress_;
+  double* radius_;
+  int first_iteration_;
+};
+
+Solver::Solver(const FitContext& context, Progress* progress)
+    : context_(context), progress_(progress) {
+  ResetRadius();
+}
+
+void Solver::ResetRadius() { radius_ = FirstRadius(context_); }
+
+bool Solver::Solve(int max_iterations, double function_tolerance,
+                   FitState* state, bool* converged) {
+  *converged = false;
+  IdentificationSummary& summary = context_.summary;
+  Objective& objective = context_.objective;
+  ceres::Solver::Options options =
+      SolverOptions(context_, function_tolerance, radius_);
+  options.max_num_iterations =
+      std::min(max_iterations,
+               context_.options.max_num_iterations - summary.num_iterations);
+  if (options.max_num_iterations <= 0) return true;
+
+  const int n = context_.layout.num_free();
+  Vector free = state->free;
+  TrajectoryCost trajectories(&objective.shooting(), n);
+  ceres::Problem::Options problem_options;
+  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  const int failures_before = objective.num_modal_failures();
+  if (objective.modes() != nullptr) {
+    problem.AddResidualBlock(objective.modes(), nullptr, free.data());
+  }
+  if (!context_.train_records().empty()) {
+    problem.AddResidualBlock(&trajectories, nullptr, free.data());
+  }
+  if (objective.priors().num_priors() > 0) {
+    problem.AddResidualBlock(&objective.priors(), nullptr, free.data());
+  }
+  SetBounds(context_.layout, free.data(), &problem);
+
+  Callback callback(context_, free, progress_, &radius_);
+  options.callbacks.push_back(&callback);
+
+  ceres::Solver::Summary ceres_summary;
+  ceres::Solve(options, &problem, &ceres_summary);
+  summary.jacobian_seconds += trajectories.jacobian_seconds();
+  summary.linear_solver_seconds += ceres_summary.linear_solver_time_in_seconds;
+  summary.failed_evaluations += trajectories.failed_evaluations() +
+                                objective.num_modal_failures() -
+                                failures_before;
+  VLOG(2) << ceres_summary.FullReport();
+  if (ceres_summary.termination_type == ceres::FAILURE &&
+      ceres_summary.iterations.size() <= 1) {
+    summary.message = objective.Failure();
+    return false;
+  }
+  state->free = free;
+  *converged = ceres_summary.termination_type == ceres::CONVERGENCE;
+  CondensedSystem system;
+  if (!objective.Linearize(state->free, &system)) {
+    summary.message = objective.Failure();
+    return false;
+  }
+  state->cost = system.cost;
+  return true;
+}
+
+}  // namespace pinode

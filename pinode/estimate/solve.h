@@ -1,0 +1,40 @@
+// One solve by Ceres, for given noise levels, decays and multipliers.
+
+#ifndef PINODE_ESTIMATE_SOLVE_H_
+#define PINODE_ESTIMATE_SOLVE_H_
+
+#include "pinode/estimate/fit_state.h"
+#include "pinode/estimate/progress.h"
+
+namespace pinode {
+
+// Levenberg-Marquardt on trajectories, priors and modes, each a residual block
+// over the free parameters within their bounds. The radius of the trust region
+// goes on from solve to solve.
+class Solver {
+ public:
+  // Both must outlive this object.
+  Solver(const FitContext& context, Progress* progress);
+
+  // Begins again with the first radius.
+  void ResetRadius();
+
+  // From state->free, until an iteration changes the cost by less than the
+  // share `function_tolerance` of it (*converged), or the iterations are used
+  // up, those that the options grant in all included. Leaves the objective
+  // linearised at the solution. False, with the summary's message, where the
+  // cost cannot be had at the point of departure.
+  [[nodiscard]] bool Solve(int max_iterations, double function_tolerance,
+                           FitState* state, bool* converged);
+
+ private:
+  class Callback;
+
+  const FitContext& context_;
+  Progress* progress_;
+  double radius_ = 0.0;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_SOLVE_H_

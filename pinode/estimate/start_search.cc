@@ -1,0 +1,99 @@
+#include "pinode/estimate/start_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pinode {
+namespace {
+
+constexpr double kMostDamping = 1e8;
+
+}  // namespace
+
+StartSearch::StartSearch(const StartTuning& tuning, ShootingRecord* record,
+                         double mu, Matrix predicted, const Matrix* fallback)
+    : tuning_(tuning),
+      record_(record),
+      mu_(mu),
+      fallback_(fallback),
+      trial_(std::move(predicted)) {}
+
+void StartSearch::Accept(double cost) {
+  const double gain = best_cost_ - cost;
+  best_ = trial_;
+  best_cost_ = cost;
+  if (gain < 0.25 * promised_) {
+    damping_ = std::max(1e-3, 3.0 * damping_);
+  } else if (gain > 0.75 * promised_) {
+    damping_ *= damping_ > 1e-6 ? 0.1 : 0.0;
+  }
+  record_->Assemble(mu_, best_, 0, &gradient_);
+}
+
+bool StartSearch::Reject() {
+  if (!found()) {
+    // The tangent led astray: fall back on the starts themselves, once.
+    if (failed_once_ || fallback_ == nullptr) return false;
+    failed_once_ = true;
+    trial_ = *fallback_;
+    return true;
+  }
+  damping_ = std::max(1e-3, 10.0 * damping_);
+  done_ = damping_ > kMostDamping;
+  return true;
+}
+
+bool StartSearch::Step(bool improved, double linearized_cost) {
+  while (!record_->system().Factor(damping_)) {
+    damping_ = std::max(1e-12, 10.0 * damping_);
+    if (damping_ > kMostDamping) return false;
+  }
+  Matrix step = gradient_;
+  record_->system().SolveLower(&step);
+  const double decrease = 0.5 * step.squaredNorm();
+  const bool hopeless = iteration_ >= tuning_.hopeless_iterations &&
+                        best_cost_ - tuning_.hopeless_promises * decrease >
+                            tuning_.hopeless_cost * linearized_cost;
+  double enough = tuning_.tolerance * best_cost_;
+  if (std::isfinite(linearized_cost)) {
+    enough =
+        std::max(enough, tuning_.change_tolerance *
+                             std::abs(best_cost_ - record_->linearized_cost));
+  }
+  if ((improved && decrease <= enough) || hopeless) {
+    done_ = true;
+    return true;
+  }
+  promised_ = decrease;
+  record_->system().SolveUpper(&step);
+  trial_ =
+      best_ - Eigen::Map<const Matrix>(step.data(), best_.rows(), best_.cols());
+  return true;
+}
+
+bool StartSearch::Advance(bool finite, double linearized_cost) {
+  const double cost = finite ? record_->Cost(mu_, trial_) : 0.0;
+  finite = finite && std::isfinite(cost);
+  if (!record_->HasFreeStarts()) {
+    best_ = trial_;
+    best_cost_ = cost;
+    done_ = true;
+    return finite;
+  }
+  const bool improved = finite && cost < best_cost_;
+  if (improved) {
+    Accept(cost);
+  } else {
+    if (!Reject()) return false;
+    if (!found() || done_) {
+      ++iteration_;
+      return true;
+    }
+  }
+  const bool ok = Step(improved, linearized_cost);
+  ++iteration_;
+  return ok;
+}
+
+}  // namespace pinode

@@ -1,0 +1,91 @@
+// The trajectories of a problem as one residual block of a ceres::Problem.
+
+#ifndef PINODE_ESTIMATE_TRAJECTORY_COST_H_
+#define PINODE_ESTIMATE_TRAJECTORY_COST_H_
+
+#include <ceres/cost_function.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+
+// The projected problem f(theta) of MultipleShooting as num_free + 1 residuals.
+// With gradient g and Gauss-Newton Hessian H = R'R,
+//
+//   r = [R^-T g; sqrt(2 f - |R^-T g|^2)],   J = [R; 0],
+//
+// so that |r|^2 / 2 = f, J'r = g and J'J = H: Levenberg-Marquardt takes the
+// steps that it would take on the thousands of residuals behind H, and its
+// linear algebra no longer grows with the records. Without a Jacobian only
+// |r|^2 is what it would be with one: no numeric differences of r.
+//
+// The one parameter block are the free parameters, in the order of layout(),
+// which names them; start from InitialValues(). Their bounds are the caller's
+// to set in the ceres::Problem, where other residuals may share the block.
+// Priors and measured modes are blocks of their own: PriorCost, ModalCost.
+//
+// Evaluations of one object must come one at a time, as Ceres does; with
+// Options::num_threads it uses threads within each. Like other cost functions
+// it belongs to the ceres::Problem that it is added to.
+class TrajectoryCost final : public ceres::CostFunction {
+ public:
+  struct Options {
+    // Length of the segments in samples; 0: each record in one piece.
+    // Multiple shooting reaches solutions that a long free run does not lead
+    // to; gaps between segments are then held, not closed: `gap_firmness` times
+    // as firmly as the data hold the starts.
+    int segment_samples = 0;
+    double gap_firmness = 1e4;
+    // Standard deviation of each channel, per training record; empty: as
+    // given in the problem, or 5 % of the channel's spread.
+    std::vector<Vector> sigmas;
+    DerivativeMethod derivatives = DerivativeMethod::kTangents;
+    RobustLoss loss = RobustLoss::kNone;
+    double loss_scale = 3.0;  // in units of sigma
+    int num_threads = 1;
+  };
+
+  // Of the training records of `problem`, which is copied. Starts begin from a
+  // smoother on the problem's initial values. nullptr, with a sentence in
+  // *error, where problem or options are not valid or no finite trajectory is
+  // found there.
+  static std::unique_ptr<TrajectoryCost> Create(IdentificationProblem problem,
+                                                const Options& options,
+                                                std::string* error);
+
+  // Of a shooting that somebody else sets; it must outlive this object.
+  TrajectoryCost(MultipleShooting* shooting, int num_free);
+  ~TrajectoryCost() override;
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+  // Where made by Create: what the parameter block holds, and its values in
+  // the problem.
+  const ParameterLayout& layout() const;
+  Vector InitialValues() const;
+
+  double jacobian_seconds() const { return jacobian_seconds_; }
+  int failed_evaluations() const { return failed_evaluations_; }
+
+ private:
+  struct Owned;
+
+  std::unique_ptr<Owned> owned_;
+  MultipleShooting* shooting_;
+  mutable CondensedSystem system_;
+  mutable Matrix root_;
+  mutable double jacobian_seconds_ = 0.0;
+  mutable int failed_evaluations_ = 0;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_TRAJECTORY_COST_H_

@@ -1,0 +1,100 @@
+#include "pinode/estimate/trajectory_cost.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "pinode/estimate/testing.h"
+
+namespace pinode {
+namespace {
+
+using RowMajorMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+TEST(TrajectoryCost, KeepsCostGradientAndHessian) {
+  for (int segment_samples : {0, 7}) {
+    const testing::SmallFit fit(IdentificationRecord::Start::kFree);
+    const auto objective =
+        fit.Shoot(segment_samples, MultipleShooting::Options());
+    CondensedSystem system;
+    MultipleShooting& shooting = objective->shooting();
+    ASSERT_TRUE(shooting.Linearize(fit.free, &system));
+
+    const int n = static_cast<int>(fit.free.size());
+    TrajectoryCost cost(&shooting, n);
+    ASSERT_EQ(cost.num_residuals(), n + 1);
+    Vector residual(n + 1);
+    RowMajorMatrix jacobian(n + 1, n);
+    const double* parameters[] = {fit.free.data()};
+    double* jacobians[] = {jacobian.data()};
+    ASSERT_TRUE(cost.Evaluate(parameters, residual.data(), jacobians));
+    EXPECT_NEAR(0.5 * residual.squaredNorm(), system.cost, 1e-12 * system.cost);
+    EXPECT_LT((jacobian.transpose() * residual - system.gradient).norm(),
+              1e-10 * system.gradient.norm());
+    EXPECT_LT((jacobian.transpose() * jacobian - system.hessian).norm(),
+              1e-11 * system.hessian.norm());
+
+    Vector alone(n + 1);
+    ASSERT_TRUE(cost.Evaluate(parameters, alone.data(), nullptr));
+    EXPECT_NEAR(0.5 * alone.squaredNorm(), system.cost, 1e-12 * system.cost);
+    EXPECT_EQ(cost.failed_evaluations(), 0);
+    EXPECT_GT(cost.jacobian_seconds(), 0.0);
+
+    // Parameters that are not finite are a failed evaluation, not a crash.
+    const Vector nan =
+        Vector::Constant(n, std::numeric_limits<double>::quiet_NaN());
+    const double* bad[] = {nan.data()};
+    EXPECT_FALSE(cost.Evaluate(bad, residual.data(), jacobians));
+    EXPECT_EQ(cost.failed_evaluations(), 1);
+  }
+}
+
+// A problem of a user's own: the trajectory, and a residual that says that both
+// stiffnesses are the same.
+struct SameStiffness {
+  template <typename T>
+  bool operator()(const T* free, T* residual) const {
+    residual[0] = 1e4 * (free[0] - free[1]);
+    return true;
+  }
+};
+
+TEST(TrajectoryCost, StandsBesideAUsersResiduals) {
+  auto dynamics = testing::MakeGroupedChain(2, 30.0, 0.3);
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, 120, 0.05);
+  record.name = "r";
+  record.channels = {testing::MakeChannel("x2", Quantity::kDisplacement, 2, 1)};
+  testing::Simulate(*dynamics, Eigen::Vector2d(0.1, 0.1), Vector::Zero(4), 0.02,
+                    3, &record);
+  IdentificationProblem problem;
+  problem.records.push_back(record);
+  problem.dynamics = dynamics;
+  for (const int segment_samples : {0, 30}) {
+    TrajectoryCost::Options options;
+    options.segment_samples = segment_samples;
+    std::string error;
+    auto cost = TrajectoryCost::Create(problem, options, &error);
+    ASSERT_NE(cost, nullptr) << error;
+    EXPECT_EQ(cost->layout().num_free(), 2);
+    Vector free = cost->InitialValues();
+    ceres::Problem ceres_problem;
+    ceres_problem.AddResidualBlock(cost.release(), nullptr, free.data());
+    ceres_problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<SameStiffness, 1, 2>(new SameStiffness),
+        nullptr, free.data());
+    ceres::Solver::Options solver_options;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver_options, &ceres_problem, &summary);
+    EXPECT_TRUE(summary.IsSolutionUsable()) << summary.FullReport();
+    EXPECT_NEAR(free[0], free[1], 1e-5);
+    EXPECT_NEAR(free[0], 0.1, 0.02);
+  }
+}
+
+}  // namespace
+}  // namespace pinode

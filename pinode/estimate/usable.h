@@ -1,0 +1,20 @@
+// Whether a result may be used.
+
+#ifndef PINODE_ESTIMATE_USABLE_H_
+#define PINODE_ESTIMATE_USABLE_H_
+
+#include "pinode/estimate/identification_summary.h"
+#include "pinode/estimate/tuning.h"
+
+namespace pinode {
+
+// Sets summary->usable, and the message where it is not: usable is what has
+// converged with its gaps closed, whose free runs are finite, and which
+// predicts training records better than the model before and hold-out records
+// not worse; where modes stand alone, what meets them better. A summary that
+// has failed or was interrupted says why already.
+void JudgeUsable(const GapTuning& tuning, IdentificationSummary* summary);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_USABLE_H_

@@ -1,0 +1,73 @@
+#include "pinode/estimate/usable.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+IdentificationSummary GoodSummary() {
+  IdentificationSummary summary;
+  summary.termination = Termination::kConverged;
+  summary.message = "converged";
+  RecordScore train;
+  train.name = "t";
+  train.finite = true;
+  train.nrmse = 0.1;
+  train.prior_nrmse = 0.5;
+  RecordScore holdout = train;
+  holdout.name = "h";
+  holdout.role = IdentificationRecord::Role::kHoldout;
+  holdout.nrmse = holdout.prior_nrmse;
+  summary.records = {train, holdout};
+  return summary;
+}
+
+std::string Judged(IdentificationSummary summary) {
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_FALSE(summary.usable);
+  return summary.message;
+}
+
+TEST(Usable, WhatHasAllItNeeds) {
+  IdentificationSummary summary = GoodSummary();
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable);
+  EXPECT_EQ(summary.message, "converged");
+}
+
+TEST(Usable, SaysWhatIsMissing) {
+  IdentificationSummary summary = GoodSummary();
+  summary.records[1].finite = false;
+  EXPECT_THAT(Judged(summary), HasSubstr("record 'h' is not finite"));
+  summary = GoodSummary();
+  summary.records[0].nrmse = 0.5;  // no better is not enough here
+  EXPECT_THAT(Judged(summary), HasSubstr("record 't' is not predicted better"));
+  summary = GoodSummary();
+  summary.records[1].nrmse = 0.51;
+  EXPECT_THAT(Judged(summary), HasSubstr("record 'h' is not predicted better"));
+  summary = GoodSummary();
+  summary.largest_gap = 2e-6;
+  EXPECT_THAT(Judged(summary), HasSubstr("gaps between segments stayed open"));
+  summary = GoodSummary();
+  summary.termination = Termination::kNoConvergence;
+  EXPECT_THAT(Judged(summary), HasSubstr("not converged after"));
+  summary = GoodSummary();
+  summary.followed_channel = "a1";
+  EXPECT_THAT(Judged(summary), HasSubstr("follows channel 'a1'"));
+  summary = GoodSummary();
+  summary.termination = Termination::kInterrupted;
+  EXPECT_EQ(Judged(summary), "converged") << "the message is left alone";
+  summary = GoodSummary();
+  summary.records.clear();
+  summary.modes.resize(1);
+  summary.initial_modal_cost = summary.final_modal_cost = 1.0;
+  EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
+}
+
+}  // namespace
+}  // namespace pinode
