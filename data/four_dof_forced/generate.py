@@ -20,7 +20,7 @@ import reference  # noqa: E402
 
 MASS = 1.0  # of each of the four masses, kg
 STIFFNESS = reference.chain([10.0] * 4)  # N/m
-DAMPING = reference.chain([0.5] * 4)  # N s/m
+DAMPING = np.diag([0.5] * 4)  # N s/m, to the ground from each mass
 CUBIC = 2.0  # spring between DOF 1 and ground, N/m^3
 WHITE_NOISE_RATE = 100.0  # Hz
 WHITE_NOISE_DURATION = 4.0  # s
@@ -148,7 +148,7 @@ def main():
         "model": {
             "mass": [MASS] * 4,
             "spring_stiffness": [10.0] * 4,
-            "damper": [0.5] * 4,
+            "ground_damper": [0.5] * 4,
             "cubic_k3": {"between": ["ground", "x1"], "value": CUBIC},
         },
         "trained_range": trained,

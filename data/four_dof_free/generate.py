@@ -18,7 +18,7 @@ import reference  # noqa: E402
 
 MASS = 1.0  # of each of the four masses, kg
 STIFFNESS = 10.0  # of each of the four springs, N/m
-DAMPING = 0.5  # of each of the four dampers, N s/m
+DAMPING = 0.5  # of the damper between each mass and the ground, N s/m
 CUBIC = 2.0  # spring between DOF 1 and ground, N/m^3
 STEP = 0.05  # s
 STARTS = {  # h = [x; v]
@@ -58,7 +58,7 @@ def main():
     reference.prepare_output(HERE, output)
 
     stiffness = reference.chain([STIFFNESS] * 4)
-    damping = reference.chain([DAMPING] * 4)
+    damping = DAMPING * np.eye(4)
     times = np.arange(241) * STEP
     late = {}
     for name, start in STARTS.items():
@@ -79,7 +79,7 @@ def main():
         "model": {
             "mass": [MASS] * 4,
             "spring_stiffness": [STIFFNESS] * 4,
-            "damper": [DAMPING] * 4,
+            "ground_damper": [DAMPING] * 4,
             "cubic_k3": {"between": ["ground", "x1"], "value": CUBIC},
         },
         "linear_hz": [float(f)

@@ -22,19 +22,21 @@ constexpr double kNoise = 0.01;
 StructuralModel MakeModel(int num_dofs, double factor) {
   Matrix links = Matrix::Zero(num_dofs, num_dofs);
   for (int i = 0; i < num_dofs; ++i) links += SpringMatrix(num_dofs, i - 1, i);
-  return MakeStructuralModel(Matrix::Identity(num_dofs, num_dofs),
-                             factor * kDamping * links,
+  const Matrix identity = Matrix::Identity(num_dofs, num_dofs);
+  return MakeStructuralModel(identity, factor * kDamping * identity,
                              factor * kStiffness * links);
 }
 
+// A spring a link, or a damper between each mass and the ground.
 void AddGroups(MatrixGroup::Target target, const std::string& prefix,
                double value, StructuralDynamics* dynamics) {
   const int n = dynamics->num_dofs();
+  const bool springs = target == MatrixGroup::Target::kStiffness;
   for (int i = 0; i < n; ++i) {
     GroupTerm term;
     term.group.name = prefix + std::to_string(i + 1);
     term.group.target = target;
-    term.group.matrix = value * SpringMatrix(n, i - 1, i);
+    term.group.matrix = value * SpringMatrix(n, springs ? i - 1 : -1, i);
     term.alpha.name = term.group.name;
     std::string error;
     CHECK(dynamics->AddGroup(std::move(term), &error)) << error;

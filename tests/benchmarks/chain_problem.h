@@ -11,7 +11,8 @@
 namespace pinode {
 namespace benchmarks {
 
-// Of every link of the chains, in the model (N/m, N s/m; masses are 1 kg).
+// Of the spring of every link and of the damper between every mass and the
+// ground, in the model (N/m, N s/m; masses are 1 kg).
 inline constexpr double kStiffness = 10.0;
 inline constexpr double kDamping = 0.5;
 

@@ -16,12 +16,12 @@
 namespace pinode {
 namespace benchmarks {
 
-// A chain of kDofs unit masses, held at the ground, one spring and one damper
-// a link, with a tanh network 8-30-4 from x and v of the first four DOFs to
-// their accelerations, and a force on the first DOF where the grid has an
-// input. State [x; v]. Parameters, in this order: with kGroups the fractional
-// changes of the springs and of the dampers; the network's weights in the order
-// of WeightLayout, with W_skip where kSkip.
+// A chain of kDofs unit masses, held at the ground, a spring a link and a
+// damper between each mass and the ground, with a tanh network 8-30-4 from x
+// and v of the first four DOFs to their accelerations, and a force on the first
+// DOF where the grid has an input. State [x; v]. Parameters, in this order:
+// with kGroups the fractional changes of the springs and of the dampers; the
+// network's weights in the order of WeightLayout, with W_skip where kSkip.
 template <int kDofs, bool kGroups, bool kSkip>
 class PlainChain {
  public:
@@ -35,7 +35,7 @@ class PlainChain {
                                   (kSkip ? kOutputs * kInputs : 0);
   static constexpr int kParameters = kGroupParameters + kWeights;
 
-  // `stiffness` and `damping` of every link. `input_scale`: see
+  // `stiffness` of every link, `damping` of every mass. `input_scale`: see
   // NetworkArchitecture; empty for ones. `grid` must outlive this object.
   PlainChain(double stiffness, double damping, const Vector& input_scale,
              const IntegrationGrid* grid)
@@ -83,18 +83,17 @@ class PlainChain {
     const T* x = h;
     const T* v = h + kDofs;
     T* a = rate + kDofs;
-    // The force of each link pulls at both its ends.
+    // The spring of each link pulls at both its ends.
     for (int i = 0; i < kDofs; ++i) {
       rate[i] = v[i];
       T elastic = stiffness_ * (i == 0 ? x[i] : x[i] - x[i - 1]);
-      T viscous = damping_ * (i == 0 ? v[i] : v[i] - v[i - 1]);
+      T viscous = damping_ * v[i];
       if constexpr (kGroups) {
         elastic *= 1.0 + parameters[i];
         viscous *= 1.0 + parameters[kDofs + i];
       }
-      const T link = elastic + viscous;
-      a[i] = -link;
-      if (i > 0) a[i - 1] += link;
+      a[i] = -(elastic + viscous);
+      if (i > 0) a[i - 1] += elastic;
     }
     a[0] += force;
     AddNetwork(x, v, parameters + kGroupParameters, a);
