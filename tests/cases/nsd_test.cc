@@ -17,7 +17,6 @@ namespace {
 struct Phase1Limits {
   double stiffness;
   double damping;
-  double damping_held;
 };
 
 void ExpectMatrices(const std::string& what, const Phase1Limits& limits,
@@ -25,7 +24,7 @@ void ExpectMatrices(const std::string& what, const Phase1Limits& limits,
   ExpectFigure(what + "K, worst entry in parts of the largest",
                limits.stiffness, stiffness);
   ExpectFigure(what + "C, worst entry in parts of the largest", limits.damping,
-               limits.damping_held, damping);
+               damping);
 }
 
 TEST_P(Nsd, LinearNetworkFindsStiffnessAndDamping) {
@@ -35,12 +34,10 @@ TEST_P(Nsd, LinearNetworkFindsStiffnessAndDamping) {
   const Matrix stiffness = TrueMatrix("stiffness");
   const Matrix damping = TrueMatrix("damping");
   const std::string what = What("phase 1");
-  // As learned the measured motions tell less of C than is asked.
-  ExpectMatrices(what + "as learned, ",
-                 {0.01, 0.04, IsMeasured() ? 0.08 : 0.04},
+  ExpectMatrices(what + "as learned, ", {0.01, 0.04},
                  WorstEntry(folded.stiffness, stiffness),
                  WorstEntry(folded.damping, damping));
-  ExpectMatrices(what + "symmetric, ", {0.01, 0.04, 0.04},
+  ExpectMatrices(what + "symmetric, ", {0.01, 0.04},
                  WorstEntry(Symmetric(folded.stiffness), stiffness),
                  WorstEntry(Symmetric(folded.damping), damping));
   ExpectFigure(what + "nrmse, next 10 s, worst floor", 0.005,
@@ -62,10 +59,10 @@ TEST_P(Nsd, LinearNetworkNeedsAccelerationsOnly) {
   const Matrix stiffness = TrueMatrix("stiffness");
   const Matrix damping = TrueMatrix("damping");
   const std::string what = What("phase 1, accelerations");
-  ExpectMatrices(what + "as learned, ", {0.004, 0.012, 0.012},
+  ExpectMatrices(what + "as learned, ", {0.004, 0.012},
                  WorstEntry(folded.stiffness, stiffness),
                  WorstEntry(folded.damping, damping));
-  ExpectMatrices(what + "symmetric, ", {0.004, 0.012, 0.012},
+  ExpectMatrices(what + "symmetric, ", {0.004, 0.012},
                  WorstEntry(Symmetric(folded.stiffness), stiffness),
                  WorstEntry(Symmetric(folded.damping), damping));
   ExpectFigure(what + "nrmse, next 10 s, worst floor", 0.005,

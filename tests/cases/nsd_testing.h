@@ -24,17 +24,10 @@
 namespace pinode {
 namespace testing {
 
-// `held` is `asked`, or what is reached where that is out of reach;
-// data/README.md says why.
-inline void ExpectFigure(const std::string& what, double asked, double held,
-                         double measured) {
-  ReportFigure(what, AtMost(asked), measured);
-  EXPECT_LT(measured, held) << what;
-}
-
 inline void ExpectFigure(const std::string& what, double asked,
                          double measured) {
-  ExpectFigure(what, asked, asked, measured);
+  ReportFigure(what, AtMost(asked), measured);
+  EXPECT_LT(measured, asked) << what;
 }
 
 // Folder of the case on the measured ground motions, made once a process and

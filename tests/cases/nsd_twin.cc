@@ -34,10 +34,10 @@ struct Motion {
 };
 
 constexpr Motion kMotions[] = {
-    {"phase1_a", "kobe_1995_takatori_000.csv", false, 0.15},
-    {"phase1_b", "pacoima_dam_1971_pul164.csv", false, 0.30},
-    {"phase2_a", "kobe_1995_takatori_000.csv", true, 0.111},
-    {"phase2_b", "pacoima_dam_1971_pul164.csv", true, 0.188},
+    {"phase1_a", "kobe_1995_takatori_000.csv", false, 0.17},
+    {"phase1_b", "pacoima_dam_1971_pul164.csv", false, 0.35},
+    {"phase2_a", "kobe_1995_takatori_000.csv", true, 0.132},
+    {"phase2_b", "pacoima_dam_1971_pul164.csv", true, 0.246},
     {"holdout", "northridge_1994_rinaldi_228.csv", true, 0.08},
 };
 
