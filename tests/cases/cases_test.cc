@@ -6,74 +6,44 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
 #include "pinode/estimate/identify.h"
+#include "tests/cases/case_figures.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {
 namespace testing {
 namespace {
 
-void ExpectFigure(const std::string& what, double limit, double measured) {
-  ReportFigure(what, AtMost(limit), measured);
-  EXPECT_LT(measured, limit) << what;
+void ExpectFigures(const std::string& what,
+                   const std::vector<CaseFigure>& figures, const CaseRun& run) {
+  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  for (const CaseFigure& figure : figures) {
+    ExpectFigure(what + ": " + figure.name, figure.asked, figure.held(),
+                 figure.measure(run));
+  }
 }
 
 class FourDofFree : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(FourDofFree, PredictsLateTimesAndAnUnseenStart) {
-  const CaseRun run = RunCase(ReadCaseOrFail(
-      std::string("data/four_dof_free/") + GetParam() + ".toml"));
-  const double train =
-      0.5 * (run.MeanSquaredError("h1") + run.MeanSquaredError("h2"));
-  const double late =
-      0.5 * (run.MeanSquaredError("h1_late") + run.MeanSquaredError("h2_late"));
-  const double unseen = run.MeanSquaredError("h3");
+  const std::string scheme = GetParam();
+  const CaseRun run =
+      RunCase(ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml"));
   std::printf("%s: %d iterations\n", GetParam(), run.summary.num_iterations);
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  const std::string what =
-      std::string("case 1, ") + GetParam() + ": mean squared error, ";
-  ExpectFigure(what + "training", 1e-6, train);
-  ExpectFigure(what + "h1_late and h2_late", 1e-3, late);
-  ExpectFigure(what + "h3", 1e-2, unseen);
+  ExpectFigures("case 1, " + scheme, SchemeFigures(scheme), run);
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, FourDofFree,
                          ::testing::Values("scheme1", "scheme2", "scheme3"));
 
 TEST(FourDofFreeGroups, FindsStiffnessAndDampingBesideTheNetwork) {
-  const CaseRun run =
-      RunCase(ReadCaseOrFail("data/four_dof_free/scheme2_groups.toml"));
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  double worst_beside_network = 0.0;
-  double worst_other = 0.0;
-  for (const char* name : {"k1", "k2", "k3", "k4", "c1", "c2", "c3", "c4"}) {
-    const double truth = Truth("data/four_dof_free/truth.json",
-                               std::string("/groups/scheme2_groups/") + name);
-    // 0.7 of the truth is in the matrices.
-    const double error =
-        std::abs((0.7 + run.Parameter(name).value) / (0.7 + truth) - 1.0);
-    std::printf("%s: %.4f %% off\n", name, 100.0 * error);
-    double& worst = name[1] == '1' ? worst_beside_network : worst_other;
-    worst = Worse(worst, error);
-  }
-  const std::string what = "case 1, scheme2_groups: ";
-  ExpectFigure(what + "k2-k4 and c2-c4, worst relative error", 1e-3,
-               worst_other);
-  ExpectFigure(what + "k1 and c1, worst relative error", 1e-2,
-               worst_beside_network);
-  ExpectFigure(what + "mean squared error, h3", 1e-5,
-               run.MeanSquaredError("h3"));
-}
-
-void ExpectForcedPrediction(const CaseRun& run, const std::string& record,
-                            double limit) {
-  for (const char* channel : {"x1", "v1", "a1"}) {
-    ExpectFigure("case 2: nrmse, " + record + ", " + channel, limit,
-                 run.Nrmse(record, channel));
-  }
+  ExpectFigures(
+      "case 1, scheme2_groups", GroupFigures(),
+      RunCase(ReadCaseOrFail("data/four_dof_free/scheme2_groups.toml")));
 }
 
 // Quoted for the shell.
@@ -86,11 +56,9 @@ std::string Quoted(const std::string& text) {
 }
 
 TEST(FourDofForced, PredictsOtherForces) {
-  const CaseRun run =
-      RunCase(ReadCaseOrFail("data/four_dof_forced/four_dof_forced.toml"));
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  ExpectForcedPrediction(run, "wn_holdout", 0.005);
-  ExpectForcedPrediction(run, "quake_holdout", 0.007);
+  ExpectFigures(
+      "case 2", ForcedFigures(),
+      RunCase(ReadCaseOrFail("data/four_dof_forced/four_dof_forced.toml")));
 }
 
 // The response to El Centro comes from SciPy, as that to every other record.
@@ -121,7 +89,10 @@ TEST(FourDofForced, PredictsElCentro) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   const CaseRun run = RunCase(ReadCaseOrFail(folder + "/el_centro.toml"));
   EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  ExpectForcedPrediction(run, "el_centro", 0.007);
+  for (const char* channel : {"x1", "v1", "a1"}) {
+    ExpectFigure(std::string("case 2: nrmse, el_centro, ") + channel, 0.007,
+                 run.Nrmse("el_centro", channel));
+  }
 }
 
 class Duffing : public ::testing::TestWithParam<const char*> {};

@@ -75,14 +75,14 @@ TEST_P(DiscoverFromNoisyRecords, FindsExactlyTheTrueTerms) {
   ReportFigure(what + "worst stiffness term, of the chain's own", AtMost(limit),
                found.worst_stiffness);
   EXPECT_LT(found.worst_stiffness, limit);
-  // Asked of the stiffness terms. For the cubic one among them that is out of
-  // reach in scheme 2: beside twenty other unknowns no unbiased estimate of its
-  // coefficient has a standard deviation below 0.5 % for each per cent of
-  // noise, so that one draw in three misses what is asked at 1 % noise. The
-  // figure is reported against what is asked; the test holds three standard
-  // deviations.
+  // Asked of the stiffness terms. For the cubic one among them it is out of
+  // reach in scheme 2 at times: beside fourteen other unknowns no unbiased
+  // estimate of its coefficient has a standard deviation below 0.4 % for each
+  // per cent of noise, so that one draw in five misses what is asked at 1 %
+  // noise. The figure is reported against what is asked; the test holds three
+  // standard deviations.
   ReportFigure(what + "cubic term, relative", AtMost(limit), found.worst_cubic);
-  EXPECT_LT(found.worst_cubic, scheme == "scheme2" ? 0.015 * percent : limit);
+  EXPECT_LT(found.worst_cubic, scheme == "scheme2" ? 0.012 * percent : limit);
 }
 
 INSTANTIATE_TEST_SUITE_P(

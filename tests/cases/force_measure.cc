@@ -175,6 +175,18 @@ ForceScore ScoreForce(const CaseRun& run) {
   score.impulse_error =
       std::abs(impulse / ForceTruthNumber("pulse/impulse") - 1.0);
   score.peak_error = std::abs(force.times[largest] - start - 0.5 * duration);
+  for (const ParameterEstimate& parameter : run.summary.parameters) {
+    const auto relative_error = [&](const char* name) {
+      return std::abs(parameter.value / ForceTruthNumber(name) - 1.0);
+    };
+    if (parameter.name == "blow.start") {
+      score.start_error = std::abs(parameter.value - start);
+    } else if (parameter.name == "blow.duration") {
+      score.duration_error = relative_error("pulse/duration");
+    } else if (parameter.name == "blow.amplitude") {
+      score.amplitude_error = relative_error("pulse/amplitude");
+    }
+  }
   return score;
 }
 

@@ -33,8 +33,18 @@ struct ForceScore {
   // Of a blow: within 30 ms of it, relative; and s.
   double impulse_error = 0.0;
   double peak_error = 0.0;
+  // Of a blow that is looked for as a pulse: s; and relative.
+  double start_error = 0.0;
+  double duration_error = 0.0;
+  double amplitude_error = 0.0;
 };
 ForceScore ScoreForce(const CaseRun& run);
+
+// What is held of a pulse's start (s), duration and amplitude (relative): three
+// times the worst of twenty seeds (force_study_test.cc).
+inline constexpr double kHeldPulseStart = 1.4e-4;
+inline constexpr double kHeldPulseDuration = 0.0105;
+inline constexpr double kHeldPulseAmplitude = 0.0101;
 
 }  // namespace testing
 }  // namespace pinode

@@ -56,6 +56,13 @@ TEST_P(ForceSeeds, TwentySeeds) {
            &ForceScore::impulse_error);
     expect("peak time, s", 0.01, &ForceScore::peak_error);
   }
+  if (name == "impact_pulse") {
+    expect("start, s", kHeldPulseStart, &ForceScore::start_error);
+    expect("duration, relative error", kHeldPulseDuration,
+           &ForceScore::duration_error);
+    expect("amplitude, relative error", kHeldPulseAmplitude,
+           &ForceScore::amplitude_error);
+  }
   double coverage = 0.0, acting = 0.0;
   for (const ForceScore& score : scores) {
     coverage += score.coverage / kSeeds;

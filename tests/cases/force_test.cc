@@ -68,8 +68,15 @@ TEST(ForceCases, ABlowIsFoundAsAPulse) {
                          run.Parameter("blow.duration").value * 2.0 / kPi;
   Expect("impact, half-sine pulse: impulse, relative error", AtMost(0.005),
          std::abs(impulse / ForceTruthNumber("pulse/impulse") - 1.0));
+  const ForceScore score = ScoreForce(run);
   Expect("impact, half-sine pulse: peak time, s", AtMost(0.01),
-         ScoreForce(run).peak_error);
+         score.peak_error);
+  Expect("impact, half-sine pulse: start, s", AtMost(kHeldPulseStart),
+         score.start_error);
+  Expect("impact, half-sine pulse: duration, relative error",
+         AtMost(kHeldPulseDuration), score.duration_error);
+  Expect("impact, half-sine pulse: amplitude, relative error",
+         AtMost(kHeldPulseAmplitude), score.amplitude_error);
   // Ninety-five per cent intervals, three of them, one seed.
   for (const char* name : {"start", "duration", "amplitude"}) {
     const ParameterEstimate& p = run.Parameter(std::string("blow.") + name);

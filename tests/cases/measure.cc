@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gtest/gtest.h"
+#include "pinode/base/figure_testing.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/study/baseline.h"
@@ -128,6 +129,19 @@ void SeedNetworks(uint64_t seed, Case* c) {
   }
   dynamics->SetParameters(theta);
   c->problem.dynamics = dynamics;
+}
+
+void ExpectFigure(const std::string& what, double asked, double measured) {
+  ReportFigure(what, AtMost(asked), measured);
+  EXPECT_LT(measured, asked) << what;
+}
+
+void ExpectFigure(const std::string& what, double asked, double held,
+                  double measured) {
+  ExpectFigure(what, asked, measured);
+  if (held < asked) {
+    ExpectFigure(what + ", held to what is reached", held, measured);
+  }
 }
 
 }  // namespace testing

@@ -52,6 +52,12 @@ std::string MeasuredData();
 // Seeds the networks of a case anew.
 void SeedNetworks(uint64_t seed, Case* c);
 
+// Reports a figure against what is asked of it at most, and expects it.
+void ExpectFigure(const std::string& what, double asked, double measured);
+// The same; and holds what is reached where that lies far inside what is asked.
+void ExpectFigure(const std::string& what, double asked, double held,
+                  double measured);
+
 }  // namespace testing
 }  // namespace pinode
 

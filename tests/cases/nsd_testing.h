@@ -24,12 +24,6 @@
 namespace pinode {
 namespace testing {
 
-inline void ExpectFigure(const std::string& what, double asked,
-                         double measured) {
-  ReportFigure(what, AtMost(asked), measured);
-  EXPECT_LT(measured, asked) << what;
-}
-
 // Folder of the case on the measured ground motions, made once a process and
 // removed with it; empty with a reason where it cannot be made.
 inline std::string MeasuredFolder(std::string* reason) {
