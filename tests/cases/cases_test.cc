@@ -112,9 +112,10 @@ TEST_P(Duffing, IsRecoveredExactly) {
                      (1.0 + Truth(truth, std::string("/groups/") + name)) -
                  1.0));
   }
+  // Reached to rounding.
   ExpectFigure(std::string("case 3, ") + GetParam() +
                    " shooting: M, c, k, k_nl, worst relative error",
-               1e-8, worst);
+               1e-8, 1e-12, worst);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shooting, Duffing,
@@ -140,13 +141,15 @@ TEST_P(ThreeStorey, FindsStoreysAndSpring) {
     std::printf("%s %s: %.3f %% off\n", GetParam(), name, 100.0 * error);
     worst = Worse(worst, error);
   }
+  // Without a network nothing is drawn: held is three times what this draw of
+  // the noise gives.
   ExpectFigure(what + "storey stiffnesses, worst relative error",
-               noisy ? 0.003 : 0.0015, worst);
+               noisy ? 0.003 : 0.0015, noisy ? 8.4e-4 : 8.1e-4, worst);
   const double cubic = std::abs(run.Parameter("spring1.k3").value /
                                     Truth(truth, "/elements/spring1/k3") -
                                 1.0);
   ExpectFigure(what + "cubic coefficient, relative error", noisy ? 0.02 : 0.006,
-               cubic);
+               noisy ? 0.0051 : 1.5e-4, cubic);
   const std::string floor =
       noisy ? "/noise_floor_nrmse_noisy_ground/" : "/noise_floor_nrmse/";
   worst = 0.0;
