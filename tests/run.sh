@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Everything that a change must pass: format, the whole suite of the release
-# build, and the unit tests under the sanitizers.
+# build, the unit tests under the sanitizers, and what runs on several threads
+# under the thread sanitizer.
 #
 #   tests/run.sh
 #
@@ -19,7 +20,7 @@ apps/install_packages.sh apps/packages.txt tests/packages.txt
 echo "== format"
 tests/format.sh || failed+=("format")
 
-for preset in release asan; do
+for preset in release asan tsan; do
   echo "== $preset"
   cmake --preset "$preset"
   cmake --build --preset "$preset" --parallel "$jobs"

@@ -1,0 +1,165 @@
+// Everything that runs on several threads, or that several threads may call at
+// once, in one small program: the preset `tsan` runs it under the thread
+// sanitizer. Every preset runs it for its results, which threads must not
+// change.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "pinode/base/parallel_for.h"
+#include "pinode/discover/ensemble.h"
+#include "pinode/discover/lasso.h"
+#include "pinode/discover/testing.h"
+#include "pinode/dynamics/library_function.h"
+#include "pinode/estimate/assessment.h"
+#include "pinode/estimate/identify.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/testing.h"
+
+namespace pinode {
+namespace {
+
+// Oscillators under ground motion with a group each, whose records are those of
+// a structure 5 % stiffer.
+IdentificationProblem ChainProblem() {
+  constexpr int kDofs = 3;
+  auto dynamics = testing::MakeGroupedChain(kDofs, 40.0, 0.5);
+  IdentificationProblem problem;
+  for (uint64_t seed : {1, 2}) {
+    IdentificationRecord record =
+        testing::MakeExcitedRecord(*dynamics, 200, 0.02);
+    record.name = "record" + std::to_string(seed);
+    for (int i = 0; i < kDofs; ++i) {
+      record.channels.push_back(
+          testing::MakeChannel("a" + std::to_string(i + 1),
+                               Quantity::kAbsoluteAcceleration, kDofs, i));
+    }
+    testing::Simulate(*dynamics, Vector::Constant(kDofs, 0.05),
+                      Vector::Zero(2 * kDofs), 0.01, seed, &record);
+    problem.records.push_back(record);
+  }
+  problem.dynamics = dynamics;
+  problem.sensors.name = "sensors";
+  return problem;
+}
+
+TEST(Threads, EveryTaskOnceAndByTheSameThread) {
+  constexpr int kTasks = 101;
+  for (int threads : {1, 2, 3, 7}) {
+    std::vector<int> thread_of(kTasks, -1);
+    std::vector<int> count(kTasks, 0);
+    ParallelFor(kTasks, threads, [&](int task, int thread) {
+      thread_of[static_cast<size_t>(task)] = thread;
+      ++count[static_cast<size_t>(task)];
+    });
+    for (int task = 0; task < kTasks; ++task) {
+      EXPECT_EQ(count[static_cast<size_t>(task)], 1);
+      EXPECT_EQ(thread_of[static_cast<size_t>(task)], task % threads);
+    }
+  }
+}
+
+TEST(Threads, SegmentsOfOneProblem) {
+  const testing::SmallFit fit(IdentificationRecord::Start::kFree);
+  const auto solve = [&fit](int threads) {
+    MultipleShooting::Options options;
+    options.num_threads = threads;
+    auto shooting = fit.Shoot(4, options);
+    CondensedSystem system;
+    EXPECT_TRUE(shooting->Linearize(fit.free, &system));
+    return system;
+  };
+  const CondensedSystem one = solve(1);
+  const CondensedSystem three = solve(3);
+  EXPECT_NEAR(three.cost, one.cost, 1e-12 * one.cost);
+  EXPECT_LT((three.gradient - one.gradient).norm(),
+            1e-12 * one.gradient.norm());
+}
+
+// The dynamics, its laws, networks and expressions are shared by all.
+TEST(Threads, FitsOfOneProblemSideBySide) {
+  const IdentificationProblem problem = ChainProblem();
+  IdentificationOptions options;
+  options.num_threads = 2;
+  constexpr int kFits = 3;
+  std::vector<IdentificationSummary> summaries(kFits);
+  std::vector<IdentifiedModel> models(kFits);
+  std::vector<std::thread> threads;
+  for (size_t i = 0; i < kFits; ++i) {
+    threads.emplace_back([&, i]() {
+      Identify(problem, options, nullptr, &summaries[i], &models[i]);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (size_t i = 0; i < kFits; ++i) {
+    EXPECT_TRUE(summaries[i].usable) << summaries[i].message;
+    EXPECT_EQ(models[i].parameters, models[0].parameters);
+    for (double value : models[i].parameters) EXPECT_NEAR(value, 0.05, 0.01);
+  }
+}
+
+TEST(Threads, EveryKindOfTermSideBySide) {
+  const testing::SmallFit fit(IdentificationRecord::Start::kFree);
+  IdentificationOptions options;
+  options.num_threads = 2;
+  std::vector<ProblemAssessment> found(2);
+  std::vector<char> ok(2, 0);
+  ParallelFor(2, 2, [&](int i, int) {
+    const size_t index = static_cast<size_t>(i);
+    std::string error;
+    ok[index] = AssessProblem(fit.problem, options, &found[index], &error);
+  });
+  ASSERT_TRUE(ok[0] && ok[1]);
+  ASSERT_EQ(found[0].expected.size(), found[1].expected.size());
+  ASSERT_FALSE(found[0].expected.empty());
+  for (size_t j = 0; j < found[0].expected.size(); ++j) {
+    EXPECT_EQ(found[0].expected[j].sigma, found[1].expected[j].sigma);
+  }
+}
+
+TEST(Threads, OneExpression) {
+  LibraryFunction function;
+  std::string error;
+  ASSERT_TRUE(LibraryFunction::Parse("sin(x[u1])*x[u1]^3 + exp(v[u1])",
+                                     {"x[u1]", "v[u1]"},
+                                     &function, &error))
+      << error;
+  std::vector<int> wrong(3, 0);
+  ParallelFor(3, 3, [&](int i, int) {
+    for (int k = 0; k < 2000; ++k) {
+      const double x = (i - 1) * 1e-3 * k;
+      const double q[] = {x, -x};
+      const double expected = std::sin(x) * x * x * x + std::exp(-x);
+      if (std::abs(function.Evaluate(q) - expected) > 1e-13) {
+        ++wrong[static_cast<size_t>(i)];
+      }
+    }
+  });
+  EXPECT_EQ(wrong, std::vector<int>(3, 0));
+}
+
+TEST(Threads, BagsOfAnEnsemble) {
+  const RegressionProblem problem = testing::Duffing(300, 0.05, 4);
+  EnsembleOptions options;
+  options.num_bags = 20;
+  const auto run = [&](int threads) {
+    options.num_threads = threads;
+    Ensemble ensemble;
+    std::string error;
+    EXPECT_TRUE(RunEnsemble(problem, LassoLearner({}, {}), options, &ensemble, &error))
+        << error;
+    return ensemble;
+  };
+  const Ensemble one = run(1);
+  const Ensemble three = run(3);
+  EXPECT_EQ(one.inclusion_probability, three.inclusion_probability);
+  EXPECT_EQ(one.median, three.median);
+}
+
+}  // namespace
+}  // namespace pinode
