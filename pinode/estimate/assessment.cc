@@ -15,6 +15,45 @@
 
 namespace pinode {
 
+namespace {
+
+// Unknowns and what is there to determine them.
+void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
+           const ModalCost* modes, ProblemAssessment* assessment) {
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.fit) {
+        assessment->num_residuals += CountPresent(channel.values);
+      }
+    }
+    if (record.start == IdentificationRecord::Start::kFree) {
+      assessment->num_starts += problem.dynamics->num_states();
+    }
+  }
+  assessment->num_free = layout.num_free();
+  if (modes != nullptr) assessment->num_residuals += modes->num_residuals();
+}
+
+// Deviations of the free named parameters; infinite in the null space.
+void Expect(const ParameterLayout& layout, const CovarianceEstimate& covariance,
+            ProblemAssessment* assessment) {
+  for (int j = 0; j < layout.num_free(); ++j) {
+    const int index = layout.free()[static_cast<size_t>(j)];
+    if (!layout.IsNamed(index)) continue;
+    const bool determined =
+        covariance.null_space.cols() == 0 ||
+        covariance.null_space.row(j).cwiseAbs().maxCoeff() < 0.1;
+    const Parameter& parameter = layout.parameter(index);
+    assessment->expected.push_back(
+        {parameter.name, parameter.unit, parameter.value,
+         determined ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
+                    : std::numeric_limits<double>::infinity()});
+  }
+}
+
+}  // namespace
+
 bool AssessProblem(const IdentificationProblem& problem,
                    const IdentificationOptions& options,
                    ProblemAssessment* assessment, std::string* error) {
@@ -30,22 +69,7 @@ bool AssessProblem(const IdentificationProblem& problem,
 
   const std::vector<Vector> sigmas =
       AssumedNoise(problem, options.tuning.noise);
-  for (int r : shooting.train_records()) {
-    const IdentificationRecord& record =
-        problem.records[static_cast<size_t>(r)];
-    for (const MeasuredChannel& channel : record.channels) {
-      if (channel.fit) {
-        assessment->num_residuals += CountPresent(channel.values);
-      }
-    }
-    if (record.start == IdentificationRecord::Start::kFree) {
-      assessment->num_starts += problem.dynamics->num_states();
-    }
-  }
-  assessment->num_free = layout.num_free();
-  if (objective.modes() != nullptr) {
-    assessment->num_residuals += objective.modes()->num_residuals();
-  }
+  Count(problem, layout, objective.modes(), assessment);
   shooting.SetSigmas(sigmas);
 
   const auto fail = [&objective, error]() {
@@ -91,18 +115,7 @@ bool AssessProblem(const IdentificationProblem& problem,
       problem, layout, covariance.covariance, covariance.null_space);
   const bool sizes_known =
       !shooting.train_records().empty() || problem.modal.HasSigmas();
-  for (int j = 0; j < layout.num_free(); ++j) {
-    const int index = layout.free()[static_cast<size_t>(j)];
-    if (!layout.IsNamed(index) || !sizes_known) continue;
-    const bool determined =
-        covariance.null_space.cols() == 0 ||
-        covariance.null_space.row(j).cwiseAbs().maxCoeff() < 0.1;
-    const Parameter& parameter = layout.parameter(index);
-    assessment->expected.push_back(
-        {parameter.name, parameter.unit, parameter.value,
-         determined ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
-                    : std::numeric_limits<double>::infinity()});
-  }
+  if (sizes_known) Expect(layout, covariance, assessment);
   assessment->undetermined = DescribeNullSpace(layout, covariance.null_space);
   return true;
 }

@@ -42,6 +42,66 @@ Matrix WithoutRow(const Rows& rows, int largest) {
   return rest;
 }
 
+// Derivatives of a mode by columns: its eigenvalue, and its shape at DOFs.
+struct ModeSlopes {
+  RowVector eigenvalue;
+  Matrix shape;
+};
+
+// By the factor of one matrix in K or M. False, with a sentence, where there is
+// no derivative.
+bool DifferentiateMode(const UndampedModes& modes, int j,
+                       const std::vector<int>& dofs, const Matrix& matrix,
+                       bool on_mass, int column, ModeSlopes* slopes,
+                       std::string* error) {
+  const int n = static_cast<int>(modes.eigenvalues.size());
+  const double rounding = 8.0 * n * std::numeric_limits<double>::epsilon() *
+                          modes.eigenvalues.cwiseAbs().maxCoeff();
+  const double eigenvalue = modes.eigenvalues[j];
+  const double factor = on_mass ? -eigenvalue : 1.0;
+  const Vector force = factor * (matrix * modes.shapes.col(j));
+  Vector parts = modes.shapes.transpose() * force;
+  slopes->eigenvalue[column] = parts[j];
+  for (int k = 0; k < n; ++k) {
+    const double distance = eigenvalue - modes.eigenvalues[k];
+    if (k == j ||
+        std::abs(distance) > rounding + kSameFrequency * std::abs(eigenvalue)) {
+      parts[k] = k == j ? 0.0 : parts[k] / distance;
+      continue;
+    }
+    const auto other = modes.shapes.col(k);
+    const double size = std::max(std::abs(parts[j]),
+                                 std::abs(factor * other.dot(matrix * other)));
+    if (std::abs(parts[k]) > kUncoupled * size) {
+      std::ostringstream message;
+      message << "modes " << std::min(j, k) + 1 << " and " << std::max(j, k) + 1
+              << " of the model have the same frequency, and a free group "
+                 "mixes their shapes: there are no derivatives; begin with "
+                 "slightly different values of the groups";
+      *error = message.str();
+      return false;
+    }
+    parts[k] = 0.0;
+  }
+  slopes->shape.col(column) = modes.shapes(dofs, Eigen::all) * parts;
+  return true;
+}
+
+// W (1 - c) / c of the model's shape x and the measured y of unit norm. With
+// the tangent of the angle between them 1 / c = sqrt(1 + t^2); 1 - c itself
+// would be lost in rounding.
+double MacResidual(const MeasuredMode& mode, const Vector& y, const Vector& x,
+                   const Matrix& shape_slopes, RowVector* slopes) {
+  const double along = y.dot(x);
+  const Vector across = x - along * y;
+  const double tangent_square = across.squaredNorm() / (along * along);
+  const double secant = std::sqrt(1.0 + tangent_square);
+  *slopes = mode.shape_weight / (secant * along * along) *
+            (across.transpose() * shape_slopes -
+             tangent_square * along * (y.transpose() * shape_slopes));
+  return mode.shape_weight * tangent_square / (1.0 + secant);
+}
+
 }  // namespace
 
 ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
@@ -194,99 +254,54 @@ bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
                             &modes, error)) {
     return false;
   }
-  const int n = static_cast<int>(modes.eigenvalues.size());
-  const int num_columns =
-      jacobian == nullptr ? 0 : static_cast<int>(columns_.size());
   const std::vector<ModeMatch> matches =
       MatchModes(data_, modes.eigenvalues, modes.shapes);
-  const double rounding = 8.0 * n * std::numeric_limits<double>::epsilon() *
-                          modes.eigenvalues.cwiseAbs().maxCoeff();
+  const size_t num_columns = jacobian == nullptr ? 0 : columns_.size();
+  const auto set_rows = [&](int row, const Matrix& slopes) {
+    for (size_t c = 0; c < num_columns; ++c) {
+      jacobian->col(columns_[c].free).segment(row, slopes.rows()) =
+          slopes.col(static_cast<Eigen::Index>(c));
+    }
+  };
   int row = 0;
   for (size_t i = 0; i < data_.modes.size(); ++i) {
     const MeasuredMode& mode = data_.modes[i];
     const Shape& shape = shapes_[i];
     const int j = matches[i].mode;
-    const double eigenvalue = modes.eigenvalues[j];
-    const auto phi = modes.shapes.col(j);
-
-    // Derivatives of the eigenvalue and of the shape, by column.
-    RowVector eigenvalue_slopes(num_columns);
-    Matrix shape_slopes(static_cast<int>(mode.dofs.size()), num_columns);
-    for (int c = 0; c < num_columns; ++c) {
-      const Column& column = columns_[static_cast<size_t>(c)];
-      const bool on_mass = column.target == MatrixGroup::Target::kMass;
-      const double factor = on_mass ? -eigenvalue : 1.0;
-      const Vector force = factor * (*column.matrix * phi);
-      Vector parts = modes.shapes.transpose() * force;
-      eigenvalue_slopes[c] = parts[j];
-      for (int k = 0; k < n; ++k) {
-        const double distance = eigenvalue - modes.eigenvalues[k];
-        if (k != j && std::abs(distance) <=
-                          rounding + kSameFrequency * std::abs(eigenvalue)) {
-          const auto other = modes.shapes.col(k);
-          const double size =
-              std::max(std::abs(parts[j]),
-                       std::abs(factor * other.dot(*column.matrix * other)));
-          if (std::abs(parts[k]) > kUncoupled * size) {
-            std::ostringstream message;
-            message << "modes " << std::min(j, k) + 1 << " and "
-                    << std::max(j, k) + 1
-                    << " of the model have the same frequency, and a free "
-                       "group mixes their shapes: there are no derivatives; "
-                       "begin with slightly different values of the groups";
-            *error = message.str();
-            return false;
-          }
-          parts[k] = 0.0;
-        } else {
-          parts[k] = k == j ? 0.0 : parts[k] / distance;
-        }
+    ModeSlopes slopes{RowVector(static_cast<int>(num_columns)),
+                      Matrix(static_cast<int>(mode.dofs.size()),
+                             static_cast<int>(num_columns))};
+    for (size_t c = 0; c < num_columns; ++c) {
+      const bool on_mass = columns_[c].target == MatrixGroup::Target::kMass;
+      if (!DifferentiateMode(modes, j, mode.dofs, *columns_[c].matrix, on_mass,
+                             static_cast<int>(c), &slopes, error)) {
+        return false;
       }
-      shape_slopes.col(c) = modes.shapes(mode.dofs, Eigen::all) * parts;
     }
-
     const double weight = EigenvalueWeight(mode);
     const double measured = MeasuredEigenvalue(mode);
-    (*residuals)[row] = weight * (1.0 - eigenvalue / measured);
-    for (int c = 0; c < num_columns; ++c) {
-      (*jacobian)(row, columns_[static_cast<size_t>(c)].free) =
-          -weight / measured * eigenvalue_slopes[c];
-    }
+    (*residuals)[row] = weight * (1.0 - modes.eigenvalues[j] / measured);
+    set_rows(row, -weight / measured * slopes.eigenvalue);
     ++row;
     if (!mode.HasShape()) continue;
 
-    const Vector x = phi(mode.dofs);
+    const Vector x = modes.shapes.col(j)(mode.dofs);
     if (data_.form == ModalForm::kMac) {
-      // With the tangent of the angle between the shapes 1 / c = sqrt(1 + t^2);
-      // 1 - c itself would be lost in rounding.
-      const Vector& y = shape.values;
-      const double along = y.dot(x);
-      const Vector across = x - along * y;
-      const double tangent_square = across.squaredNorm() / (along * along);
-      const double secant = std::sqrt(1.0 + tangent_square);
-      (*residuals)[row] = mode.shape_weight * tangent_square / (1.0 + secant);
-      const RowVector slopes =
-          mode.shape_weight / (secant * along * along) *
-          (across.transpose() * shape_slopes -
-           tangent_square * along * (y.transpose() * shape_slopes));
-      for (int c = 0; c < num_columns; ++c) {
-        (*jacobian)(row, columns_[static_cast<size_t>(c)].free) = slopes[c];
-      }
+      RowVector by_column;
+      (*residuals)[row] =
+          MacResidual(mode, shape.values, x, slopes.shape, &by_column);
+      set_rows(row, by_column);
       ++row;
     } else {
       const int count = static_cast<int>(x.size()) - 1;
       const Vector scaled = x / x[shape.largest];
       residuals->segment(row, count) =
           shape.weight_root * WithoutRow(scaled - shape.values, shape.largest);
-      const Matrix slopes =
-          (shape_slopes - scaled * shape_slopes.row(shape.largest)) /
+      const Matrix scaled_slopes =
+          (slopes.shape - scaled * slopes.shape.row(shape.largest)) /
           x[shape.largest];
-      const Matrix weighted =
-          shape.weight_root * WithoutRow(slopes, shape.largest);
-      for (int c = 0; c < num_columns; ++c) {
-        jacobian->col(columns_[static_cast<size_t>(c)].free)
-            .segment(row, count) = weighted.col(c);
-      }
+      set_rows(row,
+               shape.weight_root * WithoutRow(scaled_slopes, shape.largest));
       row += count;
     }
   }
