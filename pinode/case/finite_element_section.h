@@ -35,13 +35,6 @@ const char* ReductionMethodName(ReductionMethod method);
     const TomlTable& root, const TomlTable& table, const UnitSystem& units,
     std::shared_ptr<FiniteElementSection>* section);
 
-// The group's matrix over all DOFs from `changed_export` and `factor` or from
-// `set_export`, and reduced along in group->matrix.
-[[nodiscard]] bool ReadExportedGroup(const TomlTable& table,
-                                     const FiniteElementSection& section,
-                                     MatrixGroup* group,
-                                     ReducedStructure::Group* exported);
-
 }  // namespace pinode
 
 #endif  // PINODE_CASE_FINITE_ELEMENT_SECTION_H_

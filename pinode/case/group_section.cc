@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/exported_group.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/case/parameter_keys.h"
 #include "pinode/case/terms_section.h"

@@ -169,6 +169,124 @@ bool ReadDofNames(const TomlTable& table, std::vector<std::string>* names) {
   return true;
 }
 
+// The key that is to be mended where a model is not valid.
+std::string KeyOf(const TomlTable& table, const std::string& message) {
+  for (const char* key : {"mass", "stiffness", "damping"}) {
+    if (message.find(std::string("the ") + key + " matrix") != 0) continue;
+    return table.Has(key)                ? key
+           : table.Has("finite_element") ? "finite_element"
+                                         : "shear_building";
+  }
+  return table.Has("finite_element") ? "finite_element" : "dofs";
+}
+
+bool ReadFiniteElements(const TomlTable& root, const TomlTable& table,
+                        const UnitSystem& units, ModelSection* section) {
+  if (table.Has("shear_building")) {
+    return table.Fail("shear_building",
+                      "[model.shear_building] beside "
+                      "[model.finite_element], expected one of the two");
+  }
+  if (!ReadFiniteElementSection(root, table, units, &section->finite_element)) {
+    return false;
+  }
+  ReducedStructure& structure = section->finite_element->structure;
+  const bool damped = structure.exported.has_damping();
+  if (damped && table.Has("damping")) {
+    return table.Fail("damping",
+                      "'damping' beside that of [model.finite_element], "
+                      "expected one of the two");
+  }
+  if (!damped &&
+      !table.RequireKey("damping",
+                        "{rayleigh = [a0, a1]}, {ratios = [...]} or \"none\" "
+                        "here, or a matrix in [model.finite_element]")) {
+    return false;
+  }
+  return ReadReducedModel(table, &structure, &section->model);
+}
+
+bool ReadBuildingModel(const TomlTable& table, ModelSection* section) {
+  for (const char* key : {"mass", "stiffness"}) {
+    if (table.Has(key)) {
+      return table.Fail(key, std::string("'") + key +
+                                 "' beside [model.shear_building], expected "
+                                 "one of the two");
+    }
+  }
+  ShearBuilding building;
+  if (!ReadShearBuilding(table, &building)) return false;
+  if (table.Has("damping") && !building.dampers.empty()) {
+    return table.Fail("damping",
+                      "'damping' beside the dampers of "
+                      "[model.shear_building], expected one of the two");
+  }
+  if (!table.Has("damping") && building.dampers.empty()) {
+    return table.RequireKey("damping",
+                            "it or the dampers of [model.shear_building]");
+  }
+  std::string error;
+  if (!BuildShearBuilding(building, &section->model, &error)) {
+    return table.Fail("shear_building", error);
+  }
+  section->building = building;
+  return true;
+}
+
+bool ReadMatrices(const TomlTable& table, const std::vector<std::string>& dofs,
+                  StructuralModel* model) {
+  if (dofs.empty()) {
+    return table.Fail("dofs",
+                      "'dofs' is missing or empty, expected the "
+                      "names of the degrees of freedom");
+  }
+  const int n = static_cast<int>(dofs.size());
+  Matrix mass;
+  Matrix stiffness;
+  if (!table.RequireKey("mass", "a matrix") ||
+      !table.RequireKey("stiffness", "a matrix") ||
+      !table.RequireKey("damping",
+                        "a matrix, {rayleigh = [a0, a1]}, {ratios = [...]} "
+                        "or \"none\"") ||
+      !ReadMatrixKey(table, "mass", "the mass matrix", n, &mass) ||
+      !ReadMatrixKey(table, "stiffness", "the stiffness matrix", n,
+                     &stiffness)) {
+    return false;
+  }
+  *model = MakeStructuralModel(mass, Matrix::Zero(n, n), stiffness, dofs);
+  return true;
+}
+
+// Influence vectors and mass coupling in place of those that the model has.
+bool ReadInfluence(const TomlTable& table, StructuralModel* model) {
+  const int n = model->num_dofs();
+  if (table.Has("influence")) {
+    model->directions.clear();
+    model->influence.resize(n, 0);
+    if (!ReadDirections(table, "influence", &model->directions,
+                        &model->influence)) {
+      return false;
+    }
+    model->support_mass_coupling = Matrix::Zero(n, model->num_directions());
+  }
+  const int num_directions = model->num_directions();
+  if (table.Has("support_mass_coupling") &&
+      !ReadDirections(table, "support_mass_coupling", &model->directions,
+                      &model->support_mass_coupling)) {
+    return false;
+  }
+  if (model->num_directions() != num_directions) {
+    return table.Fail("support_mass_coupling",
+                      "'" + model->directions.back() +
+                          "' has no influence vector, expected one of " +
+                          Join(std::vector<std::string>(
+                                   model->directions.begin(),
+                                   model->directions.begin() + num_directions),
+                               ", "));
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string ResolvePath(const std::string& case_path, const std::string& name) {
@@ -294,123 +412,24 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
   std::vector<std::string> dofs;
   if (!ReadDofNames(table, &dofs)) return false;
   StructuralModel& model = section->model;
-  std::string error;
-  if (is_finite_element) {
-    if (table.Has("shear_building")) {
-      return table.Fail("shear_building",
-                        "[model.shear_building] beside "
-                        "[model.finite_element], expected one of the two");
-    }
-    if (!ReadFiniteElementSection(root, table, units,
-                                  &section->finite_element)) {
-      return false;
-    }
-    ReducedStructure& structure = section->finite_element->structure;
-    const bool damped = structure.exported.has_damping();
-    if (damped && table.Has("damping")) {
-      return table.Fail("damping",
-                        "'damping' beside that of [model.finite_element], "
-                        "expected one of the two");
-    }
-    if (!damped &&
-        !table.RequireKey("damping",
-                          "{rayleigh = [a0, a1]}, {ratios = [...]} or \"none\" "
-                          "here, or a matrix in [model.finite_element]")) {
-      return false;
-    }
-    if (!ReadReducedModel(table, &structure, &model)) return false;
-  } else if (table.Has("shear_building")) {
-    for (const char* key : {"mass", "stiffness"}) {
-      if (table.Has(key)) {
-        return table.Fail(key, std::string("'") + key +
-                                   "' beside [model.shear_building], expected "
-                                   "one of the two");
-      }
-    }
-    ShearBuilding building;
-    if (!ReadShearBuilding(table, &building)) return false;
-    if (table.Has("damping") && !building.dampers.empty()) {
-      return table.Fail("damping",
-                        "'damping' beside the dampers of "
-                        "[model.shear_building], expected one of the two");
-    }
-    if (!table.Has("damping") && building.dampers.empty()) {
-      return table.RequireKey("damping",
-                              "it or the dampers of [model.shear_building]");
-    }
-    if (!BuildShearBuilding(building, &model, &error)) {
-      return table.Fail("shear_building", error);
-    }
-    section->building = building;
-  } else {
-    if (dofs.empty()) {
-      return table.Fail("dofs",
-                        "'dofs' is missing or empty, expected the "
-                        "names of the degrees of freedom");
-    }
-    const int n = static_cast<int>(dofs.size());
-    Matrix mass;
-    Matrix stiffness;
-    if (!table.RequireKey("mass", "a matrix") ||
-        !table.RequireKey("stiffness", "a matrix") ||
-        !table.RequireKey("damping",
-                          "a matrix, {rayleigh = [a0, a1]}, {ratios = [...]} "
-                          "or \"none\"") ||
-        !ReadMatrixKey(table, "mass", "the mass matrix", n, &mass) ||
-        !ReadMatrixKey(table, "stiffness", "the stiffness matrix", n,
-                       &stiffness)) {
-      return false;
-    }
-    model = MakeStructuralModel(mass, Matrix::Zero(n, n), stiffness, dofs);
+  if (!(is_finite_element ? ReadFiniteElements(root, table, units, section)
+        : table.Has("shear_building") ? ReadBuildingModel(table, section)
+                                      : ReadMatrices(table, dofs, &model))) {
+    return false;
   }
-  const int n = model.num_dofs();
   // Before the damping, which may be made from the modes of M and K.
-  const auto line_key = [&table](const std::string& message) {
-    for (const char* key : {"mass", "stiffness", "damping"}) {
-      if (message.find(std::string("the ") + key + " matrix") == 0) {
-        return std::string(table.Has(key)                ? key
-                           : table.Has("finite_element") ? "finite_element"
-                                                         : "shear_building");
-      }
-    }
-    return std::string(table.Has("finite_element") ? "finite_element" : "dofs");
-  };
-  if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
+  std::string error;
+  if (!model.IsValid(&error)) return table.Fail(KeyOf(table, error), error);
   if (table.Has("damping") && !is_finite_element &&
       !ReadDamping(table, &model)) {
     return false;
   }
-
-  if (table.Has("influence")) {
-    model.directions.clear();
-    model.influence.resize(n, 0);
-    if (!ReadDirections(table, "influence", &model.directions,
-                        &model.influence)) {
-      return false;
-    }
-    model.support_mass_coupling = Matrix::Zero(n, model.num_directions());
-  }
-  const int num_directions = model.num_directions();
-  if (table.Has("support_mass_coupling") &&
-      !ReadDirections(table, "support_mass_coupling", &model.directions,
-                      &model.support_mass_coupling)) {
-    return false;
-  }
-  if (model.num_directions() != num_directions) {
-    return table.Fail("support_mass_coupling",
-                      "'" + model.directions.back() +
-                          "' has no influence vector, expected one of " +
-                          Join(std::vector<std::string>(
-                                   model.directions.begin(),
-                                   model.directions.begin() + num_directions),
-                               ", "));
-  }
-  if (!model.IsValid(&error)) return table.Fail(line_key(error), error);
+  if (!ReadInfluence(table, &model)) return false;
+  if (!model.IsValid(&error)) return table.Fail(KeyOf(table, error), error);
   if (is_finite_element && table.Has("support_mass_coupling")) {
     section->finite_element->structure.given_support_mass_coupling =
         model.support_mass_coupling;
   }
-
   section->expected_hz = table.Numbers("expected_hz");
   return errors->ok();
 }
