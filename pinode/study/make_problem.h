@@ -14,6 +14,7 @@
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/record/excitation.h"
 #include "pinode/structure/structural_model.h"
+#include "pinode/study/growth.h"
 
 namespace pinode {
 
@@ -21,6 +22,15 @@ namespace pinode {
 // `matrix` (num_dofs x num_dofs).
 GroupTerm MakeFreeGroup(const std::string& name, MatrixGroup::Target target,
                         const Matrix& matrix);
+
+// A named element (dynamics/elements.h) between two DOFs, or, with -1 for
+// `from`, between a DOF and the ground, its parameters free and beginning at
+// `values`, within their physical limits. False, with *error and *term
+// untouched, where type, DOFs or values are not such.
+[[nodiscard]] bool MakeElement(const std::string& name, const std::string& type,
+                               int num_dofs, int from, int to,
+                               const std::vector<double>& values, LawTerm* term,
+                               std::string* error);
 
 // `values`, one a sample, of a sensor that measures `quantity` times `weights`
 // (one per DOF), in the model's units.
@@ -37,12 +47,12 @@ std::vector<MeasuredChannel> MakeChannels(const std::string& prefix,
 // An acceleration of the ground in each direction of `model`, ground_<name>.
 std::vector<InputSpec> GroundMotion(const StructuralModel& model);
 
-// The structure `model` with these inputs and groups, and no records yet.
-// False, with *error and *problem untouched, where the model is not valid, or
-// where an input or a group does not fit it.
+// The structure `model` with these inputs and terms, and no records yet. False,
+// with *error and *problem untouched, where the model is not valid, or where an
+// input or a term does not fit it.
 [[nodiscard]] bool MakeProblem(const StructuralModel& model,
                                const std::vector<InputSpec>& inputs,
-                               const std::vector<GroupTerm>& groups,
+                               const StructureTerms& terms,
                                IdentificationProblem* problem,
                                std::string* error);
 

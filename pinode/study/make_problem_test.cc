@@ -16,32 +16,36 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kSamples = 60;
-constexpr double kStep = 0.02;
+constexpr int kFrameSamples = 60;
+constexpr double kFrameStep = 0.02;
 
 // What a program has: matrices, a ground motion, and two accelerometers.
 struct Arrays {
   StructuralModel model = MakeStructuralModel(
       Matrix::Identity(2, 2), 0.02 * Spring(40.0), Spring(40.0));
   std::vector<InputSpec> inputs = GroundMotion(model);
-  std::vector<GroupTerm> groups = {MakeFreeGroup(
-      "k1", MatrixGroup::Target::kStiffness, 40.0 * SpringMatrix(2, -1, 0))};
-  double step = kStep;
+  StructureTerms terms = {{MakeFreeGroup("k1", MatrixGroup::Target::kStiffness,
+                                         40.0 * SpringMatrix(2, -1, 0))},
+                          {},
+                          {},
+                          {}};
+  double step = kFrameStep;
   Matrix ground = Sine(3.0).transpose();
-  std::vector<MeasuredChannel> channels =
-      MakeChannels("a", Quantity::kAbsoluteAcceleration,
-                   (Matrix(kSamples, 2) << Sine(3.0), Sine(4.0)).finished());
+  std::vector<MeasuredChannel> channels = MakeChannels(
+      "a", Quantity::kAbsoluteAcceleration,
+      (Matrix(kFrameSamples, 2) << Sine(3.0), Sine(4.0)).finished());
 
   static Matrix Spring(double k) {
     return k * (SpringMatrix(2, -1, 0) + SpringMatrix(2, 0, 1));
   }
   static Vector Sine(double omega) {
-    Vector values(kSamples);
-    for (int i = 0; i < kSamples; ++i) values[i] = std::sin(omega * kStep * i);
+    Vector values(kFrameSamples);
+    for (int i = 0; i < kFrameSamples; ++i)
+      values[i] = std::sin(omega * kFrameStep * i);
     return values;
   }
   bool Make(IdentificationProblem* problem, std::string* error) const {
-    return MakeProblem(model, inputs, groups, problem, error) &&
+    return MakeProblem(model, inputs, terms, problem, error) &&
            AddRecord("quake", step, ground, Interpolation::kLinear, channels,
                      problem, error) &&
            PrepareProblem(problem, error);
@@ -65,6 +69,38 @@ TEST(MakeProblemTest, IsReadyToBeFitted) {
   EXPECT_NE(summary.termination, Termination::kFailure) << summary.message;
 }
 
+TEST(MakeProblemTest, TakesNamedElements) {
+  Arrays arrays;
+  LawTerm spring;
+  std::string error;
+  ASSERT_TRUE(MakeElement("stop", "cubic", 2, -1, 1, {5.0}, &spring, &error))
+      << error;
+  arrays.terms.laws.push_back(spring);
+  IdentificationProblem problem;
+  ASSERT_TRUE(arrays.Make(&problem, &error)) << error;
+  const LawTerm& term = problem.dynamics->laws()[0];
+  EXPECT_EQ(term.parameters.parameters[0].name, "stop.k3");
+  EXPECT_TRUE(term.parameters.parameters[0].free);
+  EXPECT_EQ(term.outputs, Matrix(Vector::Unit(2, 1)));
+  ASSERT_TRUE(MakeElement("between", "cubic", 2, 0, 1, {5.0}, &spring, &error));
+  EXPECT_EQ(spring.outputs, Matrix(Eigen::Vector2d(-1.0, 1.0)));
+
+  const auto refused = [&](const std::string& type, int from, int to,
+                           const std::vector<double>& values) {
+    EXPECT_FALSE(
+        MakeElement("bad", type, 2, from, to, values, &spring, &error));
+    EXPECT_EQ(spring.name, "between");
+    return error;
+  };
+  EXPECT_THAT(refused("cubik", 0, 1, {5.0}), HasSubstr("cubic"));
+  EXPECT_THAT(refused("cubic", 0, 2, {5.0}), HasSubstr("0 and 2"));
+  EXPECT_THAT(refused("cubic", 1, 1, {5.0}), HasSubstr("1 and 1"));
+  EXPECT_THAT(refused("cubic", -2, 1, {5.0}), HasSubstr("-2 and 1"));
+  EXPECT_THAT(refused("cubic", 0, 1, {}), HasSubstr("0 values, expected 1"));
+  EXPECT_THAT(refused("bouc_wen", 0, 1, {1.0, 1.0, 1.0, 1.0, -1.0}),
+              HasSubstr("bad."));
+}
+
 // Every wrong size or number that a caller can pass comes back as a sentence,
 // not as an abort, wherever it is noticed.
 TEST(MakeProblemTest, SaysWhatIsWrong) {
@@ -84,14 +120,16 @@ TEST(MakeProblemTest, SaysWhatIsWrong) {
          a->inputs[0].kind = InputSpec::Kind::kForce;
          a->inputs[0].index = -1;
        }},
-      {"group", [](Arrays* a) { a->groups[0].group.matrix = Matrix(3, 3); }},
-      {"group", [](Arrays* a) { a->groups.push_back(a->groups[0]); }},
+      {"group",
+       [](Arrays* a) { a->terms.groups[0].group.matrix = Matrix(3, 3); }},
+      {"group",
+       [](Arrays* a) { a->terms.groups.push_back(a->terms.groups[0]); }},
       {"no parameter is free",
-       [](Arrays* a) { a->groups[0].alpha.free = false; }},
-      {"bounds", [](Arrays* a) { a->groups[0].alpha.lower = 1.0; }},
-      {"not finite", [&](Arrays* a) { a->groups[0].alpha.value = nan; }},
+       [](Arrays* a) { a->terms.groups[0].alpha.free = false; }},
+      {"bounds", [](Arrays* a) { a->terms.groups[0].alpha.lower = 1.0; }},
+      {"not finite", [&](Arrays* a) { a->terms.groups[0].alpha.value = nan; }},
       {"inputs are 2 x 60",
-       [](Arrays* a) { a->ground = Matrix::Zero(2, kSamples); }},
+       [](Arrays* a) { a->ground = Matrix::Zero(2, kFrameSamples); }},
       {"inputs are 1 x 1", [](Arrays* a) { a->ground = Matrix::Zero(1, 1); }},
       {"inputs are 0 x 0", [](Arrays* a) { a->ground = Matrix(); }},
       {"not finite", [&](Arrays* a) { a->ground(0, 7) = nan; }},
@@ -173,10 +211,11 @@ TEST(PrepareProblemTest, SaysWhatIsWrongAndChangesNothing) {
     const Arrays arrays;
     IdentificationProblem problem;
     std::string error;
-    ASSERT_TRUE(MakeProblem(arrays.model, arrays.inputs, arrays.groups,
-                            &problem, &error));
-    ASSERT_TRUE(AddRecord("quake", kStep, arrays.ground, Interpolation::kLinear,
-                          arrays.channels, &problem, &error));
+    ASSERT_TRUE(MakeProblem(arrays.model, arrays.inputs, arrays.terms, &problem,
+                            &error));
+    ASSERT_TRUE(AddRecord("quake", kFrameStep, arrays.ground,
+                          Interpolation::kLinear, arrays.channels, &problem,
+                          &error));
     bad.spoil(&problem);
     const int before =
         problem.records.empty() ? 0 : problem.records[0].substeps;
