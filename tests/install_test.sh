@@ -49,3 +49,9 @@ for program in "$scratch/build/"{consumer,consumer_of_base,readme*,library_readm
     "$program"
   fi
 done
+for file in frame/result.json frame/report.html; do
+  if [[ ! -s $file ]]; then
+    echo "the program of the library's README has left no $file"
+    exit 1
+  fi
+done
