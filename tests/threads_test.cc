@@ -126,8 +126,7 @@ TEST(Threads, OneExpression) {
   LibraryFunction function;
   std::string error;
   ASSERT_TRUE(LibraryFunction::Parse("sin(x[u1])*x[u1]^3 + exp(v[u1])",
-                                     {"x[u1]", "v[u1]"},
-                                     &function, &error))
+                                     {"x[u1]", "v[u1]"}, &function, &error))
       << error;
   std::vector<int> wrong(3, 0);
   ParallelFor(3, 3, [&](int i, int) {
@@ -151,7 +150,8 @@ TEST(Threads, BagsOfAnEnsemble) {
     options.num_threads = threads;
     Ensemble ensemble;
     std::string error;
-    EXPECT_TRUE(RunEnsemble(problem, LassoLearner({}, {}), options, &ensemble, &error))
+    EXPECT_TRUE(
+        RunEnsemble(problem, LassoLearner({}, {}), options, &ensemble, &error))
         << error;
     return ensemble;
   };

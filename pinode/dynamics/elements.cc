@@ -189,18 +189,26 @@ bool MakeElement(const std::string& name, const std::string& type, int num_dofs,
   made.type = type;
   made.law = CreateElement(type, error);
   if (made.law == nullptr) return false;
-  made.features = {Feature::Deformation(from, to),
-                   Feature::DeformationRate(from, to)};
-  if (!FeaturesExist(name, made.features, num_dofs, 0, error)) return false;
-  made.outputs = made.features[0].Selector(num_dofs).transpose();
-  made.parameters.name = name;
+  const std::string prefix = "element '" + name + "' of type '" + type + "': ";
+  if (from < Feature::kGround || from >= num_dofs || to < 0 || to >= num_dofs ||
+      from == to) {
+    *error = prefix + "its ends are " + std::to_string(from) + " and " +
+             std::to_string(to) + ", expected two of 0 to " +
+             std::to_string(num_dofs - 1) + ", the first of them or " +
+             std::to_string(Feature::kGround) + " for the ground";
+    return false;
+  }
   const std::vector<ElementParameterInfo> infos = ElementParameters(type);
   if (values.size() != infos.size()) {
-    *error = "element '" + name + "' of type '" + type +
-             "': " + std::to_string(values.size()) + " values, expected " +
+    *error = prefix + std::to_string(values.size()) + " values, expected " +
              std::to_string(infos.size());
     return false;
   }
+  made.features = {Feature::Deformation(from, to),
+                   Feature::DeformationRate(from, to)};
+  // The force resists d = x[to] - x[from] at both ends.
+  made.outputs = made.features[0].Selector(num_dofs).transpose();
+  made.parameters.name = name;
   for (size_t i = 0; i < infos.size(); ++i) {
     Parameter parameter;
     parameter.name = name + "." + infos[i].name;
@@ -209,6 +217,7 @@ bool MakeElement(const std::string& name, const std::string& type, int num_dofs,
     parameter.upper = infos[i].upper;
     made.parameters.parameters.push_back(parameter);
   }
+  if (!made.parameters.IsValid(error)) return false;
   *term = std::move(made);
   return true;
 }

@@ -10,6 +10,8 @@
 namespace pinode {
 namespace {
 
+using ::testing::HasSubstr;
+
 struct WorkedForce {
   std::string type;
   std::vector<double> parameters;
@@ -120,6 +122,30 @@ TEST(Elements, UnknownTypeNamesTheNearest) {
   std::string error;
   EXPECT_EQ(CreateElement("cubik", &error), nullptr);
   EXPECT_THAT(error, ::testing::HasSubstr("'cubic'"));
+}
+
+TEST(MakeElement, ResistsAtBothEndsAndRefusesWhatIsNone) {
+  LawTerm spring;
+  std::string error;
+  ASSERT_TRUE(MakeElement("between", "cubic", 2, 0, 1, {5.0}, &spring, &error))
+      << error;
+  EXPECT_EQ(spring.outputs, Matrix(Eigen::Vector2d(-1.0, 1.0)));
+  EXPECT_TRUE(spring.parameters.parameters[0].free);
+
+  const auto refused = [&](const std::string& type, int from, int to,
+                           const std::vector<double>& values) {
+    EXPECT_FALSE(
+        MakeElement("bad", type, 2, from, to, values, &spring, &error));
+    EXPECT_EQ(spring.name, "between");
+    return error;
+  };
+  EXPECT_THAT(refused("cubik", 0, 1, {5.0}), HasSubstr("cubic"));
+  EXPECT_THAT(refused("cubic", 0, 2, {5.0}), HasSubstr("0 and 2"));
+  EXPECT_THAT(refused("cubic", 1, 1, {5.0}), HasSubstr("1 and 1"));
+  EXPECT_THAT(refused("cubic", -2, 1, {5.0}), HasSubstr("-2 and 1"));
+  EXPECT_THAT(refused("cubic", 0, 1, {}), HasSubstr("0 values, expected 1"));
+  EXPECT_THAT(refused("bouc_wen", 0, 1, {1.0, 1.0, 1.0, 1.0, -1.0}),
+              HasSubstr("bad."));
 }
 
 }  // namespace

@@ -177,8 +177,10 @@ TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
   force.input = 0;
   refused(dynamics.AddUnknownForce(force, &error), "does not exist");
   refused(dynamics.AddElement("e", "cubick", -1, 0, {1.0}, &error), "cubic");
-  refused(dynamics.AddElement("e", "cubic", 0, 0, {1.0}, &error), "exist");
-  refused(dynamics.AddElement("e", "cubic", 0, 3, {1.0}, &error), "exist");
+  refused(dynamics.AddElement("e", "cubic", 0, 0, {1.0}, &error),
+          "its ends are");
+  refused(dynamics.AddElement("e", "cubic", 0, 3, {1.0}, &error),
+          "its ends are");
   refused(dynamics.AddElement("e", "cubic", 0, 1, {}, &error), "0 values");
   refused(dynamics.AddElement("e", "bilinear", 0, 1, {1.0, -1.0}, &error),
           "e.gap");

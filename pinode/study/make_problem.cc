@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
-#include "pinode/dynamics/elements.h"
-#include "pinode/dynamics/feature.h"
 
 namespace pinode {
 namespace {
@@ -42,47 +40,6 @@ GroupTerm MakeFreeGroup(const std::string& name, MatrixGroup::Target target,
   term.group = {name, target, matrix};
   term.alpha.name = name;
   return term;
-}
-
-bool MakeElement(const std::string& name, const std::string& type, int num_dofs,
-                 int from, int to, const std::vector<double>& values,
-                 LawTerm* term, std::string* error) {
-  CHECK(term != nullptr);
-  LawTerm result;
-  result.name = name;
-  result.type = type;
-  result.law = CreateElement(type, error);
-  if (result.law == nullptr) return false;
-  const std::string prefix = "element '" + name + "': ";
-  if (from < -1 || from >= num_dofs || to < 0 || to >= num_dofs || from == to) {
-    *error = prefix + "its ends are " + std::to_string(from) + " and " +
-             std::to_string(to) + ", expected two of 0 to " +
-             std::to_string(num_dofs - 1) + ", the first of them or -1";
-    return false;
-  }
-  const std::vector<ElementParameterInfo> infos = ElementParameters(type);
-  if (values.size() != infos.size()) {
-    *error = prefix + "it has " + std::to_string(values.size()) +
-             " values, expected " + std::to_string(infos.size());
-    return false;
-  }
-  const int begin = from < 0 ? Feature::kGround : from;
-  result.features = {Feature::Deformation(begin, to),
-                     Feature::DeformationRate(begin, to)};
-  // The force resists d = x[to] - x[from] at both ends.
-  result.outputs = result.features[0].Selector(num_dofs).transpose();
-  result.parameters.name = name;
-  for (size_t i = 0; i < infos.size(); ++i) {
-    Parameter parameter;
-    parameter.name = name + "." + infos[i].name;
-    parameter.lower = infos[i].lower;
-    parameter.upper = infos[i].upper;
-    parameter.value = values[i];
-    result.parameters.parameters.push_back(parameter);
-  }
-  if (!result.parameters.IsValid(error)) return false;
-  *term = std::move(result);
-  return true;
 }
 
 MeasuredChannel MakeMeasuredChannel(const std::string& name, Quantity quantity,

@@ -23,15 +23,6 @@ namespace pinode {
 GroupTerm MakeFreeGroup(const std::string& name, MatrixGroup::Target target,
                         const Matrix& matrix);
 
-// A named element (dynamics/elements.h) between two DOFs, or, with -1 for
-// `from`, between a DOF and the ground, its parameters free and beginning at
-// `values`, within their physical limits. False, with *error and *term
-// untouched, where type, DOFs or values are not such.
-[[nodiscard]] bool MakeElement(const std::string& name, const std::string& type,
-                               int num_dofs, int from, int to,
-                               const std::vector<double>& values, LawTerm* term,
-                               std::string* error);
-
 // `values`, one a sample, of a sensor that measures `quantity` times `weights`
 // (one per DOF), in the model's units.
 MeasuredChannel MakeMeasuredChannel(const std::string& name, Quantity quantity,

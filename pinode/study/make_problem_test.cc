@@ -8,6 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/dynamics/elements.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/study/prepare_problem.h"
 
@@ -82,23 +83,6 @@ TEST(MakeProblemTest, TakesNamedElements) {
   EXPECT_EQ(term.parameters.parameters[0].name, "stop.k3");
   EXPECT_TRUE(term.parameters.parameters[0].free);
   EXPECT_EQ(term.outputs, Matrix(Vector::Unit(2, 1)));
-  ASSERT_TRUE(MakeElement("between", "cubic", 2, 0, 1, {5.0}, &spring, &error));
-  EXPECT_EQ(spring.outputs, Matrix(Eigen::Vector2d(-1.0, 1.0)));
-
-  const auto refused = [&](const std::string& type, int from, int to,
-                           const std::vector<double>& values) {
-    EXPECT_FALSE(
-        MakeElement("bad", type, 2, from, to, values, &spring, &error));
-    EXPECT_EQ(spring.name, "between");
-    return error;
-  };
-  EXPECT_THAT(refused("cubik", 0, 1, {5.0}), HasSubstr("cubic"));
-  EXPECT_THAT(refused("cubic", 0, 2, {5.0}), HasSubstr("0 and 2"));
-  EXPECT_THAT(refused("cubic", 1, 1, {5.0}), HasSubstr("1 and 1"));
-  EXPECT_THAT(refused("cubic", -2, 1, {5.0}), HasSubstr("-2 and 1"));
-  EXPECT_THAT(refused("cubic", 0, 1, {}), HasSubstr("0 values, expected 1"));
-  EXPECT_THAT(refused("bouc_wen", 0, 1, {1.0, 1.0, 1.0, 1.0, -1.0}),
-              HasSubstr("bad."));
 }
 
 // Every wrong size or number that a caller can pass comes back as a sentence,
