@@ -20,8 +20,20 @@ std::string TermName(std::string text) {
 }
 
 StructureTerms TermsOf(const StructuralDynamics& dynamics) {
-  return {dynamics.groups(), dynamics.laws(), dynamics.unknown_forces(),
-          dynamics.networks()};
+  StructureTerms terms;
+  terms.groups = dynamics.groups();
+  for (const LawTerm& term : dynamics.laws()) terms.laws.push_back(term);
+  for (const UnknownForceTerm& term : dynamics.unknown_forces()) {
+    terms.unknown_forces.push_back(term);
+  }
+  for (const NetworkTerm& term : dynamics.networks()) {
+    terms.networks.push_back(term);
+  }
+  for (int i = 0; i < dynamics.num_terms(); ++i) {
+    if (dynamics.term(i).kind() != TermKind::kOther) continue;
+    terms.others.push_back(dynamics.term(i).Clone());
+  }
+  return terms;
 }
 
 bool Assemble(const StructuralModel& model,
@@ -40,6 +52,9 @@ bool Assemble(const StructuralModel& model,
   }
   for (const NetworkTerm& term : terms.networks) {
     if (!result->AddNetwork(term, error)) return false;
+  }
+  for (const std::shared_ptr<const Term>& term : terms.others) {
+    if (!result->AddTerm(term->Clone(), error)) return false;
   }
   StructuralDynamics::Prepared prepared;
   if (!result->Prepare(result->Parameters(), &prepared, error)) return false;

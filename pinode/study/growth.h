@@ -26,6 +26,8 @@ struct StructureTerms {
   std::vector<LawTerm> laws;
   std::vector<UnknownForceTerm> unknown_forces;
   std::vector<NetworkTerm> networks;
+  // Kinds that the library does not know (StructuralDynamics::AddTerm).
+  std::vector<std::shared_ptr<const Term>> others;
 };
 StructureTerms TermsOf(const StructuralDynamics& dynamics);
 

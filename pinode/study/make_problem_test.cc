@@ -29,6 +29,7 @@ struct Arrays {
                                          40.0 * SpringMatrix(2, -1, 0))},
                           {},
                           {},
+                          {},
                           {}};
   double step = kFrameStep;
   Matrix ground = Sine(3.0).transpose();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/identify.h"
