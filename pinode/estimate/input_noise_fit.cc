@@ -67,7 +67,7 @@ class Fitter {
 
   bool Covariance(CovarianceEstimate* covariance);
   bool Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
-           std::string* message);
+           std::string* error);
 
  private:
   // Multiple shooting, one segment a record, under the corrected excitation.
@@ -320,14 +320,14 @@ bool Fitter::Covariance(CovarianceEstimate* covariance) {
 }
 
 bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
-                 std::string* message) {
+                 std::string* error) {
   constexpr int kMaxHalvings = 10;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Point proposed;
     double step = 0.0;
     double before = 0.0;
     if (!Cost(point_, &before) || !Propose(&proposed, &step)) {
-      *message = "the trajectory is not finite";
+      *error = "the trajectory is not finite";
       return false;
     }
     double after = 0.0;
@@ -336,7 +336,7 @@ bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
     int halvings = 0;
     while (!Cost(point, &after) || after > before * (1.0 + 1e-9)) {
       if (++halvings > kMaxHalvings) {
-        *message = "no step lowers the cost";
+        *error = "no step lowers the cost";
         return false;
       }
       share *= 0.5;
@@ -367,11 +367,11 @@ bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
     }
     sigmas_ = next_sigmas_;
     if (go_on && !go_on(point_.free, after)) {
-      *message = "interrupted";
+      *error = "interrupted";
       return false;
     }
   }
-  *message = "no convergence";
+  *error = "no convergence";
   return false;
 }
 
@@ -396,9 +396,9 @@ bool FitWithInputNoise(const IdentificationProblem& problem,
                        const ParameterLayout& layout,
                        const MultipleShooting::Options& options,
                        const Vector& decays, const InputNoiseCallback& go_on,
-                       InputNoiseFit* fit, std::string* message) {
+                       InputNoiseFit* fit, std::string* error) {
   Fitter fitter(problem, layout, options, decays, *fit);
-  return fitter.Run(go_on, fit, message);
+  return fitter.Run(go_on, fit, error);
 }
 
 bool InputNoiseCovariance(const IdentificationProblem& problem,

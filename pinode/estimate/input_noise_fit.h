@@ -52,13 +52,13 @@ bool CanFitWithInputNoise(const IdentificationProblem& problem,
 //
 // `go_on` is told parameters and cost after each iteration and ends the fit by
 // returning false. False, with *fit as it was, where it does so or the
-// iteration does not converge; *message then says why.
+// iteration does not converge; *error then says why.
 [[nodiscard]] bool FitWithInputNoise(const IdentificationProblem& problem,
                                      const ParameterLayout& layout,
                                      const MultipleShooting::Options& options,
                                      const Vector& decays,
                                      const InputNoiseCallback& go_on,
-                                     InputNoiseFit* fit, std::string* message);
+                                     InputNoiseFit* fit, std::string* error);
 
 // The covariance that the fit above would have if it ended at *fit's parameters
 // and noise levels, into fit->covariance. False where the trajectory is not

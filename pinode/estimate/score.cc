@@ -17,6 +17,25 @@ namespace {
 // Share of a hold-out record from which its start is smoothed.
 constexpr double kStartShare = 0.05;
 
+// Infinite errors, and what there is of the trajectory.
+void ScoreDivergence(const IdentificationRecord& data,
+                     const Trajectory& trajectory, RecordScore* score) {
+  const int samples = data.num_samples();
+  score->prediction =
+      Matrix::Constant(static_cast<int>(data.channels.size()), samples,
+                       std::numeric_limits<double>::quiet_NaN());
+  if (trajectory.channels.cols() == samples) {
+    score->prediction = trajectory.channels;
+    score->states = trajectory.states;
+  }
+  score->nrmse = kInfinity;
+  for (size_t c = 0; c < data.channels.size(); ++c) {
+    score->channels[c].name = data.channels[c].observation.name;
+    score->channels[c].rmse = kInfinity;
+    score->channels[c].nrmse = kInfinity;
+  }
+}
+
 }  // namespace
 
 int FreeRunStart(const IdentificationProblem& problem, int record,
@@ -95,18 +114,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                             samples - 1, &trajectory);
   }
   if (!score->finite) {
-    score->prediction =
-        Matrix::Constant(nc, samples, std::numeric_limits<double>::quiet_NaN());
-    if (trajectory.channels.cols() == samples) {
-      score->prediction = trajectory.channels;
-      score->states = trajectory.states;
-    }
-    score->nrmse = kInfinity;
-    for (size_t c = 0; c < data.channels.size(); ++c) {
-      score->channels[c].name = data.channels[c].observation.name;
-      score->channels[c].rmse = kInfinity;
-      score->channels[c].nrmse = kInfinity;
-    }
+    ScoreDivergence(data, trajectory, score);
     return;
   }
   score->states = trajectory.states;

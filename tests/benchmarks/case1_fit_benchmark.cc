@@ -29,6 +29,7 @@
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
+#include "pinode/estimate/stage_schedule.h"
 #include "tests/benchmarks/measure.h"
 #include "tests/benchmarks/plain_chain.h"
 #include "tests/benchmarks/plain_fit.h"
