@@ -407,7 +407,10 @@ Discovery WithoutRefit(const IdentificationProblem& problem,
                        const std::vector<DiscoveredEquation>& equations) {
   Discovery discovery;
   discovery.equations = equations;
-  CompleteTerms(problem, equations, nullptr, &discovery.equations);
+  std::string unused;
+  if (AreEquationsOf(problem, equations, &unused)) {
+    CompleteTerms(problem, equations, nullptr, &discovery.equations);
+  }
   return discovery;
 }
 

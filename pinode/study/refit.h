@@ -56,7 +56,8 @@ struct Discovery {
     const std::vector<DiscoveredEquation>* resumed, Discovery* discovery,
     std::string* error);
 
-// The equations as selected, without a refit. They are of `problem`.
+// The equations as selected, without a refit; with units where they are of
+// `problem`.
 Discovery WithoutRefit(const IdentificationProblem& problem,
                        const std::vector<DiscoveredEquation>& equations);
 

@@ -64,22 +64,23 @@ class RefitTest : public ::testing::Test {
   }
 
   static IdentificationRecord FreeVibration() {
-    constexpr int kSamples = 81;
+    constexpr int kOscillatorSamples = 81;
     constexpr int kSubsteps = 200;
-    constexpr double kStep = 0.05;
+    constexpr double kOscillatorStep = 0.05;
     IdentificationRecord record;
     record.name = "free";
-    record.excitation.emplace(0.0, kStep, Matrix(0, kSamples),
+    record.excitation.emplace(0.0, kOscillatorStep,
+                              Matrix(0, kOscillatorSamples),
                               Interpolation::kLinear);
     record.start = IdentificationRecord::Start::kFree;
     record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
                        testing::MakeChannel("v", Quantity::kVelocity, 1, 0)};
     for (MeasuredChannel& channel : record.channels) {
-      channel.values.resize(kSamples);
+      channel.values.resize(kOscillatorSamples);
     }
     double state[] = {1.5, 0.0};
     Rk4Scratch<double> scratch(2);
-    for (int i = 0; i < kSamples; ++i) {
+    for (int i = 0; i < kOscillatorSamples; ++i) {
       record.channels[0].values[i] = state[0];
       record.channels[1].values[i] = state[1];
       for (int s = 0; s < kSubsteps; ++s) {
@@ -88,7 +89,7 @@ class RefitTest : public ::testing::Test {
               rate[0] = h[1];
               rate[1] = -9.0 * h[0] - 0.4 * h[1] - 2.0 * h[0] * h[0] * h[0];
             },
-            0.0, kStep / kSubsteps, state, &scratch);
+            0.0, kOscillatorStep / kSubsteps, state, &scratch);
       }
     }
     return record;
@@ -226,7 +227,7 @@ TEST_F(RefitTest, RefusesWhatDoesNotFitTogether) {
   EXPECT_THAT(refusal(), HasSubstr("parameters"));
   model_.parameters = ParameterLayout(problem_).InitialValues();
   options_.max_num_iterations = -1;
-  EXPECT_THAT(refusal(), HasSubstr("max_num_iterations"));
+  EXPECT_THAT(refusal(), HasSubstr("max_iterations"));
   options_ = {};
   const std::vector<DiscoveredEquation> resumed;
   EXPECT_FALSE(RefitEquations(problem_, model_, {equation_}, {}, options_,
