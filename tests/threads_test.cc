@@ -14,7 +14,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/discover/ensemble.h"
 #include "pinode/discover/lasso.h"
-#include "pinode/discover/testing.h"
+#include "pinode/discover/regression_problem.h"
 #include "pinode/dynamics/library_function.h"
 #include "pinode/estimate/assessment.h"
 #include "pinode/estimate/identify.h"
@@ -143,7 +143,18 @@ TEST(Threads, OneExpression) {
 }
 
 TEST(Threads, BagsOfAnEnsemble) {
-  const RegressionProblem problem = testing::Duffing(300, 0.05, 4);
+  testing::Gaussian random(4);
+  RegressionOutput output;
+  output.name = "y";
+  output.theta.resize(300, 8);
+  for (int j = 0; j < 8; ++j) {
+    output.candidates.push_back("c" + std::to_string(j));
+    output.theta.col(j) = random.Draw(300);
+  }
+  output.y =
+      2.0 * output.theta.col(1) - output.theta.col(6) + 0.1 * random.Draw(300);
+  RegressionProblem problem;
+  problem.outputs = {output};
   EnsembleOptions options;
   options.num_bags = 20;
   const auto run = [&](int threads) {
