@@ -120,8 +120,8 @@ bool MultipleShooting::EvaluateSegment(ShootingRecord* record, int segment,
   result.start_hessian.noalias() = by_start.transpose() * by_start;
   result.start_gradient.noalias() = by_start.transpose() * residuals;
   record->ends().col(segment) = tangents.end_state;
-  SelectFreeColumns(layout_, ns, with_parameters, tangents.end_sensitivity,
-                    &result.end_sensitivity);
+  AddSensorColumns(layout_, ns, with_parameters, tangents.end_sensitivity,
+                   &result.end_sensitivity);
   if (!with_parameters) return true;
 
   const auto by_parameters =

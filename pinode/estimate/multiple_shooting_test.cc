@@ -176,11 +176,7 @@ DenseSystem AssembleDense(const SmallFit& fit,
                                        k + 1 == count, true, &tangents));
       const auto widen = [&](const Matrix& narrow) {
         Matrix wide = Matrix::Zero(narrow.rows(), ns + nf);
-        wide.leftCols(ns) = narrow.leftCols(ns);
-        for (int j = 0; j < layout.num_free_dynamics(); ++j) {
-          wide.col(ns + j) =
-              narrow.col(ns + layout.tangent_columns()[static_cast<size_t>(j)]);
-        }
+        wide.leftCols(narrow.cols()) = narrow;
         return wide;
       };
       Matrix jacobian = widen(tangents.jacobian);

@@ -69,10 +69,7 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
 void ParameterLayout::AddCombinations(const UnknownForceTerm& term,
                                       int first_parameter) {
   if (term.prior.combinations.empty()) return;
-  for (const Parameter& parameter : term.parameters.parameters) {
-    CHECK(parameter.free == term.parameters.parameters[0].free)
-        << "'" << term.name << "': all of its parameters are free, or none";
-  }
+  // All of its parameters are free, or none.
   const int first = FreeIndex(first_parameter);
   if (first < 0) return;
   const int first_group = num_decay_groups();
@@ -133,13 +130,7 @@ ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
                         dynamics.unknown_force_block(static_cast<int>(j))));
   }
   add(problem.sensors, -1);
-
-  const std::vector<int>& columns = dynamics.tangent_columns();
-  for (size_t j = 0; j < columns.size(); ++j) {
-    if (FreeIndex(columns[j]) >= 0) {
-      tangent_columns_.push_back(static_cast<int>(j));
-    }
-  }
+  num_free_dynamics_ = dynamics.num_tangent_columns();
 }
 
 int ParameterLayout::FreeIndex(const std::string& name) const {

@@ -78,12 +78,9 @@ class ParameterLayout {
 
   // Indices of the free parameters in the full vector.
   const std::vector<int>& free() const { return free_; }
-  // Tangent column of the dynamics for each free dynamics parameter, in order;
-  // free parameters from num_free_dynamics() on are sensors'.
-  const std::vector<int>& tangent_columns() const { return tangent_columns_; }
-  int num_free_dynamics() const {
-    return static_cast<int>(tangent_columns_.size());
-  }
+  // The first of them are those of the dynamics and their tangent columns, in
+  // this order; those from num_free_dynamics() on are sensors'.
+  int num_free_dynamics() const { return num_free_dynamics_; }
   // Position among the free ones, -1 where fixed.
   int FreeIndex(int index) const {
     return free_index_[static_cast<size_t>(index)];
@@ -108,8 +105,8 @@ class ParameterLayout {
   std::vector<DecayRow> decay_rows_;
   std::vector<int> free_;
   std::vector<int> free_index_;
-  std::vector<int> tangent_columns_;
   int num_dynamics_ = 0;
+  int num_free_dynamics_ = 0;
 };
 
 }  // namespace pinode

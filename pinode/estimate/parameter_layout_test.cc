@@ -37,9 +37,9 @@ TEST(ParameterLayout, MapsFreeAndFixed) {
   }
   EXPECT_EQ(fixed, (std::set<std::string>{"m2", "slip.n"}));
   // Each tangent column belongs to its free parameter.
+  ASSERT_EQ(layout.num_free_dynamics(), dynamics.num_tangent_columns());
   for (int j = 0; j < layout.num_free_dynamics(); ++j) {
-    const int column = layout.tangent_columns()[static_cast<size_t>(j)];
-    EXPECT_EQ(dynamics.tangent_columns()[static_cast<size_t>(column)],
+    EXPECT_EQ(dynamics.tangent_columns()[static_cast<size_t>(j)],
               layout.free()[static_cast<size_t>(j)]);
   }
 

@@ -27,19 +27,19 @@ void FilterHistories(const ZeroPhaseFilter& filter, int num_channels,
 
 }  // namespace
 
-void SelectFreeColumns(const ParameterLayout& layout, int num_states,
-                       bool with_parameters, const Matrix& tangents,
-                       Matrix* selected) {
+void AddSensorColumns(const ParameterLayout& layout, int num_states,
+                      bool with_parameters, const Matrix& tangents,
+                      Matrix* result) {
   const int free = with_parameters ? layout.num_free() : 0;
-  selected->resize(tangents.rows(), num_states + free);
-  selected->leftCols(num_states) = tangents.leftCols(num_states);
-  if (!with_parameters) return;
-  const std::vector<int>& columns = layout.tangent_columns();
-  for (size_t j = 0; j < columns.size(); ++j) {
-    selected->col(num_states + static_cast<int>(j)) =
-        tangents.col(num_states + columns[j]);
+  result->resize(tangents.rows(), num_states + free);
+  if (!with_parameters) {
+    *result = tangents.leftCols(num_states);
+    return;
   }
-  selected->rightCols(free - layout.num_free_dynamics()).setZero();
+  // The dynamics' tangent columns are its free parameters, which come first.
+  const int known = num_states + layout.num_free_dynamics();
+  result->leftCols(known) = tangents.leftCols(known);
+  result->rightCols(num_states + free - known).setZero();
 }
 
 ResidualRows::ResidualRows(const IdentificationProblem& problem,
@@ -56,8 +56,8 @@ void ResidualRows::Compute(const IdentificationRecord& record,
                            const SegmentTangents& tangents) {
   const int nc = static_cast<int>(tangents.channels.rows());
   const int samples = static_cast<int>(tangents.channels.cols());
-  SelectFreeColumns(layout_, problem_.dynamics->num_states(), with_parameters,
-                    tangents.jacobian, &jacobian_);
+  AddSensorColumns(layout_, problem_.dynamics->num_states(), with_parameters,
+                   tangents.jacobian, &jacobian_);
   // Predictions of real sensors, sample-major as the rows are.
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                tangents.channels.size());

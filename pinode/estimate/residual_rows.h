@@ -14,12 +14,12 @@
 
 namespace pinode {
 
-// Columns of the start (num_states), then of the free parameters, picked from
-// those of `tangents`. Sensors' columns are zero: they have no part in it.
-// Without parameters the start's alone.
-void SelectFreeColumns(const ParameterLayout& layout, int num_states,
-                       bool with_parameters, const Matrix& tangents,
-                       Matrix* selected);
+// Columns of the start (num_states), then of the free parameters: those of
+// `tangents`, and zeros for the sensors, which have no part in it. Without
+// parameters the start's alone.
+void AddSensorColumns(const ParameterLayout& layout, int num_states,
+                      bool with_parameters, const Matrix& tangents,
+                      Matrix* result);
 
 // With the residual r = (sensor's prediction - measured) / sigma of a sample
 // and a loss rho(r^2), the weighted residual is r sqrt(rho'(r^2)): its square's
@@ -43,7 +43,7 @@ class ResidualRows {
   double cost() const { return cost_; }
   // channels * samples, channels fastest.
   const Vector& residuals() const { return residuals_; }
-  // As many rows; columns as SelectFreeColumns has them.
+  // As many rows; columns as AddSensorColumns has them.
   const Matrix& jacobian() const { return jacobian_; }
 
  private:

@@ -128,8 +128,8 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
   if (HasGap()) {
     r.tail(ns) = inverse.cwiseProduct(
         tangents_.end_state - Eigen::Map<const Vector>(parameters[1], ns));
-    SelectFreeColumns(layout_, ns, by_free, tangents_.end_sensitivity,
-                      &end_sensitivity_);
+    AddSensorColumns(layout_, ns, by_free, tangents_.end_sensitivity,
+                     &end_sensitivity_);
   }
   const auto fill = [&](size_t block, Eigen::Index column, int size) {
     if (!derive || jacobians[block] == nullptr) return;
