@@ -38,9 +38,9 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   bool warned = false;
   IdentificationOptions options = c->options;
   options.callback = [&](const IdentificationProgress& progress) {
-    std::string problem;
-    if (!writer.Update(progress, &problem) && !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
+    std::string what;
+    if (!writer.Update(progress, &what) && !warned) {
+      std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
       warned = true;
     }
     line.Show("", progress);

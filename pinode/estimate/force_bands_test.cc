@@ -39,6 +39,7 @@ IdentificationProblem SplineProblem() {
   problem.dynamics = dynamics;
   IdentificationRecord record;
   record.excitation.emplace(0.0, 0.05, Matrix(0, 20), Interpolation::kLinear);
+  record.substeps = 1;
   record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0)};
   problem.records.push_back(record);
   return problem;

@@ -217,7 +217,6 @@ bool ModalCost::Evaluate(double const* const* parameters, double* residuals,
   Matrix jacobian;
   if (!EvaluateAt(Eigen::Map<const Vector>(parameters[0], n), &values,
                   derive ? &jacobian : nullptr)) {
-    ++failed_evaluations_;
     return false;
   }
   Eigen::Map<Vector>(residuals, num_residuals()) = values;

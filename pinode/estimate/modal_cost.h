@@ -57,7 +57,6 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   [[nodiscard]] bool Linearize(const Vector& free,
                                CondensedSystem* system) override;
   std::string Failure() const override { return failure_; }
-  int failed_evaluations() const { return failed_evaluations_; }
 
  private:
   // A free correction to M or K.
@@ -92,7 +91,6 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   std::vector<Shape> shapes_;  // one per mode
   int num_eliminated_ = 0;
   mutable std::string failure_;
-  mutable int failed_evaluations_ = 0;
 };
 
 }  // namespace pinode

@@ -36,11 +36,6 @@ class Objective final : public CostPart {
   // Of the first part that has failed.
   std::string Failure() const override;
 
-  // Evaluations of the modes by Ceres that have failed.
-  int num_modal_failures() const {
-    return modes_ == nullptr ? 0 : modes_->failed_evaluations();
-  }
-
   // Hessian of the modes at the last Linearize, num_free x num_free; empty
   // without modes.
   const Matrix& modal_information() const { return modal_information_; }

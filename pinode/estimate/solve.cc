@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/force_bands.h"
-#include "pinode/estimate/trajectory_cost.h"
 
 namespace pinode {
 namespace {
@@ -124,20 +124,11 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
 
   const int n = context_.layout.num_free();
   Vector free = state->free;
-  TrajectoryCost trajectories(&objective.shooting(), n);
+  CondensedCost cost(&objective, n);
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  const int failures_before = objective.num_modal_failures();
-  if (objective.modes() != nullptr) {
-    problem.AddResidualBlock(objective.modes(), nullptr, free.data());
-  }
-  if (!context_.train_records().empty()) {
-    problem.AddResidualBlock(&trajectories, nullptr, free.data());
-  }
-  if (objective.priors().num_priors() > 0) {
-    problem.AddResidualBlock(&objective.priors(), nullptr, free.data());
-  }
+  problem.AddResidualBlock(&cost, nullptr, free.data());
   SetBounds(context_.layout, free.data(), &problem);
 
   Callback callback(context_, free, progress_, &radius_);
@@ -145,11 +136,9 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
 
   ceres::Solver::Summary ceres_summary;
   ceres::Solve(options, &problem, &ceres_summary);
-  summary.jacobian_seconds += trajectories.jacobian_seconds();
+  summary.jacobian_seconds += cost.jacobian_seconds();
   summary.linear_solver_seconds += ceres_summary.linear_solver_time_in_seconds;
-  summary.failed_evaluations += trajectories.failed_evaluations() +
-                                objective.num_modal_failures() -
-                                failures_before;
+  summary.failed_evaluations += cost.failed_evaluations();
   VLOG(2) << ceres_summary.FullReport();
   if (ceres_summary.termination_type == ceres::FAILURE &&
       ceres_summary.iterations.size() <= 1) {

@@ -1,15 +1,11 @@
 #include "pinode/estimate/trajectory_cost.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <utility>
 
-#include "pinode/base/logging.h"
-#include "pinode/base/statistics.h"
+#include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/noise_levels.h"
-#include "pinode/estimate/square_root.h"
 #include "pinode/estimate/stage_schedule.h"
 
 namespace pinode {
@@ -18,10 +14,12 @@ struct TrajectoryCost::Owned {
   Owned(IdentificationProblem given, const MultipleShooting::Options& options)
       : problem(std::move(given)),
         layout(problem),
-        shooting(problem, layout, options) {}
+        shooting(problem, layout, options),
+        condensed(&shooting, layout.num_free()) {}
   const IdentificationProblem problem;
   const ParameterLayout layout;
   MultipleShooting shooting;
+  const CondensedCost condensed;
 };
 
 namespace {
@@ -87,24 +85,18 @@ std::unique_ptr<TrajectoryCost> TrajectoryCost::Create(
     shooting.SetGapPenalty(options.gap_firmness *
                            std::max(1.0, shooting.DataCurvature()));
   }
-  auto cost =
-      std::make_unique<TrajectoryCost>(&shooting, owned->layout.num_free());
-  cost->owned_ = std::move(owned);
-  return cost;
+  return std::unique_ptr<TrajectoryCost>(new TrajectoryCost(std::move(owned)));
 }
 
-TrajectoryCost::TrajectoryCost(MultipleShooting* shooting, int num_free)
-    : shooting_(shooting) {
-  mutable_parameter_block_sizes()->push_back(num_free);
-  set_num_residuals(num_free + 1);
+TrajectoryCost::TrajectoryCost(std::unique_ptr<Owned> owned)
+    : owned_(std::move(owned)) {
+  *mutable_parameter_block_sizes() = owned_->condensed.parameter_block_sizes();
+  set_num_residuals(owned_->condensed.num_residuals());
 }
 
 TrajectoryCost::~TrajectoryCost() = default;
 
-const ParameterLayout& TrajectoryCost::layout() const {
-  CHECK(owned_ != nullptr) << "it was not made by Create";
-  return owned_->layout;
-}
+const ParameterLayout& TrajectoryCost::layout() const { return owned_->layout; }
 
 Vector TrajectoryCost::InitialValues() const {
   return layout().Free(layout().InitialValues());
@@ -112,39 +104,7 @@ Vector TrajectoryCost::InitialValues() const {
 
 bool TrajectoryCost::Evaluate(double const* const* parameters,
                               double* residuals, double** jacobians) const {
-  const int n = parameter_block_sizes()[0];
-  const Vector free = Eigen::Map<const Vector>(parameters[0], n);
-  Eigen::Map<Vector> r(residuals, n + 1);
-  const auto begin = std::chrono::steady_clock::now();
-  bool ok;
-  if (jacobians == nullptr || jacobians[0] == nullptr) {
-    double cost = 0.0;
-    ok = shooting_->Evaluate(free, &cost);
-    r.setZero();
-    r[n] = std::sqrt(2.0 * std::max(0.0, cost));
-  } else {
-    ok = shooting_->Linearize(free, &system_) &&
-         SquareRoot(system_.hessian, &root_);
-    if (ok) {
-      Vector projected = system_.gradient;
-      root_.transpose().triangularView<Eigen::Lower>().solveInPlace(projected);
-      // Rounding, or a shifted root, must not turn into a negative rest.
-      const double total = 2.0 * system_.cost;
-      r.head(n) = projected;
-      r[n] = std::sqrt(std::max(0.0, total - projected.squaredNorm()));
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
-                               Eigen::RowMajor>>
-          jacobian(jacobians[0], n + 1, n);
-      jacobian.topRows(n) = root_;
-      jacobian.bottomRows(1).setZero();
-      ok = projected.allFinite();
-    }
-  }
-  if (!ok) ++failed_evaluations_;
-  jacobian_seconds_ +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
-          .count();
-  return ok;
+  return owned_->condensed.Evaluate(parameters, residuals, jacobians);
 }
 
 }  // namespace pinode

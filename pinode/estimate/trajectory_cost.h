@@ -16,20 +16,14 @@
 
 namespace pinode {
 
-// The projected problem f(theta) of MultipleShooting as num_free + 1 residuals.
-// With gradient g and Gauss-Newton Hessian H = R'R,
-//
-//   r = [R^-T g; sqrt(2 f - |R^-T g|^2)],   J = [R; 0],
-//
-// so that |r|^2 / 2 = f, J'r = g and J'J = H: Levenberg-Marquardt takes the
-// steps that it would take on the thousands of residuals behind H, and its
-// linear algebra no longer grows with the records. Without a Jacobian only
-// |r|^2 is what it would be with one: no numeric differences of r.
+// The trajectories of all training records, segments' starts projected out
+// (MultipleShooting), as num_free + 1 residuals: see CondensedCost.
 //
 // The one parameter block are the free parameters, in the order of layout(),
 // which names them; start from InitialValues(). Their bounds are the caller's
 // to set in the ceres::Problem, where other residuals may share the block.
 // Priors and measured modes are blocks of their own: PriorCost, ModalCost.
+// Without a Jacobian only |r|^2 is right: no numeric differences of r.
 //
 // Evaluations of one object must come one at a time, as Ceres does; with
 // Options::num_threads it uses threads within each. Like other cost functions
@@ -60,30 +54,21 @@ class TrajectoryCost final : public ceres::CostFunction {
                                                 const Options& options,
                                                 std::string* error);
 
-  // Of a shooting that somebody else sets; it must outlive this object.
-  TrajectoryCost(MultipleShooting* shooting, int num_free);
   ~TrajectoryCost() override;
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  // Where made by Create: what the parameter block holds, and its values in
-  // the problem.
+  // What the parameter block holds, and its values in the problem.
   const ParameterLayout& layout() const;
   Vector InitialValues() const;
-
-  double jacobian_seconds() const { return jacobian_seconds_; }
-  int failed_evaluations() const { return failed_evaluations_; }
 
  private:
   struct Owned;
 
-  std::unique_ptr<Owned> owned_;
-  MultipleShooting* shooting_;
-  mutable CondensedSystem system_;
-  mutable Matrix root_;
-  mutable double jacobian_seconds_ = 0.0;
-  mutable int failed_evaluations_ = 0;
+  explicit TrajectoryCost(std::unique_ptr<Owned> owned);
+
+  const std::unique_ptr<Owned> owned_;
 };
 
 }  // namespace pinode

@@ -82,13 +82,12 @@ class Analyst {
         result_.places.push_back(place);
       }
     }
-    std::string problem;
-    const bool kinds = !candidates_.empty() && RefitBaselines(&problem) &&
-                       LookForKinds(&problem);
-    if (!problem.empty()) {
+    std::string why;
+    const bool kinds =
+        !candidates_.empty() && RefitBaselines(&why) && LookForKinds(&why);
+    if (!why.empty()) {
       result_.remarks.push_back(
-          "Kinds of change were not told apart from one another: " + problem +
-          ".");
+          "Kinds of change were not told apart from one another: " + why + ".");
     }
     if (!kinds) {
       found_.clear();
@@ -113,10 +112,10 @@ class Analyst {
     return options;
   }
 
-  bool RefitBaselines(std::string* problem) {
+  bool RefitBaselines(std::string* error) {
     for (const Baseline& baseline : baselines_) {
       if (baseline.fit == nullptr) {
-        *problem = baseline.why_no_fit;
+        *error = baseline.why_no_fit;
         return false;
       }
       const HealthyFit& healthy = *baseline.fit;
@@ -130,7 +129,7 @@ class Analyst {
              &fit.model);
         // No better than before, so not "usable".
         if (fit.summary.termination != Termination::kConverged) {
-          *problem = baseline.name + ": " + fit.summary.message;
+          *error = baseline.name + ": " + fit.summary.message;
           return false;
         }
       }
@@ -140,12 +139,12 @@ class Analyst {
   }
 
   bool HealthyStates(const Candidates& candidates,
-                     std::vector<GroupState>* states, std::string* problem) {
+                     std::vector<GroupState>* states, std::string* error) {
     states->clear();
     for (size_t i = 0; i < baselines_.size(); ++i) {
       GroupState state;
       if (!StateNear(fits_of_healthy_[i], groups_, candidates,
-                     identification_.num_threads, &state, problem)) {
+                     identification_.num_threads, &state, error)) {
         return false;
       }
       states->push_back(std::move(state));
@@ -154,10 +153,10 @@ class Analyst {
   }
 
   // Groups and all candidates of the healthy records and the new ones.
-  bool WideStates(std::string* problem) {
-    if (!HealthyStates(candidates_, &healthy_, problem) ||
+  bool WideStates(std::string* error) {
+    if (!HealthyStates(candidates_, &healthy_, error) ||
         !StateNear(fit_of_new_, groups_, candidates_,
-                   identification_.num_threads, &current_, problem)) {
+                   identification_.num_threads, &current_, error)) {
       return false;
     }
     healthy_.push_back(std::move(current_));
@@ -169,14 +168,14 @@ class Analyst {
 
   // found_ and fit_of_new_, where masses or nonlinear forces are among what the
   // data ask for.
-  bool LookForKinds(std::string* problem) {
+  bool LookForKinds(std::string* error) {
     for (int round = 0; round < kMaxRounds; ++round) {
       ChangeEstimate wide;
-      if (!WideStates(problem) ||
+      if (!WideStates(error) ||
           !EstimateChange(
               healthy_, current_,
               WideOptions(kShareOfKinds * options_.false_alarm_rate), &wide,
-              problem)) {
+              error)) {
         return false;
       }
       Candidates asked_for;
@@ -191,7 +190,7 @@ class Analyst {
       }
       FitOfRecords fit;
       fit.name = kNewRecords;
-      if (!AddCandidates(problem_, asked_for, &fit.problem, problem)) {
+      if (!AddCandidates(problem_, asked_for, &fit.problem, error)) {
         return false;
       }
       IdentificationOptions options = identification_;
@@ -202,9 +201,9 @@ class Analyst {
       fit_("with " + std::to_string(asked_for.size()) + " more", fit.problem,
            options, &begin, &fit.summary, &fit.model);
       if (!fit.summary.usable || fit.summary.covariance.size() == 0) {
-        *problem = "the fit with " + asked_for[0].subject.name +
-                   (asked_for.size() > 1 ? " and others" : "") +
-                   " is not usable: " + fit.summary.message;
+        *error = "the fit with " + asked_for[0].subject.name +
+                 (asked_for.size() > 1 ? " and others" : "") +
+                 " is not usable: " + fit.summary.message;
         return false;
       }
       found_ = std::move(asked_for);

@@ -8,6 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/study/prepare_problem.h"
@@ -122,18 +123,19 @@ TEST(MakeProblemTest, SaysWhatIsWrong) {
       {"step is not positive", [&](Arrays* a) { a->step = nan; }},
       {"too coarse", [](Arrays* a) { a->step = 1e6; }},
       {"no measured channel", [](Arrays* a) { a->channels.clear(); }},
-      {"channel 'a1': it needs 2 finite weights",
+      {"channel 'a1': it has 1 weights, the model has 2 DOFs",
        [](Arrays* a) { a->channels[0].observation.weights = Vector::Ones(1); }},
       {"its length differs",
        [](Arrays* a) { a->channels[0].values.conservativeResize(59); }},
       {"it holds no value",
        [&](Arrays* a) { a->channels[0].values.setConstant(nan); }},
-      {"infinite", [](Arrays* a) { a->channels[0].values[3] = 1.0 / 0.0; }},
+      {"infinite", [](Arrays* a) { a->channels[0].values[3] = kInfinity; }},
       {"negative", [](Arrays* a) { a->channels[0].sigma = -1.0; }},
-      {"parameter 0 of its sensor", [](Arrays* a) { a->channels[0].gain = 0; }},
-      {"parameter 3 of its sensor",
+      {"its gain is sensor parameter 0",
+       [](Arrays* a) { a->channels[0].gain = 0; }},
+      {"its offset is sensor parameter 3",
        [](Arrays* a) { a->channels[0].offset = 3; }},
-      {"parameter -2 of its sensor",
+      {"its delay is sensor parameter -2",
        [](Arrays* a) { a->channels[0].delay = -2; }},
       {"factor of its unit",
        [](Arrays* a) { a->channels[0].description.factor = 0.0; }},
@@ -160,11 +162,11 @@ TEST(PrepareProblemTest, SaysWhatIsWrongAndChangesNothing) {
        [](IdentificationProblem* p) { p->records.clear(); }},
       {"fewer than two samples",
        [](IdentificationProblem* p) { p->records[0].excitation.reset(); }},
-      {"noise of its inputs",
+      {"2 standard deviations of inputs",
        [](IdentificationProblem* p) {
          p->records[0].input_sigma = Vector::Ones(2);
        }},
-      {"noise of its inputs",
+      {"the standard deviation of an input is negative",
        [](IdentificationProblem* p) {
          p->records[0].input_sigma = -Vector::Ones(1);
        }},

@@ -136,9 +136,9 @@ void RenewBasisUntilSettled(const FitFunction& fit,
   for (int round = 1; round <= kMaxRenewals; ++round) {
     ReducedProblem next;
     IdentifiedModel begin;
-    std::string problem;
-    if (!RenewBasis(now, model_now, &next, &begin, &problem)) {
-      remark = "could not be renewed: " + problem;
+    std::string error;
+    if (!RenewBasis(now, model_now, &next, &begin, &error)) {
+      remark = "could not be renewed: " + error;
       break;
     }
     IdentificationSummary summary_next;
