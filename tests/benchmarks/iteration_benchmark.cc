@@ -27,11 +27,11 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/square_root.h"
-#include "pinode/estimate/trajectory_cost.h"
 #include "tests/benchmarks/chain_problem.h"
 #include "tests/benchmarks/measure.h"
 #include "tests/benchmarks/plain_chain.h"
@@ -175,7 +175,7 @@ class Fit {
     ceres::Problem ceres_problem;
     ceres_problem.AddResidualBlock(
         new TimedCost(
-            std::make_unique<TrajectoryCost>(&shooting_, layout_.num_free()),
+            std::make_unique<CondensedCost>(&shooting_, layout_.num_free()),
             &times),
         nullptr, x.data());
     if (objective_.priors().num_priors() > 0) {
@@ -252,7 +252,7 @@ class Fit {
         << cost << " against " << plain_cost;
   }
 
-  // TrajectoryCost computes tangents, condenses and takes a square root in one
+  // CondensedCost computes tangents, condenses and takes a square root in one
   // evaluation. The parts are timed one by one at the last iterate and taken in
   // proportion.
   void SplitJacobian(const Vector& x, std::vector<IterationTimes>* iterations) {
