@@ -55,7 +55,7 @@ if [[ -z $build ]]; then
 fi
 # Tests of the cases, and statistics, in the order of the table.
 cases=(cases discover_cases nsd force shake_table damage_cases four_storey_modal)
-studies=(study discover_study nsd_study force_study damage_study)
+studies=(cases_study discover_study nsd_study force_study damage_study)
 targets=(pinode_integrate_test pinode_discover_test)
 for name in "${cases[@]}"; do targets+=("pinode_${name}_test"); done
 if [[ -n $study ]]; then

@@ -133,6 +133,9 @@ bool IsValidExcitation(const StructuralDynamics& dynamics,
               !record.known_start.allFinite())) {
     message << "its start needs " << dynamics.num_states()
             << " finite values, one per state";
+  } else if (!(record.description.time_factor > 0.0) ||
+             !std::isfinite(record.description.time_factor)) {
+    message << "its unit of time has no positive factor";
   } else {
     return true;
   }
