@@ -1,4 +1,6 @@
-// From a trained network to equations: the regression half of discovery.
+// From a trained network, or from records alone, to equations: the regression
+// half of discovery. What is regressed is in network_outputs.h, how one output
+// is regressed in output_regression.h.
 
 #ifndef PINODE_DISCOVER_DISCOVERY_H_
 #define PINODE_DISCOVER_DISCOVERY_H_
@@ -156,35 +158,6 @@ struct DiscoveredEquation {
   Matrix sample_features;
   Vector sample_outputs;
 };
-
-// States along the free runs of the training records, at every Runge-Kutta
-// step.
-struct TrajectorySamples {
-  Matrix states;  // num_states x samples
-  Matrix rates;   // dh/dt
-  Matrix inputs;  // num_inputs x samples
-  Vector times;
-  std::vector<int> record_starts;
-  std::vector<int> strides;  // samples here per sample of the record
-
-  int num_samples() const { return static_cast<int>(times.size()); }
-};
-
-// Runs the training records from model.starts (where they are of the right
-// size, else from where FreeRunStart says). False if a run is not finite.
-[[nodiscard]] bool SampleTrajectories(const IdentificationProblem& problem,
-                                      const IdentifiedModel& model,
-                                      TrajectorySamples* samples,
-                                      std::string* error);
-
-// Standard deviation of the outputs of each network of `problem` along
-// `samples`, from the posterior covariance of the weights: the inverse of the
-// Gauss-Newton Hessian at `model`, with its noise levels and decay. One matrix
-// a network, outputs x samples of the records; zeros where the model does not
-// tell (no noise levels, weights that are fixed).
-std::vector<Matrix> NetworkUncertainty(const IdentificationProblem& problem,
-                                       const IdentifiedModel& model,
-                                       const TrajectorySamples& samples);
 
 // Regresses each output of each network of `problem`, as trained in `model`, on
 // its candidates along the predicted states of the training records (Lai et al.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pinode/base/logging.h"
 
@@ -209,11 +210,8 @@ class Likelihood final : public ceres::FirstOrderFunction {
   std::vector<size_t> estimated_;
 };
 
-}  // namespace
-
-bool SmoothMotion(double step, const std::vector<MotionChannel>& channels,
-                  SmoothedMotion* result, std::string* error) {
-  CHECK_GT(step, 0.0);
+// RMS of the largest displacement channel that has enough values; 0: none has.
+double DisplacementUnit(const std::vector<MotionChannel>& channels) {
   double unit = 0.0;
   for (const MotionChannel& channel : channels) {
     CHECK(channel.derivative >= 0 && channel.derivative <= 2)
@@ -224,6 +222,58 @@ bool SmoothMotion(double step, const std::vector<MotionChannel>& channels,
       unit = std::max(unit, RmsOfFinite(channel.values));
     }
   }
+  return unit;
+}
+
+// The likelihood may have more than one maximum: noise, or motion. The best
+// point of a coarse grid says in which to begin.
+std::vector<double> StartOfSearch(const Likelihood& likelihood) {
+  std::vector<double> start(static_cast<size_t>(likelihood.NumParameters()));
+  double start_cost = std::numeric_limits<double>::infinity();
+  for (double noise = std::log(1e-5); noise < 0.0; noise += 2.0) {
+    for (double intensity = kLowestIntensity; intensity <= 0.0;
+         intensity += 3.0) {
+      std::vector<double> trial(start.size(), noise);
+      trial[0] = intensity;
+      double cost;
+      if (likelihood.Evaluate(trial.data(), &cost, nullptr) &&
+          cost < start_cost) {
+        start_cost = cost;
+        start = trial;
+      }
+    }
+  }
+  return start;
+}
+
+// Smooths channels in units of the displacement's RMS and the step, with the
+// intensity and the noise levels of the greatest likelihood. `sigma` holds
+// variances. Returns the negative log-likelihood.
+double SmoothWithOrder(int order, const std::vector<MotionChannel>& channels,
+                       const std::vector<double>& scales,
+                       SmoothedMotion* smoothed) {
+  const Filter filter(order, channels);
+  auto* likelihood = new Likelihood(filter, channels, scales);
+  const ceres::GradientProblem problem(likelihood);  // takes it over
+  std::vector<double> parameters = StartOfSearch(*likelihood);
+  ceres::GradientProblemSolver::Options options;
+  options.logging_type = ceres::SILENT;
+  options.max_num_iterations = 100;
+  options.function_tolerance = 1e-9;
+  ceres::GradientProblemSolver::Summary summary;
+  ceres::Solve(options, problem, parameters.data(), &summary);
+  smoothed->order = order - 1;
+  smoothed->noise = likelihood->Noise(parameters);
+  return filter.Run(Likelihood::Intensity(parameters), smoothed->noise,
+                    &smoothed->motion, &smoothed->sigma);
+}
+
+}  // namespace
+
+bool SmoothMotion(double step, const std::vector<MotionChannel>& channels,
+                  SmoothedMotion* result, std::string* error) {
+  CHECK_GT(step, 0.0);
+  const double unit = DisplacementUnit(channels);
   if (!(unit > 0.0)) {
     *error =
         "no displacement channel of at least " +
@@ -243,50 +293,22 @@ bool SmoothMotion(double step, const std::vector<MotionChannel>& channels,
   double least = std::numeric_limits<double>::infinity();
   SmoothedMotion best;
   for (int order = 3; order <= kMaxOrder; ++order) {
-    const Filter filter(order, scaled);
-    auto* likelihood = new Likelihood(filter, scaled, scales);
-    const ceres::GradientProblem problem(likelihood);  // takes it over
-    // The likelihood may have more than one maximum: noise, or motion.
-    std::vector<double> start(static_cast<size_t>(likelihood->NumParameters()));
-    double start_cost = std::numeric_limits<double>::infinity();
-    for (double noise = std::log(1e-5); noise < 0.0; noise += 2.0) {
-      for (double intensity = kLowestIntensity; intensity <= 0.0;
-           intensity += 3.0) {
-        std::vector<double> trial(start.size(), noise);
-        trial[0] = intensity;
-        double cost;
-        if (likelihood->Evaluate(trial.data(), &cost, nullptr) &&
-            cost < start_cost) {
-          start_cost = cost;
-          start = trial;
-        }
-      }
-    }
-    ceres::GradientProblemSolver::Options options;
-    options.logging_type = ceres::SILENT;
-    options.max_num_iterations = 100;
-    options.function_tolerance = 1e-9;
-    ceres::GradientProblemSolver::Summary summary;
-    ceres::Solve(options, problem, start.data(), &summary);
-    const std::vector<double> noise = likelihood->Noise(start);
     SmoothedMotion motion;
-    const double cost = filter.Run(Likelihood::Intensity(start), noise,
-                                   &motion.motion, &motion.sigma);
+    const double cost = SmoothWithOrder(order, scaled, scales, &motion);
     if (!(cost < least) || !motion.motion.allFinite()) continue;
     least = cost;
-    motion.order = order - 1;
-    for (int d = 0; d < 3; ++d) {
-      motion.motion.row(d) *= units[d];
-      motion.sigma.row(d) = motion.sigma.row(d).cwiseSqrt() * units[d];
-    }
-    for (size_t c = 0; c < scaled.size(); ++c) {
-      motion.noise.push_back(noise[c] * units[scaled[c].derivative]);
-    }
     best = std::move(motion);
   }
   if (!std::isfinite(least)) {
     *error = "its records cannot be smoothed, expected finite values";
     return false;
+  }
+  for (int d = 0; d < 3; ++d) {
+    best.motion.row(d) *= units[d];
+    best.sigma.row(d) = best.sigma.row(d).cwiseSqrt() * units[d];
+  }
+  for (size_t c = 0; c < scaled.size(); ++c) {
+    best.noise[c] *= units[scaled[c].derivative];
   }
   *result = std::move(best);
   return true;

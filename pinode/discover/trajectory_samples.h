@@ -1,0 +1,44 @@
+// States, rates and inputs along records, and what features see of them.
+
+#ifndef PINODE_DISCOVER_TRAJECTORY_SAMPLES_H_
+#define PINODE_DISCOVER_TRAJECTORY_SAMPLES_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/feature.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
+
+namespace pinode {
+
+// States h along the training records, one after the other, in SI units (or
+// those of the model).
+struct TrajectorySamples {
+  Matrix states;  // num_states x samples
+  Matrix rates;   // dh/dt
+  Matrix inputs;  // num_inputs x samples
+  Vector times;   // s
+  std::vector<int> record_starts;
+  std::vector<int> strides;  // samples here per sample of the record
+
+  int num_samples() const { return static_cast<int>(times.size()); }
+};
+
+// The free runs of the training records at every Runge-Kutta step, from
+// model.starts (where they are of the right size, else from where FreeRunStart
+// says). False if a run is not finite; *error names the record and the time.
+[[nodiscard]] bool SampleTrajectories(const IdentificationProblem& problem,
+                                      const IdentifiedModel& model,
+                                      TrajectorySamples* samples,
+                                      std::string* error);
+
+// What `features` see, samples x features. The DOFs are the first of the
+// states, and as many velocities follow.
+Matrix FeatureValues(const std::vector<Feature>& features, int num_dofs,
+                     const TrajectorySamples& samples);
+
+}  // namespace pinode
+
+#endif  // PINODE_DISCOVER_TRAJECTORY_SAMPLES_H_
