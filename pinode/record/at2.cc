@@ -74,6 +74,109 @@ std::string StatedUnit(std::string_view line) {
   return "";
 }
 
+// A PEER AT2 file line by line: a title that ends with the line of number of
+// points and step, then values in g, any number a line.
+class At2Parser {
+ public:
+  // `size`: of the file, in bytes.
+  At2Parser(const std::string& path, size_t size) : path_(path), size_(size) {}
+
+  bool TakeLine(std::string_view line, std::string* error) {
+    ++line_number_;
+    if (line.empty()) return true;
+    return in_title_ ? TakeTitle(line, error) : TakeValues(line, error);
+  }
+
+  // Whether there is no hope that this is such a file.
+  bool gave_up() const { return in_title_ && line_number_ >= kMostTitleLines; }
+
+  bool Finish(At2Motion* motion, std::string* error) const {
+    if (in_title_) {
+      *error = path_ +
+               ": no line such as 'NPTS= 4000, DT= .0050 SEC' found, expected "
+               "a PEER AT2 file";
+      return false;
+    }
+    if (!is_complete()) {
+      return Fail("the file ends after " + std::to_string(values_.size()) +
+                      " points, expected NPTS= " + std::to_string(num_points_),
+                  error);
+    }
+    motion->title = Join(title_, " | ");
+    motion->sampling_step = step_;
+    motion->acceleration = Eigen::Map<const Vector>(
+        values_.data(), static_cast<Eigen::Index>(values_.size()));
+    return true;
+  }
+
+ private:
+  bool Fail(const std::string& message, std::string* error) const {
+    *error = path_ + ":" + std::to_string(line_number_) + ": " + message;
+    return false;
+  }
+  bool is_complete() const {
+    return static_cast<int>(values_.size()) == num_points_;
+  }
+
+  bool TakeTitle(std::string_view line, std::string* error) {
+    const SizeLine kind = ParseSizeLine(line, &num_points_, &step_);
+    if (kind == SizeLine::kBad ||
+        (kind == SizeLine::kGood &&
+         (num_points_ < 2 || !(step_ > 0.0) || !std::isfinite(step_)))) {
+      return Fail("'" + std::string(line) +
+                      "', expected at least two points and a positive step, "
+                      "as in 'NPTS= 4000, DT= .0050 SEC'",
+                  error);
+    }
+    if (kind == SizeLine::kGood) {
+      in_title_ = false;
+      // No more than the text can hold, whatever NPTS claims.
+      values_.reserve(std::min(static_cast<size_t>(num_points_), size_ / 2));
+      return true;
+    }
+    const std::string unit = StatedUnit(line);
+    if (!unit.empty() && unit != "G") {
+      return Fail("values in units of " + unit +
+                      ", expected an acceleration in units of g",
+                  error);
+    }
+    title_.emplace_back(line);
+    return true;
+  }
+
+  bool TakeValues(std::string_view line, std::string* error) {
+    for (const std::string& word : Words(line, " \t\r,")) {
+      double value = 0.0;
+      if (!ParseDouble(word, &value)) {
+        if (is_complete()) break;
+        return Fail("'" + word + "' is not a number; " +
+                        std::to_string(values_.size()) + " of " +
+                        std::to_string(num_points_) + " points were read",
+                    error);
+      }
+      if (is_complete()) {
+        return Fail("more points than the NPTS= " +
+                        std::to_string(num_points_) + " stated above",
+                    error);
+      }
+      if (!std::isfinite(value)) {
+        return Fail("'" + word + "' is not finite", error);
+      }
+      values_.push_back(value);
+    }
+    return true;
+  }
+
+  const std::string& path_;
+  const size_t size_;
+  int line_number_ = 0;
+  bool in_title_ = true;
+  std::vector<std::string> title_;
+  int num_points_ = 0;
+  double step_ = 0.0;
+  std::vector<double> values_;
+};
+
 }  // namespace
 
 bool ReadAt2(const std::string& path, At2Motion* motion, std::string* error) {
@@ -86,86 +189,15 @@ bool ParseAt2(const std::string& text, const std::string& path,
               At2Motion* motion, std::string* error) {
   CHECK(motion != nullptr);
   CHECK(error != nullptr);
-  std::vector<std::string> title;
-  int num_points = 0;
-  double step = 0.0;
-  bool in_title = true;
-  std::vector<double> values;
-  int line_number = 0;
-  size_t position = 0;
-  auto fail = [&](const std::string& message) {
-    *error = path + ":" + std::to_string(line_number) + ": " + message;
-    return false;
-  };
-
-  while (position < text.size()) {
+  At2Parser parser(path, text.size());
+  for (size_t position = 0; position < text.size() && !parser.gave_up();) {
     const size_t end = std::min(text.find('\n', position), text.size());
     const std::string_view line =
         StripBlanks(std::string_view(text).substr(position, end - position));
     position = end + 1;
-    ++line_number;
-    if (line.empty()) continue;
-
-    if (in_title) {
-      const SizeLine kind = ParseSizeLine(line, &num_points, &step);
-      if (kind == SizeLine::kBad ||
-          (kind == SizeLine::kGood &&
-           (num_points < 2 || !(step > 0.0) || !std::isfinite(step)))) {
-        return fail("'" + std::string(line) +
-                    "', expected at least two points and a positive step, as "
-                    "in 'NPTS= 4000, DT= .0050 SEC'");
-      }
-      if (kind == SizeLine::kGood) {
-        in_title = false;
-        // No more than the text can hold, whatever NPTS claims.
-        values.reserve(
-            std::min(static_cast<size_t>(num_points), text.size() / 2));
-        continue;
-      }
-      const std::string unit = StatedUnit(line);
-      if (!unit.empty() && unit != "G") {
-        return fail("values in units of " + unit +
-                    ", expected an acceleration in units of g");
-      }
-      title.emplace_back(line);
-      if (line_number >= kMostTitleLines) break;
-      continue;
-    }
-
-    for (const std::string& word : Words(line, " \t\r,")) {
-      double value = 0.0;
-      if (!ParseDouble(word, &value)) {
-        if (static_cast<int>(values.size()) == num_points) break;
-        return fail("'" + word + "' is not a number; " +
-                    std::to_string(values.size()) + " of " +
-                    std::to_string(num_points) + " points were read");
-      }
-      if (static_cast<int>(values.size()) == num_points) {
-        return fail("more points than the NPTS= " + std::to_string(num_points) +
-                    " stated above");
-      }
-      if (!std::isfinite(value)) {
-        return fail("'" + word + "' is not finite");
-      }
-      values.push_back(value);
-    }
+    if (!parser.TakeLine(line, error)) return false;
   }
-
-  if (in_title) {
-    *error = path +
-             ": no line such as 'NPTS= 4000, DT= .0050 SEC' found, expected a "
-             "PEER AT2 file";
-    return false;
-  }
-  if (static_cast<int>(values.size()) != num_points) {
-    return fail("the file ends after " + std::to_string(values.size()) +
-                " points, expected NPTS= " + std::to_string(num_points));
-  }
-  motion->title = Join(title, " | ");
-  motion->sampling_step = step;
-  motion->acceleration = Eigen::Map<const Vector>(
-      values.data(), static_cast<Eigen::Index>(values.size()));
-  return true;
+  return parser.Finish(motion, error);
 }
 
 }  // namespace pinode
