@@ -14,12 +14,15 @@
 #include <csignal>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 // POSIX leaves the declaration to the program; glibc has one as an extension.
 extern char** environ;  // NOLINT(readability-redundant-declaration)
 
 namespace pinode {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 // A file descriptor that closes itself.
 class Descriptor {
@@ -141,56 +144,56 @@ std::string Condense(const std::string& complaint) {
   return line;
 }
 
-}  // namespace
+// One run of the program and what connects us with it.
+struct GnuplotRun {
+  pid_t process = -1;
+  Descriptor input;
+  Descriptor answer;
+  Descriptor complaints;
+};
 
-bool RunGnuplot(const std::string& script, const GnuplotOptions& options,
-                std::string* output, std::string* error) {
-  using Clock = std::chrono::steady_clock;
-  const auto deadline =
-      Clock::now() +
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
-          std::clamp(options.timeout_seconds, 0.0, 86400.0)));
-
-  Descriptor input, their_input, answer, their_answer, complaints,
-      their_complaints;
-  if (!MakeInput(&input, &their_input) || !MakePipe(&answer, &their_answer) ||
-      !MakePipe(&complaints, &their_complaints)) {
+bool Begin(const std::string& program, GnuplotRun* run, std::string* error) {
+  Descriptor their_input, their_answer, their_complaints;
+  if (!MakeInput(&run->input, &their_input) ||
+      !MakePipe(&run->answer, &their_answer) ||
+      !MakePipe(&run->complaints, &their_complaints)) {
     *error = "no pipe to gnuplot: " + SystemError(errno);
     return false;
   }
-  pid_t process = -1;
-  const int code = Start(options.program, their_input.get(), their_answer.get(),
-                         their_complaints.get(), &process);
+  const int code = Start(program, their_input.get(), their_answer.get(),
+                         their_complaints.get(), &run->process);
   if (code != 0) {
-    *error =
-        "'" + options.program + "' could not be started: " + SystemError(code);
+    *error = "'" + program + "' could not be started: " + SystemError(code);
     return false;
   }
-  their_input.Close();
-  their_answer.Close();
-  their_complaints.Close();
+  return true;
+}
 
-  std::string_view rest = script;
-  std::string svg, complaint;
-  bool timed_out = false;
-  while (answer.is_open() || complaints.is_open()) {
+// Sends the script and takes what comes back until the program closes its
+// outputs. False where the deadline passes before that.
+bool Converse(std::string_view script, Clock::time_point deadline,
+              GnuplotRun* run, std::string* answer, std::string* complaint) {
+  while (run->answer.is_open() || run->complaints.is_open()) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
                           deadline - Clock::now())
                           .count();
-    if (left <= 0) {
-      timed_out = true;
-      break;
-    }
+    if (left <= 0) return false;
     // Descriptors that are closed are -1, which poll() passes over.
-    pollfd events[3] = {{input.get(), POLLOUT, 0},
-                        {answer.get(), POLLIN, 0},
-                        {complaints.get(), POLLIN, 0}};
+    pollfd events[3] = {{run->input.get(), POLLOUT, 0},
+                        {run->answer.get(), POLLIN, 0},
+                        {run->complaints.get(), POLLIN, 0}};
     if (poll(events, 3, static_cast<int>(left)) < 0 && errno != EINTR) break;
-    if (events[0].revents != 0) Feed(&rest, &input);
-    if (events[1].revents != 0) Drain(&answer, &svg);
-    if (events[2].revents != 0) Drain(&complaints, &complaint);
+    if (events[0].revents != 0) Feed(&script, &run->input);
+    if (events[1].revents != 0) Drain(&run->answer, answer);
+    if (events[2].revents != 0) Drain(&run->complaints, complaint);
   }
-  input.Close();
+  return true;
+}
+
+// Waits until the program has ended, and ends it at the deadline, or at once if
+// `timed_out`. False then; else *failed says whether it ended badly.
+bool WaitForEnd(pid_t process, Clock::time_point deadline, bool timed_out,
+                bool* failed) {
   int status = 0;
   pid_t ended = 0;
   for (;;) {
@@ -203,14 +206,30 @@ bool RunGnuplot(const std::string& script, const GnuplotOptions& options,
       usleep(1000);
     }
   }
+  // Where the host program ignores SIGCHLD there is no status to be had.
+  *failed =
+      ended == process && (!WIFEXITED(status) || WEXITSTATUS(status) != 0);
+  return !timed_out;
+}
 
-  if (timed_out) {
+}  // namespace
+
+bool RunGnuplot(const std::string& script, const GnuplotOptions& options,
+                std::string* output, std::string* error) {
+  const Clock::time_point deadline =
+      Clock::now() +
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+          std::clamp(options.timeout_seconds, 0.0, 86400.0)));
+  GnuplotRun run;
+  if (!Begin(options.program, &run, error)) return false;
+  std::string svg, complaint;
+  const bool answered = Converse(script, deadline, &run, &svg, &complaint);
+  run.input.Close();
+  bool failed = false;
+  if (!WaitForEnd(run.process, deadline, /*timed_out=*/!answered, &failed)) {
     *error = "gnuplot did not finish in time";
     return false;
   }
-  // Where the host program ignores SIGCHLD there is no status to be had.
-  const bool failed =
-      ended == process && (!WIFEXITED(status) || WEXITSTATUS(status) != 0);
   if (failed || svg.empty()) {
     *error = "gnuplot failed";
     const std::string reason = Condense(complaint);

@@ -17,80 +17,110 @@ bool DependsOnRate(const RestoringForceLoop& loop) {
   return kSprings.count(loop.type) == 0;
 }
 
+// The samples of a loop that are drawn.
+struct LoopPart {
+  int first = 0;
+  int count = 0;
+};
+
+// As many as a figure can show, with the largest deformation in their middle.
+LoopPart PartToDraw(const RestoringForceLoop& loop) {
+  const int samples = static_cast<int>(loop.force.size());
+  LoopPart part;
+  part.count = std::min(samples, kMaxLoopSamples);
+  Eigen::Index peak;
+  loop.deformation.cwiseAbs().maxCoeff(&peak);
+  part.first = std::clamp(static_cast<int>(peak) - part.count / 2, 0,
+                          samples - part.count);
+  return part;
+}
+
+// What is common to both panels: key, margins, the ordinate.
+void SetUpPanels(const RestoringForceLoop& loop, bool two_panels,
+                 FigureScript* script) {
+  if (loop.known == nullptr) {
+    script->Line("unset key");
+  } else {
+    // Above the first panel.
+    script->Line("set key at screen " +
+                 std::string(two_panels ? "0.48" : "0.96") +
+                 ",0.99 horizontal");
+  }
+  script->Line("set multiplot layout 1," + std::string(two_panels ? "2" : "1") +
+               " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") +
+               ",0.2," + std::string(loop.known != nullptr ? "0.89" : "0.95") +
+               " spacing 0.12,0.1");
+  const std::string quantity = loop.is_acceleration ? "acceleration" : "force";
+  script->Line("set ylabel " +
+               GnuplotString(AxisLabel(quantity, loop.force_unit)));
+}
+
+// The force over `abscissa`; beside what is known of it where that is not null.
+void PlotPanel(const RestoringForceLoop& loop, const LoopPart& part,
+               const Vector& abscissa, const std::string& axis_label,
+               const ReferenceCurve* known, FigureScript* script) {
+  script->Line("set xlabel " + GnuplotString(axis_label));
+  const std::string data =
+      script->Data({Column(abscissa.segment(part.first, part.count)),
+                    Column(loop.force.segment(part.first, part.count))});
+  std::string lines;
+  if (known != nullptr) {
+    // Where the structure went, and not far beyond.
+    const double low = abscissa.minCoeff(), high = abscissa.maxCoeff();
+    const double margin = 0.05 * (high - low);
+    script->Line(Range("x", low - margin, high + margin));
+    lines =
+        Lines(script->Data({Column(known->deformation), Column(known->force)}),
+              kMeasuredLine, known->name) +
+        ", ";
+  }
+  script->Line("plot " + lines +
+               Lines(data, "lc rgb '#0072B2' lw 0.9 dt 1",
+                     known != nullptr ? "identified" : std::string()));
+  script->Line("set autoscale x");
+}
+
+std::string LoopCaption(const ReportInput& input,
+                        const RestoringForceLoop& loop, const LoopPart& part) {
+  std::string type = loop.type;
+  std::replace(type.begin(), type.end(), '_', '-');
+  std::string caption = loop.term + " (" + type + ")";
+  if (!loop.output.empty()) caption += ", " + loop.output;
+  caption += loop.is_acceleration
+                 ? ": acceleration that the network adds, along "
+                 : ": resisting force along ";
+  caption += RecordWithRole(input, loop.record);
+  if (part.count < loop.force.size()) {
+    caption += ", " + ReadableNumber(loop.time(part.first), 4) + " to " +
+               ReadableNumber(loop.time(part.first + part.count - 1), 4) + " " +
+               input.problem->description.units.time;
+  }
+  return caption + ".";
+}
+
 }  // namespace
 
 Figure MakeLoopFigure(const ReportInput& input, const RestoringForceLoop& loop,
                       int number) {
   Figure figure;
-  const int samples = static_cast<int>(loop.force.size());
+  const Eigen::Index samples = loop.force.size();
   if (samples < 2 || !loop.force.allFinite()) return figure;
-  const int count = std::min(samples, kMaxLoopSamples);
-  Eigen::Index peak;
-  loop.deformation.cwiseAbs().maxCoeff(&peak);
-  const int first =
-      std::clamp(static_cast<int>(peak) - count / 2, 0, samples - count);
-
-  figure.id = "loop_" + std::to_string(number);
+  const LoopPart part = PartToDraw(loop);
   const bool two_panels = DependsOnRate(loop) && loop.rate.size() == samples;
+  figure.id = "loop_" + std::to_string(number);
   figure.half_width = !two_panels;
   FigureScript script(figure.id, two_panels ? 900 : 440, 300);
-  if (loop.known == nullptr) {
-    script.Line("unset key");
-  } else {
-    // Above the first panel.
-    script.Line("set key at screen " +
-                std::string(two_panels ? "0.48" : "0.96") + ",0.99 horizontal");
+  SetUpPanels(loop, two_panels, &script);
+  PlotPanel(loop, part, loop.deformation,
+            AxisLabel(loop.deformation_name, loop.deformation_unit), loop.known,
+            &script);
+  if (two_panels) {
+    PlotPanel(loop, part, loop.rate, AxisLabel(loop.rate_name, loop.rate_unit),
+              nullptr, &script);
   }
-  script.Line("set multiplot layout 1," + std::string(two_panels ? "2" : "1") +
-              " margins " + (two_panels ? "0.1,0.975" : "0.19,0.96") + ",0.2," +
-              std::string(loop.known != nullptr ? "0.89" : "0.95") +
-              " spacing 0.12,0.1");
-  const std::string quantity = loop.is_acceleration ? "acceleration" : "force";
-  script.Line("set ylabel " +
-              GnuplotString(AxisLabel(quantity, loop.force_unit)));
-  const Vector force = loop.force.segment(first, count);
-  const auto plot = [&](const Vector& abscissa, const std::string& label,
-                        const std::string& unit) {
-    script.Line("set xlabel " + GnuplotString(AxisLabel(label, unit)));
-    const std::string data =
-        script.Data({Column(abscissa.segment(first, count)), Column(force)});
-    const bool beside_known =
-        loop.known != nullptr && &abscissa == &loop.deformation;
-    std::string lines;
-    if (beside_known) {
-      // Where the structure went, and not far beyond.
-      const double low = abscissa.minCoeff(), high = abscissa.maxCoeff();
-      const double margin = 0.05 * (high - low);
-      script.Line(Range("x", low - margin, high + margin));
-      lines = Lines(script.Data({Column(loop.known->deformation),
-                                 Column(loop.known->force)}),
-                    kMeasuredLine, loop.known->name) +
-              ", ";
-    }
-    script.Line("plot " + lines +
-                Lines(data, "lc rgb '#0072B2' lw 0.9 dt 1",
-                      beside_known ? "identified" : std::string()));
-    script.Line("set autoscale x");
-  };
-  plot(loop.deformation, loop.deformation_name, loop.deformation_unit);
-  if (two_panels) plot(loop.rate, loop.rate_name, loop.rate_unit);
   script.Line("unset multiplot");
   figure.script = script.text();
-
-  std::string type = loop.type;
-  std::replace(type.begin(), type.end(), '_', '-');
-  figure.caption = loop.term + " (" + type + ")";
-  if (!loop.output.empty()) figure.caption += ", " + loop.output;
-  figure.caption += loop.is_acceleration
-                        ? ": acceleration that the network adds, along "
-                        : ": resisting force along ";
-  figure.caption += RecordWithRole(input, loop.record);
-  if (count < samples) {
-    figure.caption += ", " + ReadableNumber(loop.time(first), 4) + " to " +
-                      ReadableNumber(loop.time(first + count - 1), 4) + " " +
-                      input.problem->description.units.time;
-  }
-  figure.caption += ".";
+  figure.caption = LoopCaption(input, loop, part);
   return figure;
 }
 
