@@ -14,7 +14,6 @@
 #include <chrono>
 #include <cstdio>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "apps/fit_flags.h"
@@ -40,6 +39,102 @@ DEFINE_double(threshold, 0.05,
 DEFINE_double(false_alarm_rate, 0.05,
               "probability of calling any change where there is none");
 
+namespace pinode {
+namespace {
+
+// What changed, where the fit of the new state says so.
+struct JudgedChange {
+  bool judged = false;
+  bool interrupted = false;
+  DamageResult result;
+};
+
+bool ReadChangeFlags(ChangeOptions* options, std::string* error) {
+  if (FLAGS_baseline.empty()) {
+    *error = "--baseline=FOLDER is missing; see --help";
+    return false;
+  }
+  options->threshold = FLAGS_threshold;
+  options->false_alarm_rate = FLAGS_false_alarm_rate;
+  if (options->IsValid(error)) return true;
+  *error = "--" + *error;
+  return false;
+}
+
+bool ReadCase(Case* c, std::string* error) {
+  if (!ReadFitFlags(c, error)) return false;
+  if (!FreeGroups(*c->problem.dynamics).empty()) return true;
+  *error = FLAGS_case +
+           ": no [[group]] is free, expected those whose change is asked for";
+  return false;
+}
+
+// The folders of --baseline for the case `c`.
+bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
+                   std::string* error) {
+  for (size_t at = 0; at <= FLAGS_baseline.size();) {
+    const size_t end =
+        std::min(FLAGS_baseline.find(',', at), FLAGS_baseline.size());
+    const std::string folder = FLAGS_baseline.substr(at, end - at);
+    at = end + 1;
+    if (folder.empty()) {
+      *error = "--baseline has an empty name in it";
+      return false;
+    }
+    baselines->emplace_back();
+    if (!ReadBaseline(folder, c, &baselines->back(), error)) return false;
+  }
+  return true;
+}
+
+// Compares the fit of the new state with the baselines. *c then has the
+// candidates that were let in. A fit that is not usable says nothing.
+JudgedChange JudgeChange(const IdentificationSummary& summary,
+                         const IdentifiedModel& model,
+                         const std::vector<Baseline>& baselines,
+                         const ChangeOptions& change, Case* c) {
+  JudgedChange judgement;
+  judgement.interrupted = summary.termination == Termination::kInterrupted;
+  if (!summary.usable || summary.covariance.size() == 0) return judgement;
+  DamageAnalysisOptions options;
+  options.change = change;
+  options.search = c->damage;
+  options.identification = c->options;
+  const FitFunction fit = FitWithProgress(FLAGS_progress);
+  options.fit =
+      [&](const std::string& what, const IdentificationProblem& problem,
+          const IdentificationOptions& fit_options, const IdentifiedModel* from,
+          IdentificationSummary* outcome, IdentifiedModel* found) {
+        fit(what, problem, fit_options, from, outcome, found);
+        if (outcome->termination == Termination::kInterrupted) {
+          judgement.interrupted = true;
+        }
+      };
+  std::string error;
+  DamageResult& result = judgement.result;
+  judgement.judged =
+      AnalyseDamage(c->problem, summary, model, baselines, options, &result,
+                    &error) &&
+      CaseWithCandidates(*c, result.added, result.problem, c, &error);
+  if (!judgement.judged) {
+    std::fprintf(stderr, "nothing can be said about changes: %s\n",
+                 error.c_str());
+  }
+  return judgement;
+}
+
+void PrintChange(const DamageResult& result) {
+  std::printf("%s\n\nChange since the baseline\n%s\n",
+              result.judgement.sentence.c_str(),
+              MakeChangeTable(result).ToText().c_str());
+  for (const std::string& remark : result.remarks) {
+    std::printf("%s\n", remark.c_str());
+  }
+}
+
+}  // namespace
+}  // namespace pinode
+
 int main(int argc, char** argv) {
   using namespace pinode;
   const auto begin = std::chrono::steady_clock::now();
@@ -53,32 +148,13 @@ int main(int argc, char** argv) {
   }
 
   // 1. Everything that can be wrong with the input, before any work.
-  if (FLAGS_baseline.empty()) {
-    return Refuse("--baseline=FOLDER is missing; see --help");
-  }
-  ChangeOptions change_options;
-  change_options.threshold = FLAGS_threshold;
-  change_options.false_alarm_rate = FLAGS_false_alarm_rate;
   std::string error;
-  if (!change_options.IsValid(&error)) return Refuse("--" + error);
+  ChangeOptions change;
   Case c;
-  if (!ReadFitFlags(&c, &error)) return Refuse(error);
-  if (FreeGroups(*c.problem.dynamics).empty()) {
-    return Refuse(FLAGS_case +
-                  ": no [[group]] is free, expected those whose change is "
-                  "asked for");
-  }
   std::vector<Baseline> baselines;
-  for (size_t at = 0; at <= FLAGS_baseline.size();) {
-    const size_t end =
-        std::min(FLAGS_baseline.find(',', at), FLAGS_baseline.size());
-    const std::string folder = FLAGS_baseline.substr(at, end - at);
-    at = end + 1;
-    if (folder.empty()) return Refuse("--baseline has an empty name in it");
-    baselines.emplace_back();
-    if (!ReadBaseline(folder, c, &baselines.back(), &error)) {
-      return Refuse(error);
-    }
+  if (!ReadChangeFlags(&change, &error) || !ReadCase(&c, &error) ||
+      !ReadBaselines(c, &baselines, &error)) {
+    return Refuse(error);
   }
   IdentifiedModel begin_from = BeginFromBaseline(baselines[0], c.problem);
   if (RenewsBasis(c) && !RenewCase(c, begin_from, &c, &begin_from, &error)) {
@@ -87,44 +163,19 @@ int main(int argc, char** argv) {
 
   // 2. The new state.
   ResultFolder folder;
-  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
-    return Refuse(error);
-  }
   IdentificationSummary summary;
   IdentifiedModel model;
-  if (!FitCase(folder, &begin_from, FLAGS_progress, &c, &summary, &model,
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error) ||
+      !FitCase(folder, &begin_from, FLAGS_progress, &c, &summary, &model,
                &error)) {
     return Refuse(error);
   }
 
-  // 3. What changed. A fit that is not usable says nothing about that.
-  bool interrupted = summary.termination == Termination::kInterrupted;
-  bool judged = false;
-  DamageResult result;
-  if (summary.usable && summary.covariance.size() > 0) {
-    DamageAnalysisOptions options;
-    options.change = change_options;
-    options.search = c.damage;
-    options.identification = c.options;
-    const FitFunction fit = FitWithProgress(FLAGS_progress);
-    options.fit = [&](const std::string& what,
-                      const IdentificationProblem& problem,
-                      const IdentificationOptions& fit_options,
-                      const IdentifiedModel* from,
-                      IdentificationSummary* outcome, IdentifiedModel* found) {
-      fit(what, problem, fit_options, from, outcome, found);
-      interrupted =
-          interrupted || outcome->termination == Termination::kInterrupted;
-    };
-    judged = AnalyseDamage(c.problem, summary, model, baselines, options,
-                           &result, &error) &&
-             CaseWithCandidates(c, result.added, result.problem, &c, &error);
-    if (!judged) {
-      std::fprintf(stderr, "nothing can be said about changes: %s\n",
-                   error.c_str());
-    }
-  }
-  if (judged) {
+  // 3. What changed.
+  const JudgedChange judgement =
+      JudgeChange(summary, model, baselines, change, &c);
+  const DamageResult& result = judgement.result;
+  if (judgement.judged) {
     summary = result.summary;
     model = result.model;
   }
@@ -135,30 +186,26 @@ int main(int argc, char** argv) {
           .count();
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
-  if (judged) report.damage = &result;
+  if (judgement.judged) report.damage = &result;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
-      (judged && !WriteFileAtomically(folder.working_path() + "/damage.json",
-                                      DamageAsJson(result), &error)) ||
+      (judgement.judged &&
+       !WriteFileAtomically(folder.working_path() + "/damage.json",
+                            DamageAsJson(result), &error)) ||
       !WriteHtmlReport(report, report_options,
                        folder.working_path() + "/report.html", &error) ||
       !folder.Commit(&error)) {
     return Refuse(error);
   }
-  if (judged) {
-    std::printf("%s\n\nChange since the baseline\n%s\n",
-                result.judgement.sentence.c_str(),
-                MakeChangeTable(result).ToText().c_str());
-    for (const std::string& remark : result.remarks) {
-      std::printf("%s\n", remark.c_str());
-    }
-  }
+
+  // 5. What a person is told.
+  if (judgement.judged) PrintChange(result);
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());
-  if (interrupted) {
+  if (judgement.interrupted) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
     return kExitInterrupted;
   }
-  return summary.usable && judged ? kExitDone : kExitNotUsable;
+  return summary.usable && judgement.judged ? kExitDone : kExitNotUsable;
 }

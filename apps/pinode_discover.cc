@@ -17,7 +17,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "apps/fit_flags.h"
@@ -40,9 +39,206 @@ DEFINE_string(model, "",
               "result folder of pinode_update for this case; none with source "
               "= \"derivatives\" in its section [discover]");
 
+namespace pinode {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The flags that only this program has.
+bool CheckModelFlag(const Case& c, std::string* error) {
+  std::error_code ignored;
+  if (!FLAGS_model.empty() &&
+      std::filesystem::equivalent(FLAGS_model, FLAGS_output_dir, ignored)) {
+    *error = "--output_dir is the folder of --model, expected another one";
+    return false;
+  }
+  if (c.problem.num_train_records() == 0) {
+    *error = FLAGS_case +
+             ": no training record, expected one to discover equations from";
+    return false;
+  }
+  const bool from_networks =
+      c.discover.source == DiscoveryOptions::Source::kNetwork;
+  if (from_networks && FLAGS_model.empty()) {
+    *error = "--model=FOLDER is missing; see --help";
+    return false;
+  }
+  if (!from_networks && !FLAGS_model.empty()) {
+    *error = "--model is of no use with source = \"derivatives\" in " +
+             FLAGS_case + ", expected none";
+    return false;
+  }
+  return true;
+}
+
+// The case, and the model whose networks are replaced (as it was initially
+// where terms come from records).
+bool ReadInput(Case* c, IdentifiedModel* model, std::string* error) {
+  if (!ReadFitFlags(c, error) || !CheckModelFlag(*c, error)) return false;
+  c->discover.num_threads = c->options.num_threads;
+  if (FLAGS_model.empty()) return true;
+  Checkpoint checkpoint;
+  if (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c->problem, &checkpoint,
+                      error)) {
+    return false;
+  }
+  *model = checkpoint.model;
+  return !RenewsBasis(*c) || RenewCase(*c, checkpoint.model, c, model, error);
+}
+
+bool FindTerms(const Case& c, IdentifiedModel* model,
+               std::vector<DiscoveredEquation>* equations, std::string* error) {
+  const bool found = c.discover.source == DiscoveryOptions::Source::kNetwork
+                         ? DiscoverFromNetworks(c.problem, *model, c.discover,
+                                                equations, error)
+                         : DiscoverFromDerivatives(c.problem, c.discover,
+                                                   equations, model, error);
+  if (!found) *error = FLAGS_case + ": " + *error;
+  return found;
+}
+
+// Watches a refit: its progress on standard error, and a checkpoint at most
+// once a second.
+class RefitWatch {
+ public:
+  RefitWatch(const ResultFolder& folder, const std::string& problem_hash)
+      : line_(FLAGS_progress),
+        path_(folder.checkpoint_path()),
+        problem_hash_(problem_hash) {}
+
+  void Watch(DiscoveryOptions* discover, IdentificationOptions* options) {
+    options->callback = [this](const IdentificationProgress& progress) {
+      line_.Show(which_, progress);
+      return !Interrupted();
+    };
+    discover->on_equations =
+        [this](int fit, const std::vector<DiscoveredEquation>& equations) {
+          Name(fit, equations);
+          Save(equations);
+        };
+  }
+  void End() { line_.End(); }
+
+ private:
+  void Name(int fit, const std::vector<DiscoveredEquation>& equations) {
+    size_t terms = 0;
+    for (const DiscoveredEquation& equation : equations) {
+      terms += equation.terms.size();
+    }
+    which_ = "fit " + std::to_string(fit) + ", " + std::to_string(terms) +
+             (terms == 1 ? " term  " : " terms  ");
+  }
+
+  void Save(const std::vector<DiscoveredEquation>& equations) {
+    const Clock::time_point now = Clock::now();
+    if (now - written_ < std::chrono::seconds(1)) return;
+    written_ = now;
+    std::string problem;
+    if (!WriteDiscoverCheckpoint(path_, problem_hash_, equations, &problem) &&
+        !warned_) {
+      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
+      warned_ = true;
+    }
+  }
+
+  ProgressLine line_;
+  const std::string path_;
+  const std::string problem_hash_;
+  std::string which_;
+  Clock::time_point written_;
+  bool warned_ = false;
+};
+
+// Puts the terms in the networks' place and fits them to the trajectories,
+// where the case asks for that; goes on where `folder` resumes.
+bool RefitTerms(const Case& c, const IdentifiedModel& model,
+                const std::vector<DiscoveredEquation>& equations,
+                const ResultFolder& folder, Discovery* discovery,
+                std::string* error) {
+  const std::string problem_hash = ProblemIdentity(c.problem);
+  std::vector<DiscoveredEquation> resumed;
+  if (!folder.resume_path().empty() &&
+      !ReadDiscoverCheckpoint(folder.resume_path(), problem_hash, equations,
+                              &resumed, error)) {
+    return false;
+  }
+  *discovery = WithoutRefit(c.problem, equations);
+  if (!c.discover.refit || discovery->num_terms() == 0) return true;
+  CatchInterrupts();
+  DiscoveryOptions discover = c.discover;
+  IdentificationOptions options = c.options;
+  RefitWatch watch(folder, problem_hash);
+  watch.Watch(&discover, &options);
+  const bool refitted =
+      RefitEquations(c.problem, model, equations, discover, options,
+                     resumed.empty() ? nullptr : &resumed, discovery, error);
+  watch.End();
+  return refitted;
+}
+
+bool IsInterrupted(const Discovery& discovery) {
+  return discovery.refitted &&
+         discovery.summary.termination == Termination::kInterrupted;
+}
+
+// The fitted model that has the equations, with its report.
+bool WriteFittedModel(const Case& c, const Discovery& discovery,
+                      const ReportOrigin& origin, const ResultFolder& folder,
+                      std::string* error) {
+  Case discovered;
+  if (!CaseWithEquations(c, discovery.equations, discovery.problem,
+                         /*given_steps=*/true, &discovered, error)) {
+    return false;
+  }
+  ReportInput report = MakeReportInput(discovered.problem, discovery.summary,
+                                       discovery.model, origin);
+  report.equations = &discovery.equations;
+  HtmlReportOptions report_options;
+  report_options.num_threads = DefaultThreads();
+  return WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
+                         error) &&
+         WriteHtmlReport(report, report_options,
+                         folder.working_path() + "/report.html", error) &&
+         (!IsInterrupted(discovery) ||
+          WriteDiscoverCheckpoint(folder.checkpoint_path(),
+                                  ProblemIdentity(c.problem),
+                                  discovery.equations, error));
+}
+
+// The model that has the equations with the coefficients of the regression.
+bool WriteUnfittedModel(const Case& c, const IdentifiedModel& model,
+                        const std::vector<DiscoveredEquation>& equations,
+                        const ResultFolder& folder, std::string* error) {
+  Case discovered;
+  IdentificationProblem problem;
+  IdentifiedModel initial;
+  return MakeDiscoveredProblem(c.problem, model, equations, {}, &problem,
+                               &initial, error) &&
+         CaseWithEquations(c, equations, problem, /*given_steps=*/false,
+                           &discovered, error) &&
+         WriteModelCase(discovered, initial, folder.working_path(),
+                        folder.final_path(), error);
+}
+
+void Print(const Discovery& discovery) {
+  std::printf("%s\n", EquationsAsText(discovery).c_str());
+  for (const std::string& dropped : discovery.dropped) {
+    std::printf("dropped in the refit: %s\n", dropped.c_str());
+  }
+  for (const std::string& added : discovery.added) {
+    std::printf("added in the refit: %s\n", added.c_str());
+  }
+  if (discovery.refitted) {
+    std::printf("%s\n", discovery.summary.BriefReport().c_str());
+  }
+}
+
+}  // namespace
+}  // namespace pinode
+
 int main(int argc, char** argv) {
   using namespace pinode;
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   int status;
   if (!ParseFlags(argc, argv,
                   "pinode_discover --model=FOLDER --case=FILE "
@@ -56,157 +252,48 @@ int main(int argc, char** argv) {
   // 1. Everything that can be wrong with the input, before any work.
   std::string error;
   Case c;
-  if (!ReadFitFlags(&c, &error)) return Refuse(error);
-  std::error_code ignored;
-  if (!FLAGS_model.empty() &&
-      std::filesystem::equivalent(FLAGS_model, FLAGS_output_dir, ignored)) {
-    return Refuse(
-        "--output_dir is the folder of --model, expected another one");
-  }
-  if (c.problem.num_train_records() == 0) {
-    return Refuse(FLAGS_case +
-                  ": no training record, expected one to discover "
-                  "equations from");
-  }
-  c.discover.num_threads = c.options.num_threads;
-  const bool from_networks =
-      c.discover.source == DiscoveryOptions::Source::kNetwork;
-  if (from_networks && FLAGS_model.empty()) {
-    return Refuse("--model=FOLDER is missing; see --help");
-  }
-  if (!from_networks && !FLAGS_model.empty()) {
-    return Refuse("--model is of no use with source = \"derivatives\" in " +
-                  FLAGS_case + ", expected none");
-  }
-  Checkpoint checkpoint;
-  if (from_networks &&
-      (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c.problem, &checkpoint,
-                       &error) ||
-       (RenewsBasis(c) &&
-        !RenewCase(c, checkpoint.model, &c, &checkpoint.model, &error)))) {
-    return Refuse(error);
-  }
+  IdentifiedModel model;
+  if (!ReadInput(&c, &model, &error)) return Refuse(error);
 
   // 2. Terms from the networks, along the predicted states; or from records.
   std::vector<DiscoveredEquation> equations;
-  if (!(from_networks
-            ? DiscoverFromNetworks(c.problem, checkpoint.model, c.discover,
-                                   &equations, &error)
-            : DiscoverFromDerivatives(c.problem, c.discover, &equations,
-                                      &checkpoint.model, &error))) {
-    return Refuse(FLAGS_case + ": " + error);
-  }
-  ResultFolder folder;
-  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
-    return Refuse(error);
-  }
-  const std::string problem_hash = ProblemIdentity(c.problem);
-  std::vector<DiscoveredEquation> resumed;
-  if (!folder.resume_path().empty() &&
-      !ReadDiscoverCheckpoint(folder.resume_path(), problem_hash, equations,
-                              &resumed, &error)) {
-    return Refuse(error);
-  }
+  if (!FindTerms(c, &model, &equations, &error)) return Refuse(error);
 
   // 3. The terms in place of the networks, fitted to the trajectories.
-  Discovery discovery = WithoutRefit(c.problem, equations);
-  if (c.discover.refit && discovery.num_terms() > 0) {
-    CatchInterrupts();
-    ProgressLine line(FLAGS_progress);
-    std::string which;
-    c.options.callback = [&](const IdentificationProgress& progress) {
-      line.Show(which, progress);
-      return !Interrupted();
-    };
-    auto written = std::chrono::steady_clock::time_point();
-    bool warned = false;
-    c.discover.on_equations =
-        [&](int fit, const std::vector<DiscoveredEquation>& current) {
-          size_t terms = 0;
-          for (const DiscoveredEquation& equation : current) {
-            terms += equation.terms.size();
-          }
-          which = "fit " + std::to_string(fit) + ", " + std::to_string(terms) +
-                  (terms == 1 ? " term  " : " terms  ");
-          const auto now = std::chrono::steady_clock::now();
-          if (now - written < std::chrono::seconds(1)) return;
-          written = now;
-          std::string problem;
-          if (!WriteDiscoverCheckpoint(folder.checkpoint_path(), problem_hash,
-                                       current, &problem) &&
-              !warned) {
-            std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
-            warned = true;
-          }
-        };
-    const bool refitted = RefitEquations(
-        c.problem, checkpoint.model, equations, c.discover, c.options,
-        resumed.empty() ? nullptr : &resumed, &discovery, &error);
-    line.End();
-    if (!refitted) return Refuse(error);
+  ResultFolder folder;
+  Discovery discovery;
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error) ||
+      !RefitTerms(c, model, equations, folder, &discovery, &error)) {
+    return Refuse(error);
   }
-  const bool interrupted =
-      discovery.refitted &&
-      discovery.summary.termination == Termination::kInterrupted;
 
-  // 4. Equations, the model that has them, and a report.
+  // 4. The model that has the equations, and a report.
+  const double seconds =
+      std::chrono::duration<double>(Clock::now() - begin).count();
   if (discovery.refitted) {
-    Case discovered;
-    if (!CaseWithEquations(c, discovery.equations, discovery.problem,
-                           /*given_steps=*/true, &discovered, &error)) {
+    if (!WriteFittedModel(c, discovery,
+                          {c.path, CommandLine(argc, argv), seconds}, folder,
+                          &error)) {
       return Refuse(error);
     }
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
-            .count();
-    ReportInput report =
-        MakeReportInput(discovered.problem, discovery.summary, discovery.model,
-                        {c.path, CommandLine(argc, argv), seconds});
-    report.equations = &discovery.equations;
-    HtmlReportOptions report_options;
-    report_options.num_threads = DefaultThreads();
-    if (!WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
-                         &error) ||
-        !WriteHtmlReport(report, report_options,
-                         folder.working_path() + "/report.html", &error) ||
-        (interrupted &&
-         !WriteDiscoverCheckpoint(folder.checkpoint_path(), problem_hash,
-                                  discovery.equations, &error))) {
+  } else {
+    if (discovery.num_terms() > 0 &&
+        !WriteUnfittedModel(c, model, equations, folder, &error)) {
       return Refuse(error);
     }
-  } else if (discovery.num_terms() > 0) {
-    Case discovered;
-    IdentificationProblem problem;
-    IdentifiedModel initial;
-    if (!MakeDiscoveredProblem(c.problem, checkpoint.model, equations, {},
-                               &problem, &initial, &error) ||
-        !CaseWithEquations(c, equations, problem, /*given_steps=*/false,
-                           &discovered, &error) ||
-        !WriteModelCase(discovered, initial, folder.working_path(),
-                        folder.final_path(), &error)) {
-      return Refuse(error);
-    }
-  }
-  // Of a refit of which nothing was left.
-  if (!discovery.refitted) {
+    // Of a refit of which nothing was left.
+    std::error_code ignored;
     std::filesystem::remove(folder.checkpoint_path(), ignored);
   }
   if (!WriteDiscoverFiles(discovery, folder.working_path(), &error) ||
       !folder.Commit(&error)) {
     return Refuse(error);
   }
-  std::printf("%s\n", EquationsAsText(discovery).c_str());
-  for (const std::string& dropped : discovery.dropped) {
-    std::printf("dropped in the refit: %s\n", dropped.c_str());
-  }
-  for (const std::string& added : discovery.added) {
-    std::printf("added in the refit: %s\n", added.c_str());
-  }
-  if (discovery.refitted) {
-    std::printf("%s\n", discovery.summary.BriefReport().c_str());
-  }
+
+  // 5. What a person is told.
+  Print(discovery);
   std::printf("Results: %s\n", folder.final_path().c_str());
-  if (interrupted) {
+  if (IsInterrupted(discovery)) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
     return kExitInterrupted;
   }

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/program.h"
@@ -60,6 +61,84 @@ Eigen::Index FirstNotFinite(const Matrix& channels) {
   return i;
 }
 
+bool CheckFlags(std::string* error) {
+  if (FLAGS_case.empty()) {
+    *error = "--case=FILE is missing; see --help";
+  } else if (FLAGS_output_dir.empty()) {
+    *error = "--output_dir=FOLDER is missing; see --help";
+  } else if (!std::isfinite(FLAGS_noise_percent)) {
+    *error = "--noise_percent must be finite";
+  } else {
+    return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+  }
+  return false;
+}
+
+// From where the response to record r is: rest, unless the case knows better.
+Vector StartOf(const IdentificationProblem& problem,
+               const IdentificationRecord& record) {
+  if (record.start == IdentificationRecord::Start::kKnown) {
+    return record.known_start;
+  }
+  if (record.start == IdentificationRecord::Start::kFree) {
+    std::printf("record %s: its start is unknown, simulated from rest\n",
+                record.name.c_str());
+  }
+  return Vector::Zero(problem.dynamics->num_states());
+}
+
+// What the sensors of `record` show of a response: times and one column a
+// channel, each with noise of `percent` of its standard deviation.
+std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
+                                     const IdentificationRecord& record,
+                                     const Matrix& response, double percent,
+                                     Gaussian* gaussian) {
+  std::vector<CsvColumn> columns;
+  columns.push_back({"t", FileTimes(record)});
+  std::printf("record %s: %d samples\n", record.name.c_str(),
+              record.num_samples());
+  for (size_t i = 0; i < record.channels.size(); ++i) {
+    const MeasuredChannel& channel = record.channels[i];
+    const std::string& name = channel.observation.name;
+    const std::string unit = problem.UnitOf(channel);
+    Vector values = response.row(static_cast<int>(i)).transpose() /
+                    channel.description.factor;
+    const double spread = StandardDeviationOfPresent(values);
+    for (double& value : values) {
+      value += 0.01 * percent * spread * (*gaussian)();
+    }
+    std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
+                name.c_str(), spread, unit.c_str(),
+                values.cwiseAbs().maxCoeff(), unit.c_str());
+    columns.push_back({name, std::move(values)});
+  }
+  return columns;
+}
+
+// Simulates record r and writes response_<record>.csv. *finite: whether the
+// response is.
+bool SimulateRecord(const IdentificationProblem& problem, size_t r,
+                    const Vector& parameters, double percent,
+                    Gaussian* gaussian, const std::string& folder, bool* finite,
+                    std::string* error) {
+  const IdentificationRecord& record = problem.records[r];
+  RecordScore score;
+  ScoreRecord(problem, static_cast<int>(r), parameters,
+              StartOf(problem, record), 0, &score);
+  *finite = score.finite;
+  if (!score.finite) {
+    std::fprintf(stderr,
+                 "record %s: the response is not finite from t = %g %s on\n",
+                 record.name.c_str(),
+                 FileTimes(record)[FirstNotFinite(score.prediction)],
+                 record.description.time_unit.c_str());
+  }
+  return WriteCsv(
+      folder + "/response_" + record.name + ".csv",
+      SensorColumns(problem, record, score.prediction, percent, gaussian),
+      error);
+}
+
 }  // namespace
 }  // namespace pinode
 
@@ -73,84 +152,45 @@ int main(int argc, char** argv) {
                   &status)) {
     return status;
   }
-  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
-  if (FLAGS_output_dir.empty()) {
-    return Refuse("--output_dir=FOLDER is missing; see --help");
-  }
-  if (!std::isfinite(FLAGS_noise_percent)) {
-    return Refuse("--noise_percent must be finite");
-  }
+
+  // 1. Everything that can be wrong with the input, before any work.
   std::string error;
-  if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
+  Case c;
+  if (!CheckFlags(&error) || !ReadCaseForSimulation(FLAGS_case, &c, &error)) {
     return Refuse(error);
   }
-  Case c;
-  if (!ReadCaseForSimulation(FLAGS_case, &c, &error)) return Refuse(error);
-  const double noise =
-      FLAGS_noise_percent >= 0.0 ? FLAGS_noise_percent : c.noise_percent;
   SimulationSummary summary;
   summary.case_path = c.path;
-  summary.noise_percent = noise;
+  summary.noise_percent =
+      FLAGS_noise_percent >= 0.0 ? FLAGS_noise_percent : c.noise_percent;
   summary.seed =
       FLAGS_seed >= 0 ? static_cast<uint64_t>(FLAGS_seed) : c.noise_seed;
-  Gaussian gaussian(summary.seed);
+
+  // 2. A response for each record.
   ResultFolder folder;
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
   }
-
-  const ParameterLayout layout(c.problem);
-  const Vector parameters = layout.InitialValues();
-  int exit_status = kExitDone;
+  Gaussian gaussian(summary.seed);
+  const Vector parameters = ParameterLayout(c.problem).InitialValues();
+  bool all_finite = true;
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
-    const IdentificationRecord& record = c.problem.records[r];
-    const Vector start =
-        record.start == IdentificationRecord::Start::kKnown
-            ? record.known_start
-            : Vector(Vector::Zero(c.problem.dynamics->num_states()));
-    if (record.start == IdentificationRecord::Start::kFree) {
-      std::printf("record %s: its start is unknown, simulated from rest\n",
-                  record.name.c_str());
-    }
-    RecordScore score;
-    ScoreRecord(c.problem, static_cast<int>(r), parameters, start, 0, &score);
-    const Vector times = FileTimes(record);
-    if (!score.finite) {
-      std::fprintf(stderr,
-                   "record %s: the response is not finite from t = %g %s on\n",
-                   record.name.c_str(), times[FirstNotFinite(score.prediction)],
-                   record.description.time_unit.c_str());
-      exit_status = kExitNotUsable;
-    }
-    summary.records.push_back(
-        {record.name, record.num_samples(), score.finite});
-    std::vector<CsvColumn> columns;
-    columns.push_back({"t", times});
-    std::printf("record %s: %d samples\n", record.name.c_str(),
-                record.num_samples());
-    for (size_t i = 0; i < record.channels.size(); ++i) {
-      const MeasuredChannel& channel = record.channels[i];
-      const std::string& name = channel.observation.name;
-      const std::string unit = c.problem.UnitOf(channel);
-      Vector values = score.prediction.row(static_cast<int>(i)).transpose() /
-                      channel.description.factor;
-      const double spread = StandardDeviationOfPresent(values);
-      for (double& value : values) value += 0.01 * noise * spread * gaussian();
-      std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
-                  name.c_str(), spread, unit.c_str(),
-                  values.cwiseAbs().maxCoeff(), unit.c_str());
-      columns.push_back({name, std::move(values)});
-    }
-    if (!WriteCsv(folder.working_path() + "/response_" + record.name + ".csv",
-                  columns, &error)) {
+    bool finite = false;
+    if (!SimulateRecord(c.problem, r, parameters, summary.noise_percent,
+                        &gaussian, folder.working_path(), &finite, &error)) {
       return Refuse(error);
     }
+    const IdentificationRecord& record = c.problem.records[r];
+    summary.records.push_back({record.name, record.num_samples(), finite});
+    all_finite = all_finite && finite;
   }
+
+  // 3. What they were made with.
   if (!WriteSimulationSummary(folder.working_path() + "/simulate.json", summary,
                               &error) ||
       !folder.Commit(&error)) {
     return Refuse(error);
   }
   std::printf("Responses: %s\n", folder.final_path().c_str());
-  return exit_status;
+  return all_finite ? kExitDone : kExitNotUsable;
 }
