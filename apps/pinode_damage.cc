@@ -123,6 +123,18 @@ JudgedChange JudgeChange(const IdentificationSummary& summary,
   return judgement;
 }
 
+// The judgement, if there is one, and the report.
+bool WriteDamageFiles(const ReportInput& report, const std::string& folder,
+                      std::string* error) {
+  HtmlReportOptions report_options;
+  report_options.num_threads = DefaultThreads();
+  return (report.damage == nullptr ||
+          WriteFileAtomically(folder + "/damage.json",
+                              DamageAsJson(*report.damage), error)) &&
+         WriteHtmlReport(report, report_options, folder + "/report.html",
+                         error);
+}
+
 void PrintChange(const DamageResult& result) {
   std::printf("%s\n\nChange since the baseline\n%s\n",
               result.judgement.sentence.c_str(),
@@ -187,14 +199,8 @@ int main(int argc, char** argv) {
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   if (judgement.judged) report.damage = &result;
-  HtmlReportOptions report_options;
-  report_options.num_threads = DefaultThreads();
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
-      (judgement.judged &&
-       !WriteFileAtomically(folder.working_path() + "/damage.json",
-                            DamageAsJson(result), &error)) ||
-      !WriteHtmlReport(report, report_options,
-                       folder.working_path() + "/report.html", &error) ||
+      !WriteDamageFiles(report, folder.working_path(), &error) ||
       !folder.Commit(&error)) {
     return Refuse(error);
   }

@@ -152,6 +152,25 @@ std::string SparseFormat(const Arrays& arrays, const std::string& prefix) {
   return format->TextAt(0);
 }
 
+enum class ArrayUse { kNone, kBad, kGood };
+
+// The sparse matrix of which "<prefix>data" is a part, if it is one.
+ArrayUse FindSparse(const Arrays& arrays, const std::string& prefix,
+                    SparseParts* parts, std::string* what) {
+  const std::string format = SparseFormat(arrays, prefix);
+  const bool complete = FindParts(arrays, prefix, parts);
+  if (!complete && format.empty()) return ArrayUse::kNone;
+  // SciPy's other formats: BSR has parts of other shapes, DIA offsets.
+  if (!complete || (!format.empty() && format != "csr" && format != "csc" &&
+                    format != "coo")) {
+    *what = "is of the sparse format " + Quote(format) +
+            ", and csr, csc or coo was expected";
+    return ArrayUse::kBad;
+  }
+  parts->by_columns = format == "csc";
+  return ArrayUse::kGood;
+}
+
 }  // namespace
 
 bool ReadNpzContent(const std::string& path, const std::string& content,
@@ -182,22 +201,13 @@ bool ReadNpzContent(const std::string& path, const std::string& content,
     } else if (name.size() >= kData.size() &&
                name.substr(name.size() - kData.size()) == kData) {
       const std::string prefix = name.substr(0, name.size() - kData.size());
-      const std::string format = SparseFormat(arrays, prefix);
       SparseParts parts;
-      if (!FindParts(arrays, prefix, &parts)) {
-        // SciPy's other formats (BSR has parts of other shapes, DIA offsets).
-        if (format.empty()) continue;
-        return fail(name, "is of the sparse format " + Quote(format) +
-                              ", and csr, csc or coo was expected");
-      }
-      if (!format.empty() && format != "csr" && format != "csc" &&
-          format != "coo") {
-        return fail(name, "is of the sparse format " + Quote(format) +
-                              ", and csr, csc or coo was expected");
-      }
-      parts.by_columns = format == "csc";
-      if (!MatrixFromParts(parts, &matrix.matrix, &what))
+      const ArrayUse use = FindSparse(arrays, prefix, &parts, &what);
+      if (use == ArrayUse::kNone) continue;
+      if (use == ArrayUse::kBad ||
+          !MatrixFromParts(parts, &matrix.matrix, &what)) {
         return fail(name, what);
+      }
       matrix.name = prefix;
       while (!matrix.name.empty() && matrix.name.back() == '_') {
         matrix.name.pop_back();
