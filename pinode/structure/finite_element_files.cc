@@ -181,10 +181,10 @@ class ModelReader {
     const MatrixContainer& container = found->second;
     const NamedMatrix* chosen = nullptr;
     if (!Choose(role, container, &chosen)) return false;
-    if (!chosen->problem.empty()) {
+    if (!chosen->fault.empty()) {
       return Fail(path, std::string("the ") + RoleName(role) + " matrix " +
                             Quote(chosen->name) +
-                            " cannot be used: " + chosen->problem);
+                            " cannot be used: " + chosen->fault);
     }
     loaded->kind = LoadedMatrix::Kind::kWhole;
     loaded->matrix = chosen->matrix;

@@ -350,7 +350,7 @@ bool ReadMatFile(const std::string& path, MatrixContainer* container,
     matrix.name = name;
     bool good = CheckSize(*variable, file_size, &what);
     if (good && is_matrix && variable->isComplex) {
-      matrix.problem = "it is complex";
+      matrix.fault = "it is complex";
       result.matrices.push_back(std::move(matrix));
       continue;
     }

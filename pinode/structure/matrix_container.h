@@ -15,7 +15,7 @@ struct NamedMatrix {
   SparseMatrix matrix;
   // Why it cannot be a matrix of a structure ("it is complex"), else empty; the
   // matrix is empty then. A file may hold such things beside what is wanted.
-  std::string problem;
+  std::string fault;
 };
 
 struct MatrixContainer {

@@ -229,7 +229,7 @@ bool ReadNpzContent(const std::string& path, const std::string& content,
     }
     NamedMatrix matrix;
     matrix.name = name;
-    matrix.problem = "it is not of a real type (complex numbers, objects)";
+    matrix.fault = "it is not of a real type (complex numbers, objects)";
     result.matrices.push_back(std::move(matrix));
   }
   *container = std::move(result);

@@ -60,10 +60,10 @@ bool Op4Matrix::Finish(MatrixContainer* container, int* failed_line,
     }
   }
   if (is_complex()) {
-    result.problem = "it is complex";
+    result.fault = "it is complex";
   } else if (form != 1 && form != 2 && form != 6 && form != 9) {
-    result.problem = "its form is " + std::to_string(form) +
-                     ", and 1 (square) or 6 (symmetric) was expected";
+    result.fault = "its form is " + std::to_string(form) +
+                   ", and 1 (square) or 6 (symmetric) was expected";
   } else {
     MatrixEntry twice;
     if (!AssembleMatrix(static_cast<int>(rows), static_cast<int>(columns),
