@@ -52,11 +52,73 @@ bool ReadTerm(const TomlTable& table, const TomlValue& value,
   return keys.AllowKeys(known) && ReadParameterKeys(keys, 1.0, parameter);
 }
 
+// inputs: the features of *term; *names as the functions write them.
+bool ReadLibraryInputs(const TomlTable& table,
+                       const StructuralDynamics& dynamics, LawTerm* term,
+                       std::vector<std::string>* names) {
+  const std::vector<std::string> inputs = table.Strings("inputs");
+  if (!table.errors()->ok()) return false;
+  if (inputs.empty()) {
+    return table.Fail("inputs",
+                      "'inputs' is missing or empty, expected at least one");
+  }
+  if (static_cast<int>(inputs.size()) > LibraryLaw::kMaxFeatures) {
+    return table.Fail("inputs", std::to_string(inputs.size()) +
+                                    " inputs, expected at most " +
+                                    std::to_string(LibraryLaw::kMaxFeatures));
+  }
+  std::set<std::string> seen;
+  for (const std::string& text : inputs) {
+    Feature feature;
+    if (!ParseFeature(table, "inputs", dynamics, text, &feature)) return false;
+    term->features.push_back(feature);
+    names->push_back(
+        feature.Name(dynamics.model().dof_names, InputNames(dynamics)));
+    if (!seen.insert(names->back()).second) {
+      return table.Fail("inputs", "'" + text + "' is given twice");
+    }
+  }
+  return true;
+}
+
+// terms: the law and the parameters of *term, whose inputs are read.
+bool ReadLibraryFunctions(const TomlTable& table, const TermsContext& context,
+                          const StructuralDynamics& dynamics,
+                          const std::vector<std::string>& names,
+                          LawTerm* term) {
+  const TomlValue* terms = table.Find("terms");
+  if (terms == nullptr || terms->type != TomlValue::Type::kArray ||
+      terms->elements.empty()) {
+    return table.Fail("terms",
+                      "'terms' is missing or empty, expected terms = "
+                      "[\"x[" +
+                          dynamics.model().dof_names[0] + "]^3\", ...]");
+  }
+  std::vector<LibraryFunction> functions;
+  std::set<std::string> seen;
+  for (const TomlValue& value : terms->elements) {
+    LibraryFunction function;
+    Parameter parameter;
+    if (!ReadTerm(table, value, names, *term, dynamics.inputs(), *context.units,
+                  &function, &parameter)) {
+      return false;
+    }
+    if (!seen.insert(function.text()).second) {
+      return table.Fail("terms",
+                        "the term '" + function.text() + "' is given twice");
+    }
+    functions.push_back(std::move(function));
+    term->parameters.parameters.push_back(std::move(parameter));
+  }
+  term->law = std::make_shared<LibraryLaw>(
+      static_cast<int>(term->features.size()), std::move(functions));
+  return true;
+}
+
 }  // namespace
 
 bool ReadLibraries(const TomlTable& root, const TermsContext& context,
                    StructuralDynamics* dynamics) {
-  const StructuralModel& model = context.model->model;
   std::set<std::string> seen;
   for (const LawTerm& law : dynamics->laws()) seen.insert(law.name);
   for (TomlTable& table : root.Tables("library")) {
@@ -73,68 +135,21 @@ bool ReadLibraries(const TomlTable& root, const TermsContext& context,
       return table.Fail("name", "its name is used twice");
     }
     term.parameters.name = term.name;
-
-    const std::vector<std::string> inputs = table.Strings("inputs");
     const std::string output = table.RequiredString("output");
     term.acts_as = table.Choice("acts_as", {"acceleration", "force"},
                                 "acceleration") == "force"
                        ? ActsAs::kForce
                        : ActsAs::kAcceleration;
-    if (!root.errors()->ok()) return false;
-    if (inputs.empty()) {
-      return table.Fail("inputs",
-                        "'inputs' is missing or empty, expected at least one");
-    }
-    if (static_cast<int>(inputs.size()) > LibraryLaw::kMaxFeatures) {
-      return table.Fail("inputs", std::to_string(inputs.size()) +
-                                      " inputs, expected at most " +
-                                      std::to_string(LibraryLaw::kMaxFeatures));
-    }
-    std::vector<std::string> feature_names;
-    std::set<std::string> features_seen;
-    for (const std::string& text : inputs) {
-      Feature feature;
-      if (!ParseFeature(table, "inputs", *dynamics, text, &feature)) {
-        return false;
-      }
-      term.features.push_back(feature);
-      feature_names.push_back(
-          feature.Name(model.dof_names, InputNames(*dynamics)));
-      if (!features_seen.insert(feature_names.back()).second) {
-        return table.Fail("inputs", "'" + text + "' is given twice");
-      }
-    }
+    std::vector<std::string> names;
     Vector column;
-    if (!ParseOutput(table, "output", model, output, &column)) return false;
+    if (!ReadLibraryInputs(table, *dynamics, &term, &names) ||
+        !ParseOutput(table, "output", context.model->model, output, &column)) {
+      return false;
+    }
     term.outputs = column;
-
-    const TomlValue* terms = table.Find("terms");
-    if (terms == nullptr || terms->type != TomlValue::Type::kArray ||
-        terms->elements.empty()) {
-      return table.Fail("terms",
-                        "'terms' is missing or empty, expected terms = "
-                        "[\"x[" +
-                            model.dof_names[0] + "]^3\", ...]");
-    }
-    std::vector<LibraryFunction> functions;
-    std::set<std::string> terms_seen;
-    for (const TomlValue& value : terms->elements) {
-      LibraryFunction function;
-      Parameter parameter;
-      if (!ReadTerm(table, value, feature_names, term, dynamics->inputs(),
-                    *context.units, &function, &parameter)) {
-        return false;
-      }
-      if (!terms_seen.insert(function.text()).second) {
-        return table.Fail("terms",
-                          "the term '" + function.text() + "' is given twice");
-      }
-      functions.push_back(std::move(function));
-      term.parameters.parameters.push_back(std::move(parameter));
-    }
-    term.law = std::make_shared<LibraryLaw>(
-        static_cast<int>(term.features.size()), std::move(functions));
     std::string error;
+    if (!ReadLibraryFunctions(table, context, *dynamics, names, &term))
+      return false;
     if (!dynamics->AddLaw(std::move(term), &error)) {
       return table.Fail("name", error);
     }

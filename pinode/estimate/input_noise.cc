@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "pinode/base/logging.h"
@@ -11,6 +12,142 @@
 
 namespace pinode {
 
+namespace {
+
+// Sensors' gains, one per channel of a record; ideal ones have 1.
+Vector GainsOf(const IdentificationRecord& record,
+               const ParameterLayout& layout, const Vector& parameters) {
+  Vector gains = Vector::Ones(static_cast<int>(record.channels.size()));
+  for (int c = 0; c < gains.size(); ++c) {
+    const int gain = record.channels[static_cast<size_t>(c)].gain;
+    if (gain >= 0) gains[c] = parameters[layout.num_dynamics() + gain];
+  }
+  return gains;
+}
+
+// Linearises a record sample by sample along its states, see LinearizedRecord.
+class RecordLinearizer {
+ public:
+  RecordLinearizer(const StructuralDynamics& dynamics,
+                   const StructuralDynamics::Prepared& prepared,
+                   const IdentificationRecord& record,
+                   const std::vector<int>& inputs, const Vector& gains,
+                   const Matrix& states)
+      : dynamics_(dynamics),
+        prepared_(prepared),
+        inputs_(inputs),
+        gains_(gains),
+        states_(states),
+        observation_(dynamics, record.Observations()),
+        grid_(*record.excitation, record.substeps),
+        held_(record.excitation->interpolation() == Interpolation::kHeld),
+        deltas_(static_cast<int>(inputs.size())),
+        step_(dynamics),
+        linearization_(dynamics.MakeLinearization()),
+        scratch_(dynamics.num_states()),
+        values_(static_cast<size_t>(dynamics.num_inputs())) {
+    // The dynamics is affine in its ground accelerations and forces, and smooth
+    // in covariates: differences over a small part of the input's own size.
+    for (int j = 0; j < deltas_.size(); ++j) {
+      const auto row = record.excitation->samples().row(Input(j));
+      deltas_[j] = 1e-4 * std::max(1e-12, row.cwiseAbs().maxCoeff());
+    }
+  }
+
+  // What the sensors see at sample `i`.
+  void LinearizeSample(int i, LinearizedRecord::Sample* sample) {
+    const auto& linearized = step_.LinearizeAt(
+        prepared_, grid_.time(i), grid_.AtSample(i), states_.col(i).data());
+    observation_.StateJacobian(linearized, &state_jacobian_);
+    sample->by_state = gains_.asDiagonal() * state_jacobian_;
+    sample->by_input.resize(gains_.size(), deltas_.size());
+    for (int j = 0; j < deltas_.size(); ++j) {
+      sample->by_input.col(j) =
+          (Observed(i, j, deltas_[j]) - Observed(i, j, -deltas_[j])) /
+          (2.0 * deltas_[j]);
+    }
+    sample->by_input = gains_.asDiagonal() * sample->by_input;
+  }
+
+  // The way from sample `i` to the next one.
+  void LinearizeInterval(int i, LinearizedRecord::Sample* sample) {
+    const int ns = dynamics_.num_states();
+    sample->transition = Matrix::Identity(ns, ns);
+    Vector state = states_.col(i);
+    for (int s = 0; s < grid_.substeps(); ++s) {
+      step_.Step(prepared_, grid_, i, s, false, false, &state,
+                 &sample->transition);
+    }
+    sample->left = Matrix::Zero(ns, deltas_.size());
+    sample->right = Matrix::Zero(ns, deltas_.size());
+    for (int j = 0; j < deltas_.size(); ++j) {
+      const auto difference = [&](bool left) {
+        return Vector((IntervalEnd(i, j, left, deltas_[j]) -
+                       IntervalEnd(i, j, left, -deltas_[j])) /
+                      (2.0 * deltas_[j]));
+      };
+      sample->left.col(j) = difference(true);
+      if (!held_) sample->right.col(j) = difference(false);
+    }
+  }
+
+ private:
+  int Input(int j) const { return inputs_[static_cast<size_t>(j)]; }
+
+  // The inputs `nominal` with noisy input `j` changed by `change`.
+  const double* Changed(const double* nominal, int j, double change) {
+    std::copy(nominal, nominal + values_.size(), values_.begin());
+    values_[static_cast<size_t>(Input(j))] += change;
+    return values_.data();
+  }
+
+  Vector Observed(int i, int j, double change) {
+    Vector rate(dynamics_.num_states()), y(gains_.size());
+    const double* at = Changed(grid_.AtSample(i), j, change);
+    dynamics_.Rate(prepared_, grid_.time(i), at, states_.col(i).data(),
+                   rate.data(), &linearization_);
+    observation_.Observe(states_.col(i).data(), rate.data(), at, y.data());
+    return y;
+  }
+
+  // State at the end of an interval when the sample at its left (or right) end
+  // is changed.
+  Vector IntervalEnd(int i, int j, bool left, double change) {
+    Vector state = states_.col(i);
+    for (int s = 0; s < grid_.substeps(); ++s) {
+      Rk4Step(
+          [&](int node, double time, const double* h, double* rate) {
+            const double fraction = (s + 0.5 * node) / grid_.substeps();
+            const double share =
+                held_ ? (left ? 1.0 : 0.0) : (left ? 1.0 - fraction : fraction);
+            dynamics_.Rate(prepared_, time,
+                           Changed(grid_.AtNode(i, s, node), j, change * share),
+                           h, rate, &linearization_);
+          },
+          grid_.step_time(i, s), grid_.step(), state.data(), &scratch_);
+    }
+    return state;
+  }
+
+  const StructuralDynamics& dynamics_;
+  const StructuralDynamics::Prepared& prepared_;
+  const std::vector<int>& inputs_;  // those that have noise
+  const Vector& gains_;
+  const Matrix& states_;
+  const ObservationMap observation_;
+  const IntegrationGrid grid_;
+  const bool held_;
+  Vector deltas_;  // per noisy input
+  // Scratch.
+  TangentStep step_;
+  StructuralDynamics::Linearization linearization_;
+  Rk4Scratch<double> scratch_;
+  std::vector<double> values_;
+  Matrix state_jacobian_;
+};
+
+}  // namespace
+
 LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
                                  const ParameterLayout& layout, int record,
                                  const std::vector<int>& inputs,
@@ -18,109 +155,21 @@ LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
                                  const Matrix& states) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
-  const StructuralDynamics& dynamics = *problem.dynamics;
-  const int ns = dynamics.num_states();
-  const int samples = data.num_samples();
-  const int nc = static_cast<int>(data.channels.size());
-  const int ne = static_cast<int>(inputs.size());
-  CHECK_EQ(states.cols(), samples);
-
+  CHECK_EQ(states.cols(), data.num_samples());
   StructuralDynamics::Prepared prepared;
   std::string error;
-  CHECK(dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
-                         &error))
+  CHECK(problem.dynamics->Prepare(parameters.head(layout.num_dynamics()),
+                                  &prepared, &error))
       << error;
-  Vector gains = Vector::Ones(nc);
-  for (int c = 0; c < nc; ++c) {
-    const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
-    if (channel.gain >= 0) {
-      gains[c] = parameters[layout.num_dynamics() + channel.gain];
-    }
-  }
-  const ObservationMap observation(dynamics, data.Observations());
-  const IntegrationGrid grid(*data.excitation, data.substeps);
-  const bool held = data.excitation->interpolation() == Interpolation::kHeld;
-
-  auto stage = dynamics.MakeLinearization();
-  Rk4Scratch<double> scratch(ns);
-  std::vector<double> values(static_cast<size_t>(dynamics.num_inputs()));
-  const auto perturbed = [&](const double* nominal, int input, double step) {
-    std::copy(nominal, nominal + values.size(), values.begin());
-    values[static_cast<size_t>(input)] += step;
-    return values.data();
-  };
-  // State at the end of an interval when the sample at its left (or right) end
-  // is changed by `step`.
-  const auto interval_end = [&](int i, int input, bool left, double step) {
-    Vector state = states.col(i);
-    for (int s = 0; s < grid.substeps(); ++s) {
-      Rk4Step(
-          [&](int node, double time, const double* h, double* rate) {
-            const double fraction = (s + 0.5 * node) / grid.substeps();
-            const double share =
-                held ? (left ? 1.0 : 0.0) : (left ? 1.0 - fraction : fraction);
-            dynamics.Rate(
-                prepared, time,
-                perturbed(grid.AtNode(i, s, node), input, step * share), h,
-                rate, &stage);
-          },
-          grid.step_time(i, s), grid.step(), state.data(), &scratch);
-    }
-    return state;
-  };
-  const auto observed = [&](int i, int input, double step) {
-    Vector rate(ns), y(nc);
-    const double* at = perturbed(grid.AtSample(i), input, step);
-    dynamics.Rate(prepared, grid.time(i), at, states.col(i).data(), rate.data(),
-                  &stage);
-    observation.Observe(states.col(i).data(), rate.data(), at, y.data());
-    return y;
-  };
-  // The dynamics is affine in its ground accelerations and forces, and smooth
-  // in covariates: differences over a small part of the input's own size.
-  Vector delta(ne);
-  for (int j = 0; j < ne; ++j) {
-    const auto row =
-        data.excitation->samples().row(inputs[static_cast<size_t>(j)]);
-    delta[j] = 1e-4 * std::max(1e-12, row.cwiseAbs().maxCoeff());
-  }
-
+  const Vector gains = GainsOf(data, layout, parameters);
+  RecordLinearizer linearizer(*problem.dynamics, prepared, data, inputs, gains,
+                              states);
   LinearizedRecord result;
-  result.samples.resize(static_cast<size_t>(samples));
-  TangentStep step(dynamics);
-  Matrix state_jacobian;
-  for (int i = 0; i < samples; ++i) {
+  result.samples.resize(static_cast<size_t>(data.num_samples()));
+  for (int i = 0; i < data.num_samples(); ++i) {
     LinearizedRecord::Sample& sample = result.samples[static_cast<size_t>(i)];
-    const auto& linearized = step.LinearizeAt(
-        prepared, grid.time(i), grid.AtSample(i), states.col(i).data());
-    observation.StateJacobian(linearized, &state_jacobian);
-    sample.by_state = gains.asDiagonal() * state_jacobian;
-    sample.by_input.resize(nc, ne);
-    for (int j = 0; j < ne; ++j) {
-      const int input = inputs[static_cast<size_t>(j)];
-      sample.by_input.col(j) =
-          (observed(i, input, delta[j]) - observed(i, input, -delta[j])) /
-          (2.0 * delta[j]);
-    }
-    sample.by_input = gains.asDiagonal() * sample.by_input;
-    if (i + 1 == samples) break;
-    sample.transition = Matrix::Identity(ns, ns);
-    Vector state = states.col(i);
-    for (int s = 0; s < grid.substeps(); ++s) {
-      step.Step(prepared, grid, i, s, false, false, &state, &sample.transition);
-    }
-    sample.left = Matrix::Zero(ns, ne);
-    sample.right = Matrix::Zero(ns, ne);
-    for (int j = 0; j < ne; ++j) {
-      const int input = inputs[static_cast<size_t>(j)];
-      const auto difference = [&](bool left) {
-        return Vector((interval_end(i, input, left, delta[j]) -
-                       interval_end(i, input, left, -delta[j])) /
-                      (2.0 * delta[j]));
-      };
-      sample.left.col(j) = difference(true);
-      if (!held) sample.right.col(j) = difference(false);
-    }
+    linearizer.LinearizeSample(i, &sample);
+    if (i + 1 < data.num_samples()) linearizer.LinearizeInterval(i, &sample);
   }
   return result;
 }
