@@ -1,5 +1,5 @@
 // What halving and doubling each constant of the fit does to case 1, scheme 2
-// (ctest label `study`): the table of pinode/theory.md.
+// (ctest label `study`), as a table.
 //
 //   PINODE_TUNING_SEEDS=20         seeds, 5 unless given
 //   PINODE_TUNING_CONSTANTS=a,b    names of TuningFields, all unless given
