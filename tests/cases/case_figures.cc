@@ -1,6 +1,7 @@
 #include "tests/cases/case_figures.h"
 
 #include <cmath>
+#include <limits>
 
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
@@ -8,6 +9,9 @@
 namespace pinode {
 namespace testing {
 namespace {
+
+// Where the twenty seeds have not been run: tests hold what is asked alone.
+constexpr double kNotYet = std::numeric_limits<double>::infinity();
 
 // The worst of twenty seeds (study_test.cc), by scheme.
 struct WorstErrors {
@@ -18,9 +22,9 @@ struct WorstErrors {
 };
 
 constexpr WorstErrors kWorstErrors[] = {
-    {"scheme1", 1e-6, 1e-3, 1e-2},
+    {"scheme1", kNotYet, kNotYet, kNotYet},
     {"scheme2", 6.6e-7, 5.0e-6, 1.3e-3},
-    {"scheme3", 1e-6, 1e-3, 1e-2},
+    {"scheme3", kNotYet, kNotYet, kNotYet},
 };
 
 // Of the springs and dampers `names`, as a part of each.
@@ -63,16 +67,16 @@ std::vector<CaseFigure> SchemeFigures(const std::string& scheme) {
 
 std::vector<CaseFigure> GroupFigures() {
   return {
-      {"k2-k4 and c2-c4, worst relative error", 1e-3, 1e-3,
+      {"k2-k4 and c2-c4, worst relative error", 1e-3, kNotYet,
        [](const CaseRun& run) {
          return WorstGroup(run, {"k2", "k3", "k4", "c2", "c3", "c4"});
        }},
       // Beside the network.
-      {"k1 and c1, worst relative error", 1e-2, 1e-2,
+      {"k1 and c1, worst relative error", 1e-2, kNotYet,
        [](const CaseRun& run) {
          return WorstGroup(run, {"k1", "c1"});
        }},
-      {"mean squared error, h3", 1e-5, 1e-5,
+      {"mean squared error, h3", 1e-5, kNotYet,
        [](const CaseRun& run) { return run.MeanSquaredError("h3"); }},
   };
 }
@@ -85,12 +89,12 @@ std::vector<CaseFigure> ForcedFigures() {
     double worst;
   };
   constexpr Line kLines[] = {
-      {"wn_holdout", "x1", 0.005, 0.005},
-      {"wn_holdout", "v1", 0.005, 0.005},
-      {"wn_holdout", "a1", 0.005, 0.005},
-      {"quake_holdout", "x1", 0.007, 0.007},
-      {"quake_holdout", "v1", 0.007, 0.007},
-      {"quake_holdout", "a1", 0.007, 0.007},
+      {"wn_holdout", "x1", 0.005, kNotYet},
+      {"wn_holdout", "v1", 0.005, kNotYet},
+      {"wn_holdout", "a1", 0.005, kNotYet},
+      {"quake_holdout", "x1", 0.007, kNotYet},
+      {"quake_holdout", "v1", 0.007, kNotYet},
+      {"quake_holdout", "a1", 0.007, kNotYet},
   };
   std::vector<CaseFigure> figures;
   for (const Line& line : kLines) {
