@@ -22,7 +22,7 @@ struct WorstErrors {
 };
 
 constexpr WorstErrors kWorstErrors[] = {
-    {"scheme1", kNotYet, kNotYet, kNotYet},
+    {"scheme1", 4.8e-7, 5.1e-6, 2.9e-4},
     {"scheme2", 6.6e-7, 5.0e-6, 1.3e-3},
     {"scheme3", kNotYet, kNotYet, kNotYet},
 };
