@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "pinode/dynamics/described_term.h"
+
 namespace pinode {
 namespace {
 
@@ -18,18 +20,12 @@ struct LawScratch : TermTangentScratch {
   Vector mapped;  // rows
 };
 
-class LawDynamics final : public TermOf<LawTerm> {
+class LawDynamics final
+    : public FeatureTerm<LawDynamics, LawTerm, &LawTerm::parameters> {
  public:
-  explicit LawDynamics(LawTerm term)
-      : TermOf(std::move(term)),
-        columns_(TangentColumns(description_.parameters)),
-        any_free_(NumFree(description_.parameters) > 0) {}
+  using FeatureTerm::FeatureTerm;
 
   TermKind kind() const override { return TermKind::kLaw; }
-
-  std::unique_ptr<Term> Clone() const override {
-    return std::make_unique<LawDynamics>(*this);
-  }
 
   bool IsValid(const StructuralModel& model, int num_inputs,
                std::string* error) const override {
@@ -38,31 +34,8 @@ class LawDynamics final : public TermOf<LawTerm> {
       *error = "'" + term.name + "' has no law";
       return false;
     }
-    if (!FeaturesExist(term.name, term.features, model.num_dofs(), num_inputs,
-                       error)) {
-      return false;
-    }
-    if (static_cast<int>(term.features.size()) != law().num_features() ||
-        term.parameters.size() != law().num_parameters() ||
-        term.outputs.rows() != model.num_dofs() ||
-        term.outputs.cols() != law().num_outputs()) {
-      *error =
-          "'" + term.name +
-          "': numbers of features, parameters or outputs do not fit its law";
-      return false;
-    }
-    if (!term.outputs.allFinite()) {
-      *error = "'" + term.name + "': its outputs are not finite";
-      return false;
-    }
-    return term.parameters.IsValid(error);
-  }
-
-  const ParameterBlock& parameters() const override {
-    return description_.parameters;
-  }
-  void SetParameters(const Vector& values) override {
-    description_.parameters.SetValues(values);
+    return Fits(model, num_inputs, law().num_features(), law().num_outputs(),
+                law().num_parameters(), "its law", error);
   }
 
   std::vector<std::string> InternalNames() const override {
@@ -73,14 +46,6 @@ class LawDynamics final : public TermOf<LawTerm> {
                       (count > 1 ? "," + std::to_string(i + 1) : "") + "]");
     }
     return names;
-  }
-
-  std::unique_ptr<TermPrepared> Prepare(
-      const LinearSystem& linear, const double* /*parameters*/) const override {
-    auto prepared = std::make_unique<TermPrepared>();
-    prepared->output_map = AccelerationMap(
-        description_.acts_as, description_.outputs, linear.mass_inverse);
-    return prepared;
   }
 
   std::unique_ptr<TermLinearization> MakeLinearization(
@@ -116,11 +81,10 @@ class LawDynamics final : public TermOf<LawTerm> {
     const int outputs = law().num_outputs();
     const int internal = law().num_internal();
     const int features = law().num_features();
-    GatherFeatures(description_.features, n, at.time, at.input, at.state,
-                   own->features.data());
+    Gather(at, own->features.data());
     law().Linearize(own->features.data(), at.internal(), at.parameters,
                     own->results.data(), own->jacobian.data());
-    AddResultsOf(prepared, own->results.data(), rate);
+    AddAll(prepared, own->results.data(), rate);
 
     const Matrix& map = prepared.output_map;
     const Matrix& slopes = own->jacobian;
@@ -159,7 +123,7 @@ class LawDynamics final : public TermOf<LawTerm> {
                             const Matrix* const* lefts, int num_stages,
                             TermTangentScratch* scratch,
                             double* result) const override {
-    if (!any_free_) return;
+    if (num_free() == 0) return;
     const int n = place.num_dofs;
     const int outputs = law().num_outputs();
     const int first_parameter = law().num_features() + law().num_internal();
@@ -175,10 +139,7 @@ class LawDynamics final : public TermOf<LawTerm> {
           mapped = lefts[s]->col(place.first_internal + r - outputs);
         }
         for (int p = 0; p < law().num_parameters(); ++p) {
-          const int column = columns_[static_cast<size_t>(p)];
-          if (column < 0) continue;
-          Eigen::Map<Vector>(result + mapped.size() * column, mapped.size()) +=
-              mapped * slopes(first_parameter + p, r);
+          AddToColumn(p, mapped, slopes(first_parameter + p, r), result);
         }
       }
     }
@@ -188,10 +149,9 @@ class LawDynamics final : public TermOf<LawTerm> {
   const Law& law() const { return *description_.law; }
 
   template <typename T>
-  void AddResultsOf(const TermPrepared& prepared, const T* results,
-                    TermRate<T>* rate) const {
-    AddResults(prepared.output_map, description_.acts_as, results,
-               rate->acceleration, rate->force_acceleration);
+  void AddAll(const TermPrepared& prepared, const T* results,
+              TermRate<T>* rate) const {
+    AddResultsOf(prepared, results, rate);
     for (int i = 0; i < law().num_internal(); ++i) {
       rate->internal[i] = results[law().num_outputs() + i];
     }
@@ -200,14 +160,10 @@ class LawDynamics final : public TermOf<LawTerm> {
   template <typename T>
   void AddRateOf(const TermPrepared& prepared, const TermPoint<T>& at,
                  T* features, T* results, TermRate<T>* rate) const {
-    GatherFeatures(description_.features, at.place.num_dofs, at.time, at.input,
-                   at.state, features);
+    Gather(at, features);
     law().Evaluate(features, at.internal(), at.parameters, results);
-    AddResultsOf(prepared, results, rate);
+    AddAll(prepared, results, rate);
   }
-
-  std::vector<int> columns_;
-  bool any_free_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "pinode/dynamics/described_term.h"
 #include "pinode/network/network_functor.h"
 
 namespace pinode {
@@ -30,20 +31,14 @@ struct NetworkScratch : TermTangentScratch {
   Matrix all_columns;
 };
 
-class NetworkDynamics final : public TermOf<NetworkTerm> {
+class NetworkDynamics final
+    : public FeatureTerm<NetworkDynamics, NetworkTerm, &NetworkTerm::weights> {
  public:
-  explicit NetworkDynamics(NetworkTerm term)
-      : TermOf(std::move(term)),
-        columns_(TangentColumns(description_.weights)),
-        num_free_(NumFree(description_.weights)) {
+  explicit NetworkDynamics(NetworkTerm term) : FeatureTerm(std::move(term)) {
     description_.weights.named = false;
   }
 
   TermKind kind() const override { return TermKind::kNetwork; }
-
-  std::unique_ptr<Term> Clone() const override {
-    return std::make_unique<NetworkDynamics>(*this);
-  }
 
   bool IsValid(const StructuralModel& model, int num_inputs,
                std::string* error) const override {
@@ -52,40 +47,10 @@ class NetworkDynamics final : public TermOf<NetworkTerm> {
       *error = "'" + term.name + "' has no network";
       return false;
     }
-    if (!FeaturesExist(term.name, term.features, model.num_dofs(), num_inputs,
-                       error)) {
-      return false;
-    }
     const NetworkArchitecture& architecture = network().architecture();
-    if (static_cast<int>(term.features.size()) != architecture.num_inputs ||
-        term.weights.size() != architecture.NumWeights() ||
-        term.outputs.rows() != model.num_dofs() ||
-        term.outputs.cols() != architecture.num_outputs) {
-      *error = "'" + term.name +
-               "': numbers of inputs, weights or outputs do not fit its "
-               "architecture";
-      return false;
-    }
-    if (!term.outputs.allFinite()) {
-      *error = "'" + term.name + "': its outputs are not finite";
-      return false;
-    }
-    return term.weights.IsValid(error);
-  }
-
-  const ParameterBlock& parameters() const override {
-    return description_.weights;
-  }
-  void SetParameters(const Vector& values) override {
-    description_.weights.SetValues(values);
-  }
-
-  std::unique_ptr<TermPrepared> Prepare(
-      const LinearSystem& linear, const double* /*parameters*/) const override {
-    auto prepared = std::make_unique<TermPrepared>();
-    prepared->output_map = AccelerationMap(
-        description_.acts_as, description_.outputs, linear.mass_inverse);
-    return prepared;
+    return Fits(model, num_inputs, architecture.num_inputs,
+                architecture.num_outputs, architecture.NumWeights(),
+                "its architecture", error);
   }
 
   std::unique_ptr<TermLinearization> MakeLinearization(
@@ -135,7 +100,7 @@ class NetworkDynamics final : public TermOf<NetworkTerm> {
       const TermPlace& /*place*/, int rows) const override {
     auto scratch = std::make_unique<NetworkScratch>(network(), rows);
     scratch->lefts.fill(Matrix::Zero(rows, network().num_outputs()));
-    if (num_free_ > 0 && num_free_ < network().num_weights()) {
+    if (num_free() > 0 && num_free() < network().num_weights()) {
       scratch->all_columns = Matrix::Zero(rows, network().num_weights());
     }
     return scratch;
@@ -147,7 +112,7 @@ class NetworkDynamics final : public TermOf<NetworkTerm> {
                             const Matrix* const* lefts, int num_stages,
                             TermTangentScratch* scratch,
                             double* result) const override {
-    if (num_free_ == 0) return;
+    if (num_free() == 0) return;
     auto* own = static_cast<NetworkScratch*>(scratch);
     const int n = place.num_dofs;
     const NetworkTangent* tangents[kMostStages];
@@ -165,32 +130,13 @@ class NetworkDynamics final : public TermOf<NetworkTerm> {
     network().AddWeightTangents(tangents, own_lefts, num_stages,
                                 &own->workspace,
                                 some_fixed ? all.data() : result);
-    for (Eigen::Index w = 0; some_fixed && w < all.cols(); ++w) {
-      const int column = columns_[static_cast<size_t>(w)];
-      if (column < 0) continue;
-      Eigen::Map<Vector>(result + all.rows() * column, all.rows()) +=
-          all.col(w);
+    for (int w = 0; some_fixed && w < all.cols(); ++w) {
+      AddToColumn(w, all.col(w), 1.0, result);
     }
   }
 
  private:
   const Network& network() const { return *description_.network; }
-
-  template <typename T>
-  void Gather(const TermPoint<T>& at, T* features) const {
-    GatherFeatures(description_.features, at.place.num_dofs, at.time, at.input,
-                   at.state, features);
-  }
-
-  template <typename T>
-  void AddResultsOf(const TermPrepared& prepared, const T* results,
-                    TermRate<T>* rate) const {
-    AddResults(prepared.output_map, description_.acts_as, results,
-               rate->acceleration, rate->force_acceleration);
-  }
-
-  std::vector<int> columns_;
-  int num_free_;
 };
 
 }  // namespace

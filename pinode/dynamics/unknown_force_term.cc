@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/dynamics/described_term.h"
 #include "pinode/dynamics/products.h"
 
 namespace pinode {
@@ -18,18 +19,13 @@ struct ForceScratch : TermTangentScratch {
   Vector mapped;  // rows
 };
 
-class UnknownForceDynamics final : public TermOf<UnknownForceTerm> {
+class UnknownForceDynamics final
+    : public DescribedTerm<UnknownForceDynamics, UnknownForceTerm,
+                           &UnknownForceTerm::parameters> {
  public:
-  explicit UnknownForceDynamics(UnknownForceTerm term)
-      : TermOf(std::move(term)),
-        columns_(TangentColumns(description_.parameters)),
-        any_free_(NumFree(description_.parameters) > 0) {}
+  using DescribedTerm::DescribedTerm;
 
   TermKind kind() const override { return TermKind::kUnknownForce; }
-
-  std::unique_ptr<Term> Clone() const override {
-    return std::make_unique<UnknownForceDynamics>(*this);
-  }
 
   bool IsValid(const StructuralModel& model, int num_inputs,
                std::string* error) const override {
@@ -56,22 +52,14 @@ class UnknownForceDynamics final : public TermOf<UnknownForceTerm> {
       *error = "'" + term.name + "': its prior does not fit its parameters";
       return false;
     }
-    const int num_free = NumFree(term.parameters);
-    if (!term.prior.combinations.empty() && num_free > 0 &&
-        num_free < term.parameters.size()) {
+    if (!term.prior.combinations.empty() && num_free() > 0 &&
+        num_free() < term.parameters.size()) {
       *error = "'" + term.name +
                "': all of its parameters are free, or none, where it has a "
                "prior";
       return false;
     }
     return term.parameters.IsValid(error);
-  }
-
-  const ParameterBlock& parameters() const override {
-    return description_.parameters;
-  }
-  void SetParameters(const Vector& values) override {
-    description_.parameters.SetValues(values);
   }
 
   std::unique_ptr<TermPrepared> Prepare(
@@ -128,7 +116,7 @@ class UnknownForceDynamics final : public TermOf<UnknownForceTerm> {
                             const Matrix* const* lefts, int num_stages,
                             TermTangentScratch* scratch,
                             double* result) const override {
-    if (!any_free_) return;
+    if (num_free() == 0) return;
     const int n = place.num_dofs;
     Vector& mapped = static_cast<ForceScratch*>(scratch)->mapped;
     for (int s = 0; s < num_stages; ++s) {
@@ -138,10 +126,7 @@ class UnknownForceDynamics final : public TermOf<UnknownForceTerm> {
       mapped.noalias() =
           lefts[s]->middleCols(n, n) * prepared.output_map.col(0);
       for (int p = 0; p < local.count; ++p) {
-        const int column = columns_[static_cast<size_t>(local.first + p)];
-        if (column < 0) continue;
-        Eigen::Map<Vector>(result + mapped.size() * column, mapped.size()) +=
-            mapped * local.derivatives[p];
+        AddToColumn(local.first + p, mapped, local.derivatives[p], result);
       }
     }
   }
@@ -157,9 +142,6 @@ class UnknownForceDynamics final : public TermOf<UnknownForceTerm> {
     AddScaled(prepared.output_map.col(0), value, rate->acceleration);
     AddScaled(prepared.output_map.col(0), value, rate->force_acceleration);
   }
-
-  std::vector<int> columns_;
-  bool any_free_;
 };
 
 }  // namespace
