@@ -32,7 +32,7 @@ MotionChannel NoisyChannel(int derivative, double noise, uint64_t seed) {
   channel.derivative = derivative;
   channel.values.resize(kSamples);
   for (int i = 0; i < kSamples; ++i) {
-    channel.values[i] = Motion(derivative, kStep * i) + noise * gaussian();
+    channel.values[i] = Motion(derivative, kStep * i) + noise * gaussian.Next();
   }
   return channel;
 }

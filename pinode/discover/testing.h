@@ -5,35 +5,15 @@
 
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
-#include "pinode/base/constants.h"
+#include "pinode/base/gaussian_testing.h"
 #include "pinode/base/types.h"
 #include "pinode/discover/candidate_library.h"
 #include "pinode/discover/regression_problem.h"
 
 namespace pinode::testing {
-
-// Standard normal numbers, the same everywhere.
-class Gaussian {
- public:
-  explicit Gaussian(uint64_t seed) : engine_(seed) {}
-
-  double operator()() {
-    const double u =
-        std::ldexp(static_cast<double>((engine_() >> 11) + 1), -53);
-    const double v = std::ldexp(static_cast<double>(engine_() >> 11), -53);
-    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * kPi * v);
-  }
-  Matrix Draw(int rows, int cols) {
-    return Matrix::NullaryExpr(rows, cols, [this]() { return (*this)(); });
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 inline std::vector<std::string> Names(int count) {
   std::vector<std::string> names;

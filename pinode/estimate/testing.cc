@@ -4,7 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
@@ -38,20 +37,6 @@ LawTerm MakeElement(const std::string& name, const std::string& type,
                             &error))
       << error;
   return term;
-}
-
-double Gaussian::Next() {
-  const auto uniform = [this]() {
-    return (static_cast<double>(random_() >> 11) + 0.5) * 0x1.0p-53;
-  };
-  const double radius = std::sqrt(-2.0 * std::log(uniform()));
-  return radius * std::cos(kTwoPi * uniform());
-}
-
-Vector Gaussian::Draw(int count) {
-  Vector values(count);
-  for (double& value : values) value = Next();
-  return values;
 }
 
 std::shared_ptr<StructuralDynamics> MakeGroupedChain(int n, double k,

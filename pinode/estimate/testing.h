@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
+#include "pinode/base/gaussian_testing.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/measured_mode.h"
@@ -18,17 +18,6 @@
 
 namespace pinode {
 namespace testing {
-
-// Independent normal numbers of unit variance, the same on every machine.
-class Gaussian {
- public:
-  explicit Gaussian(uint64_t seed) : random_(seed) {}
-  double Next();
-  Vector Draw(int count);
-
- private:
-  std::mt19937_64 random_;
-};
 
 // A chain under ground motion (input 0) with one stiffness group a spring: k1
 // ... kn, the fractional change of each.
