@@ -74,6 +74,20 @@ std::vector<BadProblem> BadProblems() {
                                           Interpolation::kLinear);
        },
        "record 'r': it has 3 inputs, the model has 1"},
+      {"NotANumberInput",
+       [nan](Problem* p) {
+         p->records[0].excitation.emplace(
+             0.0, 0.05, Matrix::Constant(1, 40, nan), Interpolation::kLinear);
+       },
+       "record 'r': its excitation holds a value, or has a step, that is not "
+       "finite"},
+      {"NoSamplingStep",
+       [](Problem* p) {
+         p->records[0].excitation.emplace(0.0, 0.0, Matrix::Zero(1, 40),
+                                          Interpolation::kLinear);
+       },
+       "record 'r': its excitation holds a value, or has a step, that is not "
+       "finite"},
       {"NoStep", [](Problem* p) { p->records[0].substeps = 0; },
        "record 'r': it needs at least one Runge-Kutta step"},
       {"TooManyInputSigmas",

@@ -40,12 +40,7 @@ Excitation::Excitation(double start_time, double step, Matrix samples,
     : start_time_(start_time),
       step_(step),
       samples_(std::move(samples)),
-      interpolation_(interpolation) {
-  CHECK_GT(step_, 0.0) << "the sampling step";
-  CHECK_GT(samples_.cols(), 0) << "an excitation has at least one sample";
-  CHECK(samples_.allFinite())
-      << "samples are missing: call IsCompleteExcitation() first";
-}
+      interpolation_(interpolation) {}
 
 void Excitation::Evaluate(int interval, double fraction, double* inputs) const {
   DCHECK_GE(interval, 0);

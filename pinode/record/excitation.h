@@ -33,8 +33,10 @@ const char* InterpolationName(Interpolation interpolation);
 // the next interval begins with another value.
 class Excitation {
  public:
-  // `samples` is inputs x samples, all finite, at least one sample; sample i is
-  // at start_time + i * step. No inputs (0 rows) are allowed.
+  // `samples` is inputs x samples; sample i is at start_time + i * step. No
+  // inputs (0 rows) are allowed. It holds whatever it is given: that numbers
+  // are finite, the step positive and samples there is asked by
+  // IdentificationProblem::IsValid.
   Excitation(double start_time, double step, Matrix samples,
              Interpolation interpolation);
 
