@@ -327,6 +327,14 @@ TEST(ResultFilesTest, OfAnotherProblemAreRefused) {
   EXPECT_THAT(error, HasSubstr("quake.csv"));
 }
 
+// More unknowns than data have no covariance, and a result nevertheless.
+TEST(ResultFilesTest, WithoutACovariance) {
+  Fixture f;
+  f.summary.covariance.resize(0, 0);
+  WriteAll(f, "out");
+  EXPECT_EQ(f.folder.Read("out/covariance.csv"), "name,k1\n");
+}
+
 // A fit that never began is written as such.
 TEST(ResultFilesTest, FailedFit) {
   Fixture f;
