@@ -162,7 +162,7 @@ TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
   refused(dynamics.AddLaw(law, &error), "does not exist");
   NetworkTerm network = all->networks()[0];
   network.weights.parameters.pop_back();
-  refused(dynamics.AddNetwork(network, &error), "weights");
+  refused(dynamics.AddNetwork(network, &error), "do not fit its architecture");
   refused(dynamics.AddNetwork(all->networks()[1], &error), "an input");
   UnknownForceTerm force = all->unknown_forces()[0];
   force.prior.precisions = {-1.0};

@@ -23,7 +23,7 @@ namespace pinode {
 // excitation become unknowns where they can (input_noise_fit.h).
 class Fit {
  public:
-  // Both must outlive this object.
+  // `problem` must outlive this object.
   Fit(const IdentificationProblem& problem,
       const IdentificationOptions& options);
   Fit(const Fit&) = delete;
@@ -69,7 +69,7 @@ class Fit {
   void BeginAnnealing();
   void FitInputNoise();
 
-  const IdentificationOptions& options_;
+  const IdentificationOptions options_;
   IdentificationSummary summary_;
   const ParameterLayout layout_;
   const MultipleShooting::Options shooting_options_;

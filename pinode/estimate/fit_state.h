@@ -11,6 +11,7 @@
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
 #include "pinode/estimate/objective.h"
+#include "pinode/estimate/optimality.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -25,6 +26,7 @@ struct FitState {
   // Of the samples, what the fit has not used up.
   double share_left = 1.0;
   double cost = kInfinity;
+  Optimality optimality;  // of the last solve that has converged
 
   // The error to be expected of other samples of the same records, by
   // generalised cross-validation (P. Craven, G. Wahba, Numerische Mathematik 31

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
@@ -28,6 +29,9 @@ struct ChannelScore {
   double nrmse = 0.0;        // |y - yhat| / |y - mean(y)|
   double prior_nrmse = 0.0;  // of the model before the identification
   double sigma = 0.0;        // estimated or given noise
+  // Of the residual's energy, what has no memory from sample to sample and can
+  // therefore be no motion; NaN where that cannot be told. See NoiseShare.
+  double noise_share = kNaN;
 };
 
 struct RecordScore {
@@ -127,6 +131,22 @@ struct IdentificationSummary {
   std::vector<IterationRecord> iterations;
   double initial_cost = 0.0;
   double final_cost = 0.0;
+  // How far from a minimum within the bounds it has ended, see Optimality.
+  double gradient_cosine = 0.0;
+  double promised_share = 0.0;
+  // The solver could do no more, but at no minimum.
+  bool stalled = false;
+  // Least damping ratio of the modes of the matrices, before and after; NaN
+  // where there are none. Whether bounds of free dampings, given by somebody,
+  // allow it to be negative.
+  double initial_damping = 0.0;
+  double final_damping = 0.0;
+  bool negative_damping_allowed = false;
+  // By which way the fit came about, in words; empty: by its stages alone.
+  std::string way;
+  // The error of the training records' free runs by the linear terms alone,
+  // fitted on the way; infinite where they were not.
+  double linear_error = kInfinity;
   double largest_gap = 0.0;      // in units of the state's RMS
   bool single_shooting = false;  // the last stage was one segment a record
   int num_iterations = 0;

@@ -29,10 +29,33 @@ bool FitsProblem(const IdentificationProblem& problem,
   return true;
 }
 
+// Networks have valleys without end, along which something could be saved for
+// ever; what they are asked for is in Stage.
+void ReportOptimality(const Fit& fit, bool with_records,
+                      IdentificationSummary* summary) {
+  if (!fit.converged()) return;
+  const FitState& best = fit.best();
+  summary->gradient_cosine = best.optimality.cosine;
+  summary->promised_share = best.optimality.promise;
+  // What was undone ended elsewhere, and free runs as good as these are held
+  // up by rounding alone.
+  constexpr double kExact = 1e-6;
+  const bool undone =
+      !summary->stages.empty() && summary->stages.back().rolled_back;
+  const bool exact = with_records && best.free_run_error < kExact;
+  const double first_cost =
+      summary->iterations.empty() ? 0.0 : summary->iterations.front().cost;
+  summary->stalled = !fit.layout().HasNetworkDecay() && !undone && !exact &&
+                     best.optimality.IsStalled(best.cost, first_cost);
+}
+
 void SetTermination(const Fit& fit, IdentificationSummary* summary) {
   if (fit.interrupted()) {
     summary->termination = Termination::kInterrupted;
     summary->message = "interrupted; best so far";
+  } else if (summary->stalled) {
+    summary->termination = Termination::kNoConvergence;
+    summary->message = "came to a halt short of a minimum";
   } else if (fit.converged()) {
     summary->termination = Termination::kConverged;
     summary->message = "converged";
@@ -60,6 +83,7 @@ void Identify(const IdentificationProblem& problem,
   const std::unique_ptr<Fit> fit =
       RunStarts(problem, options, initial, summary);
   if (fit != nullptr) {
+    ReportOptimality(*fit, problem.num_train_records() > 0, summary);
     SetTermination(*fit, summary);
     ReportOutcome(problem, options, fit.get(), summary, model);
     JudgeUsable(options.tuning.gaps, summary);

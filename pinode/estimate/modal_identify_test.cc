@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -55,7 +56,7 @@ std::vector<MeasuredMode> Measure(const StructuralDynamics& dynamics,
   return measured;
 }
 
-struct Fit {
+struct ModalFit {
   void Run(const IdentificationOptions& options = {}) {
     Identify(problem, options, nullptr, &summary, &model);
   }
@@ -67,7 +68,7 @@ struct Fit {
 class ModalForms : public ::testing::TestWithParam<ModalForm> {};
 
 TEST_P(ModalForms, FindTheChainThatTheModesBelongTo) {
-  Fit fit;
+  ModalFit fit;
   const auto dynamics = testing::MakeGroupedChain(5, 40.0, 0.1);
   Vector truth(5);
   truth << -0.3, 0.2, 0.1, -0.15, 0.25;
@@ -99,12 +100,43 @@ INSTANTIATE_TEST_SUITE_P(All, ModalForms,
                            return std::string(ModalFormName(form.param));
                          });
 
+// Two modes of a chain whose truth lies beyond its bounds: from wherever a fit
+// begins it comes to the same corner.
+TEST(ModalIdentify, DoesNotStallAtBounds) {
+  constexpr int kStoreys = 10;
+  const auto free = testing::MakeGroupedChain(kStoreys, 40.0, 0.0);
+  const auto dynamics =
+      std::make_shared<StructuralDynamics>(free->model(), free->inputs());
+  std::string error;
+  for (GroupTerm term : free->groups()) {
+    term.alpha.lower = -0.3;
+    term.alpha.upper = 0.3;
+    ASSERT_TRUE(dynamics->AddGroup(term, &error)) << error;
+  }
+  Vector truth(kStoreys);
+  for (int j = 0; j < kStoreys; ++j) truth[j] = 0.7 * std::sin(2.0 * j + 1.0);
+  ModalFit fit;
+  fit.problem.dynamics = dynamics;
+  fit.problem.modal.form = ModalForm::kEigenvectorDifference;
+  fit.problem.modal.modes = Measure(*free, truth, 2, {2, 5, 9});
+  IdentificationOptions options;
+  options.num_starts = 40;
+  fit.Run(options);
+  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_GE(fit.summary.num_starts_at_best, 38);
+  EXPECT_LT(fit.summary.promised_share, 1e-6);
+  EXPECT_GE(std::count_if(
+                fit.summary.parameters.begin(), fit.summary.parameters.end(),
+                [](const ParameterEstimate& p) { return p.at_bound; }),
+            4);
+}
+
 // Errors of known size: the intervals are those of the estimates' scatter.
 TEST(ModalIdentify, HasIntervalsThatCover) {
   const auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.1);
   Vector truth(3);
   truth << -0.1, 0.2, 0.05;
-  Fit fit;
+  ModalFit fit;
   fit.problem.dynamics = dynamics;
   const auto exact = Measure(*dynamics, truth, 2, {0, 1, 2});
   const int trials = 300;
@@ -139,7 +171,7 @@ TEST(ModalIdentify, HasIntervalsThatCover) {
 TEST(ModalIdentify, EstimatesTheErrorsOfWeightedModes) {
   const auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.1);
   const Vector truth = Vector::Constant(3, 0.1);
-  Fit fit;
+  ModalFit fit;
   fit.problem.dynamics = dynamics;
   std::vector<MeasuredMode> exact = Measure(*dynamics, truth, 3, {});
   const int trials = 400;
@@ -186,7 +218,7 @@ TEST(ModalIdentify, KeepsTheBestOfManyStartsAndCountsThem) {
   }
   Vector truth(3);
   truth << -0.1, 0.2, 0.05;
-  Fit fit;
+  ModalFit fit;
   fit.problem.dynamics = dynamics;
   // Three frequencies alone: several chains have them.
   fit.problem.modal.modes = Measure(*dynamics, truth, 3, {0, 1, 2});
@@ -209,7 +241,7 @@ TEST(ModalIdentify, AddsToARecord) {
   const auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.4);
   Vector truth(3);
   truth << 0.1, -0.1, 0.05;
-  Fit fit;
+  ModalFit fit;
   fit.problem.dynamics = dynamics;
   IdentificationRecord record =
       testing::MakeExcitedRecord(*dynamics, 300, 0.02);
@@ -228,13 +260,13 @@ TEST(ModalIdentify, AddsToARecord) {
   const Matrix of_record = fit.summary.covariance.inverse();
   const Vector by_record = fit.model.parameters;
 
-  Fit joint = fit;
+  ModalFit joint = fit;
   joint.problem.modal.modes = Measure(*dynamics, truth, 2, {0, 2});
   for (MeasuredMode& mode : joint.problem.modal.modes) {
     mode.frequency_sigma = 0.001 * mode.frequency;
     mode.shape_sigma = 0.005;
   }
-  Fit modes = joint;
+  ModalFit modes = joint;
   modes.problem.records.clear();
   modes.Run();
   const Matrix of_modes = modes.summary.covariance.inverse();
@@ -294,7 +326,7 @@ TEST(ModalIdentify, IsPartOfTheCondensedSystem) {
 
 TEST(ModalIdentify, SaysWhatIsWrong) {
   const auto dynamics = testing::MakeGroupedChain(2, 40.0, 0.1);
-  Fit fit;
+  ModalFit fit;
   fit.problem.dynamics = dynamics;
   fit.Run();
   EXPECT_THAT(fit.summary.message, HasSubstr("no mode was measured"));
@@ -333,7 +365,7 @@ TEST(ModalIdentify, SaysWhatIsWrong) {
 
 TEST(ModalIdentify, IsAssessedBeforeTheFit) {
   const auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.1);
-  Fit fit;
+  ModalFit fit;
   fit.problem.dynamics = dynamics;
   fit.problem.modal.modes =
       Measure(*dynamics, Vector::Constant(3, 0.1), 1, {0, 1, 2});

@@ -147,6 +147,13 @@ std::vector<MultipleShooting::Task> MultipleShooting::SegmentsOf(
 void MultipleShooting::EvaluateSegments(
     const std::vector<Task>& tasks, const std::vector<const Matrix*>& starts,
     bool with_parameters) {
+  const int columns = problem_.dynamics->num_states() +
+                      (with_parameters ? layout_.num_free() : 0);
+  for (const auto& [record, segment] : tasks) {
+    const ShootingRecord& of = *records_[static_cast<size_t>(record)];
+    work_ += static_cast<int64_t>(columns) *
+             (of.last_sample(segment) - of.first_sample(segment));
+  }
   ParallelFor(static_cast<int>(tasks.size()), static_cast<int>(threads_.size()),
               [&](int t, int thread) {
                 const auto& [record, segment] = tasks[static_cast<size_t>(t)];

@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
 #define PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
 
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -123,6 +124,8 @@ class MultipleShooting final : public CostPart {
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
   double DataCurvature() const { return data_curvature_; }
+  // Samples propagated so far, each times the tangents that went along.
+  int64_t work() const { return work_; }
 
  private:
   struct Thread;
@@ -159,6 +162,7 @@ class MultipleShooting final : public CostPart {
   std::vector<std::unique_ptr<Thread>> threads_;
   double gap_penalty_ = 1.0;
   double data_curvature_ = 0.0;
+  int64_t work_ = 0;
 
   StructuralDynamics::Prepared prepared_;
   Vector parameters_;  // of prepared_, all

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/estimate/pulse_scan.h"
+#include "pinode/estimate/ways.h"
 #include "pinode/network/initialize_weights.h"
 
 namespace pinode {
@@ -62,30 +63,32 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
                                const IdentifiedModel* initial,
                                IdentificationSummary* summary) {
   const MultistartTuning& tuning = options.tuning.multistart;
+  const ParameterLayout layout(problem);
   std::unique_ptr<Fit> best;
   int num_starts = 0;
   std::vector<double> costs;  // of the starts that came to an end
   for (int start = 0; start < std::max(1, options.num_starts); ++start) {
     ++num_starts;
-    auto fit = std::make_unique<Fit>(problem, options);
-    Vector parameters = fit->layout().InitialValues();
+    Vector parameters = layout.InitialValues();
     if (start > 0) {
-      parameters = DrawStart(problem, fit->layout(), tuning,
+      parameters = DrawStart(problem, layout, tuning,
                              options.seed + static_cast<uint64_t>(start));
     } else if (initial != nullptr) {
       parameters = initial->parameters;
     } else {
       ScanPulses(problem, &parameters);
     }
-    const bool ok = fit->Run(parameters, start == 0 ? initial : nullptr);
-    const bool interrupted = fit->interrupted();
-    if (ok) costs.push_back(fit->best().cost);
-    if (!ok) {
-      if (best == nullptr) *summary = fit->summary();
+    IdentificationSummary outcome;
+    std::unique_ptr<Fit> fit = RunWays(
+        problem, options, parameters, start == 0 ? initial : nullptr, &outcome);
+    const bool interrupted = fit != nullptr && fit->interrupted();
+    if (fit != nullptr) costs.push_back(fit->best().cost);
+    if (fit == nullptr) {
+      if (best == nullptr) *summary = outcome;
     } else if (best == nullptr ||
                IsBetter(problem, fit->best(), best->best())) {
       best = std::move(fit);
-      *summary = best->summary();
+      *summary = outcome;
     }
     if (interrupted) break;
   }

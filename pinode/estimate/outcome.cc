@@ -12,6 +12,7 @@
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/score.h"
+#include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
@@ -133,6 +134,34 @@ void ScoreModes(const IdentificationProblem& problem,
   }
 }
 
+// Least damping ratio of the modes of the matrices; NaN where no mode has one.
+double LeastDamping(const StructuralDynamics& dynamics,
+                    const Vector& parameters) {
+  const StructuralModel model =
+      dynamics.CorrectedModel(parameters.head(dynamics.num_parameters()));
+  ModalProperties modes;
+  std::string unused;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &unused)) {
+    return kNaN;
+  }
+  double least = kInfinity;
+  for (double ratio : modes.damping_ratio) {
+    if (std::isfinite(ratio)) least = std::min(least, ratio);
+  }
+  return std::isfinite(least) ? least : kNaN;
+}
+
+// Whether somebody who knows the structure has said how far free dampings may
+// go down.
+bool DampingsAreBounded(const StructuralDynamics& dynamics) {
+  const auto& groups = dynamics.groups();
+  return std::none_of(groups.begin(), groups.end(), [](const GroupTerm& term) {
+    return term.group.target == MatrixGroup::Target::kDamping &&
+           term.alpha.free && !std::isfinite(term.alpha.lower);
+  });
+}
+
 // Half the sum of squares of the modal residuals; infinite where there are
 // none to be had.
 double ModalCostAt(const Vector& parameters, const ParameterLayout& layout,
@@ -218,7 +247,16 @@ void ReportOutcome(const IdentificationProblem& problem,
   }
   summary->final_cost = best.cost;
 
+  summary->initial_damping =
+      LeastDamping(*problem.dynamics, layout.InitialValues());
+  summary->final_damping = LeastDamping(*problem.dynamics, model->parameters);
+  summary->negative_damping_allowed = DampingsAreBounded(*problem.dynamics);
+
   Certainty certainty = MeasureCertainty(problem, options, fit);
+  // Intervals are those of a minimum.
+  if (summary->termination == Termination::kNoConvergence) {
+    certainty.known = false;
+  }
   ScoreRecords(problem, layout.InitialValues(), certainty.starts, summary,
                model);
   if (!problem.modal.empty()) {

@@ -78,6 +78,10 @@ class ParameterLayout {
 
   // Indices of the free parameters in the full vector.
   const std::vector<int>& free() const { return free_; }
+  // The j-th of them.
+  const Parameter& free_parameter(int j) const {
+    return parameter(free_[static_cast<size_t>(j)]);
+  }
   // The first of them are those of the dynamics and their tangent columns, in
   // this order; those from num_free_dynamics() on are sensors'.
   int num_free_dynamics() const { return num_free_dynamics_; }

@@ -10,7 +10,7 @@ PriorCost::PriorCost(const ParameterLayout& layout)
     : layout_(layout), decays_(Vector::Zero(layout.num_decay_groups())) {
   int count = static_cast<int>(layout.decay_rows().size());
   for (int j = 0; j < layout.num_free(); ++j) {
-    if (free_parameter(j).HasPrior()) ++count;
+    if (layout_.free_parameter(j).HasPrior()) ++count;
   }
   set_num_residuals(count);
   mutable_parameter_block_sizes()->push_back(layout.num_free());
@@ -33,7 +33,7 @@ bool PriorCost::Evaluate(double const* const* parameters, double* residuals,
   jacobian.setZero();
   int row = 0;
   for (int j = 0; j < n; ++j) {
-    const Parameter& parameter = free_parameter(j);
+    const Parameter& parameter = layout_.free_parameter(j);
     if (!parameter.HasPrior()) continue;
     residuals[row] = (free[j] - parameter.prior_mean) / parameter.prior_sigma;
     if (derive) jacobian(row, j) = 1.0 / parameter.prior_sigma;
@@ -54,7 +54,7 @@ bool PriorCost::Evaluate(double const* const* parameters, double* residuals,
 bool PriorCost::Evaluate(const Vector& free, double* cost) {
   *cost = 0.0;
   for (int j = 0; j < layout_.num_free(); ++j) {
-    const Parameter& parameter = free_parameter(j);
+    const Parameter& parameter = layout_.free_parameter(j);
     if (!parameter.HasPrior()) continue;
     const double r = (free[j] - parameter.prior_mean) / parameter.prior_sigma;
     *cost += 0.5 * r * r;
@@ -71,7 +71,7 @@ bool PriorCost::Linearize(const Vector& free, CondensedSystem* system) {
   system->gradient = Vector::Zero(n);
   system->hessian = Matrix::Zero(n, n);
   for (int j = 0; j < n; ++j) {
-    const Parameter& parameter = free_parameter(j);
+    const Parameter& parameter = layout_.free_parameter(j);
     if (!parameter.HasPrior()) continue;
     const double precision =
         1.0 / (parameter.prior_sigma * parameter.prior_sigma);

@@ -39,10 +39,6 @@ class PriorCost final : public ceres::CostFunction, public CostPart {
   std::string Failure() const override { return ""; }
 
  private:
-  const Parameter& free_parameter(int j) const {
-    return layout_.parameter(layout_.free()[static_cast<size_t>(j)]);
-  }
-
   const ParameterLayout& layout_;
   Vector decays_;
 };

@@ -54,8 +54,11 @@ int FreeRunStart(const IdentificationProblem& problem, int record,
   }
   // A problem of its own: the record's beginning, its start the only unknown.
   const int samples =
-      std::clamp(static_cast<int>(std::ceil(kStartShare * data.num_samples())),
-                 std::min(data.num_samples(), 8), data.num_samples());
+      data.start_samples > 0
+          ? data.start_samples
+          : std::clamp(
+                static_cast<int>(std::ceil(kStartShare * data.num_samples())),
+                std::min(data.num_samples(), 8), data.num_samples());
   IdentificationProblem beginning = problem;
   IdentificationRecord shortened = data;
   shortened.role = IdentificationRecord::Role::kTrain;
@@ -137,18 +140,23 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     double sum = 0.0;
     double spread = 0.0;
     int count = 0;
+    Vector residuals = Vector::Zero(samples);
     const double mean =
         MeanOfPresent(channel.values.tail(samples - first_scored_sample));
     for (int i = first_scored_sample; i < samples; ++i) {
       const double y = channel.values[i];
       if (std::isnan(y) || !valid[static_cast<size_t>(i * nc + c)]) continue;
       const double residual = y - score->prediction(c, i);
+      residuals[i] = residual;
       sum += residual * residual;
       spread += (y - mean) * (y - mean);
       ++count;
     }
     result.rmse = count > 0 ? std::sqrt(sum / count) : 0.0;
     result.nrmse = spread > 0.0 ? std::sqrt(sum / spread) : kInfinity;
+    const double noise = MemorylessMeanSquare(residuals);
+    result.noise_share =
+        noise > 0.0 && count > 0 ? std::min(1.0, noise * count / sum) : kNaN;
   }
   score->nrmse = CombinedError(data, *score);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/bounded_cost.h"
 #include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/force_bands.h"
 
@@ -26,16 +27,14 @@ double FirstRadius(const FitContext& context) {
              : tuning.first_network_radius;
 }
 
-void SetBounds(const ParameterLayout& layout, double* free,
+void SetBounds(const BoundedCost& cost, double* scaled,
                ceres::Problem* problem) {
-  for (int j = 0; j < layout.num_free(); ++j) {
-    const Parameter& parameter =
-        layout.parameter(layout.free()[static_cast<size_t>(j)]);
-    if (std::isfinite(parameter.lower)) {
-      problem->SetParameterLowerBound(free, j, parameter.lower);
+  for (int j = 0; j < cost.lower().size(); ++j) {
+    if (std::isfinite(cost.lower()[j])) {
+      problem->SetParameterLowerBound(scaled, j, cost.lower()[j]);
     }
-    if (std::isfinite(parameter.upper)) {
-      problem->SetParameterUpperBound(free, j, parameter.upper);
+    if (std::isfinite(cost.upper()[j])) {
+      problem->SetParameterUpperBound(scaled, j, cost.upper()[j]);
     }
   }
 }
@@ -68,10 +67,11 @@ ceres::Solver::Options SolverOptions(const FitContext& context,
 
 class Solver::Callback final : public ceres::IterationCallback {
  public:
-  Callback(const FitContext& context, const Vector& free, Progress* progress,
-           double* radius)
+  Callback(const FitContext& context, const BoundedCost& bounded,
+           const Vector& scaled, Progress* progress, double* radius)
       : context_(context),
-        free_(free),
+        bounded_(bounded),
+        scaled_(scaled),
         progress_(progress),
         radius_(radius),
         first_iteration_(context.summary.num_iterations) {}
@@ -91,13 +91,15 @@ class Solver::Callback final : public ceres::IterationCallback {
       if (!iteration.step_is_successful) ++context_.summary.rejected_steps;
     }
     *radius_ = iteration.trust_region_radius;
-    return progress_->Note(record, free_) ? ceres::SOLVER_CONTINUE
-                                          : ceres::SOLVER_ABORT;
+    return progress_->Note(record, bounded_.Unscaled(scaled_))
+               ? ceres::SOLVER_CONTINUE
+               : ceres::SOLVER_ABORT;
   }
 
  private:
   const FitContext& context_;
-  const Vector& free_;
+  const BoundedCost& bounded_;
+  const Vector& scaled_;
   Progress* progress_;
   double* radius_;
   int first_iteration_;
@@ -123,15 +125,20 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
   if (options.max_num_iterations <= 0) return true;
 
   const int n = context_.layout.num_free();
-  Vector free = state->free;
-  CondensedCost cost(&objective, n);
+  BoundedCost bounded(context_.layout, state->free, &objective);
+  if (!bounded.IsValid()) {
+    summary.message = objective.Failure();
+    return false;
+  }
+  Vector scaled = bounded.Scaled(state->free);
+  CondensedCost cost(&bounded, n);
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  problem.AddResidualBlock(&cost, nullptr, free.data());
-  SetBounds(context_.layout, free.data(), &problem);
+  problem.AddResidualBlock(&cost, nullptr, scaled.data());
+  SetBounds(bounded, scaled.data(), &problem);
 
-  Callback callback(context_, free, progress_, &radius_);
+  Callback callback(context_, bounded, scaled, progress_, &radius_);
   options.callbacks.push_back(&callback);
 
   ceres::Solver::Summary ceres_summary;
@@ -145,7 +152,7 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
     summary.message = objective.Failure();
     return false;
   }
-  state->free = free;
+  state->free = bounded.Unscaled(scaled);
   *converged = ceres_summary.termination_type == ceres::CONVERGENCE;
   CondensedSystem system;
   if (!objective.Linearize(state->free, &system)) {
@@ -153,6 +160,12 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
     return false;
   }
   state->cost = system.cost;
+  if (*converged) {
+    state->optimality = MeasureOptimality(context_.layout, state->free, system);
+    VLOG(1) << ceres_summary.iterations.size() << " iterations, cost "
+            << state->cost << ", cosine " << state->optimality.cosine
+            << ", promise " << state->optimality.promise;
+  }
   return true;
 }
 

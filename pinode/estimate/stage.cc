@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pinode/base/constants.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/score.h"
 
@@ -17,6 +18,7 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
   double firmness = context_.HasNetworks() ? gaps.first_network_firmness
                                            : gaps.first_firmness;
   shooting.SetGapPenalty(std::max(1.0, firmness * shooting.DataCurvature()));
+  double first_cost = kInfinity;
   for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
        ++round) {
     bool converged = false;
@@ -24,6 +26,10 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
       return false;
     }
     if (progress_->interrupted()) break;
+    // A firmer hand makes the cost grow, but not like this: the trajectories
+    // fly apart, and no further round brings them together.
+    if (round == 0) first_cost = std::max(1.0, state->cost);
+    if (!(state->cost <= solve.diverged * first_cost)) break;
     // The multipliers belong to the noise levels at hand: close gaps first.
     if (shooting.LargestGap() < gaps.closed && (converged || !last)) {
       *settled = converged;

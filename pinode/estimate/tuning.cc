@@ -40,6 +40,7 @@ std::vector<TuningField> TuningFields(Tuning* tuning) {
       {"gaps.most_firmness", &tuning->gaps.most_firmness},
       {"gaps.nearly_closed", &tuning->gaps.nearly_closed},
       {"solve.max_rounds", &tuning->solve.max_rounds},
+      {"solve.diverged", &tuning->solve.diverged},
       {"solve.round_iterations", &tuning->solve.round_iterations},
       {"solve.network_round_iterations",
        &tuning->solve.network_round_iterations},

@@ -73,6 +73,9 @@ struct SolveTuning {
   // Rounds of one stage: multipliers, noise levels and decay are updated
   // between them. From half of them on a stage is brought to its end.
   int max_rounds = 80;
+  // Growth of the cost over the rounds of a stage at which its segments have
+  // flown apart.
+  double diverged = 1e8;
   // Iterations of a round, and the change of the cost that ends it, before the
   // last round, which runs to the tolerance that the user asked for.
   int round_iterations = 15;

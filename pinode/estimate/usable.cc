@@ -1,11 +1,15 @@
 #include "pinode/estimate/usable.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string>
 
 namespace pinode {
 namespace {
+
+// Damping ratios down to this are rounding.
+constexpr double kLeastDamping = 1e-6;
 
 // Empty: every record is predicted well enough.
 std::string WhyNotPredicted(const IdentificationSummary& summary) {
@@ -14,6 +18,9 @@ std::string WhyNotPredicted(const IdentificationSummary& summary) {
     const bool train = score.role == IdentificationRecord::Role::kTrain;
     if (!score.finite) {
       reason << "the free run of record '" << score.name << "' is not finite";
+    } else if (score.nrmse >= 1.0) {
+      reason << "record '" << score.name << "' is predicted no better (nrmse "
+             << score.nrmse << ") than by no motion at all (1)";
     } else if (train ? score.nrmse >= score.prior_nrmse
                      : score.nrmse > score.prior_nrmse) {
       reason << "record '" << score.name << "' is not predicted better (nrmse "
@@ -34,11 +41,27 @@ bool HasTrainRecord(const IdentificationSummary& summary) {
                      });
 }
 
+// As FreeRunError.
+double TrainingError(const IdentificationSummary& summary) {
+  double sum = 0.0;
+  int count = 0;
+  for (const RecordScore& score : summary.records) {
+    if (score.role != IdentificationRecord::Role::kTrain) continue;
+    sum += score.nrmse * score.nrmse;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
 // Empty: it is.
 std::string WhyNotUsable(const GapTuning& tuning,
                          const IdentificationSummary& summary) {
   const std::string not_predicted = WhyNotPredicted(summary);
   if (!not_predicted.empty()) return not_predicted;
+  if (TrainingError(summary) > 1.001 * summary.linear_error) {
+    return "the training records are predicted worse than by the linear terms "
+           "alone";
+  }
   std::ostringstream reason;
   if (!summary.modes.empty() && !HasTrainRecord(summary) &&
       summary.final_modal_cost >= summary.initial_modal_cost) {
@@ -48,9 +71,17 @@ std::string WhyNotUsable(const GapTuning& tuning,
   } else if (summary.largest_gap > tuning.closed) {
     reason << "gaps between segments stayed open (" << summary.largest_gap
            << " of the state's RMS)";
+  } else if (summary.stalled) {
+    reason << "the fit came to a halt short of a minimum (cosine of the "
+              "gradient "
+           << summary.gradient_cosine << "); try options.multistart";
   } else if (summary.termination == Termination::kNoConvergence) {
     reason << "not converged after " << summary.num_iterations
            << " iterations; raise options.max_iterations";
+  } else if (summary.final_damping < -kLeastDamping &&
+             !summary.negative_damping_allowed) {
+    reason << "a mode has negative damping (" << 100.0 * summary.final_damping
+           << " %); give the damping groups a 'lower' bound";
   } else if (!summary.followed_channel.empty()) {
     reason << "an unknown force follows channel '" << summary.followed_channel
            << "' of record '" << summary.followed_record

@@ -9,9 +9,11 @@
 namespace pinode {
 
 // Sets summary->usable, and the message where it is not: usable is what has
-// converged with its gaps closed, whose free runs are finite, and which
-// predicts training records better than the model before and hold-out records
-// not worse; where modes stand alone, what meets them better. A summary that
+// converged, and to a minimum, with its gaps closed, whose free runs are finite
+// and better than no motion at all, which predicts training records better than
+// the model before and hold-out records not worse, and whose modes lose energy
+// unless bounds allow otherwise; where modes stand alone, what meets them
+// better. A summary that
 // has failed or was interrupted says why already.
 void JudgeUsable(const GapTuning& tuning, IdentificationSummary* summary);
 

@@ -38,6 +38,10 @@ TEST(Usable, WhatHasAllItNeeds) {
   JudgeUsable(GapTuning(), &summary);
   EXPECT_TRUE(summary.usable);
   EXPECT_EQ(summary.message, "converged");
+  summary.final_damping = -0.012;
+  summary.negative_damping_allowed = true;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable);
 }
 
 TEST(Usable, SaysWhatIsMissing) {
@@ -50,6 +54,20 @@ TEST(Usable, SaysWhatIsMissing) {
   summary = GoodSummary();
   summary.records[1].nrmse = 0.51;
   EXPECT_THAT(Judged(summary), HasSubstr("record 'h' is not predicted better"));
+  summary = GoodSummary();
+  summary.records[1].nrmse = 1.05;
+  summary.records[1].prior_nrmse = 2.0;
+  EXPECT_THAT(Judged(summary), HasSubstr("than by no motion at all"));
+  summary = GoodSummary();
+  summary.linear_error = 0.09;
+  EXPECT_THAT(Judged(summary), HasSubstr("than by the linear terms alone"));
+  summary = GoodSummary();
+  summary.stalled = true;
+  summary.termination = Termination::kNoConvergence;
+  EXPECT_THAT(Judged(summary), HasSubstr("short of a minimum"));
+  summary = GoodSummary();
+  summary.final_damping = -0.012;
+  EXPECT_THAT(Judged(summary), HasSubstr("negative damping (-1.2 %)"));
   summary = GoodSummary();
   summary.largest_gap = 2e-6;
   EXPECT_THAT(Judged(summary), HasSubstr("gaps between segments stayed open"));

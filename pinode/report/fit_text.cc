@@ -107,6 +107,7 @@ std::vector<std::pair<std::string, std::string>> SolutionFacts(
       {"Levenberg-Marquardt", IterationsText(summary)},
       {"Cost", ReadableNumber(summary.initial_cost, 5) + " \u2192 " +
                    ReadableNumber(summary.final_cost, 5)}};
+  if (!summary.way.empty()) facts.emplace_back("Way", summary.way);
   if (summary.num_starts > 1) {
     facts.emplace_back("Starts", std::to_string(summary.num_starts_at_best) +
                                      " of " +

@@ -91,6 +91,11 @@ std::vector<std::string> Objections(const ReportInput& input) {
     if (!record.finite) {
       objections.push_back("the free run of record " + Quoted(record.name) +
                            " does not stay finite");
+    } else if (record.nrmse >= 1.0) {
+      objections.push_back(
+          std::string("on the ") + (train ? "training" : "hold-out") +
+          " record " + Quoted(record.name) + " the error of the free run is " +
+          PercentOf(record.nrmse) + ", and no motion at all would leave 100 %");
     } else if (train ? record.nrmse >= record.prior_nrmse
                      : record.nrmse > record.prior_nrmse) {
       objections.push_back(
@@ -113,6 +118,34 @@ std::vector<std::string> Objections(const ReportInput& input) {
     objections.push_back("the fit was interrupted");
   }
   return objections;
+}
+
+// An error of a free run in words.
+const char* HowWell(double nrmse) {
+  if (nrmse <= 0.02) return "very well";
+  if (nrmse <= 0.05) return "well";
+  if (nrmse <= 0.15) return "fairly well";
+  if (nrmse <= 0.4) return "roughly";
+  return "poorly";
+}
+
+// "'r' well, with an error of 4 % (prior model: 20 %), 30 % of it noise".
+std::string Prediction(const RecordScore& record) {
+  double noise = 0.0, all = 0.0;
+  for (const ChannelScore& channel : record.channels) {
+    const double energy = channel.nrmse * channel.nrmse;
+    if (!std::isfinite(energy * channel.noise_share)) continue;
+    all += energy;
+    noise += energy * channel.noise_share;
+  }
+  std::string text = Quoted(record.name) + " " + HowWell(record.nrmse) +
+                     ", with an error of " + PercentOf(record.nrmse) +
+                     " (prior model: " + PercentOf(record.prior_nrmse) + ")";
+  if (all > 0.0) {
+    text += ", whose energy is noise for " +
+            ReadableNumber(100.0 * noise / all, 2) + " %";
+  }
+  return text;
 }
 
 // How well the measured modes are met, after a blank; empty without any.
@@ -152,9 +185,7 @@ std::string Verdict(const ReportInput& input) {
   const RecordScore* worst_training = nullptr;
   for (const RecordScore& record : summary.records) {
     if (record.role == Role::kHoldout) {
-      holdouts.push_back(
-          Quoted(record.name) + " with an error of " + PercentOf(record.nrmse) +
-          " (prior model: " + PercentOf(record.prior_nrmse) + ")");
+      holdouts.push_back(Prediction(record));
     } else if (worst_training == nullptr ||
                record.nrmse > worst_training->nrmse) {
       worst_training = &record;
@@ -165,16 +196,16 @@ std::string Verdict(const ReportInput& input) {
            (holdouts.size() == 1 ? "record " : "records ") +
            Join(holdouts, ", ") + "." + ModeSentence(summary);
   }
-  std::string verdict =
-      "Usable, but untested: no record was held out, so nothing here shows how "
-      "the model does on data that it has not seen.";
+  std::string verdict = "Usable, but untested";
   if (worst_training != nullptr) {
-    verdict += " Error on the training record " + Quoted(worst_training->name) +
-               ": " + PercentOf(worst_training->nrmse) +
-               " (prior model: " + PercentOf(worst_training->prior_nrmse) +
-               ").";
+    verdict += ": the updated model follows the training record " +
+               Prediction(*worst_training) + ".";
+  } else {
+    verdict += ".";
   }
-  return verdict + ModeSentence(summary);
+  return verdict + ModeSentence(summary) +
+         " No record was held out, so nothing here shows how the model does on "
+         "data that it has not seen.";
 }
 
 ReportInput MakeReportInput(const IdentificationProblem& problem,

@@ -20,7 +20,16 @@ TEST(Verdict, PutsTheHoldoutScoreFirst) {
   example->summary.records[1].prior_nrmse = 0.45;
   EXPECT_EQ(Verdict(example->input),
             "Usable. The updated model predicts the hold-out record "
-            "'south_quake' with an error of 3.12 % (prior model: 45.0 %).");
+            "'south_quake' well, with an error of 3.12 % (prior model: "
+            "45.0 %).");
+  for (ChannelScore& channel : example->summary.records[1].channels) {
+    channel.nrmse = 0.0312;
+    channel.noise_share = 0.25;
+  }
+  EXPECT_THAT(Verdict(example->input),
+              HasSubstr("45.0 %), whose energy is noise for 25 %."));
+  example->summary.records[1].nrmse = 0.6;
+  EXPECT_THAT(Verdict(example->input), HasSubstr("'south_quake' poorly, with"));
 }
 
 TEST(Verdict, SaysThatNothingWasHeldOut) {

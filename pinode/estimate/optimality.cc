@@ -1,0 +1,52 @@
+#include "pinode/estimate/optimality.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/constants.h"
+#include "pinode/estimate/bounded_step.h"
+
+namespace pinode {
+
+bool IsHeldAtBound(const Parameter& parameter, double value, double slope) {
+  return (value <= parameter.lower && slope > 0.0) ||
+         (value >= parameter.upper && slope < 0.0);
+}
+
+bool Optimality::IsStalled(double cost, double first_cost) const {
+  // Converged fits end below 1e-9, those that stall above 1e-1.
+  constexpr double kMostPromise = 1e-4;
+  constexpr double kRounding = 1e-10;
+  return promise > kMostPromise && promise * cost > kRounding * first_cost;
+}
+
+Optimality MeasureOptimality(const ParameterLayout& layout, const Vector& free,
+                             const CondensedSystem& system) {
+  Optimality optimality;
+  const int n = layout.num_free();
+  if (!(system.cost > 0.0) || n == 0) return optimality;
+  Vector lower(n), upper(n);
+  for (int j = 0; j < n; ++j) {
+    const Parameter& parameter = layout.free_parameter(j);
+    lower[j] = std::min(0.0, parameter.lower - free[j]);
+    upper[j] = std::max(0.0, parameter.upper - free[j]);
+    const double slope = system.gradient[j];
+    if (!(system.hessian(j, j) > 0.0) ||
+        IsHeldAtBound(parameter, free[j], slope)) {
+      continue;
+    }
+    optimality.cosine = std::max(
+        optimality.cosine,
+        std::abs(slope) / std::sqrt(2.0 * system.cost * system.hessian(j, j)));
+  }
+  Vector step;
+  optimality.promise = kInfinity;
+  if (BoundedStep(system.hessian, system.gradient, lower, upper, &step)) {
+    const double saved =
+        -step.dot(system.gradient) - 0.5 * step.dot(system.hessian * step);
+    optimality.promise = std::max(0.0, saved) / system.cost;
+  }
+  return optimality;
+}
+
+}  // namespace pinode
