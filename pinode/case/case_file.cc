@@ -56,12 +56,16 @@ void RemarkOnModes(const IdentificationProblem& problem,
       "elements, libraries and networks take no part in these.");
 }
 
+// What a case is read for.
+enum class Purpose { kFit, kCheck, kSimulation };
+
 // Section by section, in the order in which one needs another.
 class CaseReader {
  public:
   CaseReader(const std::shared_ptr<const TomlValue>& source,
-             const std::string& path, bool simulation, std::string* error)
-      : simulation_(simulation),
+             const std::string& path, Purpose purpose, std::string* error)
+      : simulation_(purpose == Purpose::kSimulation),
+        model_may_stand_alone_(purpose == Purpose::kCheck),
         errors_(path, error),
         root_(*source, "", &errors_),
         description_(c_.problem.description),
@@ -165,6 +169,10 @@ class CaseReader {
   bool Check() {
     if (!CheckNames(c_.problem, &errors_)) return false;
     if (simulation_) return true;
+    if (model_may_stand_alone_ && c_.problem.records.empty() &&
+        c_.problem.modal.empty()) {
+      return true;
+    }
     if (!CheckUnknownForces(root_, sections_, c_.problem, &c_.options) ||
         !ReadForceTruths(root_, units_, sections_,
                          &description_.force_truths)) {
@@ -187,6 +195,7 @@ class CaseReader {
   }
 
   const bool simulation_;
+  const bool model_may_stand_alone_;
   Case c_;
   CaseErrors errors_;
   const TomlTable root_;
@@ -197,30 +206,35 @@ class CaseReader {
   std::shared_ptr<StructuralDynamics> dynamics_;
 };
 
-bool Read(const std::string& path, bool simulation, Case* result,
+bool Read(const std::string& path, Purpose purpose, Case* result,
           std::string* error) {
   std::string text;
   if (!ReadTextFile(path, &text, error)) return false;
   auto source = std::make_shared<TomlValue>();
   if (!ParseToml(text, path, source.get(), error)) return false;
-  return CaseReader(source, path, simulation, error).Read(result);
+  return CaseReader(source, path, purpose, error).Read(result);
 }
 
 }  // namespace
 
 bool ReadCase(const std::string& path, Case* c, std::string* error) {
-  return Read(path, false, c, error);
+  return Read(path, Purpose::kFit, c, error);
 }
 
 bool ReadCaseTree(const TomlValue& tree, const std::string& path, Case* c,
                   std::string* error) {
-  return CaseReader(std::make_shared<TomlValue>(tree), path, false, error)
+  return CaseReader(std::make_shared<TomlValue>(tree), path, Purpose::kFit,
+                    error)
       .Read(c);
+}
+
+bool ReadCaseForCheck(const std::string& path, Case* c, std::string* error) {
+  return Read(path, Purpose::kCheck, c, error);
 }
 
 bool ReadCaseForSimulation(const std::string& path, Case* c,
                            std::string* error) {
-  return Read(path, true, c, error);
+  return Read(path, Purpose::kSimulation, c, error);
 }
 
 }  // namespace pinode

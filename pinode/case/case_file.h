@@ -67,6 +67,11 @@ struct Case {
 [[nodiscard]] bool ReadCaseTree(const TomlValue& tree, const std::string& path,
                                 Case* c, std::string* error);
 
+// As ReadCase, to be looked at: a model alone, with neither records nor modes,
+// is a case as well.
+[[nodiscard]] bool ReadCaseForCheck(const std::string& path, Case* c,
+                                    std::string* error);
+
 // As ReadCase, for a simulation: measured responses are not read (their values
 // are NaN), a record may do without a file, and nothing need be free.
 [[nodiscard]] bool ReadCaseForSimulation(const std::string& path, Case* c,

@@ -453,6 +453,81 @@ TEST(CaseFileTest, GainsAreSharedOffsetsAreNot) {
   EXPECT_EQ(c.problem.records[1].start, IdentificationRecord::Start::kFree);
 }
 
+// Modes of a model need a model and nothing else.
+TEST(CaseFileTest, AModelAloneCanBeLookedAt) {
+  TemporaryFolder folder;
+  const std::string path = folder.Write(
+      "model.toml",
+      "[model]\ndofs = [\"u1\", \"u2\"]\nmass = {diagonal = [2.0, 1.0]}\n"
+      "stiffness = [[300.0, -100.0], [-100.0, 100.0]]\n");
+  Case c;
+  std::string error;
+  ASSERT_TRUE(ReadCaseForCheck(path, &c, &error)) << error;
+  EXPECT_TRUE(c.problem.dynamics->model().damping.isZero(0.0));
+  EXPECT_TRUE(c.problem.records.empty());
+  EXPECT_FALSE(ReadCase(path, &c, &error));
+  EXPECT_THAT(error, HasSubstr("no parameter is free"));
+}
+
+// A hold-out sees its first samples alone: the offset is its sensor's.
+TEST(CaseFileTest, HoldoutsHaveTheOffsetsOfTheirSensors) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  const auto record = [](const std::string& name, const std::string& keys,
+                         const std::string& offset) {
+    return "[[record]]\nname = \"" + name + "\"\n" + keys +
+           "file = \"quake.csv\"\ntime = \"t\"\n"
+           "interpolation = \"linear\"\n[[record.ground]]\n"
+           "direction = \"x\"\ncolumn = \"ag\"\nunit = \"gal\"\n"
+           "[[record.channel]]\ncolumn = \"a1\"\nquantity = "
+           "\"absolute_acceleration\"\ndof = \"u1\"\nunit = \"g\"\n" +
+           offset;
+  };
+  const std::string holdout = "role = \"holdout\"\n";
+  const std::string free = "offset = {free = true}\n";
+  const Case c = ReadOrFail(folder.Write(
+      "case.toml",
+      SmallCase() + record("before", holdout, "") + record("one", "", free) +
+          record("two", "", free) +
+          record("after", holdout + "start_samples = 50\n", "") +
+          record("own", holdout + "start = {from = \"first\", samples = 20}\n",
+                 "offset = {initial = 0.1}\n")));
+  ASSERT_EQ(c.problem.records.size(), 6u);
+  const auto offset = [&](size_t r) {
+    return c.problem.sensors
+        .parameters[static_cast<size_t>(
+            c.problem.records[r].channels[0].offset)]
+        .name;
+  };
+  EXPECT_EQ(c.problem.records[0].channels[0].offset, -1);
+  EXPECT_EQ(offset(1), "offset.one.a1");
+  EXPECT_EQ(offset(4), "offset.two.a1");
+  EXPECT_EQ(offset(5), "offset.own.a1");
+  EXPECT_THAT(c.problem.records[4].description.remarks.back(),
+              HasSubstr("its offset is 'offset.two.a1'"));
+  EXPECT_EQ(c.problem.records[1].start_samples, 0);
+  EXPECT_EQ(c.problem.records[4].start_samples, 50);
+  EXPECT_EQ(c.problem.records[5].start_samples, 20);
+
+  const std::string shared = "offset = {free = true, shared = true}\n";
+  const Case s = ReadOrFail(folder.Write(
+      "shared.toml", SmallCase() + record("one", "", shared) +
+                         record("two", "", shared) + record("three", "", "")));
+  ASSERT_EQ(s.problem.sensors.size(), 1);
+  EXPECT_EQ(s.problem.sensors.parameters[0].name, "offset.a1");
+  for (const IdentificationRecord& each : s.problem.records) {
+    EXPECT_EQ(each.channels[0].offset, 0) << each.name;
+  }
+
+  Case unread;
+  std::string error;
+  EXPECT_FALSE(ReadCase(
+      folder.Write("bad.toml",
+                   SmallCase() + record("one", "start_samples = 50\n", "")),
+      &unread, &error));
+  EXPECT_THAT(error, HasSubstr("what a hold-out record with a free start"));
+}
+
 constexpr char kNetwork[] =
     "[[network]]\nname = \"nn\"\ninputs = [\"x[u1]\", \"v[u1]\"]\n"
     "outputs = [\"u1\"]\nlayers = [5]\n";

@@ -140,7 +140,7 @@ TEST(ModalSection, RefusesWhatDoesNotBelong) {
   const std::string groups =
       SmallCase().substr(0, SmallCase().find("[[record]]"));
   EXPECT_THAT(ReadText(groups + "[modal]\nform = \"mac\"\n").error,
-              HasSubstr("at least one [[record]]"));
+              HasSubstr("without [[mode]]"));
   EXPECT_THAT(ReadText(SmallCase() + "[modal]\nform = \"mac\"\n").error,
               HasSubstr("without [[mode]]"));
   // Nothing to simulate.

@@ -82,6 +82,9 @@ bool ReadDampingRule(const TomlTable& table, int num_dofs, DampingRule* rule) {
   return table.errors()->ok();
 }
 
+// Modes, measured ones or the model's own, are those without damping.
+bool NeedsDamping(const TomlTable& root) { return root.Has("record"); }
+
 // Of a model that is all of it.
 bool ReadDamping(const TomlTable& table, StructuralModel* model) {
   DampingRule rule;
@@ -197,7 +200,7 @@ bool ReadFiniteElements(const TomlTable& root, const TomlTable& table,
                       "'damping' beside that of [model.finite_element], "
                       "expected one of the two");
   }
-  if (!damped &&
+  if (!damped && NeedsDamping(root) &&
       !table.RequireKey("damping",
                         "{rayleigh = [a0, a1]}, {ratios = [...]} or \"none\" "
                         "here, or a matrix in [model.finite_element]")) {
@@ -206,7 +209,8 @@ bool ReadFiniteElements(const TomlTable& root, const TomlTable& table,
   return ReadReducedModel(table, &structure, &section->model);
 }
 
-bool ReadBuildingModel(const TomlTable& table, ModelSection* section) {
+bool ReadBuildingModel(const TomlTable& root, const TomlTable& table,
+                       ModelSection* section) {
   for (const char* key : {"mass", "stiffness"}) {
     if (table.Has(key)) {
       return table.Fail(key, std::string("'") + key +
@@ -221,7 +225,7 @@ bool ReadBuildingModel(const TomlTable& table, ModelSection* section) {
                       "'damping' beside the dampers of "
                       "[model.shear_building], expected one of the two");
   }
-  if (!table.Has("damping") && building.dampers.empty()) {
+  if (NeedsDamping(root) && !table.Has("damping") && building.dampers.empty()) {
     return table.RequireKey("damping",
                             "it or the dampers of [model.shear_building]");
   }
@@ -233,7 +237,8 @@ bool ReadBuildingModel(const TomlTable& table, ModelSection* section) {
   return true;
 }
 
-bool ReadMatrices(const TomlTable& table, const std::vector<std::string>& dofs,
+bool ReadMatrices(const TomlTable& root, const TomlTable& table,
+                  const std::vector<std::string>& dofs,
                   StructuralModel* model) {
   if (dofs.empty()) {
     return table.Fail("dofs",
@@ -245,9 +250,10 @@ bool ReadMatrices(const TomlTable& table, const std::vector<std::string>& dofs,
   Matrix stiffness;
   if (!table.RequireKey("mass", "a matrix") ||
       !table.RequireKey("stiffness", "a matrix") ||
-      !table.RequireKey("damping",
-                        "a matrix, {rayleigh = [a0, a1]}, {ratios = [...]} "
-                        "or \"none\"") ||
+      (NeedsDamping(root) &&
+       !table.RequireKey("damping",
+                         "a matrix, {rayleigh = [a0, a1]}, {ratios = [...]} "
+                         "or \"none\"")) ||
       !ReadMatrixKey(table, "mass", "the mass matrix", n, &mass) ||
       !ReadMatrixKey(table, "stiffness", "the stiffness matrix", n,
                      &stiffness)) {
@@ -413,8 +419,9 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
   if (!ReadDofNames(table, &dofs)) return false;
   StructuralModel& model = section->model;
   if (!(is_finite_element ? ReadFiniteElements(root, table, units, section)
-        : table.Has("shear_building") ? ReadBuildingModel(table, section)
-                                      : ReadMatrices(table, dofs, &model))) {
+        : table.Has("shear_building")
+            ? ReadBuildingModel(root, table, section)
+            : ReadMatrices(root, table, dofs, &model))) {
     return false;
   }
   // Before the damping, which may be made from the modes of M and K.

@@ -61,6 +61,7 @@ class RecordDataReader {
     record_->name = section_.name;
     record_->role = section_.role;
     record_->start = section_.start;
+    record_->start_samples = section_.start_samples;
     if (section_.start == IdentificationRecord::Start::kKnown) {
       record_->known_start = Vector::Zero(dynamics_.num_states());
       record_->known_start.head(dynamics_.num_dofs()) = section_.start_x;
@@ -453,7 +454,7 @@ Vector IntegrateTwice(const Vector& acceleration, double step,
     double c3 = 0.0;
     if (interpolation == Interpolation::kLinear) {
       c1 = b - a;
-    } else if (interpolation == Interpolation::kCubic) {
+    } else if (interpolation != Interpolation::kHeld) {
       const double slope_a = 0.5 * (b - at(i - 1));
       const double slope_b = 0.5 * (at(i + 2) - a);
       c1 = slope_a;

@@ -14,11 +14,24 @@ namespace pinode {
 namespace {
 
 const std::vector<std::string>& RecordKeys() {
-  static const auto& keys = *new std::vector<std::string>{
-      "name",      "role",     "file",   "time",        "sampling_rate_hz",
-      "time_unit", "duration", "window", "resample_hz", "interpolation",
-      "start",     "substeps", "ground", "force",       "covariate",
-      "channel",   "filter"};
+  static const auto& keys = *new std::vector<std::string>{"name",
+                                                          "role",
+                                                          "file",
+                                                          "time",
+                                                          "sampling_rate_hz",
+                                                          "time_unit",
+                                                          "duration",
+                                                          "window",
+                                                          "resample_hz",
+                                                          "interpolation",
+                                                          "start",
+                                                          "start_samples",
+                                                          "substeps",
+                                                          "ground",
+                                                          "force",
+                                                          "covariate",
+                                                          "channel",
+                                                          "filter"};
   return keys;
 }
 
@@ -186,12 +199,12 @@ class RecordReader {
     if (!ReadGrounds() || !ReadForces() || !ReadCovariates()) return false;
     if (section_->has_excitation() &&
         !table_.RequireKey("interpolation",
-                           "one of held, linear, cubic: what the excitation "
-                           "does between its samples")) {
+                           "one of held, linear, cubic, band_limited: what the "
+                           "excitation does between its samples")) {
       return false;
     }
-    const std::string interpolation =
-        table_.Choice("interpolation", {"held", "linear", "cubic"}, "linear");
+    const std::string interpolation = table_.Choice(
+        "interpolation", {"held", "linear", "cubic", "band_limited"}, "linear");
     return table_.errors()->ok() &&
            ParseInterpolation(interpolation, &section_->interpolation);
   }
@@ -414,9 +427,16 @@ class RecordReader {
       const std::string name = table_.Choice("start", {"rest", "free"}, "free");
       section_->start = name == "rest" ? IdentificationRecord::Start::kRest
                                        : IdentificationRecord::Start::kFree;
-      return table_.errors()->ok();
+      return ReadStartSamples(table_, "start_samples");
     }
     const TomlTable known = table_.Table("start", table_.name() + ", start");
+    if (known.Has("from")) {
+      section_->start = IdentificationRecord::Start::kFree;
+      known.Choice("from", {"first"}, "first");
+      return known.AllowKeys({"from", "samples"}) &&
+             known.RequireKey("samples", "how many of the first samples") &&
+             ReadStartSamples(known, "samples");
+    }
     if (!known.AllowKeys({"x", "v"})) return false;
     const int n = model_.num_dofs();
     section_->start = IdentificationRecord::Start::kKnown;
@@ -430,6 +450,20 @@ class RecordReader {
           ToVector(values);
     }
     return true;
+  }
+
+  // What a hold-out may see of itself.
+  bool ReadStartSamples(const TomlTable& table, const char* key) {
+    if (!table.Has(key)) return table_.errors()->ok();
+    if (section_->role != IdentificationRecord::Role::kHoldout ||
+        section_->start != IdentificationRecord::Start::kFree) {
+      return table.Fail(key,
+                        std::string("'") + key +
+                            "' says what a hold-out record with a free start "
+                            "may see, expected role = \"holdout\"");
+    }
+    section_->start_samples = table.Integer(key, 0, 1);
+    return table_.errors()->ok();
   }
 
   bool ReadFilter() {
@@ -486,9 +520,10 @@ bool RecordSection::has_excitation() const {
 bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
                         const StructuralModel& model, bool simulation,
                         std::vector<RecordSection>* sections) {
-  // Measured modes can stand alone; there is nothing of them to simulate.
-  if ((simulation || !root.Has("mode")) &&
-      !root.RequireKey("record", "at least one [[record]]")) {
+  // Measured modes can stand alone, and so can a model whose case is looked at;
+  // there is nothing of them to simulate. IdentificationProblem::IsValid asks
+  // for what a fit needs.
+  if (simulation && !root.RequireKey("record", "at least one [[record]]")) {
     return false;
   }
   std::set<std::string> seen;

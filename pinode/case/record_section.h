@@ -76,6 +76,7 @@ struct RecordSection {
   Interpolation interpolation = Interpolation::kLinear;
   IdentificationRecord::Start start = IdentificationRecord::Start::kFree;
   Vector start_x, start_v;  // kKnown
+  int start_samples = 0;    // of a hold-out; 0: chosen
   int substeps = 0;         // 0: chosen
   std::vector<InputSection> inputs;
   std::vector<ChannelSection> channels;

@@ -185,13 +185,12 @@ class ResultWriter {
 bool IsSummaryOf(const IdentificationProblem& problem,
                  const IdentificationSummary& summary, std::string* error) {
   const size_t num_records = problem.records.size();
-  const auto named =
-      static_cast<Eigen::Index>(summary.covariance_names.size());
+  const auto named = static_cast<Eigen::Index>(summary.covariance_names.size());
   // There may be no covariance at all.
-  bool good = summary.records.size() <= num_records &&
-              (summary.covariance.size() == 0 ||
-               (summary.covariance.rows() == named &&
-                summary.covariance.cols() == named));
+  bool good =
+      summary.records.size() <= num_records &&
+      (summary.covariance.size() == 0 || (summary.covariance.rows() == named &&
+                                          summary.covariance.cols() == named));
   for (size_t r = 0; good && r < summary.records.size(); ++r) {
     const size_t num_channels = problem.records[r].channels.size();
     const Matrix& prediction = summary.records[r].prediction;

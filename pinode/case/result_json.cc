@@ -176,6 +176,12 @@ bool FormatResultJson(const IdentificationProblem& problem,
   }
   solver["starts"] = summary.num_starts;
   solver["starts_at_best"] = summary.num_starts_at_best;
+  solver["gradient_cosine"] = summary.gradient_cosine;
+  solver["promised_share"] = summary.promised_share;
+  if (!summary.way.empty()) {
+    solver["way"] = summary.way;
+    solver["linear_error"] = summary.linear_error;
+  }
   solver["largest_gap"] = summary.largest_gap;
   solver["single_shooting"] = summary.single_shooting;
   solver["rejected_steps"] = summary.rejected_steps;

@@ -36,7 +36,10 @@ class SensorsReader {
         delay.name = "delay." + channel.name;
         delay.unit = UnitName(Dimension::kTime, units_);
         Parameter offset;
-        offset.name = "offset." + sections[r].name + "." + channel.name;
+        offset.name =
+            "offset." +
+            (IsShared(channel, "offset") ? "" : sections[r].name + ".") +
+            channel.name;
         offset.unit = UnitName(channel.signal.dimension, units_);
         int unused = -1;
         if (!ReadOne(channel, "gain", 1.0, gain, &unused) ||
@@ -51,18 +54,64 @@ class SensorsReader {
       for (MeasuredChannel& channel : record.channels) {
         channel.gain = Index("gain." + channel.observation.name);
         channel.delay = Index("delay." + channel.observation.name);
+        if (channel.offset < 0) {
+          channel.offset = Index("offset." + channel.observation.name);
+        }
       }
     }
+    ShareOffsets();
     return true;
   }
 
  private:
+  static bool IsShared(const ChannelSection& channel, const char* key) {
+    const TomlTable& table = channel.signal.table;
+    return table.Has(key) &&
+           table.Table(key, table.name() + ", " + key).Boolean("shared", false);
+  }
+
+  // A hold-out's sensors are those of the training records, offsets included:
+  // of the last one before it, or else of the first.
+  void ShareOffsets() {
+    std::map<std::string, int> offsets = FirstOffsets();
+    for (IdentificationRecord& record : problem_->records) {
+      const bool train = record.role == IdentificationRecord::Role::kTrain;
+      for (MeasuredChannel& channel : record.channels) {
+        const std::string& name = channel.observation.name;
+        if (train && channel.offset >= 0) offsets[name] = channel.offset;
+        if (train || channel.offset >= 0 || offsets.count(name) == 0) continue;
+        channel.offset = offsets[name];
+        record.description.remarks.push_back(
+            "channel " + name + ": its offset is '" +
+            problem_->sensors.parameters[static_cast<size_t>(channel.offset)]
+                .name +
+            "', as of the same sensor.");
+      }
+    }
+  }
+
+  // By channel, of the first training record that has one.
+  std::map<std::string, int> FirstOffsets() const {
+    std::map<std::string, int> offsets;
+    for (const IdentificationRecord& record : problem_->records) {
+      if (record.role != IdentificationRecord::Role::kTrain) continue;
+      for (const MeasuredChannel& channel : record.channels) {
+        if (channel.offset >= 0) {
+          offsets.emplace(channel.observation.name, channel.offset);
+        }
+      }
+    }
+    return offsets;
+  }
+
   bool ReadOne(const ChannelSection& channel, const char* key, double factor,
                Parameter parameter, int* index) {
     const TomlTable& table = channel.signal.table;
     if (!table.Has(key)) return true;
     const TomlTable keys = table.Table(key, table.name() + ", " + key);
-    if (!table.errors()->ok() || !keys.AllowKeys(ParameterKeys())) return false;
+    std::vector<std::string> known_keys = ParameterKeys();
+    if (std::string(key) == "offset") known_keys.push_back("shared");
+    if (!table.errors()->ok() || !keys.AllowKeys(known_keys)) return false;
     parameter.free = false;
     parameter.prior_mean = parameter.value;
     if (!ReadParameterKeys(keys, factor, &parameter)) return false;

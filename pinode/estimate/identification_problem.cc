@@ -133,6 +133,10 @@ bool IsValidExcitation(const StructuralDynamics& dynamics,
               !record.known_start.allFinite())) {
     message << "its start needs " << dynamics.num_states()
             << " finite values, one per state";
+  } else if (record.start_samples < 0 ||
+             record.start_samples > record.num_samples()) {
+    message << "its start is to be found from " << record.start_samples
+            << " samples, it has " << record.num_samples();
   } else if (!(record.description.time_factor > 0.0) ||
              !std::isfinite(record.description.time_factor)) {
     message << "its unit of time has no positive factor";

@@ -385,7 +385,8 @@ bool CanFitWithInputNoise(const IdentificationProblem& problem,
     if (record.role != IdentificationRecord::Role::kTrain) continue;
     any = any || !record.NoisyInputs().empty();
     if (record.filter != nullptr ||
-        record.excitation->interpolation() == Interpolation::kCubic) {
+        record.excitation->interpolation() == Interpolation::kCubic ||
+        record.excitation->interpolation() == Interpolation::kBandLimited) {
       return false;
     }
   }

@@ -22,18 +22,20 @@ IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps)
                       excitation.num_samples(), substeps) {
   at_samples_.resize(excitation.num_inputs(), num_samples_);
   at_nodes_.resize(excitation.num_inputs(), 3 * substeps * (num_samples_ - 1));
-  for (int i = 0; i + 1 < num_samples_; ++i) {
+  for (int i = 0; i < num_samples_; ++i) {
     excitation.Evaluate(i, 0.0, at_samples_.col(i).data());
-    for (int s = 0; s < substeps; ++s) {
-      for (int node = 0; node < 3; ++node) {
-        const double fraction = (s + 0.5 * node) / substeps;
+  }
+  // One fraction of an interval after the other: see SincWeightsAt of
+  // excitation.cc.
+  for (int s = 0; s < substeps; ++s) {
+    for (int node = 0; node < 3; ++node) {
+      const double fraction = (s + 0.5 * node) / substeps;
+      for (int i = 0; i + 1 < num_samples_; ++i) {
         excitation.Evaluate(
             i, fraction, at_nodes_.col((i * substeps + s) * 3 + node).data());
       }
     }
   }
-  excitation.Evaluate(num_samples_ - 1, 0.0,
-                      at_samples_.col(num_samples_ - 1).data());
 }
 
 }  // namespace pinode

@@ -1,14 +1,55 @@
 #include "pinode/record/excitation.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/record/prepare.h"
 
 namespace pinode {
+namespace {
+
+// Samples on either side that take part.
+constexpr int kHalfWidth = 32;
+// Of the Kaiser window, for an attenuation of 100 dB (J. F. Kaiser and R. W.
+// Schafer, IEEE Trans. ASSP 28 (1980) 105-107).
+constexpr double kKaiser = 10.06;
+
+using SincWeights = std::array<double, 2 * kHalfWidth>;
+
+SincWeights MakeSincWeights(double fraction) {
+  SincWeights weights;
+  double sum = 0.0;
+  for (int k = 0; k < 2 * kHalfWidth; ++k) {
+    const double u = fraction - (k - kHalfWidth + 1);
+    const double edge = u / kHalfWidth;
+    const double window = std::cyl_bessel_i(
+        0.0, kKaiser * std::sqrt(std::max(0.0, 1.0 - edge * edge)));
+    weights[static_cast<size_t>(k)] =
+        window * (u == 0.0 ? 1.0 : std::sin(kPi * u) / (kPi * u));
+    sum += weights[static_cast<size_t>(k)];
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+// Those who tabulate ask for one fraction after the other.
+const SincWeights& SincWeightsAt(double fraction) {
+  thread_local double last = -1.0;
+  thread_local SincWeights weights;
+  if (fraction != last) {
+    weights = MakeSincWeights(fraction);
+    last = fraction;
+  }
+  return weights;
+}
+
+}  // namespace
 
 const char* InterpolationName(Interpolation interpolation) {
   switch (interpolation) {
@@ -18,6 +59,8 @@ const char* InterpolationName(Interpolation interpolation) {
       return "linear";
     case Interpolation::kCubic:
       return "cubic";
+    case Interpolation::kBandLimited:
+      return "band_limited";
   }
   LOG(FATAL) << "not an interpolation: " << static_cast<int>(interpolation);
   return "";
@@ -26,7 +69,8 @@ const char* InterpolationName(Interpolation interpolation) {
 bool ParseInterpolation(const std::string& name, Interpolation* interpolation) {
   CHECK(interpolation != nullptr);
   for (const Interpolation candidate :
-       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic}) {
+       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic,
+        Interpolation::kBandLimited}) {
     if (name == InterpolationName(candidate)) {
       *interpolation = candidate;
       return true;
@@ -56,6 +100,30 @@ void Excitation::Evaluate(int interval, double fraction, double* inputs) const {
   const double x = fraction;
   if (interpolation_ == Interpolation::kLinear) {
     result = (1.0 - x) * samples_.col(i) + x * samples_.col(i + 1);
+    return;
+  }
+  if (interpolation_ == Interpolation::kBandLimited) {
+    if (x == 0.0 || x == 1.0) {
+      result = samples_.col(x == 0.0 ? i : i + 1);
+      return;
+    }
+    const SincWeights& weights = SincWeightsAt(x);
+    result.setZero();
+    for (int k = 0; k < 2 * kHalfWidth; ++k) {
+      const double weight = weights[static_cast<size_t>(k)];
+      const Eigen::Index at = i + k - kHalfWidth + 1;
+      // Beyond the ends the samples go on mirrored at the end point.
+      if (at < 0) {
+        result += weight *
+                  (2.0 * samples_.col(0) - samples_.col(std::min(-at, last)));
+      } else if (at > last) {
+        result +=
+            weight * (2.0 * samples_.col(last) -
+                      samples_.col(std::max<Eigen::Index>(2 * last - at, 0)));
+      } else {
+        result += weight * samples_.col(at);
+      }
+    }
     return;
   }
   // Catmull-Rom in the form of weights, which add up to one.

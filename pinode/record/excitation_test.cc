@@ -2,11 +2,14 @@
 
 #include <ceres/cubic_interpolation.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 
 namespace pinode {
 namespace {
@@ -43,6 +46,39 @@ TEST(ExcitationTest, LinearIsAStraightLine) {
   EXPECT_EQ(At(excitation, 0, 1.0), Samples().col(1));
   EXPECT_DOUBLE_EQ(At(excitation, 1, 0.25)[0], -0.5);
   EXPECT_DOUBLE_EQ(At(excitation, 3, 0.5)[1], 3.5);
+}
+
+// What is sampled five and two and a half times a period is what it was: the
+// error that the header states.
+TEST(ExcitationTest, BandLimitedIsTheSampledSignal) {
+  for (const double samples_per_period : {5.0, 2.5, 2.25}) {
+    const int count = 400;
+    const double omega = 2.0 * kPi / samples_per_period;
+    Matrix samples(2, count);
+    for (int i = 0; i < count; ++i) {
+      samples.col(i) << std::sin(omega * i + 0.3), 3.0;
+    }
+    const Excitation excitation(0.0, 0.1, samples, Interpolation::kBandLimited);
+    double worst = 0.0;
+    for (int i = 32; i < count - 33; ++i) {
+      for (const double fraction : {0.0, 0.125, 0.5, 0.9, 1.0}) {
+        const Vector inputs = At(excitation, i, fraction);
+        worst = std::max(
+            worst,
+            std::abs(inputs[0] - std::sin(omega * (i + fraction) + 0.3)));
+        EXPECT_NEAR(inputs[1], 3.0, 1e-13);
+      }
+    }
+    EXPECT_LT(worst, 2e-5) << samples_per_period;
+  }
+  // Towards the ends it goes through the samples, and a line stays one.
+  const Excitation few(0.0, 0.1, Samples(), Interpolation::kBandLimited);
+  EXPECT_EQ(At(few, 0, 0.0), Samples().col(0));
+  EXPECT_EQ(At(few, 4, 1.0), Samples().col(5));
+  EXPECT_NEAR(At(few, 2, 0.5)[1], 2.5, 1e-6);
+  Interpolation parsed;
+  ASSERT_TRUE(ParseInterpolation("band_limited", &parsed));
+  EXPECT_EQ(parsed, Interpolation::kBandLimited);
 }
 
 TEST(ExcitationTest, CubicIsThatOfCeres) {
