@@ -31,7 +31,6 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
       }
     }
   }
-  CatchInterrupts();
   ProgressLine line(show_progress);
   CheckpointWriter writer(ProblemIdentity(c->problem),
                           folder.checkpoint_path());

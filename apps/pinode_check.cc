@@ -107,7 +107,9 @@ void PrintModel(const Case& c) {
       std::printf("%4d %8s %10s\n", i + 1, "-", "-");
       continue;
     }
-    std::printf("%4d %8.4g %10.3g", i + 1, hz, 100.0 * modes.damping_ratio[i]);
+    // A rigid body has no damping ratio.
+    std::printf("%4d %8.4g ", i + 1, hz);
+    PrintNumber(100.0 * modes.damping_ratio[i] + 0.0, "%10.3g", 10);
     const size_t index = static_cast<size_t>(i);
     if (index < c.expected_hz.size()) {
       std::printf("   %11.4g %9.2f", c.expected_hz[index],
@@ -225,7 +227,7 @@ int main(int argc, char** argv) {
   if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
   Case c;
   std::string error;
-  if (!ReadCase(FLAGS_case, &c, &error)) return Refuse(error);
+  if (!ReadCaseForCheck(FLAGS_case, &c, &error)) return Refuse(error);
   if (!c.problem.description.title.empty())
     std::printf("%s\n\n", c.problem.description.title.c_str());
   PrintFiniteElementModel(c);
@@ -235,5 +237,6 @@ int main(int argc, char** argv) {
   for (const std::string& remark : c.problem.description.remarks) {
     std::printf("  %s\n", remark.c_str());
   }
+  if (c.problem.records.empty() && c.problem.modal.empty()) return kExitDone;
   return PrintAssessment(c) ? kExitDone : kExitNotUsable;
 }

@@ -38,7 +38,8 @@ int main(int argc, char** argv) {
   Case c;
   if (!ReadFitFlags(&c, &error)) return Refuse(error);
 
-  // 2. A folder that nobody sees until it is complete.
+  // 2. A folder that nobody sees until it is complete, even if interrupted.
+  CatchInterrupts();
   ResultFolder folder;
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
     return Refuse(error);
@@ -68,7 +69,10 @@ int main(int argc, char** argv) {
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());
   if (summary.termination == Termination::kInterrupted) {
-    std::fprintf(stderr, "interrupted; continue with --resume\n");
+    std::fprintf(stderr,
+                 "interrupted; what was found so far is in %s, continue with "
+                 "--resume\n",
+                 folder.final_path().c_str());
     return kExitInterrupted;
   }
   return summary.usable ? kExitDone : kExitNotUsable;

@@ -21,7 +21,7 @@ volatile std::sig_atomic_t interrupts = 0;
 
 void OnInterrupt(int signal) {
   interrupts = interrupts + 1;
-  if (interrupts > 1) {
+  if (signal == SIGINT && interrupts > 2) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
@@ -125,7 +125,7 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
   }
   FLAGS_logtostderr = true;
   // What Ceres and others have to say belongs to those who ask for it.
-  if (FLAGS_v == 0) FLAGS_minloglevel = google::GLOG_ERROR;
+  if (FLAGS_v == 0) FLAGS_minloglevel = google::GLOG_FATAL;
   google::InitGoogleLogging(argv[0]);
   return true;
 }
@@ -158,10 +158,14 @@ std::string CommandLine(int argc, char** argv) {
 
 void CatchInterrupts() {
   struct sigaction action = {};
+  struct sigaction before = {};
   action.sa_handler = OnInterrupt;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // Under nohup it is ignored, and stays so.
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
 bool Interrupted() { return interrupts > 0; }

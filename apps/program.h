@@ -28,8 +28,9 @@ int Refuse(const std::string& message);
 // The command line as it could be typed again.
 std::string CommandLine(int argc, char** argv);
 
-// From now on SIGINT and SIGTERM set a mark instead of ending the process; a
-// second one ends it.
+// From now on SIGINT, SIGTERM and SIGHUP set a mark instead of ending the
+// process, however many come: `timeout` sends two. Only who presses Ctrl-C a
+// third time will not wait for results.
 void CatchInterrupts();
 bool Interrupted();
 

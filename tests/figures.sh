@@ -54,7 +54,7 @@ if [[ -z $build ]]; then
   build=$root/build-release
 fi
 # Tests of the cases, and statistics, in the order of the table.
-cases=(cases discover_cases nsd force shake_table damage_cases four_storey_modal)
+cases=(cases discover_cases nsd force shake_table damage_cases modal_cases)
 studies=(cases_study discover_study nsd_study force_study damage_study)
 targets=(pinode_integrate_test pinode_discover_test)
 for name in "${cases[@]}"; do targets+=("pinode_${name}_test"); done

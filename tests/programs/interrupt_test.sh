@@ -108,16 +108,19 @@ Finish
 Complete
 fresh=$(FirstCost)
 
-for signal in INT TERM; do
+# A second signal, as timeout and a closing terminal send it, changes nothing.
+for signal in INT TERM HUP; do
   trial=SIG$signal
   rm -rf -- "$output"
   WriteCase 100000
   Start
   AwaitIteration 40
   kill -"$signal" "$running"
+  kill -"$signal" "$running" || true
   Finish
   [[ $status -eq 3 ]] || Fail "status $status, expected 3"
-  grep -q -e '--resume' "$scratch/stderr" || Fail "does not mention --resume"
+  tail -n 1 -- "$scratch/stderr" | grep -q -e "$output, continue with --resume" ||
+    Fail "its last line does not say what is left"
   Complete
   grep -q '"usable": false' "$output/result.json" || Fail "is usable"
   grep -q '"termination": "interrupted"' "$output/result.json" ||

@@ -51,6 +51,18 @@ END
   done < <(Modes 180)
 } >modes.toml
 
+# Its modes need a model and nothing else; a model that hangs in the air has a
+# rigid body without a damping ratio.
+cat >alone.toml <<'END'
+[model]
+dofs = ["u1", "u2"]
+mass = {diagonal = [1.0, 1.0]}
+stiffness = [[100.0, -100.0], [-100.0, 100.0]]
+END
+Run 0 pinode_check --case=alone.toml
+grep -q "2.251" stdout || Fail "no mode at sqrt(200) / 2 pi Hz"
+! grep -qiE "nan|-0( |$)" stdout || Fail "a damping that is none"
+
 Run 0 pinode_check --case=modes.toml
 grep -qF "Measured modes, form eigenvector_difference" stdout ||
   Fail "no measured modes"
