@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "pinode/base/logging.h"
@@ -125,7 +126,9 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
   if (options.max_num_iterations <= 0) return true;
 
   const int n = context_.layout.num_free();
+  const auto begin = std::chrono::steady_clock::now();
   BoundedCost bounded(context_.layout, state->free, &objective);
+  summary.jacobian_seconds += SecondsSince(begin);
   if (!bounded.IsValid()) {
     summary.message = objective.Failure();
     return false;

@@ -177,7 +177,6 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
   constexpr double kNoise = 0.8;
   // A way that has done so many times the work of another is left off.
   constexpr int64_t kMostWork = 3;
-
   // A linear model with an error of less than this is somewhere near.
   constexpr double kNear = 0.7;
 
@@ -209,7 +208,7 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
   Way staged(problem, options, ordered.ok() ? kMostWork * work : 0);
   staged.Run(parameters, nullptr);
   if (staged.interrupted() && ordered.ok()) {
-    outcome->way = kInOrder;
+    outcome->way = std::string(kInOrder) + "; " + kByStages + ": interrupted";
     return ordered.Take(outcome);
   }
   return Better(&ordered, kInOrder, &staged, kByStages, outcome);
