@@ -126,7 +126,7 @@ void PrintRecords(const Case& c) {
     const SubstepChoice& choice = c.substeps[r];
     std::printf(
         "  %s (%s): %d samples, step %.6g s, %.4g s, %zu channels, "
-        "excitation %s\n",
+        "excitation %s%s\n",
         record.name.c_str(),
         record.role == IdentificationRecord::Role::kTrain ? "train" : "holdout",
         record.num_samples(), record.sampling_step(),
@@ -134,7 +134,8 @@ void PrintRecords(const Case& c) {
         record.channels.size(),
         c.problem.IsDriven(record)
             ? InterpolationName(record.excitation->interpolation())
-            : "none");
+            : "none",
+        record.excitation->periodic() ? ", periodic" : "");
     std::printf(
         "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, growth "
         "%.6f",

@@ -21,6 +21,7 @@
 #include "pinode/case/csv_file.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
+#include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
 
@@ -75,12 +76,20 @@ bool CheckFlags(std::string* error) {
 }
 
 // From where the response to record r is: rest, unless the case knows better.
-Vector StartOf(const IdentificationProblem& problem,
-               const IdentificationRecord& record) {
+Vector StartOf(const IdentificationProblem& problem, size_t r,
+               const Vector& parameters) {
+  const IdentificationRecord& record = problem.records[r];
   if (record.start == IdentificationRecord::Start::kKnown) {
     return record.known_start;
   }
-  if (record.start == IdentificationRecord::Start::kFree) {
+  if (record.excitation->periodic()) {
+    Vector start;
+    if (FindSteadyState(problem, static_cast<int>(r), parameters, &start)) {
+      return start;
+    }
+    std::printf("record %s: no steady state was found, simulated from rest\n",
+                record.name.c_str());
+  } else if (record.start == IdentificationRecord::Start::kFree) {
     std::printf("record %s: its start is unknown, simulated from rest\n",
                 record.name.c_str());
   }
@@ -124,7 +133,7 @@ bool SimulateRecord(const IdentificationProblem& problem, size_t r,
   const IdentificationRecord& record = problem.records[r];
   RecordScore score;
   ScoreRecord(problem, static_cast<int>(r), parameters,
-              StartOf(problem, record), 0, &score);
+              StartOf(problem, r, parameters), 0, &score);
   *finite = score.finite;
   if (!score.finite) {
     std::fprintf(stderr,

@@ -19,6 +19,7 @@
 #include "pinode/case/toml_table.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/case/unknown_force_section.h"
+#include "pinode/estimate/free_run_start.h"
 
 namespace pinode {
 namespace {
@@ -79,6 +80,7 @@ class CaseReader {
         !Check() || !ReadDamage(root_, c_.problem, &c_.damage) || !SetSteps()) {
       return false;
     }
+    if (!simulation_) FixTrainingStarts(&c_.problem);
     *result = std::move(c_);
     return true;
   }

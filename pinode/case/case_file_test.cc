@@ -519,13 +519,29 @@ TEST(CaseFileTest, HoldoutsHaveTheOffsetsOfTheirSensors) {
     EXPECT_EQ(each.channels[0].offset, 0) << each.name;
   }
 
+  // Of a training record the start is what its first samples say.
+  const Case t = ReadOrFail(folder.Write(
+      "known.toml", SmallCase() + record("one", "start_samples = 50\n", "")));
+  EXPECT_EQ(t.problem.records.back().start,
+            IdentificationRecord::Start::kKnown);
+  EXPECT_EQ(t.problem.records.back().start_samples, 50);
+
   Case unread;
   std::string error;
   EXPECT_FALSE(ReadCase(
-      folder.Write("bad.toml",
-                   SmallCase() + record("one", "start_samples = 50\n", "")),
+      folder.Write("bad.toml", SmallCase() + record("one",
+                                                    "start = \"rest\"\n"
+                                                    "start_samples = 50\n",
+                                                    "")),
       &unread, &error));
-  EXPECT_THAT(error, HasSubstr("what a hold-out record with a free start"));
+  EXPECT_THAT(error, HasSubstr("what a free start is found from"));
+  EXPECT_FALSE(ReadCase(
+      folder.Write("steady.toml", SmallCase() + record("one",
+                                                       "periodic = true\n"
+                                                       "start = \"rest\"\n",
+                                                       "")),
+      &unread, &error));
+  EXPECT_THAT(error, HasSubstr("in its steady state, expected no 'start'"));
 }
 
 constexpr char kNetwork[] =

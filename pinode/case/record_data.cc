@@ -347,7 +347,8 @@ class RecordDataReader {
     }
     if (record_->input_sigma.isZero(0.0)) record_->input_sigma.resize(0);
     record_->excitation.emplace(merged_.start_time, merged_.sampling_step,
-                                std::move(inputs), section_.interpolation);
+                                std::move(inputs), section_.interpolation,
+                                section_.periodic);
     return true;
   }
 

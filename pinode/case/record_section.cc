@@ -24,6 +24,7 @@ const std::vector<std::string>& RecordKeys() {
                                                           "window",
                                                           "resample_hz",
                                                           "interpolation",
+                                                          "periodic",
                                                           "start",
                                                           "start_samples",
                                                           "substeps",
@@ -422,6 +423,16 @@ class RecordReader {
   }
 
   bool ReadStart() {
+    section_->periodic = table_.Boolean("periodic", false);
+    if (section_->periodic) {
+      for (const char* key : {"start", "start_samples"}) {
+        if (!table_.Has(key)) continue;
+        return table_.Fail(key,
+                           "a record with periodic = true is in its steady "
+                           "state, expected no '" +
+                               std::string(key) + "'");
+      }
+    }
     const TomlValue* start = table_.Find("start");
     if (start == nullptr || !start->IsTable()) {
       const std::string name = table_.Choice("start", {"rest", "free"}, "free");
@@ -455,12 +466,10 @@ class RecordReader {
   // What a hold-out may see of itself.
   bool ReadStartSamples(const TomlTable& table, const char* key) {
     if (!table.Has(key)) return table_.errors()->ok();
-    if (section_->role != IdentificationRecord::Role::kHoldout ||
-        section_->start != IdentificationRecord::Start::kFree) {
-      return table.Fail(key,
-                        std::string("'") + key +
-                            "' says what a hold-out record with a free start "
-                            "may see, expected role = \"holdout\"");
+    if (section_->start != IdentificationRecord::Start::kFree) {
+      return table.Fail(key, std::string("'") + key +
+                                 "' says what a free start is found from, "
+                                 "expected start = \"free\"");
     }
     section_->start_samples = table.Integer(key, 0, 1);
     return table_.errors()->ok();

@@ -74,6 +74,7 @@ struct RecordSection {
   std::optional<double> window_from, window_to;  // model time
   double resampling_step = 0.0;  // model time; 0: the record's own
   Interpolation interpolation = Interpolation::kLinear;
+  bool periodic = false;
   IdentificationRecord::Start start = IdentificationRecord::Start::kFree;
   Vector start_x, start_v;  // kKnown
   int start_samples = 0;    // of a hold-out; 0: chosen

@@ -11,20 +11,6 @@
 #include "pinode/estimate/stage_schedule.h"
 
 namespace pinode {
-namespace {
-
-MultipleShooting::Options ShootingOptions(
-    const IdentificationOptions& options) {
-  MultipleShooting::Options shooting;
-  shooting.derivatives = options.derivatives;
-  shooting.loss = options.loss;
-  shooting.loss_scale = options.loss_scale;
-  shooting.num_threads = options.num_threads;
-  shooting.starts = options.tuning.starts;
-  return shooting;
-}
-
-}  // namespace
 
 Fit::Fit(const IdentificationProblem& problem,
          const IdentificationOptions& options)

@@ -52,8 +52,9 @@ struct IdentificationRecord {
   Vector input_sigma;
   Start start = Start::kFree;
   Vector known_start;  // num_states, for kKnown
-  // Of a hold-out with a free start: the first samples, which the start is
-  // found from and which are not scored; 0: a twentieth of the record.
+  // Of a free start: the first samples, which it is found from; of a hold-out
+  // they are not scored, 0: a twentieth of the record. Of a training record
+  // PrepareProblem makes it a known start, 0: it is an unknown of the fit.
   int start_samples = 0;
   std::vector<MeasuredChannel> channels;
   // Applied to `values` by whoever read them, and to the prediction here.

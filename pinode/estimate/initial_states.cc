@@ -21,6 +21,37 @@ double TypicalFrequency(const IdentificationProblem& problem, double x,
   return frequencies.empty() ? 1.0 : frequencies.front();
 }
 
+// What the internal states come to in a quarter of a cycle at the velocities
+// `scales`, by their own laws from zero: units and size as they have them. The
+// largest displacement where a law does not say.
+Vector InternalScales(const StructuralDynamics& dynamics, const Vector& scales,
+                      double omega) {
+  const int n = dynamics.num_dofs();
+  Vector internal =
+      Vector::Constant(dynamics.num_internal(), scales.head(n).maxCoeff());
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  if (internal.size() == 0 ||
+      !dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) {
+    return internal;
+  }
+  auto scratch = dynamics.MakeLinearization();
+  const Vector input = Vector::Zero(dynamics.num_inputs());
+  Vector largest = Vector::Zero(internal.size());
+  for (int i = 0; i < n; ++i) {
+    Vector state = Vector::Zero(dynamics.num_states());
+    Vector rate(dynamics.num_states());
+    state[n + i] = scales[n + i];
+    dynamics.Rate(prepared, 0.0, input.data(), state.data(), rate.data(),
+                  &scratch);
+    largest = largest.cwiseMax(rate.tail(internal.size()).cwiseAbs() / omega);
+  }
+  for (int i = 0; i < internal.size(); ++i) {
+    if (largest[i] > 0.0 && std::isfinite(largest[i])) internal[i] = largest[i];
+  }
+  return internal;
+}
+
 }  // namespace
 
 std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
@@ -69,7 +100,8 @@ Vector GuessStateScales(const IdentificationProblem& problem,
   Vector scales(dynamics.num_states());
   scales.head(n).setConstant(std::max(x, 1e-290));
   scales.segment(n, n).setConstant(std::max(v, 1e-290));
-  scales.tail(dynamics.num_internal()).setConstant(std::max(x, 1e-290));
+  scales.tail(dynamics.num_internal()) =
+      InternalScales(dynamics, scales, omega);
   return scales;
 }
 

@@ -2,6 +2,17 @@
 
 namespace pinode {
 
+MultipleShooting::Options ShootingOptions(
+    const IdentificationOptions& options) {
+  MultipleShooting::Options shooting;
+  shooting.derivatives = options.derivatives;
+  shooting.loss = options.loss;
+  shooting.loss_scale = options.loss_scale;
+  shooting.num_threads = options.num_threads;
+  shooting.starts = options.tuning.starts;
+  return shooting;
+}
+
 Objective::Objective(const IdentificationProblem& problem,
                      const ParameterLayout& layout,
                      const MultipleShooting::Options& options)

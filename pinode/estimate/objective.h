@@ -8,6 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
+#include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/modal_cost.h"
 #include "pinode/estimate/multiple_shooting.h"
@@ -15,6 +16,9 @@
 #include "pinode/estimate/prior_cost.h"
 
 namespace pinode {
+
+// How the trajectories of an identification are shot.
+MultipleShooting::Options ShootingOptions(const IdentificationOptions& options);
 
 // The sum of a problem's trajectories, priors and measured modes. Each part is
 // set by itself: noise levels and segments in shooting(), decays in priors().

@@ -9,6 +9,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/force_bands.h"
+#include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/score.h"

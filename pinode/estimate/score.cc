@@ -7,15 +7,11 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/sensor.h"
 #include "pinode/integrate/free_run.h"
 
 namespace pinode {
 namespace {
-
-// Share of a hold-out record from which its start is smoothed.
-constexpr double kStartShare = 0.05;
 
 // Infinite errors, and what there is of the trajectory.
 void ScoreDivergence(const IdentificationRecord& data,
@@ -37,55 +33,6 @@ void ScoreDivergence(const IdentificationRecord& data,
 }
 
 }  // namespace
-
-int FreeRunStart(const IdentificationProblem& problem, int record,
-                 const Vector& parameters, const Vector& sigmas,
-                 Vector* start) {
-  const IdentificationRecord& data =
-      problem.records[static_cast<size_t>(record)];
-  const int ns = problem.dynamics->num_states();
-  if (data.start == IdentificationRecord::Start::kRest) {
-    *start = Vector::Zero(ns);
-    return 0;
-  }
-  if (data.start == IdentificationRecord::Start::kKnown) {
-    *start = data.known_start;
-    return 0;
-  }
-  // A problem of its own: the record's beginning, its start the only unknown.
-  const int samples =
-      data.start_samples > 0
-          ? data.start_samples
-          : std::clamp(
-                static_cast<int>(std::ceil(kStartShare * data.num_samples())),
-                std::min(data.num_samples(), 8), data.num_samples());
-  IdentificationProblem beginning = problem;
-  IdentificationRecord shortened = data;
-  shortened.role = IdentificationRecord::Role::kTrain;
-  shortened.filter = nullptr;
-  shortened.excitation.emplace(data.excitation->start_time(),
-                               data.excitation->step(),
-                               data.excitation->samples().leftCols(samples),
-                               data.excitation->interpolation());
-  for (MeasuredChannel& channel : shortened.channels) {
-    channel.values = Vector(channel.values.head(samples));
-  }
-  beginning.records = {shortened};
-  beginning.modal = ModalData();
-  const ParameterLayout layout(beginning);
-  MultipleShooting shooting(beginning, layout, MultipleShooting::Options());
-  shooting.SetSigmas({sigmas});
-  shooting.SetStateScales({GuessStateScales(beginning, shortened)});
-  shooting.SetSegments(0, {Matrix::Zero(ns, samples)});
-  // The free parameters take the values given; fixed ones are the problem's.
-  double cost = 0.0;
-  if (shooting.Evaluate(layout.Free(parameters), &cost)) {
-    *start = shooting.starts()[0].col(0);
-  } else {
-    *start = Vector::Zero(ns);
-  }
-  return data.role == IdentificationRecord::Role::kHoldout ? samples : 0;
-}
 
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,

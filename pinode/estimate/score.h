@@ -13,13 +13,6 @@
 
 namespace pinode {
 
-// The state from which a record's free run starts: at rest or as known, or
-// else smoothed, given the parameters, from the first samples alone. Returns
-// the first sample that may be scored: 0, or the first one after those used.
-// sigmas: noise per channel.
-int FreeRunStart(const IdentificationProblem& problem, int record,
-                 const Vector& parameters, const Vector& sigmas, Vector* start);
-
 // Runs the record from `start` and compares every channel with what was
 // measured: sensors and filter applied. Fills *score but for its prior_nrmse.
 // `parameters`: all of the problem's. A run that is not finite has infinite

@@ -5,14 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "pinode/base/statistics.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/testing.h"
 
 namespace pinode {
 namespace {
 
-using Role = IdentificationRecord::Role;
 using Start = IdentificationRecord::Start;
 
 // A free mass: x = x0 + v0 t, which Runge-Kutta meets exactly.
@@ -37,11 +35,8 @@ TEST(ScoreRecord, EqualsTheFormulaByHand) {
   record.channels[2].fit = false;
   problem.records.push_back(record);
 
-  Vector start;
-  EXPECT_EQ(FreeRunStart(problem, 0, Vector(0), Vector::Ones(3), &start), 0);
-  EXPECT_EQ(start, record.known_start);
   RecordScore score;
-  ScoreRecord(problem, 0, Vector(0), start, 2, &score);
+  ScoreRecord(problem, 0, Vector(0), record.known_start, 2, &score);
   ASSERT_TRUE(score.finite);
   EXPECT_EQ(score.name, "slide");
   EXPECT_EQ(score.first_scored_sample, 2);
@@ -83,63 +78,6 @@ TEST(ScoreRecord, SensorsApply) {
               &score);
   EXPECT_GT(score.nrmse, 0.3);
 }
-
-// A hold-out record in the middle of a motion, noise-free, accelerations only.
-class HoldoutStart : public ::testing::TestWithParam<double> {
- protected:
-  void SetUp() override {
-    auto dynamics = testing::MakeGroupedChain(2, 40.0, 0.4);
-    IdentificationRecord record =
-        testing::MakeExcitedRecord(*dynamics, 1000, 0.02);
-    // The structure is linear: another unit of length changes no ratio.
-    const Matrix scaled = GetParam() * record.excitation->samples();
-    record.excitation.emplace(0.0, 0.02, scaled, Interpolation::kLinear);
-    record.name = "holdout";
-    record.role = Role::kHoldout;
-    record.channels = {
-        testing::MakeChannel("a1", Quantity::kAbsoluteAcceleration, 2, 0),
-        testing::MakeChannel("a2", Quantity::kAbsoluteAcceleration, 2, 1)};
-    truth_ = GetParam() * Eigen::Vector4d(0.05, -0.08, 0.3, 0.4);
-    testing::Simulate(*dynamics, Vector::Zero(2), truth_, 0.0, 1, &record);
-    record.start = Start::kFree;
-    sigmas_.resize(2);
-    for (int c = 0; c < 2; ++c) {
-      sigmas_[c] = 0.05 * StandardDeviationOfPresent(
-                              record.channels[static_cast<size_t>(c)].values);
-    }
-    problem_.records.push_back(record);
-    problem_.dynamics = dynamics;
-  }
-  IdentificationProblem problem_;
-  Vector truth_, sigmas_;
-};
-
-TEST_P(HoldoutStart, IsSmoothedFromTheFirstSamples) {
-  Vector start;
-  const int first = FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &start);
-  EXPECT_EQ(first, 50);
-  EXPECT_LT((start - truth_).norm(), 1e-3 * truth_.norm());
-  RecordScore score;
-  ScoreRecord(problem_, 0, Vector::Zero(2), start, first, &score);
-  EXPECT_LT(score.nrmse, 1e-3);
-  EXPECT_EQ(score.states.cols(), 1000);
-  // A start at rest would not have done.
-  ScoreRecord(problem_, 0, Vector::Zero(2), Vector::Zero(4), first, &score);
-  EXPECT_GT(score.nrmse, 0.05);
-}
-
-TEST_P(HoldoutStart, UsesNothingOfTheRest) {
-  Vector start, other;
-  FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &start);
-  for (MeasuredChannel& channel : problem_.records[0].channels) {
-    channel.values.tail(950).setConstant(17.0);
-  }
-  FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &other);
-  EXPECT_EQ(start, other);
-}
-
-INSTANTIATE_TEST_SUITE_P(Units, HoldoutStart,
-                         ::testing::Values(1.0, 1e-6, 1e6));
 
 TEST(ScoreRecord, DivergingRunHasInfiniteErrors) {
   IdentificationProblem problem;

@@ -17,7 +17,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
   CHECK_EQ(start.size(), ns) << "the start needs one value per state";
   CHECK_LE(0, first_sample);
   CHECK_LE(first_sample, last_sample);
-  CHECK_LT(last_sample, grid.num_samples());
+  CHECK_LE(last_sample, grid.num_intervals());
   const int samples = last_sample - first_sample + 1;
   constexpr double kLargest = 1e100;
 

@@ -28,8 +28,9 @@ struct Trajectory {
 };
 
 // Integrates from `start` (num_states) at first_sample to last_sample, both
-// included. A state beyond 1e100 counts as not finite. Returns
-// trajectory->IsFinite(); the samples from the failure on are NaN.
+// included and at most grid.num_intervals(). A state beyond 1e100 counts as not
+// finite. Returns trajectory->IsFinite(); the samples from the failure on are
+// NaN.
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,

@@ -9,6 +9,7 @@ IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,
     : start_time_(start_time),
       sampling_step_(sampling_step),
       num_samples_(num_samples),
+      num_intervals_(num_samples - 1),
       substeps_(substeps),
       at_samples_(0, num_samples),
       at_nodes_(0, 3 * substeps * (num_samples - 1)) {
@@ -20,9 +21,10 @@ IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,
 IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps)
     : IntegrationGrid(excitation.time(0), excitation.step(),
                       excitation.num_samples(), substeps) {
-  at_samples_.resize(excitation.num_inputs(), num_samples_);
-  at_nodes_.resize(excitation.num_inputs(), 3 * substeps * (num_samples_ - 1));
-  for (int i = 0; i < num_samples_; ++i) {
+  if (excitation.periodic()) num_intervals_ = num_samples_;
+  at_samples_.resize(excitation.num_inputs(), num_intervals_ + 1);
+  at_nodes_.resize(excitation.num_inputs(), 3 * substeps * num_intervals_);
+  for (int i = 0; i <= num_intervals_; ++i) {
     excitation.Evaluate(i, 0.0, at_samples_.col(i).data());
   }
   // One fraction of an interval after the other: see SincWeightsAt of
@@ -30,7 +32,7 @@ IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps)
   for (int s = 0; s < substeps; ++s) {
     for (int node = 0; node < 3; ++node) {
       const double fraction = (s + 0.5 * node) / substeps;
-      for (int i = 0; i + 1 < num_samples_; ++i) {
+      for (int i = 0; i < num_intervals_; ++i) {
         excitation.Evaluate(
             i, fraction, at_nodes_.col((i * substeps + s) * 3 + node).data());
       }

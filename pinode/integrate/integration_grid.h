@@ -11,6 +11,8 @@ namespace pinode {
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
 // `substeps` Runge-Kutta steps of equal length in every interval. The inputs
 // are tabulated once: every integration of the record reads the same values.
+// A periodic excitation has one interval more, from the last sample to the
+// first one of the next period.
 class IntegrationGrid {
  public:
   IntegrationGrid() = default;
@@ -23,6 +25,7 @@ class IntegrationGrid {
                   int substeps);
 
   int num_samples() const { return num_samples_; }
+  int num_intervals() const { return num_intervals_; }
   int substeps() const { return substeps_; }
   int num_inputs() const { return static_cast<int>(at_samples_.rows()); }
   double sampling_step() const { return sampling_step_; }
@@ -34,8 +37,8 @@ class IntegrationGrid {
     return time(interval) + substep * step();
   }
 
-  // Inputs (num_inputs values) that act from sample i on: a held input has
-  // already jumped.
+  // Inputs (num_inputs values) that act from sample i on, i <= num_intervals():
+  // a held input has already jumped.
   const double* AtSample(int sample) const {
     return at_samples_.data() +
            static_cast<Eigen::Index>(sample) * at_samples_.rows();
@@ -53,8 +56,9 @@ class IntegrationGrid {
   double start_time_ = 0.0;
   double sampling_step_ = 1.0;
   int num_samples_ = 0;
+  int num_intervals_ = 0;
   int substeps_ = 1;
-  Matrix at_samples_;  // inputs x samples
+  Matrix at_samples_;  // inputs x (intervals + 1)
   Matrix at_nodes_;    // inputs x (3 * substeps * intervals)
 };
 

@@ -30,7 +30,7 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
                                   SegmentTangents* result) {
   CHECK_LE(0, first);
   CHECK_LT(first, last);
-  CHECK_LT(last, grid.num_samples());
+  CHECK_LE(last, grid.num_intervals());
   CHECK_EQ(start.size(), dynamics_.num_states());
   switch (method_) {
     case DerivativeMethod::kTangents:

@@ -39,7 +39,8 @@ class SegmentPropagator {
   SegmentPropagator(const StructuralDynamics& dynamics,
                     DerivativeMethod method);
 
-  // Integrates from `start` at sample `first` to sample `last` and observes
+  // Integrates from `start` at sample `first` to sample `last` (at most
+  // grid.num_intervals()) and observes
   // the samples in [first, last), and `last` itself if observe_last. Returns
   // false where a state is not finite.
   bool Propagate(const StructuralDynamics::Prepared& prepared,

@@ -80,60 +80,96 @@ bool ParseInterpolation(const std::string& name, Interpolation* interpolation) {
 }
 
 Excitation::Excitation(double start_time, double step, Matrix samples,
-                       Interpolation interpolation)
+                       Interpolation interpolation, bool periodic)
     : start_time_(start_time),
       step_(step),
       samples_(std::move(samples)),
-      interpolation_(interpolation) {}
+      interpolation_(interpolation),
+      periodic_(periodic) {}
+
+int Excitation::reach() const {
+  switch (interpolation_) {
+    case Interpolation::kHeld:
+    case Interpolation::kLinear:
+      return 1;
+    case Interpolation::kCubic:
+      return 2;
+    case Interpolation::kBandLimited:
+      return kHalfWidth;
+  }
+  LOG(FATAL) << "not an interpolation: " << static_cast<int>(interpolation_);
+  return 0;
+}
+
+template <typename Target>
+void Excitation::AddSample(Eigen::Index sample, double weight,
+                           Target* result) const {
+  const Eigen::Index count = samples_.cols();
+  const Eigen::Index last = count - 1;
+  if (periodic_) {
+    *result += weight * samples_.col(((sample % count) + count) % count);
+  } else if (interpolation_ != Interpolation::kBandLimited) {
+    *result += weight * samples_.col(std::clamp<Eigen::Index>(sample, 0, last));
+  } else if (sample < 0) {
+    *result += weight *
+               (2.0 * samples_.col(0) - samples_.col(std::min(-sample, last)));
+  } else if (sample > last) {
+    *result +=
+        weight * (2.0 * samples_.col(last) -
+                  samples_.col(std::max<Eigen::Index>(2 * last - sample, 0)));
+  } else {
+    *result += weight * samples_.col(sample);
+  }
+}
 
 void Excitation::Evaluate(int interval, double fraction, double* inputs) const {
   DCHECK_GE(interval, 0);
   DCHECK_GE(fraction, 0.0);
   DCHECK_LE(fraction, 1.0);
   const Eigen::Index last = samples_.cols() - 1;
-  const Eigen::Index i = std::min<Eigen::Index>(interval, last);
+  const Eigen::Index i = interval;
+  const double x = i < last || periodic_ ? fraction : 0.0;
   Eigen::Map<Vector> result(inputs, samples_.rows());
-  if (i == last || interpolation_ == Interpolation::kHeld) {
-    result = samples_.col(i);
+  result.setZero();
+  if (x == 0.0 || interpolation_ == Interpolation::kHeld) {
+    // Not AddSample(i): behind the end the last value holds.
+    result = samples_.col(periodic_ ? i % (last + 1) : std::min(i, last));
     return;
   }
-  const double x = fraction;
-  if (interpolation_ == Interpolation::kLinear) {
-    result = (1.0 - x) * samples_.col(i) + x * samples_.col(i + 1);
-    return;
-  }
-  if (interpolation_ == Interpolation::kBandLimited) {
-    if (x == 0.0 || x == 1.0) {
-      result = samples_.col(x == 0.0 ? i : i + 1);
-      return;
-    }
-    const SincWeights& weights = SincWeightsAt(x);
-    result.setZero();
-    for (int k = 0; k < 2 * kHalfWidth; ++k) {
-      const double weight = weights[static_cast<size_t>(k)];
-      const Eigen::Index at = i + k - kHalfWidth + 1;
-      // Beyond the ends the samples go on mirrored at the end point.
-      if (at < 0) {
-        result += weight *
-                  (2.0 * samples_.col(0) - samples_.col(std::min(-at, last)));
-      } else if (at > last) {
-        result +=
-            weight * (2.0 * samples_.col(last) -
-                      samples_.col(std::max<Eigen::Index>(2 * last - at, 0)));
-      } else {
-        result += weight * samples_.col(at);
+  switch (interpolation_) {
+    case Interpolation::kHeld:
+      break;
+    case Interpolation::kLinear:
+      AddSample(i, 1.0 - x, &result);
+      AddSample(i + 1, x, &result);
+      break;
+    case Interpolation::kCubic:
+      // Catmull-Rom in the form of weights, which add up to one.
+      AddSample(i - 1, 0.5 * x * (-1.0 + x * (2.0 - x)), &result);
+      AddSample(i, 1.0 + 0.5 * x * x * (-5.0 + 3.0 * x), &result);
+      AddSample(i + 1, 0.5 * x * (1.0 + x * (4.0 - 3.0 * x)), &result);
+      AddSample(i + 2, 0.5 * x * x * (-1.0 + x), &result);
+      break;
+    case Interpolation::kBandLimited:
+      if (x == 1.0) {
+        AddSample(i + 1, 1.0, &result);
+        break;
       }
-    }
-    return;
+      const SincWeights& weights = SincWeightsAt(x);
+      const Eigen::Index first = i - kHalfWidth + 1;
+      if (first >= 0 && first + 2 * kHalfWidth <= samples_.cols()) {
+        result.noalias() =
+            samples_.middleCols<2 * kHalfWidth>(first) *
+            Eigen::Map<const Eigen::Matrix<double, 2 * kHalfWidth, 1>>(
+                weights.data());
+        break;
+      }
+      for (int k = 0; k < 2 * kHalfWidth; ++k) {
+        AddSample(i + k - kHalfWidth + 1, weights[static_cast<size_t>(k)],
+                  &result);
+      }
+      break;
   }
-  // Catmull-Rom in the form of weights, which add up to one.
-  const double before = 0.5 * x * (-1.0 + x * (2.0 - x));
-  const double left = 1.0 + 0.5 * x * x * (-5.0 + 3.0 * x);
-  const double right = 0.5 * x * (1.0 + x * (4.0 - 3.0 * x));
-  const double after = 0.5 * x * x * (-1.0 + x);
-  result = before * samples_.col(std::max<Eigen::Index>(i - 1, 0)) +
-           left * samples_.col(i) + right * samples_.col(i + 1) +
-           after * samples_.col(std::min(i + 2, last));
 }
 
 bool IsCompleteExcitation(const Record& record, const Channel& channel,

@@ -23,7 +23,8 @@ namespace pinode {
 //           an anti-aliasing filter leaves them: 64 samples weighed by a sinc
 //           in a Kaiser window, exact to 2e-5 of the amplitude of what is below
 //           0.88 of half the sampling rate. Beyond the end samples it is
-//           mirrored at them, which shows within 32 samples of an end.
+//           mirrored at them, which shows within 32 samples of an end of what
+//           is not periodic.
 enum class Interpolation { kHeld, kLinear, kCubic, kBandLimited };
 
 // "held", "linear", "cubic" or "band_limited".
@@ -41,13 +42,14 @@ class Excitation {
   // `samples` is inputs x samples; sample i is at start_time + i * step. No
   // inputs (0 rows) are allowed. It holds whatever it is given: that numbers
   // are finite, the step positive and samples there is asked by
-  // IdentificationProblem::IsValid.
+  // IdentificationProblem::IsValid. `periodic`: the samples are whole periods,
+  // behind the last one comes the first again; for the others the last values
+  // hold.
   Excitation(double start_time, double step, Matrix samples,
-             Interpolation interpolation);
+             Interpolation interpolation, bool periodic = false);
 
   // Inputs at start_time + (interval + fraction) * step, 0 <= fraction <= 1,
-  // into inputs[0 .. num_inputs()). From the last sample on (interval >=
-  // num_samples() - 1) its values hold. Allocates nothing.
+  // into inputs[0 .. num_inputs()). Allocates nothing.
   void Evaluate(int interval, double fraction, double* inputs) const;
 
   int num_inputs() const { return static_cast<int>(samples_.rows()); }
@@ -56,14 +58,22 @@ class Excitation {
   double step() const { return step_; }
   double time(int sample) const { return start_time_ + sample * step_; }
   Interpolation interpolation() const { return interpolation_; }
+  bool periodic() const { return periodic_; }
+  // How many samples on either side of an instant take part in its value.
+  int reach() const;
   // inputs x samples.
   const Matrix& samples() const { return samples_; }
 
  private:
+  // The samples as they go on beyond both ends.
+  template <typename Target>
+  void AddSample(Eigen::Index sample, double weight, Target* result) const;
+
   double start_time_;
   double step_;
   Matrix samples_;
   Interpolation interpolation_;
+  bool periodic_;
 };
 
 // False if a sample of the channel is missing: a response may have gaps, an

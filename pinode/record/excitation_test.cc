@@ -124,6 +124,28 @@ TEST(ExcitationTest, TheLastSampleHolds) {
   }
 }
 
+// Behind the last sample comes the first, for all interpolations.
+TEST(ExcitationTest, PeriodicGoesOnWithTheFirstSample) {
+  const int count = 90;
+  const double omega = 2.0 * kPi * 7.0 / count;
+  Matrix samples(1, count), three(1, 3 * count);
+  for (int i = 0; i < count; ++i) samples(0, i) = std::sin(omega * i + 0.3);
+  three << samples, samples, samples;
+  for (const Interpolation interpolation :
+       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic,
+        Interpolation::kBandLimited}) {
+    const Excitation one(0.0, 0.1, samples, interpolation, true);
+    const Excitation longer(0.0, 0.1, three, interpolation);
+    for (const int interval : {0, 1, 40, 88, 89}) {
+      for (const double fraction : {0.0, 0.25, 1.0}) {
+        EXPECT_NEAR(At(one, interval, fraction)[0],
+                    At(longer, count + interval, fraction)[0], 1e-12);
+      }
+    }
+    EXPECT_EQ(At(one, count, 0.0)[0], samples(0, 0));
+  }
+}
+
 TEST(ExcitationTest, NamesOfInterpolations) {
   for (const Interpolation interpolation :
        {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic}) {

@@ -72,9 +72,15 @@ std::string StartText(const IdentificationRecord& record) {
     case IdentificationRecord::Start::kRest:
       return "at rest";
     case IdentificationRecord::Start::kKnown:
-      return "known";
+      return record.start_samples > 0
+                 ? "from the first " + std::to_string(record.start_samples) +
+                       " samples"
+                 : "known";
     case IdentificationRecord::Start::kFree:
-      return "estimated";
+      return record.excitation->periodic() &&
+                     record.role == IdentificationRecord::Role::kHoldout
+                 ? "steady state"
+                 : "estimated";
   }
   return "";
 }
@@ -100,7 +106,8 @@ TextTable MakeDataTable(const ReportInput& input) {
          std::to_string(record.substeps),
          excitation.num_inputs() == 0
              ? "none"
-             : InterpolationName(excitation.interpolation()),
+             : InterpolationName(excitation.interpolation()) +
+                   std::string(excitation.periodic() ? ", periodic" : ""),
          StartText(record), record.filter != nullptr ? "zero-phase" : "none"});
   }
   return table;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/free_run_start.h"
 #include "pinode/study/substeps.h"
 
 namespace pinode {
@@ -26,7 +27,10 @@ bool Prepare(IdentificationProblem* problem, std::string* error) {
   for (const size_t r : to_choose) problem->records[r].substeps = 0;
   std::vector<SubstepChoice> choices;
   int failed = 0;
-  if (SetSubsteps(problem, &choices, &failed, error)) return true;
+  if (SetSubsteps(problem, &choices, &failed, error)) {
+    FixTrainingStarts(problem);
+    return true;
+  }
   *error = "record '" + problem->records[static_cast<size_t>(failed)].name +
            "': " + *error;
   return false;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
 

@@ -9,6 +9,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/covariance.h"
+#include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
