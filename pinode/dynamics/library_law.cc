@@ -41,6 +41,7 @@ void LibraryLaw::Evaluate(const double* features, const double* /*internal*/,
                           const double* parameters, double* result) const {
   result[0] = 0.0;
   for (size_t k = 0; k < functions_.size(); ++k) {
+    if (parameters[k] == 0.0) continue;
     result[0] += parameters[k] * functions_[k].Evaluate(features);
   }
 }

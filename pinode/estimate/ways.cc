@@ -1,5 +1,7 @@
 #include "pinode/estimate/ways.h"
 
+#include <ceres/jet.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -38,6 +40,42 @@ bool HasFreeNetworks(const StructuralDynamics& dynamics) {
       [](const NetworkTerm& term) { return AnyFree(term.weights); });
 }
 
+// A law that does nothing, in place of one whose coefficients are all zero and
+// stay so: what it is made of need not be worked out.
+class NoForce final : public Law {
+ public:
+  explicit NoForce(const Law& law)
+      : num_features_(law.num_features()),
+        num_parameters_(law.num_parameters()),
+        num_outputs_(law.num_outputs()) {}
+
+  int num_features() const override { return num_features_; }
+  int num_internal() const override { return 0; }
+  int num_parameters() const override { return num_parameters_; }
+  int num_outputs() const override { return num_outputs_; }
+  void Evaluate(const double* /*features*/, const double* /*internal*/,
+                const double* /*parameters*/, double* result) const override {
+    std::fill_n(result, num_outputs_, 0.0);
+  }
+  void Evaluate(const WideJet* /*features*/, const WideJet* /*internal*/,
+                const WideJet* /*parameters*/, WideJet* result) const override {
+    std::fill_n(result, num_outputs_, WideJet(0.0));
+  }
+  void Linearize(const double* features, const double* internal,
+                 const double* parameters, double* result,
+                 double* jacobian) const override {
+    Evaluate(features, internal, parameters, result);
+    std::fill_n(jacobian, num_outputs_ * num_arguments(), 0.0);
+  }
+
+ private:
+  int num_features_, num_parameters_, num_outputs_;
+};
+
+bool IsWithoutForce(const LawTerm& term) {
+  return term.type == "library" && term.parameters.Values().isZero(0.0);
+}
+
 // nullptr where a term cannot be had without its free parameters.
 std::shared_ptr<const StructuralDynamics> LinearDynamicsOf(
     const StructuralDynamics& dynamics) {
@@ -51,6 +89,9 @@ std::shared_ptr<const StructuralDynamics> LinearDynamicsOf(
     if (dynamics.term(t).kind() == TermKind::kLaw) {
       LawTerm term = dynamics.laws()[law++];
       FixAll(&term.parameters);
+      if (IsWithoutForce(term)) {
+        term.law = std::make_shared<NoForce>(*term.law);
+      }
       added = linear->AddLaw(std::move(term), &unused);
     } else if (dynamics.term(t).kind() == TermKind::kNetwork) {
       NetworkTerm term = dynamics.networks()[network++];
@@ -95,6 +136,8 @@ class Way {
   }
   // As RecordScore::nrmse of the training records together.
   double error() const { return ok_ ? fit_->best().free_run_error : kInfinity; }
+  // The same of one that was left off.
+  double best_error() const { return fit_->best().free_run_error; }
   double expected_error() const {
     return ok_ ? fit_->best().ExpectedError() : kInfinity;
   }
@@ -173,12 +216,17 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
                              const IdentificationOptions& options,
                              const Vector& parameters,
                              IdentificationSummary* outcome) {
-  // What is left over of a good fit is noise for this share at least.
+  // What is left over of a good fit is noise for this share at least, or next
+  // to nothing: another minimum could not be much better.
   constexpr double kNoise = 0.8;
+  constexpr double kNothing = 0.01;
   // A way that has done so many times the work of another is left off.
   constexpr int64_t kMostWork = 3;
   // A linear model with an error of less than this is somewhere near.
   constexpr double kNear = 0.7;
+  // What follows it on whole records has not got lost until it has done so many
+  // times its work.
+  constexpr int64_t kMostWorkOfAll = 10;
 
   IdentificationOptions single = options;
   single.shooting = Shooting::kSingle;
@@ -196,17 +244,25 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
       outcome->linear_error = by_stages.error();
     }
   }
-  Way ordered(problem, single, 0);
+  Way ordered(problem, single, kMostWorkOfAll * work);
   ordered.Run(begin, nullptr);
   work += ordered.Work();
   if (ordered.interrupted() ||
       (ordered.ok() && ordered.fit().converged() &&
-       LeastNoiseShare(problem, ordered.fit()) >= kNoise)) {
+       (ordered.error() < kNothing ||
+        LeastNoiseShare(problem, ordered.fit()) >= kNoise))) {
     outcome->way = kInOrder;
     return ordered.Take(outcome);
   }
   Way staged(problem, options, ordered.ok() ? kMostWork * work : 0);
   staged.Run(parameters, nullptr);
+  if (ordered.exhausted() && !staged.interrupted() &&
+      !(staged.error() < ordered.best_error())) {
+    // It was on the better way after all.
+    Way longer(problem, single, 0);
+    longer.Run(ordered.fit().BestParameters(), nullptr);
+    return Better(&longer, kInOrder, &staged, kByStages, outcome);
+  }
   if (staged.interrupted() && ordered.ok()) {
     outcome->way = std::string(kInOrder) + "; " + kByStages + ": interrupted";
     return ordered.Take(outcome);

@@ -23,9 +23,10 @@ std::unique_ptr<IdentificationProblem> LinearPart(
 // Where there are laws to be found, terms enter in order: first what is linear,
 // on whole records or, where that leads nowhere, by stages of multiple
 // shooting; then all, on whole records. That ends it where what is left over is
-// noise. Where it is not, the stages of multiple shooting of everything at once
-// are a second way; it is left off where it has done three times the work of
-// the first and has not come to an end.
+// noise, or less than a hundredth of the records. Where it is not, the stages
+// of multiple shooting of everything at once are a second way; it is left off
+// where it has done three times the work of the first and has not come to an
+// end.
 //
 // Networks are trained by their stages. Only where the result is poor is the
 // linear part fitted, and training begins again from what it found where that
