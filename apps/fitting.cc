@@ -1,5 +1,6 @@
 #include "apps/fitting.h"
 
+#include <chrono>
 #include <cstdio>
 #include <utility>
 
@@ -8,6 +9,8 @@
 #include "pinode/case/checkpoint_file.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/estimate/identify.h"
+#include "pinode/estimate/profile.h"
+#include "pinode/estimate/progress.h"
 
 namespace pinode {
 
@@ -51,6 +54,25 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
     RenewCaseUntilSettled(FitWithProgress(show_progress), c, summary, model);
   }
   return true;
+}
+
+void ProfileCase(bool show_progress, Case* c, const IdentifiedModel& model,
+                 IdentificationSummary* summary) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::string error = "the fit did not converge";
+  ProfileOptions options;
+  if (c->profiles.has_value()) options.parameters = *c->profiles;
+  options.callback = [show_progress](int done, int of) {
+    if (show_progress) std::fprintf(stderr, "profiles: %d of %d\n", done, of);
+    return true;
+  };
+  options.stop = Interrupted;
+  if (summary->termination != Termination::kConverged ||
+      !ProfileParameters(c->problem, *summary, model, c->options, options,
+                         &summary->profiles, &error)) {
+    c->problem.description.remarks.push_back("No profiles: " + error + ".");
+  }
+  summary->profile_seconds = SecondsSince(begin);
 }
 
 FitFunction FitWithProgress(bool show_progress) {

@@ -27,6 +27,13 @@ namespace pinode {
                            IdentificationSummary* summary,
                            IdentifiedModel* model, std::string* error);
 
+// Profiles the likelihood of the parameters that the case names (all free ones
+// where it names none) around a fit that has converged, into summary->profiles,
+// with progress on standard error and an end at an interrupt. Where that cannot
+// be, a remark of the case says why.
+void ProfileCase(bool show_progress, Case* c, const IdentifiedModel& model,
+                 IdentificationSummary* summary);
+
 // Fits with progress and an end at an interrupt as FitCase, without a
 // checkpoint.
 FitFunction FitWithProgress(bool show_progress);

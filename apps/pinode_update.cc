@@ -7,6 +7,8 @@
 //   pinode_update --case=data/three_storey/three_storey.toml --output_dir=out
 //   pinode_update --case=... --output_dir=out --resume
 
+#include <gflags/gflags.h>
+
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -20,6 +22,10 @@
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
+
+DEFINE_bool(profiles, false,
+            "profile the likelihood of each named free parameter after the "
+            "fit, as [profiles] in the case does");
 
 int main(int argc, char** argv) {
   using namespace pinode;
@@ -50,6 +56,10 @@ int main(int argc, char** argv) {
   IdentifiedModel model;
   if (!FitCase(folder, nullptr, FLAGS_progress, &c, &summary, &model, &error)) {
     return Refuse(error);
+  }
+
+  if ((FLAGS_profiles || c.profiles.has_value()) && !Interrupted()) {
+    ProfileCase(FLAGS_progress, &c, model, &summary);
   }
 
   // 4. Results and report.

@@ -77,7 +77,8 @@ class CaseReader {
 
   bool Read(Case* result) {
     if (!ReadHead() || !ReadModel() || !ReadDynamics() || !ReadData() ||
-        !Check() || !ReadDamage(root_, c_.problem, &c_.damage) || !SetSteps()) {
+        !Check() || !ReadDamage(root_, c_.problem, &c_.damage) ||
+        !ReadProfiles(root_, c_.problem, &c_.profiles) || !SetSteps()) {
       return false;
     }
     if (!simulation_) FixTrainingStarts(&c_.problem);
@@ -90,7 +91,7 @@ class CaseReader {
     if (!root_.AllowKeys({"title", "units", "model", "group", "element",
                           "library", "network", "unknown_force", "record",
                           "modal", "mode", "options", "simulate", "discover",
-                          "damage", "reference_curve"})) {
+                          "damage", "profiles", "reference_curve"})) {
       return false;
     }
     description_.title = root_.String("title");

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,10 @@ struct Case {
 
   // [discover]: where pinode_discover looks for equations.
   DiscoveryOptions discover;
+
+  // [profiles]: the parameters whose likelihood is to be profiled, empty for
+  // all that are free; none where nobody asks.
+  std::optional<std::vector<std::string>> profiles;
 
   // [damage]: what pinode_damage looks for beside changes of groups.
   DamageSearch damage;

@@ -613,6 +613,26 @@ TEST(CaseFileTest, LastLayerIsZeroWherePhysicsIsPresent) {
   EXPECT_GT(last_weight(ReadOrFail(folder.Write("case.toml", bare))), 0.0);
 }
 
+TEST(CaseFileTest, Profiles) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  EXPECT_FALSE(
+      ReadOrFail(folder.Write("case.toml", SmallCase())).profiles.has_value());
+  const auto read = [&folder](const std::string& section) {
+    return ReadOrFail(folder.Write("case.toml", SmallCase() + section));
+  };
+  EXPECT_TRUE(read("[profiles]\n").profiles->empty());
+  EXPECT_EQ(read("[profiles]\nparameters = [\"k1\"]\n").profiles->front(),
+            "k1");
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(
+      folder.Write("case.toml",
+                   SmallCase() + "[profiles]\nparameters = [\"k7\"]\n"),
+      &c, &error));
+  EXPECT_THAT(error, HasSubstr("'k7', expected the names of free parameters"));
+}
+
 TEST(CaseFileTest, Simulation) {
   TemporaryFolder folder;
   std::string text = Replaced(SmallCase(), "file = \"quake.csv\"\n", "");

@@ -1,8 +1,11 @@
 #include "pinode/case/options_section.h"
 
+#include <algorithm>
 #include <string>
 
 #include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
+#include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
 
@@ -43,6 +46,31 @@ bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
   options->seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
   options->function_tolerance =
       table.PositiveNumber("tolerance", options->function_tolerance);
+  return table.errors()->ok();
+}
+
+bool ReadProfiles(const TomlTable& root, const IdentificationProblem& problem,
+                  std::optional<std::vector<std::string>>* parameters) {
+  parameters->reset();
+  if (!root.Has("profiles")) return true;
+  const TomlTable table = root.Table("profiles", "[profiles]");
+  if (!table.AllowKeys({"parameters"})) return false;
+  parameters->emplace();
+  if (!table.Has("parameters")) return table.errors()->ok();
+  const ParameterLayout layout(problem);
+  std::vector<std::string> free;
+  for (const int index : layout.free()) {
+    if (layout.IsNamed(index)) free.push_back(layout.parameter(index).name);
+  }
+  for (const std::string& name : table.Strings("parameters")) {
+    if (std::find(free.begin(), free.end(), name) == free.end()) {
+      return table.Fail("parameters",
+                        "'parameters' has '" + name +
+                            "', expected the names of free parameters" +
+                            NameHint(name, free));
+    }
+    (*parameters)->push_back(name);
+  }
   return table.errors()->ok();
 }
 

@@ -1,17 +1,25 @@
-// [options] and [simulate].
+// [options], [profiles] and [simulate].
 
 #ifndef PINODE_CASE_OPTIONS_SECTION_H_
 #define PINODE_CASE_OPTIONS_SECTION_H_
 
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "pinode/case/toml_table.h"
 #include "pinode/estimate/identification_options.h"
+#include "pinode/estimate/identification_problem.h"
 
 namespace pinode {
 
 [[nodiscard]] bool ReadOptions(const TomlTable& root,
                                IdentificationOptions* options);
+// Without the section there is no list, and without names in it an empty one.
+[[nodiscard]] bool ReadProfiles(
+    const TomlTable& root, const IdentificationProblem& problem,
+    std::optional<std::vector<std::string>>* parameters);
 [[nodiscard]] bool ReadSimulate(const TomlTable& root, double* noise_percent,
                                 std::uint64_t* seed);
 

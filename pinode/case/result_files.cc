@@ -35,6 +35,8 @@ class ResultWriter {
     std::string json;
     return WriteFolded() && WriteText("parameters.csv", Parameters()) &&
            WriteText("covariance.csv", Covariance()) &&
+           (summary_.profiles.empty() ||
+            WriteText("profiles.csv", ProfilePoints())) &&
            WriteText("history.csv", History()) && WritePredictions() &&
            WriteForces() && WriteText("initial_states.csv", InitialStates()) &&
            WriteFinalCheckpoint() &&
@@ -88,6 +90,17 @@ class ResultWriter {
         text += "," + CsvCell(summary_.covariance(i, j));
       }
       text += "\n";
+    }
+    return text;
+  }
+
+  std::string ProfilePoints() const {
+    std::string text = "parameter,unit,value,likelihood_ratio\n";
+    for (const ParameterProfile& profile : summary_.profiles) {
+      for (const ParameterProfile::Point& point : profile.points) {
+        text += CsvCell(profile.name) + "," + CsvCell(profile.unit) + "," +
+                CsvCell(point.value) + "," + CsvCell(point.ratio) + "\n";
+      }
     }
     return text;
   }

@@ -164,6 +164,26 @@ TEST(ResultFilesTest, EverythingIsThere) {
   EXPECT_THAT(f.folder.Read("out/covariance.csv"), HasSubstr("k1,1e-04"));
 }
 
+TEST(ResultFilesTest, ProfilesHaveTheirPointsAndTheirEnds) {
+  Fixture f;
+  EXPECT_FALSE(fs::exists(fs::path(WriteAll(f, "none")) / "profiles.csv"));
+  ParameterProfile profile;
+  profile.name = "k1";
+  profile.unit = "1";
+  profile.points = {{0.5, 4.0}, {0.75, 0.0}};
+  profile.lower95 = 0.51;
+  profile.determination = Determination::kOneSided;
+  f.summary.profiles = {profile};
+  WriteAll(f, "out");
+  EXPECT_EQ(f.folder.Read("out/profiles.csv"),
+            "parameter,unit,value,likelihood_ratio\nk1,1,0.5,4\n"
+            "k1,1,0.75,0\n");
+  const Json json = Json::parse(f.folder.Read("out/result.json"));
+  EXPECT_EQ(json["profiles"][0]["lower95"], 0.51);
+  EXPECT_TRUE(json["profiles"][0]["upper95"].is_null());
+  EXPECT_EQ(json["profiles"][0]["determination"], "one-sided");
+}
+
 TEST(ResultFilesTest, ForcesHaveTheirHistoryAndTheirSize) {
   Fixture f;
   ForceEstimate force;

@@ -66,6 +66,27 @@ Json Parameters(const IdentificationSummary& summary) {
   return parameters;
 }
 
+// Infinite ends are null.
+Json Profiles(const IdentificationSummary& summary) {
+  Json profiles = Json::array();
+  for (const ParameterProfile& profile : summary.profiles) {
+    profiles.push_back(
+        {{"name", profile.name},
+         {"unit", profile.unit},
+         {"value", profile.estimate},
+         {"lower95", profile.lower95},
+         {"upper95", profile.upper95},
+         {"lower99", profile.lower99},
+         {"upper99", profile.upper99},
+         {"determination", DeterminationName(profile.determination)},
+         {"combinations", profile.combinations},
+         {"differs_from_linear", profile.DiffersFromLinear()},
+         {"found_lower", profile.found_lower},
+         {"linearizations", profile.linearizations}});
+  }
+  return profiles;
+}
+
 // The histories are in force_<name>.csv.
 Json Forces(const IdentificationProblem& problem,
             const IdentificationSummary& summary) {
@@ -159,6 +180,7 @@ bool FormatResultJson(const IdentificationProblem& problem,
                    {"time", problem.description.units.time}};
   json["records"] = Records(problem, summary);
   json["parameters"] = Parameters(summary);
+  if (!summary.profiles.empty()) json["profiles"] = Profiles(summary);
   if (!summary.forces.empty()) json["forces"] = Forces(problem, summary);
   json["covariance_method"] = summary.covariance_method;
   json["undetermined"] = summary.undetermined;
@@ -191,6 +213,9 @@ bool FormatResultJson(const IdentificationProblem& problem,
   solver["seconds"] = summary.seconds;
   solver["jacobian_seconds"] = summary.jacobian_seconds;
   solver["linear_solver_seconds"] = summary.linear_solver_seconds;
+  if (!summary.profiles.empty()) {
+    solver["profile_seconds"] = summary.profile_seconds;
+  }
   solver["stages"] = Json::array();
   for (const StageRecord& stage : summary.stages) {
     solver["stages"].push_back({{"segment_samples", stage.segment_samples},

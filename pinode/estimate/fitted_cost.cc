@@ -9,14 +9,10 @@
 
 namespace pinode {
 
-bool LinearizeAtFit(const IdentificationProblem& problem,
-                    const ParameterLayout& layout, const IdentifiedModel& model,
-                    const std::vector<RecordScore>& scores, int num_threads,
-                    FittedCost* cost) {
-  MultipleShooting::Options options;
-  options.num_threads = num_threads;
-  Objective objective(problem, layout, options);
-  MultipleShooting& shooting = objective.shooting();
+bool PlaceAtFit(const IdentificationProblem& problem,
+                const ParameterLayout& layout, const IdentifiedModel& model,
+                const std::vector<RecordScore>& scores, Objective* objective) {
+  MultipleShooting& shooting = objective->shooting();
   if (model.parameters.size() != layout.num_parameters()) return false;
   std::vector<Vector> sigmas;
   std::vector<Vector> scales;
@@ -34,12 +30,24 @@ bool LinearizeAtFit(const IdentificationProblem& problem,
     scales.push_back(StateScales(problem, scores[r].states));
   }
   shooting.SetSigmas(sigmas);
-  objective.priors().SetDecays(
+  objective->priors().SetDecays(
       model.decays.size() == layout.num_decay_groups()
           ? model.decays
           : Vector(Vector::Zero(layout.num_decay_groups())));
   shooting.SetStateScales(scales);
   shooting.SetSegments(0, trajectories);
+  return true;
+}
+
+bool LinearizeAtFit(const IdentificationProblem& problem,
+                    const ParameterLayout& layout, const IdentifiedModel& model,
+                    const std::vector<RecordScore>& scores, int num_threads,
+                    FittedCost* cost) {
+  MultipleShooting::Options options;
+  options.num_threads = num_threads;
+  Objective objective(problem, layout, options);
+  if (!PlaceAtFit(problem, layout, model, scores, &objective)) return false;
+  MultipleShooting& shooting = objective.shooting();
   const Vector free = layout.Free(model.parameters);
   std::vector<Matrix> residuals;
   if (!objective.Linearize(free, &cost->system) ||

@@ -8,6 +8,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -20,6 +21,14 @@ struct FittedCost {
   // a memory, and what no candidate explains as well.
   double memory = 1.0;
 };
+
+// Sets noise, decays, scales and one segment a record in *objective, a cost of
+// `problem`, to what a fit has come to. `model` and `scores` as below.
+[[nodiscard]] bool PlaceAtFit(const IdentificationProblem& problem,
+                              const ParameterLayout& layout,
+                              const IdentifiedModel& model,
+                              const std::vector<RecordScore>& scores,
+                              Objective* objective);
 
 // `model`: parameters of `problem`, whatever they were fitted in, and the noise
 // of each record. `scores`: the free runs of that fit, in the problem's order.

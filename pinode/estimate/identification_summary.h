@@ -11,6 +11,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/measured_mode.h"
+#include "pinode/estimate/parameter_profile.h"
 
 namespace pinode {
 
@@ -124,6 +125,8 @@ struct IdentificationSummary {
   std::vector<std::string> covariance_names;
   Matrix covariance;
   std::string covariance_method;  // as CovarianceEstimate::method
+  // Where they were asked for, see profile.h.
+  std::vector<ParameterProfile> profiles;
   // Directions of the named parameters that the data do not determine.
   std::vector<std::string> undetermined;
 
@@ -159,6 +162,7 @@ struct IdentificationSummary {
   std::string followed_record, followed_channel;
 
   double seconds = 0.0;
+  double profile_seconds = 0.0;
   double jacobian_seconds = 0.0;
   double linear_solver_seconds = 0.0;
 

@@ -1,5 +1,6 @@
 #include "pinode/report/console.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -86,6 +87,42 @@ TextTable MakeParameterTable(const ReportInput& input) {
         FormatEstimate(parameter.initial, parameter.value, half_width);
     table.AddRow({parameter.name, text.initial, text.value, text.half_width,
                   UnitText(parameter.unit), NoteOn(parameter)});
+  }
+  return table;
+}
+
+TextTable MakeProfileTable(const ReportInput& input) {
+  TextTable table({{"parameter", Align::kLeft},
+                   {"identified", Align::kDecimal},
+                   {"linear 95 %", Align::kDecimal},
+                   {"profile 95 %", Align::kDecimal},
+                   {"profile 99 %", Align::kDecimal},
+                   {"the data say", Align::kLeft}});
+  for (const ParameterProfile& profile : input.summary->profiles) {
+    // Three digits of an interval are two of its width.
+    const auto interval = [&profile](double low, double high) {
+      double width = std::max(std::abs(low - profile.estimate),
+                              std::abs(high - profile.estimate));
+      if (!std::isfinite(width)) {
+        width = std::isfinite(low)    ? std::abs(low - profile.estimate)
+                : std::isfinite(high) ? std::abs(high - profile.estimate)
+                                      : 0.0;
+      }
+      const auto end = [&](double value) {
+        if (!std::isfinite(value)) return std::string("-");
+        return FormatEstimate(value, value, width).value;
+      };
+      return end(low) + " to " + end(high);
+    };
+    std::string says = DeterminationName(profile.determination);
+    if (!profile.combinations.empty()) {
+      says += "; what they hold on to: " + Join(profile.combinations, ", ");
+    }
+    if (profile.found_lower) says += "; a better fit was met on the way";
+    table.AddRow({profile.name, ReadableNumber(profile.estimate, 5),
+                  interval(profile.linear_lower95, profile.linear_upper95),
+                  interval(profile.lower95, profile.upper95),
+                  interval(profile.lower99, profile.upper99), says});
   }
   return table;
 }
@@ -232,6 +269,7 @@ std::string ConsoleReport(const ReportInput& input) {
   };
   add("Free-run error (nrmse)", MakeRecordTable(input));
   add("Parameters", MakeParameterTable(input));
+  add("Profiles", MakeProfileTable(input));
   add("Measured modes", MakeMeasuredModeTable(input));
   add("Modes", MakeModeTable(input));
   add("Sensors", MakeSensorTable(input));

@@ -22,6 +22,7 @@ TextTable MakeParameterTable(const ReportInput& input);
 TextTable MakeMeasuredModeTable(const ReportInput& input);
 
 // Frequencies (Hz), damping ratios (%) and MAC, before and after.
+TextTable MakeProfileTable(const ReportInput& input);
 TextTable MakeModeTable(const ReportInput& input);
 
 // Errors of the free runs in per cent (nrmse) beside the prior model's;

@@ -50,6 +50,10 @@ Figure MakeChangeFigure(const DamageResult& damage);
 // is given: the whole record and the part where the force is largest.
 Figure MakeForceFigure(const ReportInput& input, int force);
 
+// The likelihood ratio along a parameter, beside the parabola of its linear
+// interval; empty where there are no points.
+Figure MakeProfileFigure(const ParameterProfile& profile, int number);
+
 // Changes of the named free parameters in per cent with 95 % bars. Parameters
 // that start at zero and are not group factors have no such change; the caption
 // names them.

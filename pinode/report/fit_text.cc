@@ -154,6 +154,14 @@ std::vector<std::string> Limits(const IdentificationSummary& summary) {
   for (const std::string& sentence : StrongCorrelations(summary)) {
     limits.push_back(sentence);
   }
+  for (const ParameterProfile& profile : summary.profiles) {
+    if (profile.DiffersFromLinear()) {
+      limits.push_back(
+          profile.name +
+          ": the linear interval is off by more than a fifth, take that of "
+          "the profile.");
+    }
+  }
   return limits;
 }
 

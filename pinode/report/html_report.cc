@@ -135,6 +135,7 @@ class PageMaker {
     AddScores();
     AddEquations();
     AddParameters();
+    AddProfiles();
     AddForces();
     AddModes();
     AddHistories();
@@ -323,6 +324,12 @@ class PageMaker {
   void AddForces() {
     page_.set("has_forces", !figures_.forces.empty());
     page_.set("forces", FigureList(figures_.forces));
+  }
+
+  void AddProfiles() {
+    const TextTable table = MakeProfileTable(input_);
+    SetIf("profiles", !table.empty(), TableData(table), &page_);
+    page_.set("profile_figures", FigureList(figures_.profiles));
   }
 
   void AddModes() {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "pinode/base/file.h"
+#include "pinode/report/figure.h"
 #include "pinode/report/testing.h"
 
 namespace pinode {
@@ -267,6 +268,33 @@ TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {
   ExpectSelfContained(html);
   EXPECT_THAT(html, HasSubstr(heading));
   EXPECT_THAT(html, HasSubstr("&lt;blow&gt;, the force identified in"));
+}
+
+TEST(HtmlReport, ShowsProfiles) {
+  const auto example = testing::MakeReportExample();
+  const char* heading = "How far the data determine each parameter";
+  EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
+              Not(HasSubstr(heading)));
+  ParameterProfile profile;
+  profile.name = "<gap>";
+  profile.estimate = 2.0;
+  profile.points = {{1.0, 9.0}, {2.0, 0.0}, {40.0, 0.0}};
+  profile.lower95 = 1.25;
+  profile.threshold95 = 3.84;
+  profile.threshold99 = 6.63;
+  profile.determination = Determination::kOneSided;
+  profile.combinations = {"a * b"};
+  example->summary.profiles = {profile};
+  const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
+  ExpectSelfContained(html);
+  EXPECT_THAT(html, HasSubstr(heading));
+  EXPECT_THAT(html, HasSubstr(" to -"));
+  EXPECT_THAT(html, HasSubstr("one-sided; what they hold on to: a * b"));
+  const Figure figure = MakeProfileFigure(profile, 3);
+  EXPECT_EQ(figure.id, "profile3");
+  EXPECT_THAT(figure.caption, HasSubstr("one-sided"));
+  profile.points.resize(2);
+  EXPECT_TRUE(MakeProfileFigure(profile, 3).empty());
 }
 
 TEST(HtmlReport, BeginsWithWhatHasChanged) {

@@ -50,6 +50,10 @@ class Planner {
     for (size_t f = 0; f < summary_.forces.size(); ++f) {
       AddTo(MakeForceFigure(input_, static_cast<int>(f)), &figures_.forces);
     }
+    for (size_t p = 0; p < summary_.profiles.size(); ++p) {
+      AddTo(MakeProfileFigure(summary_.profiles[p], static_cast<int>(p)),
+            &figures_.profiles);
+    }
     figures_.modes = Add(MakeModeShapeFigure(input_));
     figures_.convergence = Add(MakeConvergenceFigure(input_));
     for (const Role role : {Role::kHoldout, Role::kTrain}) PlanHistories(role);

@@ -30,6 +30,7 @@ struct ReportFigures {
   int changes = -1;
   int parameters = -1;
   std::vector<int> forces;
+  std::vector<int> profiles;
   int modes = -1;
   int convergence = -1;
   std::vector<History> histories;  // hold-out records first
