@@ -120,6 +120,20 @@ class ResultWriter {
     return text;
   }
 
+  // Behind the predictions, for those who read these by their place.
+  static void AddDeviations(const IdentificationRecord& record,
+                            const RecordScore& score,
+                            std::vector<CsvColumn>* columns) {
+    if (score.deviations.size() != score.prediction.size()) return;
+    for (size_t i = 0; i < record.channels.size(); ++i) {
+      const MeasuredChannel& channel = record.channels[i];
+      columns->push_back(
+          {channel.observation.name + "_deviation",
+           score.deviations.row(static_cast<Eigen::Index>(i)).transpose() /
+               std::abs(channel.description.factor)});
+    }
+  }
+
   bool WritePredictions() {
     for (size_t r = 0; r < summary_.records.size(); ++r) {
       const RecordScore& score = summary_.records[r];
@@ -137,6 +151,7 @@ class ResultWriter {
              score.prediction.row(static_cast<Eigen::Index>(i)).transpose() /
                  factor});
       }
+      AddDeviations(record, score, &columns);
       if (!WriteCsv(Path("prediction_" + record.name + ".csv"), columns,
                     error_)) {
         return false;

@@ -42,6 +42,7 @@ Json Records(const IdentificationProblem& problem,
       entry["nrmse"] = channel_score.nrmse;
       entry["prior_nrmse"] = channel_score.prior_nrmse;
       entry["sigma"] = channel_score.sigma * to_file;
+      entry["band_coverage"] = channel_score.band_coverage;
       entry["fit"] = measured.fit;
       record["channels"].push_back(std::move(entry));
     }

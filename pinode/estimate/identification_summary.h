@@ -33,6 +33,9 @@ struct ChannelScore {
   // Of the residual's energy, what has no memory from sample to sample and can
   // therefore be no motion; NaN where that cannot be told. See NoiseShare.
   double noise_share = kNaN;
+  // Of the scored samples, the share within the 95 % band of RecordScore's
+  // deviations; NaN where there is none.
+  double band_coverage = kNaN;
 };
 
 struct RecordScore {
@@ -47,6 +50,9 @@ struct RecordScore {
   Vector start;       // num_states
   Matrix prediction;  // channels x samples, of the sensors as they are
   Matrix states;      // num_states x samples
+  // Standard deviations of what the sensors read about the prediction, channels
+  // x samples, see PredictionDeviations; empty: not known.
+  Matrix deviations;
 };
 
 struct ParameterEstimate {

@@ -12,6 +12,7 @@
 #include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
+#include "pinode/estimate/prediction_band.h"
 #include "pinode/estimate/score.h"
 #include "pinode/structure/modal_analysis.h"
 
@@ -107,6 +108,26 @@ void ScoreRecords(const IdentificationProblem& problem,
     }
     summary->records.push_back(score);
     model->starts.push_back(start);
+  }
+}
+
+// What measurements have to be expected about the predictions, and how many of
+// them are there.
+void BandPredictions(const IdentificationProblem& problem,
+                     const IdentificationOptions& options,
+                     const Certainty& certainty, const IdentifiedModel& model,
+                     IdentificationSummary* summary) {
+  if (!certainty.known) return;
+  const CovarianceEstimate& covariance = certainty.covariance;
+  for (size_t r = 0; r < summary->records.size(); ++r) {
+    RecordScore& score = summary->records[r];
+    score.deviations = PredictionDeviations(
+        problem, static_cast<int>(r), model.parameters, covariance.covariance,
+        model.sigmas[r], score, options.num_threads);
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      score.channels[c].band_coverage = BandCoverage(
+          problem.records[r], score, static_cast<int>(c), covariance.quantile);
+    }
   }
 }
 
@@ -260,6 +281,7 @@ void ReportOutcome(const IdentificationProblem& problem,
   }
   ScoreRecords(problem, layout.InitialValues(), certainty.starts, summary,
                model);
+  BandPredictions(problem, options, certainty, *model, summary);
   if (!problem.modal.empty()) {
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
                 &certainty, summary);

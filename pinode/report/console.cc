@@ -112,6 +112,7 @@ TextTable MakeProfileTable(const ReportInput& input) {
         if (!std::isfinite(value)) return std::string("-");
         return FormatEstimate(value, value, width).value;
       };
+      if (std::isinf(low) && std::isinf(high)) return std::string("none");
       return end(low) + " to " + end(high);
     };
     std::string says = DeterminationName(profile.determination);
@@ -221,6 +222,7 @@ TextTable MakeSensorTable(const ReportInput& input) {
                    {"error %", Align::kDecimal},
                    {"prior %", Align::kDecimal},
                    {"noise %", Align::kDecimal},
+                   {"in 95 % band", Align::kDecimal},
                    {"", Align::kLeft}});
   for (const int i : HoldoutFirst(*input.summary)) {
     const RecordScore& record = input.summary->records[static_cast<size_t>(i)];
@@ -237,6 +239,8 @@ TextTable MakeSensorTable(const ReportInput& input) {
            ReadableNumber(channel.rmse, 4),
            UnitText(ChannelUnit(input, i, index)), Percent(channel.nrmse),
            Percent(channel.prior_nrmse), Percent(NoiseShare(input, i, index)),
+           std::isfinite(channel.band_coverage) ? Percent(channel.band_coverage)
+                                                : "",
            measured.fit ? "" : "not fitted"});
     }
   }

@@ -21,6 +21,27 @@ void DrawThreshold(double level, const std::string& name,
                y + " right offset 0,0.5 tc rgb '#666666'");
 }
 
+// The curve through the points: the signed root of the ratio is a straight line
+// on a parabola, and is taken as one from point to point.
+void CurveThrough(const ParameterProfile& profile, std::vector<double>* values,
+                  std::vector<double>* ratios) {
+  constexpr int kParts = 12;
+  const auto root = [&profile](const ParameterProfile::Point& point) {
+    const double size = std::sqrt(std::max(0.0, point.ratio));
+    return point.value < profile.estimate ? -size : size;
+  };
+  for (size_t i = 0; i + 1 < profile.points.size(); ++i) {
+    const ParameterProfile::Point& left = profile.points[i];
+    const ParameterProfile::Point& right = profile.points[i + 1];
+    for (int k = 0; k <= kParts; ++k) {
+      const double share = static_cast<double>(k) / kParts;
+      const double at = root(left) + share * (root(right) - root(left));
+      values->push_back(left.value + share * (right.value - left.value));
+      ratios->push_back(at * at);
+    }
+  }
+}
+
 }  // namespace
 
 Figure MakeProfileFigure(const ParameterProfile& profile, int number) {
@@ -61,8 +82,13 @@ Figure MakeProfileFigure(const ParameterProfile& profile, int number) {
     plot += Lines(script.Data({x, y}), kFaintLine, "") + ", ";
   }
   const std::string data = script.Data({values, ratios});
-  script.Line(plot + data + " using 1:2 with linespoints lc rgb '#0072B2' " +
-              "lw 1.8 pt 7 ps 0.4");
+  std::vector<double> curve_values, curve_ratios;
+  CurveThrough(profile, &curve_values, &curve_ratios);
+  script.Line(plot +
+              Lines(script.Data({curve_values, curve_ratios}),
+                    "lc rgb '#0072B2' lw 1.8", "") +
+              ", " + data +
+              " using 1:2 with points lc rgb '#0072B2' pt 7 ps 0.5");
   figure.script = script.text();
   figure.caption = profile.name + ": " +
                    std::string(DeterminationName(profile.determination)) +

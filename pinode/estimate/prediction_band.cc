@@ -1,0 +1,157 @@
+#include "pinode/estimate/prediction_band.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/logging.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/initial_states.h"
+#include "pinode/estimate/multiple_shooting.h"
+#include "pinode/estimate/score.h"
+
+namespace pinode {
+namespace {
+
+// Numbers of derivatives that are kept, at most.
+constexpr double kMostNumbers = 3e7;
+// A start is moved by this share of its state's RMS.
+constexpr double kStartStep = 1e-4;
+
+// Rows of the prediction's derivative by the free parameters over the noise,
+// channels fastest; empty where the run is not finite.
+Matrix ParameterRows(const IdentificationProblem& problem, int record,
+                     const Vector& parameters, const Vector& sigmas,
+                     const RecordScore& score, int num_threads) {
+  IdentificationProblem alone = problem;
+  alone.records = {problem.records[static_cast<size_t>(record)]};
+  IdentificationRecord& data = alone.records[0];
+  data.role = IdentificationRecord::Role::kTrain;
+  if (data.start == IdentificationRecord::Start::kFree) {
+    data.start = IdentificationRecord::Start::kKnown;
+    data.known_start = score.start;
+  }
+  // Every sample has a prediction, measured or not.
+  for (MeasuredChannel& channel : data.channels) {
+    channel.values.setZero();
+    channel.fit = true;
+  }
+  alone.modal = ModalData();
+  const ParameterLayout layout(alone);
+  MultipleShooting::Options options;
+  options.num_threads = num_threads;
+  MultipleShooting shooting(alone, layout, options);
+  shooting.SetSigmas({sigmas});
+  shooting.SetStateScales({StateScales(alone, score.states)});
+  shooting.SetSegments(0, {score.states});
+  std::vector<Matrix> residuals, jacobians;
+  CondensedSystem system;
+  const Vector free = layout.Free(parameters);
+  if (!shooting.Linearize(free, &system) ||
+      !shooting.WeightedResiduals(free, true, &residuals, &jacobians)) {
+    return Matrix();
+  }
+  return jacobians[0];
+}
+
+// The same by the start, in units of `scales`; central differences.
+Matrix StartRows(const IdentificationProblem& problem, int record,
+                 const Vector& parameters, const Vector& sigmas,
+                 const Vector& scales, const RecordScore& score) {
+  const Eigen::Index nc = score.prediction.rows();
+  Matrix rows(score.prediction.size(), scales.size());
+  for (Eigen::Index k = 0; k < scales.size(); ++k) {
+    RecordScore moved[2];
+    for (const int side : {0, 1}) {
+      Vector start = score.start;
+      start[k] += (side == 0 ? -kStartStep : kStartStep) * scales[k];
+      ScoreRecord(problem, record, parameters, start, score.first_scored_sample,
+                  &moved[side]);
+      if (!moved[side].finite) return Matrix();
+    }
+    const Matrix slope = sigmas.cwiseInverse().asDiagonal() *
+                         (moved[1].prediction - moved[0].prediction) /
+                         (2.0 * kStartStep);
+    rows.col(k) = Eigen::Map<const Vector>(slope.data(), slope.size());
+  }
+  DCHECK_EQ(rows.rows() % nc, 0);
+  return rows;
+}
+
+// sum_k (row . root_k)^2 of each row.
+Vector RowVariances(const Matrix& rows, const Matrix& covariance) {
+  return (rows * covariance).cwiseProduct(rows).rowwise().sum();
+}
+
+// Covariance of the start in units of its scales, which are its prior's
+// deviations, by the samples that it was found from.
+Matrix StartCovariance(const IdentificationRecord& data, const Matrix& rows,
+                       const RecordScore& score) {
+  const int nc = static_cast<int>(data.channels.size());
+  const int samples = data.role == IdentificationRecord::Role::kTrain
+                          ? data.num_samples()
+                          : score.first_scored_sample;
+  Matrix information = Matrix::Identity(rows.cols(), rows.cols());
+  for (int i = 0; i < samples; ++i) {
+    for (int c = 0; c < nc; ++c) {
+      const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
+      if (!channel.fit || std::isnan(channel.values[i])) continue;
+      const RowVector row = rows.row(i * nc + c);
+      information.noalias() += row.transpose() * row;
+    }
+  }
+  Matrix root, null_space;
+  if (!InvertInformation(information, &root, &null_space)) return Matrix();
+  return root * root.transpose();
+}
+
+}  // namespace
+
+Matrix PredictionDeviations(const IdentificationProblem& problem, int record,
+                            const Vector& parameters, const Matrix& covariance,
+                            const Vector& sigmas, const RecordScore& score,
+                            int num_threads) {
+  const IdentificationRecord& data =
+      problem.records[static_cast<size_t>(record)];
+  const Eigen::Index nc = score.prediction.rows();
+  const Eigen::Index samples = score.prediction.cols();
+  const double numbers = static_cast<double>(score.prediction.size()) *
+                         static_cast<double>(covariance.cols());
+  if (!score.finite || numbers > kMostNumbers || !(sigmas.minCoeff() > 0.0)) {
+    return Matrix();
+  }
+  const Matrix rows =
+      ParameterRows(problem, record, parameters, sigmas, score, num_threads);
+  if (rows.size() == 0 || rows.cols() != covariance.rows()) return Matrix();
+  Vector variances = RowVariances(rows, covariance);
+  if (data.start == IdentificationRecord::Start::kFree &&
+      !(data.excitation->periodic() && score.first_scored_sample == 0 &&
+        data.role == IdentificationRecord::Role::kHoldout)) {
+    const Matrix starts = StartRows(problem, record, parameters, sigmas,
+                                    StateScales(problem, score.states), score);
+    if (starts.size() == 0) return Matrix();
+    const Matrix start_covariance = StartCovariance(data, starts, score);
+    if (start_covariance.size() == 0) return Matrix();
+    variances += RowVariances(starts, start_covariance);
+  }
+  const Eigen::Map<const Matrix> shares(variances.data(), nc, samples);
+  return sigmas.asDiagonal() * (shares.array().max(0.0) + 1.0).sqrt().matrix();
+}
+
+double BandCoverage(const IdentificationRecord& record,
+                    const RecordScore& score, int channel, double quantile) {
+  if (score.deviations.size() == 0) return kNaN;
+  const Vector& values = record.channels[static_cast<size_t>(channel)].values;
+  int count = 0;
+  int inside = 0;
+  for (Eigen::Index i = score.first_scored_sample; i < values.size(); ++i) {
+    if (std::isnan(values[i])) continue;
+    ++count;
+    inside += std::abs(values[i] - score.prediction(channel, i)) <=
+              quantile * score.deviations(channel, i);
+  }
+  return count > 0 ? static_cast<double>(inside) / count : kNaN;
+}
+
+}  // namespace pinode
