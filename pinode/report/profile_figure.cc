@@ -21,6 +21,17 @@ void DrawThreshold(double level, const std::string& name,
                y + " right offset 0,0.5 tc rgb '#666666'");
 }
 
+// Two to four steps on an axis: values of a narrow interval have many digits,
+// for which more have no room.
+double MarkStep(double width) {
+  const double least = width / 4.0;
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double times : {1.0, 2.0, 5.0}) {
+    if (times * power >= least) return times * power;
+  }
+  return 10.0 * power;
+}
+
 // The curve through the points: the signed root of the ratio is a straight line
 // on a parabola, and is taken as one from point to point.
 void CurveThrough(const ParameterProfile& profile, std::vector<double>* values,
@@ -66,6 +77,7 @@ Figure MakeProfileFigure(const ParameterProfile& profile, int number) {
   script.Line("set ylabel 'likelihood ratio'");
   script.Line(Range("x", range.low - 0.05 * range.width(),
                     range.high + 0.05 * range.width()));
+  script.Line("set xtics " + ScriptNumber(MarkStep(range.width())));
   script.Line(Range("y", 0.0, top));
   DrawThreshold(profile.threshold95, "95 %", &script);
   DrawThreshold(profile.threshold99, "99 %", &script);
