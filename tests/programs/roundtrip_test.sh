@@ -86,11 +86,12 @@ Run 0 pinode_check --case=D/model.toml
 
 Run 0 pinode_simulate --case=D/model.toml --output_dir=of_model
 for record in train holdout; do
-  # t, a1, a2, a3, time, a1_measured, a1_predicted, ...
+  # t, a1, a2, a3, time, a1_measured, a1_predicted, ..., a1_deviation, ...
   paste -d, {of_model/response,D/prediction}_$record.csv | awk -F, '
     NR == 1 {
       if ($0 != "t,a1,a2,a3,time,a1_measured,a1_predicted,a2_measured," \
-                "a2_predicted,a3_measured,a3_predicted") {
+                "a2_predicted,a3_measured,a3_predicted,a1_deviation," \
+                "a2_deviation,a3_deviation") {
         print "columns " $0; exit failed = 1
       }
       next
