@@ -211,9 +211,14 @@ class ModelReader {
         source.variable.empty()
             ? UsualNames(role)
             : std::vector<std::string>{LowerCase(source.variable)};
+    int count = 0;  // of the name that is chosen
     for (const NamedMatrix& matrix : container.matrices) {
       if (std::find(wanted.begin(), wanted.end(), LowerCase(matrix.name)) ==
           wanted.end()) {
+        continue;
+      }
+      if (*chosen != nullptr && (*chosen)->name == matrix.name) {
+        if (++count == source.occurrence) *chosen = &matrix;
         continue;
       }
       if (*chosen != nullptr) {
@@ -223,6 +228,21 @@ class ModelReader {
                         ", and the name of one was expected");
       }
       *chosen = &matrix;
+      count = 1;
+    }
+    if (*chosen != nullptr && source.occurrence > count) {
+      return Fail(source.path,
+                  Quote((*chosen)->name) + " occurs " +
+                      (count == 1 ? std::string("once")
+                                  : std::to_string(count) + " times") +
+                      ", and occurrence = " +
+                      std::to_string(source.occurrence) + " is beyond that");
+    }
+    if (count > 1 && source.occurrence == 0) {
+      return Fail(source.path,
+                  Quote((*chosen)->name) + " occurs " + std::to_string(count) +
+                      " times, and occurrence = 1 to " + std::to_string(count) +
+                      " beside its name was expected");
     }
     if (*chosen == nullptr && source.variable.empty() &&
         container.matrices.size() == 1 && UsedBy(source.path) == 1) {

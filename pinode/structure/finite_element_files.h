@@ -19,6 +19,9 @@ struct MatrixSource {
   // Empty: the only matrix of the file, or one with a usual name: m, mass,
   // mgg, maa, ..., c, damping, ..., k, stiffness, ....
   std::string variable;
+  // Which of several matrices of that name, from 1, as OP4 files of
+  // superelements have them; 0: there is only one.
+  int occurrence = 0;
 };
 
 struct FiniteElementFiles {

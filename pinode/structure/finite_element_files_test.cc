@@ -394,6 +394,29 @@ TEST(ReadFiniteElementModel, FindsMatricesByName) {
               HasSubstr("not of a real type"));
 }
 
+// A file of superelements has several matrices of one name.
+TEST(ReadFiniteElementModel, FindsMatricesByTheirOccurrence) {
+  TemporaryFolder folder;
+  const std::string first = FileContent(Sample("op4/ascii_dense.op4"));
+  // In the second the stiffness ends with another number.
+  const std::string last = " 1.0000000000000000E+06\n";
+  std::string second = first;
+  second.replace(second.rfind(last), last.size(), " 3.0000000000000000E+06\n");
+  const std::string path = folder.Write("a.op4", first + second);
+  FiniteElementFiles files = Files({path, "mgg"}, {path, "kgg"});
+  EXPECT_THAT(ErrorOf(files), HasSubstr("'mgg' occurs 2 times, and "
+                                        "occurrence = 1 to 2"));
+  files.mass.occurrence = 1;
+  files.stiffness.occurrence = 1;
+  EXPECT_EQ(Matrix(ReadOrFail(files).stiffness), ExpectedStiffness());
+  files.stiffness.occurrence = 2;
+  Matrix other = ExpectedStiffness();
+  other(3, 3) = 3e6;
+  EXPECT_EQ(Matrix(ReadOrFail(files).stiffness), other);
+  files.stiffness.occurrence = 3;
+  EXPECT_THAT(ErrorOf(files), HasSubstr("occurrence = 3 is beyond that"));
+}
+
 // What is wrong with a text, by format.
 struct BadText {
   const char* name;
@@ -549,7 +572,6 @@ TEST(ReadFiniteElementModel, BadOp4IsRefused) {
   EXPECT_THAT(error_of(Replaced(dense, "       2       1       2",
                                 "       1       1       2")),
               HasSubstr("(1, 1) of 'mgg' was given before"));
-  EXPECT_THAT(error_of(dense + dense), HasSubstr("second matrix"));
   EXPECT_THAT(error_of(Replaced(dense, "2.0000000000000000E+00",
                                 "2.000000000000000 E+00")),
               HasSubstr("a.op4:3: entry (1, 1)"));

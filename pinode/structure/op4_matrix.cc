@@ -52,13 +52,6 @@ bool Op4Matrix::Finish(MatrixContainer* container, int* failed_line,
   NamedMatrix result;
   result.name = name;
   *failed_line = line;
-  for (const NamedMatrix& other : container->matrices) {
-    if (other.name == name) {
-      *what = "a second matrix is called " + Quote(name) +
-              ", and each name was expected once";
-      return false;
-    }
-  }
   if (is_complex()) {
     result.fault = "it is complex";
   } else if (form != 1 && form != 2 && form != 6 && form != 9) {
