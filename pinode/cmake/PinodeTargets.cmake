@@ -54,7 +54,7 @@ function(pinode_add_unit_test name folder label libraries)
     pinode_unity_build(${name} 8)
   endif()
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES
-    PROPERTIES LABELS ${label} DISCOVERY_TIMEOUT 60)
+    DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${label})
 endfunction()
 
 function(pinode_add_floor folder)
