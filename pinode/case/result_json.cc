@@ -83,6 +83,7 @@ Json Profiles(const IdentificationSummary& summary) {
          {"combinations", profile.combinations},
          {"differs_from_linear", profile.DiffersFromLinear()},
          {"found_lower", profile.found_lower},
+         {"unsettled", profile.unsettled},
          {"linearizations", profile.linearizations}});
   }
   return profiles;

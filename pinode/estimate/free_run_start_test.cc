@@ -89,6 +89,23 @@ TEST_P(HoldoutStart, UsesNothingOfTheRest) {
   EXPECT_EQ(start, other);
 }
 
+// A training record's start from its first samples, and from these alone.
+TEST_P(HoldoutStart, OfTrainingIsFoundBeforeTheFit) {
+  problem_.records[0].role = Role::kTrain;
+  problem_.records[0].start_samples = 50;
+  for (MeasuredChannel& channel : problem_.records[0].channels) {
+    channel.values.tail(950).setConstant(17.0 * GetParam());
+  }
+  IdentificationProblem without = problem_;
+  without.records[0].start_samples = 0;
+  FixTrainingStarts(&problem_);
+  EXPECT_EQ(problem_.records[0].start, Start::kKnown);
+  EXPECT_LT((problem_.records[0].known_start - truth_).norm(),
+            1e-3 * truth_.norm());
+  FixTrainingStarts(&without);
+  EXPECT_EQ(without.records[0].start, Start::kFree);
+}
+
 INSTANTIATE_TEST_SUITE_P(Units, HoldoutStart,
                          ::testing::Values(1.0, 1e-6, 1e6));
 

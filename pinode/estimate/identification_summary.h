@@ -51,7 +51,8 @@ struct RecordScore {
   Matrix prediction;  // channels x samples, of the sensors as they are
   Matrix states;      // num_states x samples
   // Standard deviations of what the sensors read about the prediction, channels
-  // x samples, see PredictionDeviations; empty: not known.
+  // x samples, see PredictionDeviations; empty: not known; NaN of a channel
+  // whose noise is not.
   Matrix deviations;
 };
 

@@ -111,6 +111,22 @@ void ScoreRecords(const IdentificationProblem& problem,
   }
 }
 
+// Whether the noise of a channel is given, or was found in a training record of
+// the same sensor; what is assumed instead says nothing about measurements.
+bool IsNoiseKnown(const IdentificationProblem& problem,
+                  const MeasuredChannel& channel) {
+  if (channel.sigma > 0.0) return true;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (const MeasuredChannel& other : record.channels) {
+      if (other.fit && other.observation.name == channel.observation.name) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 // What measurements have to be expected about the predictions, and how many of
 // them are there.
 void BandPredictions(const IdentificationProblem& problem,
@@ -125,6 +141,13 @@ void BandPredictions(const IdentificationProblem& problem,
         problem, static_cast<int>(r), model.parameters, covariance.covariance,
         model.sigmas[r], score, options.num_threads);
     for (size_t c = 0; c < score.channels.size(); ++c) {
+      const MeasuredChannel& channel = problem.records[r].channels[c];
+      if (!IsNoiseKnown(problem, channel)) {
+        if (score.deviations.size() > 0) {
+          score.deviations.row(static_cast<int>(c)).setConstant(kNaN);
+        }
+        continue;
+      }
       score.channels[c].band_coverage = BandCoverage(
           problem.records[r], score, static_cast<int>(c), covariance.quantile);
     }

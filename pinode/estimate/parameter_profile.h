@@ -46,6 +46,9 @@ struct ParameterProfile {
   std::vector<std::string> combinations;
   // A value with a lower cost than the fit's was met on the way.
   bool found_lower = false;
+  // The others could not be fitted again to a minimum somewhere on the way: the
+  // ratio may be smaller there, and the interval wider.
+  bool unsettled = false;
   int linearizations = 0;
 
   // Whether an end lies elsewhere than the linear interval has it, by more than

@@ -84,6 +84,20 @@ TEST_P(PredictionBand, HoldsMeasurementsAsOftenAsItSays) {
 INSTANTIATE_TEST_SUITE_P(Starts, PredictionBand,
                          ::testing::Values(Start::kRest, Start::kFree));
 
+// Noise that is assumed says nothing of a sensor that no training record has.
+TEST(PredictionBandOfASensor, IsNotThereWithoutItsNoise) {
+  IdentificationProblem problem = MakeTwoRecords(Start::kRest, 3);
+  problem.records[1].channels[1].observation.name = "another";
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  const RecordScore& score = summary.records[1];
+  EXPECT_TRUE(std::isfinite(score.channels[0].band_coverage));
+  EXPECT_TRUE(std::isnan(score.channels[1].band_coverage));
+  EXPECT_TRUE(score.deviations.row(0).allFinite());
+  EXPECT_TRUE(std::isnan(score.deviations(1, 0)));
+}
+
 // The parameters' share against runs of the model at moved parameters.
 TEST(PredictionDeviations, AreThoseOfMovedParameters) {
   const IdentificationProblem problem = MakeTwoRecords(Start::kRest, 3);

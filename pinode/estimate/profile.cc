@@ -148,6 +148,7 @@ class Profiler {
       return false;
     }
     profile_->linearizations += minimum->linearizations;
+    profile_->unsettled = profile_->unsettled || !minimum->converged;
     return !(stop_ && stop_());
   }
 

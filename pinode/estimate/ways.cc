@@ -115,7 +115,8 @@ class Way {
 
   // False where nothing finite came out, or the work was too much.
   bool Run(const Vector& parameters, const IdentifiedModel* initial) {
-    ok_ = fit_->Run(parameters, initial) && !exhausted_;
+    finite_ = fit_->Run(parameters, initial);
+    ok_ = finite_ && !exhausted_;
     return ok_;
   }
 
@@ -132,7 +133,7 @@ class Way {
     *outcome = fit_->summary();
     outcome->way = std::move(way);
     outcome->linear_error = linear_error;
-    return ok_ ? std::move(fit_) : nullptr;
+    return finite_ ? std::move(fit_) : nullptr;
   }
   // As RecordScore::nrmse of the training records together.
   double error() const { return ok_ ? fit_->best().free_run_error : kInfinity; }
@@ -156,6 +157,7 @@ class Way {
   }
 
   bool exhausted_ = false;
+  bool finite_ = false;  // what it has come to, whether at its end or not
   bool ok_ = false;
   std::unique_ptr<Fit> fit_;
 };
@@ -204,7 +206,7 @@ std::unique_ptr<Fit> Better(Way* one, const std::string& one_name, Way* other,
       (swap ? other_name : one_name) + " (error " + Percent(best->error()) +
       "); " + (swap ? one_name : other_name) +
       (rest->exhausted()
-           ? ": left off after three times that work"
+           ? ": left off, for it took too long"
            : (std::isfinite(rest->error()) ? ": error " + Percent(rest->error())
                                            : std::string(": nothing finite")));
   return best->Take(outcome);
@@ -263,7 +265,9 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
     longer.Run(ordered.fit().BestParameters(), nullptr);
     return Better(&longer, kInOrder, &staged, kByStages, outcome);
   }
-  if (staged.interrupted() && ordered.ok()) {
+  if (staged.interrupted() &&
+      (ordered.ok() ||
+       (ordered.exhausted() && ordered.best_error() < staged.error()))) {
     outcome->way = std::string(kInOrder) + "; " + kByStages + ": interrupted";
     return ordered.Take(outcome);
   }

@@ -119,6 +119,7 @@ TextTable MakeProfileTable(const ReportInput& input) {
     if (!profile.combinations.empty()) {
       says += "; what they hold on to: " + Join(profile.combinations, ", ");
     }
+    if (profile.unsettled) says += "; not all refits converged, may be wider";
     if (profile.found_lower) says += "; a better fit was met on the way";
     table.AddRow({profile.name, ReadableNumber(profile.estimate, 5),
                   interval(profile.linear_lower95, profile.linear_upper95),

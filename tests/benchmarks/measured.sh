@@ -113,7 +113,13 @@ emps() {
 
 for each in "${@:-silverbox bouc_wen emps}"; do
   for name in $each; do
-    "$name"
+    case $name in
+      silverbox | bouc_wen | emps) "$name" ;;
+      *)
+        echo "no case '$name', expected silverbox, bouc_wen or emps" >&2
+        exit 2
+        ;;
+    esac
   done
 done
 exit "$missed"
