@@ -123,11 +123,13 @@ std::vector<SampleModel> SampleModels() {
        Files({Sample("npz/full.npz"), "m"}, {Sample("npz/K_coo.npz"), ""}),
        true}};
   static const char* const kOp4[] = {
-      "ascii_dense",     "ascii_sparse",     "ascii_bigmat",
-      "little_32_dense", "little_32_sparse", "little_32_bigmat",
-      "little_64_dense", "little_64_sparse", "little_64_bigmat",
-      "big_32_dense",    "big_32_sparse",    "big_32_bigmat",
-      "big_64_dense",    "big_64_sparse",    "big_64_bigmat"};
+      "ascii_dense",      "ascii_sparse",     "ascii_bigmat",
+      "little_32_dense",  "little_32_sparse", "little_32_bigmat",
+      "little_64_dense",  "little_64_sparse", "little_64_bigmat",
+      "big_32_dense",     "big_32_sparse",    "big_32_bigmat",
+      "big_64_dense",     "big_64_sparse",    "big_64_bigmat",
+      "little_32_marker", "little_64_marker", "big_32_marker",
+      "big_64_marker"};
   for (const char* name : kOp4) {
     models.push_back(
         {name, OneFile(Sample("op4/" + std::string(name) + ".op4"), true),
@@ -194,9 +196,25 @@ TEST(WriteSparseMatrixMarket, KeepsStatedZeros) {
 }
 
 TEST(ReadFiniteElementModel, SinglePrecisionOp4) {
-  const FiniteElementModel model = ReadOrFail(Files(
-      {Sample("op4/single.op4"), ""}, {Sample("op4/ascii_dense.op4"), "KGG"}));
-  EXPECT_EQ(Matrix(model.mass), ExpectedMass());
+  for (const char* name : {"op4/single.op4", "op4/single_64.op4"}) {
+    const FiniteElementModel model = ReadOrFail(
+        Files({Sample(name), ""}, {Sample("op4/ascii_dense.op4"), "KGG"}));
+    EXPECT_EQ(Matrix(model.mass), ExpectedMass());
+  }
+}
+
+// A word of 64 bits holds four characters of a name and four blanks.
+TEST(ReadFiniteElementModel, LongNamesOfOp4WithLongWords) {
+  for (const char* name : {"op4/little_64_names.op4", "op4/big_64_names.op4"}) {
+    const std::string path = Sample(name);
+    ASSERT_THAT(FileContent(path), HasSubstr("MGGE    XT      "));
+    const FiniteElementModel model =
+        ReadOrFail(Files({path, "MGGEXT"}, {path, "kggext"}));
+    EXPECT_EQ(Matrix(model.mass), ExpectedMass());
+    EXPECT_EQ(Matrix(model.stiffness), ExpectedStiffness());
+    EXPECT_THAT(ErrorOf(Files({path, "MGG"}, {path, "KGGEXT"})),
+                HasSubstr("mggext, bggext, kggext"));
+  }
 }
 
 // MATLAB's version 7.3 is HDF5; matio writes it as MATLAB does.
@@ -494,6 +512,9 @@ TEST(ReadFiniteElementModel, TruncatedFilesAreRefused) {
                               {"op4/ascii_sparse.op4", true, 60},
                               {"op4/little_32_bigmat.op4", true, 0},
                               {"op4/big_64_dense.op4", true, 0},
+                              {"op4/little_64_sparse.op4", true, 0},
+                              {"op4/little_64_marker.op4", true, 0},
+                              {"op4/big_32_marker.op4", true, 0},
                               {"mat/sparse.mat", true, 0},
                               {"mat/compressed.mat", true, 61},
                               {"npz/full.npz", true, 0},
@@ -598,6 +619,39 @@ TEST(ReadFiniteElementModel, BadBinaryOp4IsRefused) {
   EXPECT_THAT(error_with_byte(44, 100), HasSubstr("at most 5 words"));
   EXPECT_THAT(error_with_byte(48, 9), HasSubstr("from row 9"));
   EXPECT_THAT(error_with_byte(50, 100), HasSubstr("header of a string"));
+}
+
+// The same where lengths, integers and names take 8 bytes a word.
+TEST(ReadFiniteElementModel, BadLongBinaryOp4IsRefused) {
+  TemporaryFolder folder;
+  const auto error_with_byte = [&folder](const char* sample, size_t at,
+                                         char value) {
+    std::string changed = FileContent(Sample(sample));
+    changed[at] = value;
+    return ErrorOf(OneFile(folder.Write("a.op4", changed), false));
+  };
+  // Lengths of 4 bytes: columns from 4, rows from 12, the length again at 52;
+  // then length, column, 0, words (from 76), header of a string, numbers.
+  const char* const short_marker = "op4/little_64_sparse.op4";
+  EXPECT_THAT(error_with_byte(short_marker, 11, 0x7f),
+              HasSubstr("rows and columns"));
+  EXPECT_THAT(error_with_byte(short_marker, 19, '\x80'), HasSubstr("rows"));
+  EXPECT_THAT(error_with_byte(short_marker, 52, 49),
+              HasSubstr("48 was expected as before"));
+  EXPECT_THAT(error_with_byte(short_marker, 83, '\x80'),
+              HasSubstr("at most 3 words"));
+  EXPECT_THAT(error_with_byte(short_marker, 84, 9), HasSubstr("from row 9"));
+  EXPECT_THAT(error_with_byte(short_marker, 91, '\x80'),
+              HasSubstr("header of a string"));
+  // Lengths of 8 bytes: columns from 8, the length again at 56, the next one
+  // at 64.
+  const char* const long_marker = "op4/little_64_marker.op4";
+  EXPECT_THAT(error_with_byte(long_marker, 63, 1),
+              HasSubstr("48 was expected as before"));
+  EXPECT_THAT(error_with_byte(long_marker, 71, 0x7f),
+              HasSubstr("is the file whole"));
+  EXPECT_THAT(error_with_byte(long_marker, 71, '\x80'),
+              HasSubstr("is the file whole"));
 }
 
 TEST(ReadFiniteElementModel, BadNpzIsRefused) {

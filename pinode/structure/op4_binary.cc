@@ -46,9 +46,10 @@ class Bytes {
 
 class Op4BinaryReader {
  public:
-  // `word`: bytes of an integer.
-  Op4BinaryReader(const std::string& path, Bytes bytes, size_t word)
-      : path_(path), bytes_(bytes), word_(word) {}
+  // `marker`, `word`: bytes of a record's length and of an integer.
+  Op4BinaryReader(const std::string& path, Bytes bytes, size_t marker,
+                  size_t word)
+      : path_(path), bytes_(bytes), marker_(marker), word_(word) {}
 
   bool Read(MatrixContainer* container, std::string* error) {
     while (position_ < bytes_.size()) {
@@ -72,33 +73,38 @@ class Op4BinaryReader {
                       : record.At<int64_t>(8 * index);
   }
 
+  int64_t LengthAt(size_t position) const {
+    return marker_ == 4 ? bytes_.At<int32_t>(position)
+                        : bytes_.At<int64_t>(position);
+  }
+
   // A Fortran record: its length in bytes before and behind it.
   bool NextRecord(Bytes* record, std::string* what) {
     const size_t left = bytes_.size() - position_;
-    if (left < 8) {
+    if (left < 2 * marker_) {
       *what = "the file ends at byte " + std::to_string(bytes_.size()) +
               ", and a record was expected";
       return false;
     }
-    const int64_t length = bytes_.At<int32_t>(position_);
-    if (length < 0 || length > static_cast<int64_t>(left) - 8) {
+    const int64_t length = LengthAt(position_);
+    if (length < 0 || length > static_cast<int64_t>(left - 2 * marker_)) {
       *what = "a record of " + std::to_string(length) +
               " bytes begins at byte " + std::to_string(position_) +
-              ", and at most " + std::to_string(left - 8) +
+              ", and at most " + std::to_string(left - 2 * marker_) +
               " were expected: is the file whole?";
       return false;
     }
     const auto size = static_cast<size_t>(length);
-    *record = bytes_.Part(position_ + 4, size);
-    position_ += 4 + size;
-    if (bytes_.At<int32_t>(position_) != length) {
+    *record = bytes_.Part(position_ + marker_, size);
+    position_ += marker_ + size;
+    if (LengthAt(position_) != length) {
       *what = "the record that ends at byte " + std::to_string(position_) +
-              " says " + std::to_string(bytes_.At<int32_t>(position_)) +
+              " says " + std::to_string(LengthAt(position_)) +
               " bytes behind, and " + std::to_string(length) +
               " was expected as before it";
       return false;
     }
-    position_ += 4;
+    position_ += marker_;
     return true;
   }
 
@@ -219,6 +225,7 @@ class Op4BinaryReader {
 
   const std::string& path_;
   const Bytes bytes_;
+  const size_t marker_;
   const size_t word_;
   size_t position_ = 0;
 };
@@ -226,20 +233,28 @@ class Op4BinaryReader {
 // How the integers of a file are written.
 struct Form {
   bool swapped = false;
-  size_t word = 0;  // bytes of an integer
+  size_t marker = 0;  // bytes of a record's length
+  size_t word = 0;    // bytes of an integer
 };
 
-// A binary file begins with the length of its first record.
+// A binary file begins with the length of its first record: in 4 bytes, or in 8
+// where Fortran was compiled so (gfortran's -frecord-marker=8). As no matrix
+// has 0 columns, zeros behind a length of 4 bytes are the rest of 8.
 bool FindForm(const std::string& content, Form* form) {
-  constexpr int32_t kShortHeader = 24;
-  constexpr int32_t kLongHeader = 48;
-  if (content.size() < 4) return false;
-  for (const bool swapped : {false, true}) {
-    const int32_t length = Bytes(content, swapped).At<int32_t>(0);
-    if (length != kShortHeader && length != kLongHeader) continue;
-    form->swapped = swapped;
-    form->word = length == kShortHeader ? 4 : 8;
-    return true;
+  constexpr int64_t kShortHeader = 24;
+  constexpr int64_t kLongHeader = 48;
+  for (const size_t marker : {size_t{8}, size_t{4}}) {
+    if (content.size() < marker) continue;
+    for (const bool swapped : {false, true}) {
+      const Bytes bytes(content, swapped);
+      const int64_t length =
+          marker == 8 ? bytes.At<int64_t>(0) : bytes.At<int32_t>(0);
+      if (length != kShortHeader && length != kLongHeader) continue;
+      form->swapped = swapped;
+      form->marker = marker;
+      form->word = length == kShortHeader ? 4 : 8;
+      return true;
+    }
   }
   return false;
 }
@@ -255,7 +270,8 @@ bool ReadOp4Binary(const std::string& path, const std::string& content,
                    MatrixContainer* container, std::string* error) {
   Form form;
   CHECK(FindForm(content, &form)) << path;
-  return Op4BinaryReader(path, Bytes(content, form.swapped), form.word)
+  return Op4BinaryReader(path, Bytes(content, form.swapped), form.marker,
+                         form.word)
       .Read(container, error);
 }
 

@@ -10,7 +10,7 @@
 namespace pinode {
 
 // Whether `content` begins with the record of a matrix' header, in either byte
-// order, of 32- or 64-bit integers.
+// order, of 32- or 64-bit integers and with record lengths of either.
 bool IsOp4Binary(const std::string& content);
 
 // Adds the matrices in `content`, for which IsOp4Binary, to the container.

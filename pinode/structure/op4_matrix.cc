@@ -73,11 +73,11 @@ bool Op4Matrix::Finish(MatrixContainer* container, int* failed_line,
 }
 
 std::string CleanOp4Name(std::string_view text) {
-  const std::string_view filling(" \0", 2);
-  const size_t begin = text.find_first_not_of(filling);
-  if (begin == std::string_view::npos) return "";
-  const size_t end = text.find_last_not_of(filling);
-  return LowerCase(text.substr(begin, end - begin + 1));
+  std::string name;
+  for (const char c : text) {
+    if (c != ' ' && c != '\0') name += c;
+  }
+  return LowerCase(name);
 }
 
 }  // namespace pinode

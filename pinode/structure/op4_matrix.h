@@ -57,7 +57,9 @@ struct Op4Matrix {
 };
 
 // Nastran's names, in lower case and without the blanks and zero bytes that
-// fill them.
+// fill them: at the end, and with 64-bit words, which hold four characters
+// each, also between (`MGGE    XT      ` is mggext). No name has a blank of its
+// own.
 std::string CleanOp4Name(std::string_view text);
 
 template <typename ValueAt>

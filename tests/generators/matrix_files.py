@@ -134,13 +134,20 @@ def op4_ascii(matrices, kind):
     return "\n".join(out) + "\n"
 
 
-def op4_binary(matrices, kind, order, word, single=False):
+def op4_binary(matrices, kind, order, word, single=False, marker=4):
+    """word, marker: bytes of an integer and of a record's length."""
     out = b""
     integer = "i" if word == 4 else "q"
 
     def record(payload):
-        length = struct.pack(order + "i", len(payload))
+        length = struct.pack(order + ("i" if marker == 4 else "q"),
+                             len(payload))
         return length + payload + length
+
+    def name_words(name):
+        # Two words of four characters, whatever else a word has room for.
+        return b"".join(name.ljust(8)[i:i + 4].ljust(word).encode()
+                        for i in (0, 4))
 
     def ints(*values):
         return struct.pack(order + integer * len(values), *values)
@@ -154,7 +161,7 @@ def op4_binary(matrices, kind, order, word, single=False):
         n = matrix.shape[0]
         out += record(
             ints(n, -n if kind == "bigmat" else n, 6, 1 if single else 2)
-            + name.ljust(2 * word).encode())
+            + name_words(name))
         for j in range(n):
             runs = strings(matrix[:, j])
             if not runs:
@@ -190,6 +197,16 @@ def op4(root):
                       op4_binary(matrices, kind, order, word))
     write(folder, "single.op4",
           op4_binary([("MGG", M)], "sparse", "<", 4, single=True))
+    write(folder, "single_64.op4",
+          op4_binary([("MGG", M)], "sparse", ">", 8, single=True))
+    long_names = [("MGGEXT", M), ("BGGEXT", C), ("KGGEXT", K)]
+    for order, name in [("<", "little"), (">", "big")]:
+        write(folder, "%s_64_names.op4" % name,
+              op4_binary(long_names, "bigmat", order, 8))
+        write(folder, "%s_64_marker.op4" % name,
+              op4_binary(matrices, "sparse", order, 8, marker=8))
+        write(folder, "%s_32_marker.op4" % name,
+              op4_binary(matrices, "dense", order, 4, marker=8))
 
 
 def mat(root):
