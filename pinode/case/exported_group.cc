@@ -6,6 +6,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/model_section.h"
+#include "pinode/structure/rigid_body.h"
 
 namespace pinode {
 namespace {
@@ -169,7 +170,9 @@ bool ReadExportedGroup(const TomlTable& table,
     return false;
   }
   exported->in_basis = ReducedStructure::Group::InBasis::kReduced;
-  group->matrix = ReduceMatrix(exported->matrix, section.structure.expansion);
+  const ReducedStructure& structure = section.structure;
+  group->matrix = ReduceMatrix(exported->matrix, structure.expansion,
+                               structure.reduced.rigid_body_motions);
   return true;
 }
 

@@ -196,6 +196,9 @@ bool ComputeModes(const Matrix& mass, const Matrix& damping,
   const auto pairs = PairEigenvalues(damped);
 
   const int n = static_cast<int>(mass.rows());
+  const double at_rest_below =
+      std::sqrt(8.0 * n * std::numeric_limits<double>::epsilon()) *
+      damped.values.cwiseAbs().maxCoeff();
   modes->frequency_hz.resize(n);
   modes->damped_frequency_hz.resize(n);
   modes->damping_ratio.resize(n);
@@ -204,8 +207,12 @@ bool ComputeModes(const Matrix& mass, const Matrix& damping,
     modes->frequency_hz[i] =
         eigenvalue < 0.0 ? kNaN : std::sqrt(eigenvalue) / kTwoPi;
     const std::complex<double> s = pairs[i].first;
-    modes->damped_frequency_hz[i] = std::abs(s.imag()) / kTwoPi;
-    if (s.imag() != 0.0) {
+    // A double eigenvalue zero comes apart by the root of rounding.
+    const bool at_rest = eigenvalue == 0.0 && std::abs(s) <= at_rest_below;
+    modes->damped_frequency_hz[i] = at_rest ? 0.0 : std::abs(s.imag()) / kTwoPi;
+    if (at_rest) {
+      modes->damping_ratio[i] = kNaN;
+    } else if (s.imag() != 0.0) {
       modes->damping_ratio[i] = -s.real() / std::abs(s);
     } else if (eigenvalue == 0.0) {
       modes->damping_ratio[i] = kNaN;

@@ -1,8 +1,37 @@
 #include "pinode/structure/mode_comparison.h"
 
+#include <Eigen/SVD>
+#include <vector>
+
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
+namespace {
+
+std::vector<Eigen::Index> RigidBodies(const ModalProperties& modes) {
+  std::vector<Eigen::Index> rigid;
+  for (Eigen::Index i = 0; i < modes.frequency_hz.size(); ++i) {
+    if (modes.frequency_hz[i] == 0.0) rigid.push_back(i);
+  }
+  return rigid;
+}
+
+// Any mixture of rigid-body modes is one: takes those of `after` that are
+// nearest to those of `before`.
+void AlignRigidBodies(const ModalProperties& before, const Matrix& mass,
+                      ModalProperties* after) {
+  const std::vector<Eigen::Index> from = RigidBodies(before);
+  const std::vector<Eigen::Index> to = RigidBodies(*after);
+  if (from.empty() || from.size() != to.size()) return;
+  const Matrix shapes = after->mode_shapes(Eigen::all, to);
+  const Matrix wanted = before.mode_shapes(Eigen::all, from);
+  const Eigen::JacobiSVD<Matrix> svd(shapes.transpose() * mass * wanted,
+                                     Eigen::ComputeFullU | Eigen::ComputeFullV);
+  after->mode_shapes(Eigen::all, to) =
+      Matrix(shapes * svd.matrixU() * svd.matrixV().transpose());
+}
+
+}  // namespace
 
 bool CompareModes(const StructuralModel& initial,
                   const StructuralModel& updated, std::vector<ModePair>* pairs,
@@ -14,6 +43,7 @@ bool CompareModes(const StructuralModel& initial,
                     error)) {
     return false;
   }
+  AlignRigidBodies(before, updated.mass, &after);
   const std::vector<int> partners =
       PairModes(before.mode_shapes, after.mode_shapes);
   pairs->clear();

@@ -25,7 +25,8 @@ struct ModePair {
 };
 
 // Modes of `initial` in ascending order with their partners in `updated` by
-// PairModes (largest total MAC). False where the modes of either cannot be
+// PairModes (largest total MAC), rigid-body modes of `updated` mixed to be like
+// those of `initial`. False where the modes of either cannot be
 // computed.
 [[nodiscard]] bool CompareModes(const StructuralModel& initial,
                                 const StructuralModel& updated,

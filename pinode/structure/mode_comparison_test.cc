@@ -32,5 +32,29 @@ TEST(ModeComparison, FollowsModesThatChangePlaces) {
   EXPECT_EQ(pairs[1].updated_mode, 0);
 }
 
+// Three equal masses in a plane row, two of them tied: any mixture of the two
+// motions that nothing holds is a mode.
+TEST(ModeComparison, RigidBodiesAreAsLikeAsTheyCanBe) {
+  const auto tied = [](double spring) {
+    const Matrix mass = (Vector(3) << 1.0, 2.0, spring).finished().asDiagonal();
+    return MakeStructuralModel(mass, Matrix::Zero(3, 3),
+                               spring * SpringMatrix(3, 0, 1));
+  };
+  std::vector<ModePair> pairs;
+  std::string error;
+  ASSERT_TRUE(CompareModes(tied(2.0), tied(3.0), &pairs, &error)) << error;
+  ASSERT_EQ(pairs.size(), 3u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(pairs[i].initial_frequency, 0.0);
+    EXPECT_EQ(pairs[i].updated_frequency, 0.0);
+    EXPECT_NEAR(pairs[i].mac, 1.0, 1e-12);
+  }
+  // A mass that differs changes the scale of shapes, not that they are modes.
+  const Matrix mass = tied(3.0).mass;
+  const Vector first = pairs[0].updated_shape;
+  EXPECT_NEAR(first.dot(mass * first), 1.0, 1e-12);
+  EXPECT_NEAR(first.dot(mass * pairs[1].updated_shape), 0.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace pinode

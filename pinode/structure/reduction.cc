@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/modal_analysis.h"
+#include "pinode/structure/rigid_body.h"
 #include "pinode/structure/shifted_factors.h"
 #include "pinode/structure/sparse_modes.h"
 #include "pinode/structure/symmetric.h"
@@ -109,6 +111,26 @@ int LooseDof(const SparseMatrix& stiffness) {
   Eigen::Index loosest = 0;
   factors.Solve(force).col(0).cwiseAbs().maxCoeff(&loosest);
   return static_cast<int>(loosest);
+}
+
+// Kept DOFs hold the rigid-body modes, or the others could not follow them.
+bool HoldRigidBody(const FiniteElementModel& model, const Partition& partition,
+                   const Matrix& rigid_shapes, std::string* error) {
+  const std::vector<int> missing =
+      DofsToHold(rigid_shapes, model.mass.diagonal(), partition.kept);
+  if (missing.empty()) return true;
+  std::vector<std::string> names;
+  for (const int dof : missing) {
+    names.push_back(model.dof_names[static_cast<size_t>(dof)]);
+  }
+  const auto num_rigid = static_cast<size_t>(rigid_shapes.cols());
+  *error = "nothing holds the model in " + std::to_string(num_rigid) +
+           (num_rigid == 1 ? " rigid-body mode" : " rigid-body modes") +
+           ", and the kept DOFs hold " +
+           std::to_string(num_rigid - missing.size()) +
+           " of them; keep DOFs that hold all, such as " + Join(names, ", ") +
+           " beside those kept";
+  return false;
 }
 
 // T of Guyan, with `num_modes` columns of modes of the others behind.
@@ -229,6 +251,13 @@ bool ModalBasis(const Partition& partition, int num_modes,
              std::to_string(whole.eigenvalues.size());
     return false;
   }
+  // Which mixture of them a part would be is left to rounding.
+  if (num_modes < whole.num_rigid_body_modes) {
+    *error = std::to_string(num_modes) + " modes are taken of a model with " +
+             std::to_string(whole.num_rigid_body_modes) +
+             " rigid-body modes; take these and the elastic ones that matter";
+    return false;
+  }
   const Matrix shapes = whole.mode_shapes.leftCols(num_modes);
   const Vector eigenvalues = whole.eigenvalues.head(num_modes);
   Matrix w = Matrix::Identity(num_modes, num_modes);
@@ -237,9 +266,17 @@ bool ModalBasis(const Partition& partition, int num_modes,
     return false;
   }
   reduced->basis = shapes * w;
+  const Matrix coordinates_of_modes =
+      w.fullPivLu().solve(Matrix::Identity(num_modes, num_modes));
+  reduced->rigid_body_motions.resize(num_modes, whole.num_rigid_body_modes);
+  for (int i = 0, next = 0; i < num_modes; ++i) {
+    if (eigenvalues[i] != 0.0) continue;
+    reduced->rigid_body_motions.col(next++) = coordinates_of_modes.col(i);
+  }
   reduced->mass = SymmetricPart(w.transpose() * w);
-  reduced->stiffness =
-      SymmetricPart(w.transpose() * eigenvalues.asDiagonal() * w);
+  reduced->stiffness = WithoutResistance(
+      SymmetricPart(w.transpose() * eigenvalues.asDiagonal() * w),
+      reduced->rigid_body_motions);
   return true;
 }
 
@@ -367,6 +404,45 @@ std::string ModePrefix(const ReductionOptions& options) {
   return prefix;
 }
 
+// At least `needed` modes, and the first that is elastic.
+bool ModesOfWhole(const FiniteElementModel& model, int needed,
+                  SparseModes* whole, std::string* error) {
+  for (int count = std::min(needed, model.num_dofs());;) {
+    if (!ComputeLowestModes(model.mass, model.stiffness, count, whole, error)) {
+      return false;
+    }
+    const auto found = static_cast<int>(whole->eigenvalues.size());
+    if (whole->num_rigid_body_modes < found || found < count ||
+        count == model.num_dofs()) {
+      return true;
+    }
+    count = std::min(count + std::max(count, 6), model.num_dofs());
+  }
+}
+
+// T of Guyan or of Craig and Bampton, M, K and the rigid-body modes in it.
+bool ReduceByConstraints(const FiniteElementModel& model,
+                         const Partition& partition, int num_modes,
+                         ReducedModel* reduced, std::string* error) {
+  const Matrix rigid_shapes = RigidBodyShapes(reduced->whole_modes);
+  if (!HoldRigidBody(model, partition, rigid_shapes, error) ||
+      !ConstraintBasis(model, partition, num_modes, &reduced->basis, error)) {
+    return false;
+  }
+  // As the others follow the kept DOFs, no mode of theirs takes part.
+  reduced->rigid_body_motions =
+      Matrix::Zero(reduced->basis.cols(), rigid_shapes.cols());
+  for (size_t i = 0; i < partition.kept.size(); ++i) {
+    reduced->rigid_body_motions.row(static_cast<Eigen::Index>(i)) =
+        rigid_shapes.row(partition.kept[i]);
+  }
+  reduced->mass = ReduceMatrix(model.mass, reduced->basis);
+  reduced->stiffness =
+      WithoutResistance(ReduceMatrix(model.stiffness, reduced->basis),
+                        reduced->rigid_body_motions);
+  return true;
+}
+
 bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
             ReducedModel* reduced, std::string* error) {
   Partition partition;
@@ -376,35 +452,28 @@ bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
   }
   const int num_kept = static_cast<int>(partition.kept.size());
   ReducedModel result;
-  SparseModes& whole = result.whole_modes;
   const bool modal = options.method == ReductionMethod::kModal ||
                      options.method == ReductionMethod::kSerep;
   const int num_modes =
       options.method == ReductionMethod::kSerep ? num_kept : options.num_modes;
   const int needed =
       std::max(options.num_compared_modes, modal ? num_modes : 0);
-  if (!ComputeLowestModes(model.mass, model.stiffness,
-                          std::min(needed, model.num_dofs()), &whole, error)) {
-    return false;
-  }
+  if (!ModesOfWhole(model, needed, &result.whole_modes, error)) return false;
   result.coordinate_names = options.kept_dofs;
   result.kept_dofs = partition.kept;
-  if (modal) {
-    if (!ModalBasis(partition, num_modes, &result, error)) return false;
-  } else {
-    if (!ConstraintBasis(model, partition, num_modes, &result.basis, error)) {
-      return false;
-    }
-    result.mass = ReduceMatrix(model.mass, result.basis);
-    result.stiffness = ReduceMatrix(model.stiffness, result.basis);
+  if (modal
+          ? !ModalBasis(partition, num_modes, &result, error)
+          : !ReduceByConstraints(model, partition, num_modes, &result, error)) {
+    return false;
   }
   const std::string prefix = ModePrefix(options);
   for (int i = 1; num_kept + i <= result.basis.cols(); ++i) {
     result.coordinate_names.push_back(prefix + std::to_string(i));
   }
-  result.damping = model.has_damping()
-                       ? ReduceMatrix(model.damping, result.basis)
-                       : Matrix(0.0 * result.mass);
+  result.damping =
+      model.has_damping()
+          ? ReduceMatrix(model.damping, result.basis, result.rigid_body_motions)
+          : Matrix(0.0 * result.mass);
   if (!Compare(options.num_compared_modes, &result, error)) return false;
   if (result.mass.llt().info() != Eigen::Success) {
     result.notes.push_back(

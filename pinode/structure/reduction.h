@@ -59,8 +59,12 @@ struct ReducedModel {
   Matrix mass;
   Matrix damping;
   Matrix stiffness;
+  // Coordinates x rigid-body modes of the whole model: T times these are their
+  // shapes, and K times them is zero.
+  Matrix rigid_body_motions;
 
-  // Of the whole model, at least as many as are compared where it has them.
+  // Of the whole model, at least as many as are compared where it has them, and
+  // all rigid-body modes.
   SparseModes whole_modes;
   // What the reduction costs, mode by mode of the first of `whole_modes`:
   // (reduced - whole) / whole of the frequency of the mode that fits it best,
@@ -76,8 +80,10 @@ struct ReducedModel {
 
 // Reduces a valid model. Fails, with *reduced untouched, if a kept DOF does not
 // exist or is named twice, if the options ask for nothing or too much, if the
-// other DOFs can move without stiffness while the kept ones are held, or if the
-// modes do not move the kept DOFs independently (kSerep, kModal).
+// kept DOFs do not hold the rigid-body modes or the other DOFs can move without
+// stiffness while the kept ones are held (kGuyan, kCraigBampton), if not all
+// rigid-body modes are among the modes taken, or if these do not move the kept
+// DOFs independently (kSerep, kModal).
 [[nodiscard]] bool ReduceModel(const FiniteElementModel& model,
                                const ReductionOptions& options,
                                ReducedModel* reduced, std::string* error);
@@ -97,7 +103,7 @@ ReducedInfluence ReduceInfluence(const FiniteElementModel& model,
                                  const Matrix& influence);
 
 // T' A T, made exactly symmetric: a correction group of the whole model in the
-// coordinates of the reduced one.
+// coordinates of the reduced one. With rigid-body modes: rigid_body.h.
 Matrix ReduceMatrix(const SparseMatrix& matrix, const Matrix& basis);
 
 }  // namespace pinode

@@ -389,11 +389,14 @@ TEST(ReduceModel, RefusesWhatCannotBe) {
   EXPECT_THAT(
       ErrorOf(model, Options(ReductionMethod::kCraigBampton, {"u1"}, 10)),
       HasSubstr("there are 9"));
-  // The last mass hangs on nothing that is kept.
+  // A last mass that nothing holds, and one that is pushed away.
   FiniteElementModel loose = Chain(10, true);
   loose.stiffness.coeffRef(9, 9) = 0.0;
   loose.stiffness.coeffRef(8, 8) = 1.0;
   loose.stiffness.coeffRef(8, 9) = loose.stiffness.coeffRef(9, 8) = 0.0;
+  EXPECT_THAT(ErrorOf(loose, Options(ReductionMethod::kGuyan, {"u1"}, 0)),
+              HasSubstr("keep DOFs that hold all, such as u10 beside"));
+  loose.stiffness.coeffRef(9, 9) = -1e-3;
   EXPECT_THAT(ErrorOf(loose, Options(ReductionMethod::kGuyan, {"u1"}, 0)),
               AllOf(HasSubstr("can still move"), HasSubstr("u10")));
   // Two equal chains: from one of them, the modes look alike.

@@ -30,6 +30,9 @@ constexpr double kClusterWidth = 1e-6;
 constexpr int kAlwaysDense = 300;
 // And above this many it takes more time and memory than anybody expects.
 constexpr int kLargestDense = 4000;
+// Stiffness below this share of the parts that cancel in it hangs on the last
+// digits of a file.
+constexpr double kLastDigits = 1e-9;
 
 // With K - shift M = F F' positive definite, H = F^-1 M F^-T is symmetric
 // and positive semidefinite with eigenvalues 1 / (w^2 - shift); those of
@@ -148,7 +151,10 @@ class LowestModes {
  public:
   LowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
               int num_modes)
-      : mass_(mass), stiffness_(stiffness), num_modes_(num_modes) {}
+      : mass_(mass),
+        stiffness_(stiffness),
+        magnitude_(stiffness.cwiseAbs()),
+        num_modes_(num_modes) {}
 
   bool Compute(SparseModes* modes, std::string* error) {
     const int n = static_cast<int>(mass_.rows());
@@ -176,6 +182,25 @@ class LowestModes {
  private:
   double Eigenvalue(Eigen::Index i) const {
     return shift_ + 1.0 / pairs_.theta[i];
+  }
+
+  // The parts that cancel in phi' K phi.
+  double Parts(const Vector& shape) const {
+    const Vector size = shape.cwiseAbs();
+    return size.dot(magnitude_ * size);
+  }
+
+  // Of eigenvalue i, whose shape has phi' M phi = 1: what is smaller cannot be
+  // told from zero.
+  double Rounding(Eigen::Index i, const Vector& shape) const {
+    return std::max(1e-12 * Parts(shape),
+                    (error_bounds_[i] + 8.0 * kEpsilon) * std::abs(shift_));
+  }
+
+  bool IsRigid(Eigen::Index i) const {
+    Vector shape = factors_->ToShape(pairs_.vectors.col(i));
+    shape /= std::sqrt(shape.dot(mass_ * shape));
+    return std::abs(Eigenvalue(i)) <= Rounding(i, shape);
   }
 
   // Whether K - shift M is positive definite beyond rounding.
@@ -220,8 +245,11 @@ class LowestModes {
   // are apart; true if it moved.
   bool RefineShift() {
     if (shift_ == 0.0 || pairs_.theta.size() == 0) return false;
-    const double span =
-        Eigenvalue(std::min<Eigen::Index>(num_modes_, pairs_.theta.size()) - 1);
+    Eigen::Index last =
+        std::min<Eigen::Index>(num_modes_, pairs_.theta.size()) - 1;
+    while (last < pairs_.theta.size() && IsRigid(last)) ++last;
+    if (last == pairs_.theta.size()) return false;
+    const double span = Eigenvalue(last);
     const double least = -1e-12 * unit_;
     if (!(span > 0.0) || span > -0.01 * shift_ || shift_ >= least) return false;
     const double previous = shift_;
@@ -338,6 +366,8 @@ class LowestModes {
         break;
       }
       if (!(high - low > kClusterWidth * (high - shift_))) continue;
+      // Rigid-body modes are a cluster whatever rounding makes of them.
+      if (below < found && IsRigid(below)) continue;
       // One set of factors of a large model at a time.
       factors_ = std::make_unique<ShiftedFactors>();
       for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
@@ -368,7 +398,6 @@ class LowestModes {
     result.frequency_hz.resize(count);
     result.mode_shapes.resize(mass_.rows(), count);
     result.error_bounds = error_bounds_.head(count);
-    const SparseMatrix magnitude = stiffness_.cwiseAbs();
     int on_last_digits = 0;
     for (int i = 0; i < count; ++i) {
       Vector shape = shapes_.col(i);
@@ -377,15 +406,15 @@ class LowestModes {
       shape.cwiseAbs().maxCoeff(&largest);
       if (shape[largest] < 0.0) shape = -shape;
       double eigenvalue = Eigenvalue(i);
-      // The parts that cancel in phi' K phi; what is smaller than their
-      // rounding cannot be told from zero.
-      const Vector size = shape.cwiseAbs();
-      const double parts = size.dot(magnitude * size);
-      if (std::abs(eigenvalue) <= 1e-12 * parts) {
+      const double digits = kLastDigits * Parts(shape);
+      const bool rigid = std::abs(eigenvalue) <= Rounding(i, shape);
+      const bool on_digits = !rigid && std::abs(eigenvalue) <= digits;
+      if (on_digits) ++on_last_digits;
+      // Nor can a negative stiffness be told from the last digits of a file; a
+      // positive one may be that of a slender beam in many elements.
+      if (rigid || (on_digits && eigenvalue < 0.0)) {
         eigenvalue = 0.0;
         ++result.num_rigid_body_modes;
-      } else if (std::abs(eigenvalue) <= 1e-9 * parts) {
-        ++on_last_digits;
       }
       result.eigenvalues[i] = eigenvalue;
       result.frequency_hz[i] = eigenvalue < 0.0
@@ -410,6 +439,7 @@ class LowestModes {
 
   const SparseMatrix& mass_;
   const SparseMatrix& stiffness_;
+  const SparseMatrix magnitude_;  // |K|
   const int num_modes_;
   bool dense_ = false;
   double shift_ = 0.0;

@@ -14,7 +14,8 @@ namespace pinode {
 // The lowest modes of K phi = w^2 M phi, undamped, ascending by w^2.
 struct SparseModes {
   // w^2 in 1 / time^2. Exactly 0 for rigid-body modes (w^2 below what the
-  // rounding of K leaves); negative for negative stiffness.
+  // rounding of K leaves, or negative and below what the digits of a file
+  // leave); negative for negative stiffness.
   Vector eigenvalues;
   // Cycles per unit of time; 0 for rigid-body modes, NaN for w^2 < 0.
   Vector frequency_hz;

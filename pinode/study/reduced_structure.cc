@@ -4,6 +4,8 @@
 #include <functional>
 #include <utility>
 
+#include "pinode/structure/rigid_body.h"
+
 namespace pinode {
 namespace {
 
@@ -85,7 +87,8 @@ bool Reduce(ReducedStructure* structure, std::string* error) {
   }
   if (!at_export) {
     reduced.mass = ReduceMatrix(structure->model.mass, reduced.basis);
-    reduced.stiffness = ReduceMatrix(structure->model.stiffness, reduced.basis);
+    reduced.stiffness = ReduceMatrix(structure->model.stiffness, reduced.basis,
+                                     reduced.rigid_body_motions);
   }
   structure->notes = structure->export_notes;
   for (const auto* notes : {&reduced.whole_modes.notes, &reduced.notes}) {
@@ -124,7 +127,8 @@ bool MakeReducedModel(ReducedStructure* structure, StructuralModel* model,
     const Matrix mass =
         ReduceMatrix(structure->mass_at_basis, structure->expansion);
     const Matrix stiffness =
-        ReduceMatrix(structure->stiffness_at_basis, structure->expansion);
+        ReduceMatrix(structure->stiffness_at_basis, structure->expansion,
+                     reduced.rigid_body_motions);
     if (!DampingBy(rule, mass, stiffness, &result.damping, error)) return false;
     const Eigen::Index n = structure->exported.num_dofs();
     if (rule.kind == DampingRule::Kind::kNone) {
@@ -148,7 +152,8 @@ Matrix GroupInBasis(const ReducedStructure& structure, const Matrix& before,
                                         ? structure.mass_at_basis
                                         : structure.stiffness_at_basis);
   }
-  return ReduceMatrix(group->matrix, structure.expansion);
+  return ReduceMatrix(group->matrix, structure.expansion,
+                      structure.reduced.rigid_body_motions);
 }
 
 ReducedStructure::Group SpringGroup(const ReducedStructure& structure,
