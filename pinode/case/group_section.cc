@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -107,11 +109,112 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
   return true;
 }
 
+// The knots, and which of them is the reference.
+bool ReadKnots(const TomlTable& follows, GroupCurve* curve) {
+  curve->knots = follows.Numbers("knots");
+  if (!follows.errors()->ok()) return false;
+  const std::vector<double>& knots = curve->knots;
+  if (knots.size() < 2 ||
+      std::adjacent_find(knots.begin(), knots.end(),
+                         std::greater_equal<double>()) != knots.end()) {
+    return follows.Fail("knots",
+                        "'knots' expected two values of the covariate or more, "
+                        "ascending");
+  }
+  if (!follows.RequireKey("reference",
+                          "the knot at which the group has its own value")) {
+    return false;
+  }
+  const double reference = follows.Number("reference", 0.0);
+  if (!follows.errors()->ok()) return false;
+  const auto at = std::find(knots.begin(), knots.end(), reference);
+  if (at == knots.end()) {
+    return follows.Fail("reference", "'reference' is " +
+                                         FormatNumber(reference, 6) +
+                                         ", expected one of the knots");
+  }
+  curve->reference = static_cast<int>(at - knots.begin());
+  return true;
+}
+
+bool ReadCurvePrior(const TomlTable& follows, GroupCurve* curve) {
+  const int differences = follows.Integer("differences", 1, 1);
+  if (!follows.errors()->ok()) return false;
+  if (differences > 2 || differences >= static_cast<int>(curve->knots.size())) {
+    return follows.Fail("differences",
+                        "'differences' is " + std::to_string(differences) +
+                            " of " + std::to_string(curve->knots.size()) +
+                            " knots, expected 1, or 2 of three knots or more");
+  }
+  double sigma = 0.0;
+  const TomlValue* smoothness = follows.Find("smoothness");
+  if (smoothness != nullptr && smoothness->type == TomlValue::Type::kString) {
+    if (smoothness->text != "evidence") {
+      return follows.Fail("smoothness",
+                          "'smoothness' is '" + smoothness->text +
+                              "', expected \"evidence\" or how much alpha may "
+                              "change from knot to knot");
+    }
+  } else if (smoothness != nullptr) {
+    sigma = follows.PositiveNumber("smoothness", 1.0);
+  }
+  curve->prior = CurvePrior(curve->knots, curve->reference, differences, sigma);
+  return follows.errors()->ok();
+}
+
+// How alpha changes from knot to knot, beside its value at the reference.
+bool ReadCurve(const TomlTable& follows, const std::string& covariate,
+               const GroupTerm& term, GroupCurve* curve) {
+  curve->name = term.group.name;
+  curve->group = term.group;
+  curve->input = term.input;
+  if (!ReadKnots(follows, curve) || !ReadCurvePrior(follows, curve)) {
+    return false;
+  }
+  const int num_knots = static_cast<int>(curve->knots.size());
+  std::vector<double> values(curve->knots.size(), 0.0);
+  if (follows.Has("values")) {
+    values = follows.Numbers("values", num_knots, "one for each knot");
+    if (!follows.errors()->ok()) return false;
+    if (values[static_cast<size_t>(curve->reference)] != 0.0) {
+      return follows.Fail("values",
+                          "'values' are changes against the reference, "
+                          "expected 0 there");
+    }
+  }
+  const bool free = follows.Boolean("free", true);
+  curve->parameters.name = curve->name + "." + covariate;
+  for (int k = 0; k < num_knots; ++k) {
+    if (k == curve->reference) continue;
+    Parameter parameter;
+    parameter.name =
+        KnotName(curve->name, covariate, curve->knots[static_cast<size_t>(k)]);
+    parameter.value = values[static_cast<size_t>(k)];
+    parameter.free = free;
+    curve->parameters.parameters.push_back(parameter);
+  }
+  return follows.errors()->ok();
+}
+
+// *curve is without knots where the group follows nothing or a straight line.
 bool ReadFollows(const TomlTable& table, const UnitSystem& units,
-                 const StructuralDynamics& dynamics, GroupTerm* term) {
+                 const StructuralDynamics& dynamics, GroupTerm* term,
+                 GroupCurve* curve) {
   if (!table.Has("follows")) return true;
   const TomlTable follows = table.Table("follows", table.name() + " follows");
-  if (!follows.AllowKeys({"covariate", "time", "reference"})) return false;
+  if (!follows.AllowKeys({"covariate", "time", "reference", "knots",
+                          "smoothness", "differences", "values", "free"})) {
+    return false;
+  }
+  for (const char* key : {"smoothness", "differences", "values", "free"}) {
+    if (follows.Has(key) && !follows.Has("knots")) {
+      return follows.Fail(key,
+                          std::string("'") + key + "' goes with 'knots' only");
+    }
+  }
+  if (follows.Has("knots") && follows.Has("time")) {
+    return follows.Fail("knots", "'knots' go with a covariate, not with time");
+  }
   if (follows.Has("covariate") == follows.Has("time")) {
     return table.Fail("follows",
                       "'follows' expected {covariate = \"...\", reference = "
@@ -141,6 +244,9 @@ bool ReadFollows(const TomlTable& table, const UnitSystem& units,
     return follows.Fail("covariate", "no record has a covariate '" + name +
                                          "'" + NameHint(name, known));
   }
+  // With knots alpha is the value at the reference, and the rest is a term of
+  // its own.
+  if (follows.Has("knots")) return ReadCurve(follows, name, *term, curve);
   term->follows = GroupTerm::Follows::kCovariate;
   return table.errors()->ok();
 }
@@ -171,8 +277,9 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
                                        "', expected one of " + kTargets);
     }
     ReducedStructure::Group exported;
+    GroupCurve curve;
     if (!ReadGroupMatrix(table, *context.model, &term.group, &exported) ||
-        !ReadFollows(table, *context.units, *dynamics, &term)) {
+        !ReadFollows(table, *context.units, *dynamics, &term, &curve)) {
       return false;
     }
     term.present = table.Number("present", 1.0);
@@ -180,6 +287,10 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
     if (!ReadParameterKeys(table, 1.0, &term.alpha)) return false;
     std::string error;
     if (!dynamics->AddGroup(term, &error)) return table.Fail("name", error);
+    if (!curve.knots.empty() &&
+        !dynamics->AddGroupCurve(std::move(curve), &error)) {
+      return table.Fail("follows", error);
+    }
     if (context.model->finite_element != nullptr) {
       if (exported.matrix.rows() == 0) {
         context.remarks->push_back(

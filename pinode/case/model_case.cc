@@ -93,6 +93,7 @@ class ModelCaseWriter {
         table.Erase(key);
       }
       table.Set("matrix", TomlValue::String(file));
+      SetCurve(term.group.name, table.Find("follows"));
       const double taken =
           term.follows == GroupTerm::Follows::kNothing ? term.alpha.value : 0.0;
       table.Set("initial", TomlValue::Float(term.alpha.value - taken));
@@ -112,6 +113,17 @@ class ModelCaseWriter {
       }
     }
     return true;
+  }
+
+  // Changes of alpha at the knots, the reference among them.
+  void SetCurve(const std::string& group, TomlValue* follows) const {
+    for (const GroupCurve& curve : dynamics_.group_curves()) {
+      if (curve.name != group) continue;
+      const Vector found = curve.parameters.Values();
+      std::vector<double> values(found.begin(), found.end());
+      values.insert(values.begin() + curve.reference, 0.0);
+      follows->Set("values", TomlValue::Numbers(values));
+    }
   }
 
   // The value found, divided by `factor`, in a table of parameter keys.

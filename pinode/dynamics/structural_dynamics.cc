@@ -83,6 +83,20 @@ bool StructuralDynamics::AddUnknownForce(UnknownForceTerm term,
   return AddTerm(MakeTerm(std::move(term)), error);
 }
 
+bool StructuralDynamics::AddGroupCurve(GroupCurve curve, std::string* error) {
+  const auto& known = groups();
+  if (std::none_of(known.begin(), known.end(), [&curve](const GroupTerm& term) {
+        return term.group.name == curve.name &&
+               term.follows == GroupTerm::Follows::kNothing;
+      })) {
+    *error = "a curve of '" + curve.name +
+             "', and a group of that name that follows nothing else was "
+             "expected";
+    return false;
+  }
+  return AddTerm(MakeTerm(std::move(curve)), error);
+}
+
 bool StructuralDynamics::AddNetwork(NetworkTerm term, std::string* error) {
   return AddTerm(MakeTerm(std::move(term)), error);
 }

@@ -10,6 +10,7 @@
 
 #include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
+#include "pinode/dynamics/group_curve.h"
 #include "pinode/dynamics/group_term.h"
 #include "pinode/dynamics/law_term.h"
 #include "pinode/dynamics/linear_dynamics.h"
@@ -56,6 +57,8 @@ class StructuralDynamics {
   [[nodiscard]] bool AddGroup(GroupTerm term, std::string* error);
   [[nodiscard]] bool AddLaw(LawTerm term, std::string* error);
   [[nodiscard]] bool AddUnknownForce(UnknownForceTerm term, std::string* error);
+  // Of a group that was added; see GroupCurve.
+  [[nodiscard]] bool AddGroupCurve(GroupCurve curve, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
   // A named element between two DOFs, see MakeElement.
   [[nodiscard]] bool AddElement(const std::string& name,
@@ -73,6 +76,9 @@ class StructuralDynamics {
   TermRange<UnknownForceTerm> unknown_forces() const {
     return Range<UnknownForceTerm>(TermKind::kUnknownForce);
   }
+  TermRange<GroupCurve> group_curves() const {
+    return Range<GroupCurve>(TermKind::kGroupCurve);
+  }
   TermRange<NetworkTerm> networks() const {
     return Range<NetworkTerm>(TermKind::kNetwork);
   }
@@ -89,11 +95,15 @@ class StructuralDynamics {
 
   // The flat parameter vector theta: one block for all groups (named
   // "groups"; absent where there are none), one per law, one per unknown force,
+  // one per curve of a group,
   // one per term of another kind, one per network.
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   // Indices of the terms' blocks.
   int unknown_force_block(int force) const {
     return FirstOf(TermKind::kUnknownForce) + force;
+  }
+  int group_curve_block(int curve) const {
+    return FirstOf(TermKind::kGroupCurve) + curve;
   }
   int network_block(int network) const {
     return FirstOf(TermKind::kNetwork) + network;

@@ -20,7 +20,14 @@ namespace pinode {
 
 // The kinds in the order in which their parameters stand in theta. kOther is
 // for terms that the library does not know.
-enum class TermKind { kGroups, kLaw, kUnknownForce, kOther, kNetwork };
+enum class TermKind {
+  kGroups,
+  kLaw,
+  kUnknownForce,
+  kGroupCurve,
+  kOther,
+  kNetwork
+};
 
 // Where a term stands in the state h = [x; v; z].
 struct TermPlace {

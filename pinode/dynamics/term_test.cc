@@ -139,6 +139,10 @@ TEST(Term, SomeParametersFixed) {
     FixEverySecond(&force.parameters);
     CheckTerm(MakeTerm(std::move(force)));
   }
+  for (GroupCurve curve : all->group_curves()) {
+    FixEverySecond(&curve.parameters);
+    CheckTerm(MakeTerm(std::move(curve)));
+  }
   for (NetworkTerm network : all->networks()) {
     FixEverySecond(&network.weights);
     CheckTerm(MakeTerm(std::move(network)));

@@ -104,6 +104,27 @@ void AddForce(const std::string& name, const SplineForce::Options& options,
   CHECK(dynamics->AddUnknownForce(std::move(term), &error)) << error;
 }
 
+void AddCurve(const std::string& name, size_t group,
+              const std::vector<double>& knots, int reference,
+              StructuralDynamics* dynamics) {
+  GroupCurve curve;
+  curve.name = name;
+  curve.group = dynamics->groups()[group].group;
+  curve.input = 2;
+  curve.knots = knots;
+  curve.reference = reference;
+  curve.parameters.name = name + ".temperature";
+  for (size_t k = 0; k < knots.size(); ++k) {
+    if (static_cast<int>(k) == reference) continue;
+    Parameter parameter;
+    parameter.name = KnotName(name, "temperature", knots[k]);
+    parameter.value = 0.3 * Wiggle(static_cast<int>(k));
+    curve.parameters.parameters.push_back(parameter);
+  }
+  std::string error;
+  CHECK(dynamics->AddGroupCurve(std::move(curve), &error)) << error;
+}
+
 }  // namespace
 
 StructuralModel MakeChain(int n, double k, double c) {
@@ -213,6 +234,8 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
     }
     CHECK(dynamics->AddUnknownForce(std::move(term), &error)) << error;
   }
+  AddCurve("k1", 0, {-0.4, 0.2, 1.5, 2.6}, 1, dynamics.get());
+  AddCurve("c2", 2, {0.1, 0.4}, 0, dynamics.get());
   AddNetwork("skip", {5}, true, false, NetworkTerm::ActsAs::kAcceleration,
              {x0, v2, d01, w12}, two, dynamics.get());
   AddNetwork("force", {4, 3}, false, false, NetworkTerm::ActsAs::kForce,

@@ -88,10 +88,11 @@ class HalfSinePulse final : public ForceHistory {
 //
 //   weights . (p_first, p_first+1, ...) ~ N(0, 1 / precision of its group).
 //
-// There are as many combinations as parameters and they are linearly
-// independent. The determinant of the prior's precision then is that of the
-// groups' precisions times a constant, so that MacKay's rule for choosing them
-// by the evidence holds as it does for single parameters.
+// There are no more combinations than parameters and they are linearly
+// independent. The determinant of the prior's precision (on the space that they
+// span) then is that of the groups' precisions times a constant, so that
+// MacKay's rule for choosing them by the evidence holds as it does for single
+// parameters.
 struct CombinationPrior {
   struct Combination {
     int group = 0;

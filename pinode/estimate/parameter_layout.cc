@@ -66,19 +66,20 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
   return groups;
 }
 
-void ParameterLayout::AddCombinations(const UnknownForceTerm& term,
+void ParameterLayout::AddCombinations(const std::string& name,
+                                      const CombinationPrior& prior,
+                                      DecayGroup::Kind kind,
                                       int first_parameter) {
-  if (term.prior.combinations.empty()) return;
+  if (prior.combinations.empty()) return;
   // All of its parameters are free, or none.
   const int first = FreeIndex(first_parameter);
   if (first < 0) return;
   const int first_group = num_decay_groups();
-  for (int g = 0; g < term.prior.num_groups(); ++g) {
-    decay_groups_.push_back({-1, term.name + ", part " + std::to_string(g + 1),
-                             DecayGroup::Kind::kForce,
-                             term.prior.precisions[static_cast<size_t>(g)]});
+  for (int g = 0; g < prior.num_groups(); ++g) {
+    decay_groups_.push_back({-1, name + ", part " + std::to_string(g + 1), kind,
+                             prior.precisions[static_cast<size_t>(g)]});
   }
-  for (const CombinationPrior::Combination& c : term.prior.combinations) {
+  for (const CombinationPrior::Combination& c : prior.combinations) {
     decay_rows_.push_back({first_group + c.group, first + c.first, c.weights});
   }
 }
@@ -125,9 +126,16 @@ ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
   }
   num_dynamics_ = num_parameters();
   for (size_t j = 0; j < dynamics.unknown_forces().size(); ++j) {
-    AddCombinations(dynamics.unknown_forces()[j],
+    const UnknownForceTerm& term = dynamics.unknown_forces()[j];
+    AddCombinations(term.name, term.prior, DecayGroup::Kind::kForce,
                     dynamics.block_offset(
                         dynamics.unknown_force_block(static_cast<int>(j))));
+  }
+  for (size_t j = 0; j < dynamics.group_curves().size(); ++j) {
+    const GroupCurve& curve = dynamics.group_curves()[j];
+    AddCombinations(
+        curve.parameters.name, curve.prior, DecayGroup::Kind::kCurve,
+        dynamics.block_offset(dynamics.group_curve_block(static_cast<int>(j))));
   }
   add(problem.sensors, -1);
   num_free_dynamics_ = dynamics.num_tangent_columns();

@@ -38,11 +38,11 @@ class ParameterLayout {
   // between; of a network of time alone, the weights of each output. With
   // precisions chosen by the evidence this is automatic relevance determination
   // (R. M. Neal, Bayesian Learning for Neural Networks, 1996): inputs and
-  // outputs that nothing depends on are shrunk away. Unknown forces: the groups
-  // of their CombinationPrior.
+  // outputs that nothing depends on are shrunk away. Unknown forces and curves
+  // of groups: the groups of their CombinationPrior.
   struct DecayGroup {
-    enum class Kind { kInput, kLayer, kOutput, kBiases, kForce };
-    int network = -1;  // -1: of an unknown force
+    enum class Kind { kInput, kLayer, kOutput, kBiases, kForce, kCurve };
+    int network = -1;  // -1: of no network
     std::string name;
     Kind kind = Kind::kLayer;
     double given = -1.0;  // negative: the evidence chooses
@@ -102,7 +102,8 @@ class ParameterLayout {
   std::vector<bool> named_;
   // Decay group of each weight of a network, -1 where nothing decays.
   std::vector<int> GroupWeights(const NetworkTerm& term, int network);
-  void AddCombinations(const UnknownForceTerm& term, int first_parameter);
+  void AddCombinations(const std::string& name, const CombinationPrior& prior,
+                       DecayGroup::Kind kind, int first_parameter);
 
   std::vector<DecayGroup> decay_groups_;
   std::vector<int> decay_group_;

@@ -80,6 +80,16 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
     }
     for (const double precision : term.prior.precisions) hash->Add(precision);
   }
+  for (const GroupCurve& curve : dynamics.group_curves()) {
+    hash->Add(curve.name);
+    for (const double knot : curve.knots) hash->Add(knot);
+    hash->Add(static_cast<std::int64_t>(curve.input));
+    hash->Add(static_cast<std::int64_t>(curve.reference));
+    for (const CombinationPrior::Combination& c : curve.prior.combinations) {
+      hash->Add(Matrix(c.weights));
+    }
+    for (const double precision : curve.prior.precisions) hash->Add(precision);
+  }
   for (const NetworkTerm& term : dynamics.networks()) {
     const NetworkArchitecture& architecture = term.network->architecture();
     for (const int width : architecture.hidden_widths) {

@@ -26,6 +26,9 @@ StructureTerms TermsOf(const StructuralDynamics& dynamics) {
   for (const UnknownForceTerm& term : dynamics.unknown_forces()) {
     terms.unknown_forces.push_back(term);
   }
+  for (const GroupCurve& curve : dynamics.group_curves()) {
+    terms.group_curves.push_back(curve);
+  }
   for (const NetworkTerm& term : dynamics.networks()) {
     terms.networks.push_back(term);
   }
@@ -49,6 +52,9 @@ bool Assemble(const StructuralModel& model,
   }
   for (const UnknownForceTerm& term : terms.unknown_forces) {
     if (!result->AddUnknownForce(term, error)) return false;
+  }
+  for (const GroupCurve& curve : terms.group_curves) {
+    if (!result->AddGroupCurve(curve, error)) return false;
   }
   for (const NetworkTerm& term : terms.networks) {
     if (!result->AddNetwork(term, error)) return false;

@@ -25,6 +25,7 @@ struct StructureTerms {
   std::vector<GroupTerm> groups;
   std::vector<LawTerm> laws;
   std::vector<UnknownForceTerm> unknown_forces;
+  std::vector<GroupCurve> group_curves;
   std::vector<NetworkTerm> networks;
   // Kinds that the library does not know (StructuralDynamics::AddTerm).
   std::vector<std::shared_ptr<const Term>> others;

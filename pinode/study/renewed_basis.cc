@@ -82,6 +82,9 @@ bool Rebuild(const IdentificationProblem& from, ReducedStructure* structure,
     MatrixGroup& group = terms.groups[j].group;
     group.matrix =
         GroupInBasis(*structure, group.matrix, &structure->groups[j]);
+    for (GroupCurve& curve : terms.group_curves) {
+      if (curve.name == group.name) curve.group.matrix = group.matrix;
+    }
   }
   *problem = from;
   return Assemble(model, before.inputs(), terms, &problem->dynamics, error) &&

@@ -1,0 +1,174 @@
+#include "pinode/dynamics/group_curve.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/dynamics/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Two masses in a row on springs of 10, the first of which follows the
+// temperature: 10 (1 + alpha + change).
+StructuralDynamics TwoMassesInFrost(const std::vector<double>& knots,
+                                    int reference,
+                                    const std::vector<double>& changes) {
+  StructuralDynamics dynamics(
+      testing::MakeChain(2, 10.0, 0.0),
+      {{InputSpec::Kind::kCovariate, 0, "temperature"}});
+  GroupTerm group;
+  group.group.name = "ground";
+  group.group.matrix = 10.0 * SpringMatrix(2, -1, 0);
+  group.alpha.value = 0.1;
+  std::string error;
+  EXPECT_TRUE(dynamics.AddGroup(group, &error)) << error;
+  GroupCurve curve;
+  curve.name = "ground";
+  curve.group = group.group;
+  curve.input = 0;
+  curve.knots = knots;
+  curve.reference = reference;
+  curve.parameters.name = "ground.temperature";
+  for (const double change : changes) {
+    Parameter parameter;
+    parameter.name =
+        "p" + std::to_string(curve.parameters.parameters.size() + 1);
+    parameter.value = change;
+    curve.parameters.parameters.push_back(parameter);
+  }
+  EXPECT_TRUE(dynamics.AddGroupCurve(curve, &error)) << error;
+  return dynamics;
+}
+
+// The stiffness of the first spring at a temperature.
+double StiffnessAt(const StructuralDynamics& dynamics, double temperature) {
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  EXPECT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
+  auto scratch = dynamics.MakeLinearization();
+  // Both masses displaced by one: only the spring to the ground resists.
+  const Vector state = (Vector(4) << 1.0, 1.0, 0.0, 0.0).finished();
+  Vector rate(4);
+  dynamics.Rate(prepared, 0.0, &temperature, state.data(), rate.data(),
+                &scratch);
+  EXPECT_NEAR(rate[3], 0.0, 1e-14);
+  return -rate[2];
+}
+
+TEST(GroupCurve, IsLinearBetweenKnotsAndConstantBeyond) {
+  const StructuralDynamics dynamics =
+      TwoMassesInFrost({-20.0, 0.0, 10.0, 30.0}, 2, {0.5, 0.2, -0.1});
+  for (const auto& [temperature, change] :
+       std::vector<std::pair<double, double>>{{-50.0, 0.5},
+                                              {-20.0, 0.5},
+                                              {-15.0, 0.425},
+                                              {0.0, 0.2},
+                                              {2.5, 0.15},
+                                              {10.0, 0.0},
+                                              {25.0, -0.075},
+                                              {30.0, -0.1},
+                                              {99.0, -0.1}}) {
+    EXPECT_NEAR(StiffnessAt(dynamics, temperature), 10.0 * (1.1 + change),
+                1e-12)
+        << temperature;
+  }
+  // Two knots, the reference at either end.
+  EXPECT_NEAR(StiffnessAt(TwoMassesInFrost({0.0, 10.0}, 0, {0.4}), 5.0), 13.0,
+              1e-12);
+  EXPECT_NEAR(StiffnessAt(TwoMassesInFrost({0.0, 10.0}, 1, {0.4}), 5.0), 13.0,
+              1e-12);
+  EXPECT_NEAR(StiffnessAt(TwoMassesInFrost({0.0, 10.0}, 1, {0.4}), 15.0), 11.0,
+              1e-12);
+}
+
+// The constant matrices are those at the reference.
+TEST(GroupCurve, CorrectedModelIsThatAtTheReference) {
+  const StructuralDynamics dynamics =
+      TwoMassesInFrost({-20.0, 0.0, 10.0}, 1, {0.5, 0.2});
+  EXPECT_NEAR(dynamics.CorrectedModel(dynamics.Parameters()).stiffness(0, 0),
+              21.0, 1e-13);
+}
+
+// Row times (values at all knots) is the scaled difference that it stands for.
+TEST(CurvePrior, HoldsDifferencesOfNeighbours) {
+  const std::vector<double> knots = {-10.0, 0.0, 5.0, 20.0};
+  const std::vector<double> values = {0.3, 0.1, 0.0, -0.2};
+  const Vector parameters = (Vector(3) << 0.3, 0.1, -0.2).finished();
+  const double mean = 10.0;
+  const CombinationPrior first = CurvePrior(knots, 2, 1, 0.05);
+  ASSERT_EQ(first.combinations.size(), 3u);
+  EXPECT_TRUE(first.Fits(3));
+  EXPECT_DOUBLE_EQ(first.precisions[0], 400.0);
+  for (size_t k = 0; k < 3; ++k) {
+    const auto& row = first.combinations[k];
+    EXPECT_NEAR(
+        row.weights.dot(parameters.segment(row.first, row.weights.size())),
+        (values[k + 1] - values[k]) *
+            std::sqrt(mean / (knots[k + 1] - knots[k])),
+        1e-14);
+  }
+  const CombinationPrior second = CurvePrior(knots, 2, 2, 0.0);
+  ASSERT_EQ(second.combinations.size(), 2u);
+  EXPECT_TRUE(second.Fits(3));
+  EXPECT_LT(second.precisions[0], 0.0);
+  for (size_t k = 0; k < 2; ++k) {
+    const auto& row = second.combinations[k];
+    const double before = knots[k + 1] - knots[k];
+    const double behind = knots[k + 2] - knots[k + 1];
+    const double kink = (values[k + 2] - values[k + 1]) / behind -
+                        (values[k + 1] - values[k]) / before;
+    EXPECT_NEAR(
+        row.weights.dot(parameters.segment(row.first, row.weights.size())),
+        kink * mean * std::sqrt(mean / (0.5 * (before + behind))), 1e-14);
+  }
+}
+
+TEST(GroupCurve, RefusesWhatDoesNotFit) {
+  const StructuralDynamics good =
+      TwoMassesInFrost({-20.0, 0.0, 10.0}, 1, {0.5, 0.2});
+  const auto error_with = [&good](const auto& change) {
+    StructuralDynamics dynamics(good.model(), good.inputs());
+    std::string error;
+    EXPECT_TRUE(dynamics.AddGroup(good.groups()[0], &error));
+    GroupCurve curve = good.group_curves()[0];
+    change(&curve);
+    EXPECT_FALSE(dynamics.AddGroupCurve(curve, &error));
+    EXPECT_EQ(dynamics.num_parameters(), 1);
+    return error;
+  };
+  EXPECT_THAT(error_with([](GroupCurve* c) { c->name = "other"; }),
+              HasSubstr("a group of that name"));
+  EXPECT_THAT(error_with([](GroupCurve* c) { c->input = 1; }),
+              HasSubstr("unknown covariate"));
+  EXPECT_THAT(error_with([](GroupCurve* c) { c->knots[2] = 0.0; }),
+              HasSubstr("do not ascend"));
+  EXPECT_THAT(error_with([](GroupCurve* c) { c->knots[2] = std::nan(""); }),
+              HasSubstr("do not ascend"));
+  EXPECT_THAT(error_with([](GroupCurve* c) { c->reference = 3; }),
+              HasSubstr("one of them the reference"));
+  EXPECT_THAT(error_with([](GroupCurve* c) { c->knots.push_back(11.0); }),
+              HasSubstr("a parameter for each other"));
+  EXPECT_THAT(error_with([](GroupCurve* c) {
+                c->group.target = MatrixGroup::Target::kMass;
+              }),
+              HasSubstr("a mass cannot follow"));
+  EXPECT_THAT(error_with([](GroupCurve* c) {
+                c->prior = CurvePrior({0.0, 1.0, 2.0, 3.0}, 0, 1, 1.0);
+              }),
+              HasSubstr("prior does not fit"));
+  EXPECT_THAT(error_with([](GroupCurve* c) {
+                c->prior = CurvePrior(c->knots, c->reference, 1, 1.0);
+                c->parameters.parameters[0].free = false;
+              }),
+              HasSubstr("free, or none"));
+}
+
+}  // namespace
+}  // namespace pinode
