@@ -4,7 +4,7 @@
 Reads ground_motions/elcentro_1940_ns_peknold.csv (t_s, acc_g) in the folder of
 measured data, scales it so that x1 stays inside the range of the training
 records of this folder, and writes el_centro.csv and el_centro.toml, which
-refers to those training records by path.  Its output is not kept here.
+refers to the records of this folder by path.  Its output is not kept here.
 """
 
 import argparse
@@ -23,13 +23,13 @@ MOTION = os.path.join("ground_motions", "elcentro_1940_ns_peknold.csv")
 
 
 def write_case(output):
-    """CASE with its training records by path and El Centro as the hold-out."""
+    """CASE with its records by path and El Centro as one more hold-out."""
     with open(os.path.join(HERE, CASE), encoding="utf-8") as file:
         head, *records = file.read().split("\n[[record]]\n")
     training = [r for r in records if 'role  = "train"' in r]
     assert len(training) == len(generate.TRAINING)
     here = os.path.relpath(HERE, output).replace(os.sep, "/")
-    blocks = [r.replace('file  = "', f'file  = "{here}/') for r in training]
+    blocks = [r.replace('file  = "', f'file  = "{here}/') for r in records]
     name = next(iter(generate.TRAINING))
     blocks.append(training[0].replace(f'"{name}', '"el_centro').replace(
         'role  = "train"', 'role  = "holdout"'))

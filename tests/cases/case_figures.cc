@@ -103,5 +103,14 @@ std::vector<CaseFigure> ForcedFigures() {
   return figures;
 }
 
+void ExpectFigures(const std::string& what,
+                   const std::vector<CaseFigure>& figures, const CaseRun& run) {
+  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  for (const CaseFigure& figure : figures) {
+    ExpectFigure(what + ": " + figure.name, figure.asked, figure.held(),
+                 figure.measure(run));
+  }
+}
+
 }  // namespace testing
 }  // namespace pinode

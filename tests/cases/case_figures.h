@@ -33,6 +33,10 @@ std::vector<CaseFigure> GroupFigures();
 // Of data/four_dof_forced.
 std::vector<CaseFigure> ForcedFigures();
 
+// Reports each of them as "`what`: its name", and expects it of a usable fit.
+void ExpectFigures(const std::string& what,
+                   const std::vector<CaseFigure>& figures, const CaseRun& run);
+
 }  // namespace testing
 }  // namespace pinode
 

@@ -18,27 +18,12 @@ namespace pinode {
 namespace testing {
 namespace {
 
-void ExpectFigures(const std::string& what,
-                   const std::vector<CaseFigure>& figures, const CaseRun& run) {
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
-  for (const CaseFigure& figure : figures) {
-    ExpectFigure(what + ": " + figure.name, figure.asked, figure.held(),
-                 figure.measure(run));
-  }
+// Schemes 2 and 3, which discovery begins from, are held in
+// discover_cases_test.cc.
+TEST(FourDofFree, PredictsLateTimesAndAnUnseenStart) {
+  ExpectFigures("case 1, scheme1", SchemeFigures("scheme1"),
+                RunCase(ReadCaseOrFail("data/four_dof_free/scheme1.toml")));
 }
-
-class FourDofFree : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(FourDofFree, PredictsLateTimesAndAnUnseenStart) {
-  const std::string scheme = GetParam();
-  const CaseRun run =
-      RunCase(ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml"));
-  std::printf("%s: %d iterations\n", GetParam(), run.summary.num_iterations);
-  ExpectFigures("case 1, " + scheme, SchemeFigures(scheme), run);
-}
-
-INSTANTIATE_TEST_SUITE_P(Schemes, FourDofFree,
-                         ::testing::Values("scheme1", "scheme2", "scheme3"));
 
 TEST(FourDofFreeGroups, FindsStiffnessAndDampingBesideTheNetwork) {
   ExpectFigures(
@@ -55,19 +40,12 @@ std::string Quoted(const std::string& text) {
   return quoted + "'";
 }
 
-TEST(FourDofForced, PredictsOtherForces) {
-  ExpectFigures(
-      "case 2", ForcedFigures(),
-      RunCase(ReadCaseOrFail("data/four_dof_forced/four_dof_forced.toml")));
-}
-
-// The response to El Centro comes from SciPy, as that to every other record.
-TEST(FourDofForced, PredictsElCentro) {
+// The case of data/four_dof_forced with El Centro held out beside its own
+// records: the response comes from SciPy, as that to every other force. Without
+// SciPy or the ground motion the case as it is.
+std::string CaseWithElCentro() {
   const std::string measured = MeasuredData();
-  if (measured.empty()) {
-    ReportSkipped("case 2: nrmse, el_centro");
-    GTEST_SKIP() << "measured data not at hand; set PINODE_MEASURED_DATA";
-  }
+  if (measured.empty()) return "";
   std::string python;
   for (const char* candidate : {"python3", "/usr/bin/python3"}) {
     const std::string probe =
@@ -77,18 +55,27 @@ TEST(FourDofForced, PredictsElCentro) {
       break;
     }
   }
-  if (python.empty()) {
-    ReportSkipped("case 2: nrmse, el_centro");
-    GTEST_SKIP() << "no Python with SciPy to make the hold-out record";
-  }
+  if (python.empty()) return "";
   const std::string folder = ::testing::TempDir() + "/pinode_el_centro";
   const std::string command =
       python + " " +
       Quoted(PINODE_SOURCE_DIR "/data/four_dof_forced/make_elcentro.py") + " " +
       Quoted(measured) + " --output " + Quoted(folder);
-  ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  const CaseRun run = RunCase(ReadCaseOrFail(folder + "/el_centro.toml"));
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  return folder + "/el_centro.toml";
+}
+
+TEST(FourDofForced, PredictsOtherForces) {
+  const std::string with_el_centro = CaseWithElCentro();
+  const CaseRun run = RunCase(ReadCaseOrFail(
+      with_el_centro.empty() ? "data/four_dof_forced/four_dof_forced.toml"
+                             : with_el_centro));
+  ExpectFigures("case 2", ForcedFigures(), run);
+  if (with_el_centro.empty()) {
+    ReportSkipped("case 2: nrmse, el_centro");
+    GTEST_SKIP() << "El Centro not tried: no measured data (set "
+                    "PINODE_MEASURED_DATA) or no Python with SciPy";
+  }
   for (const char* channel : {"x1", "v1", "a1"}) {
     ExpectFigure(std::string("case 2: nrmse, el_centro, ") + channel, 0.007,
                  run.Nrmse("el_centro", channel));

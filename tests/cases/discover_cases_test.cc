@@ -9,6 +9,7 @@
 #include "pinode/base/figure_testing.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/study/refit.h"
+#include "tests/cases/case_figures.h"
 #include "tests/cases/chain_terms.h"
 #include "tests/cases/measure.h"
 
@@ -18,13 +19,15 @@ namespace {
 
 class Discover : public ::testing::TestWithParam<const char*> {};
 
-// Table 2 of Lai et al. (2021): exactly the true terms, from all polynomials of
+// The networks of schemes 2 and 3 predict what they have not seen. Table 2 of
+// Lai et al. (2021): exactly the true terms, from all polynomials of
 // degree 3 in the eight states, and their coefficients.
 TEST_P(Discover, FindsExactlyTheTrueTerms) {
   const std::string scheme = GetParam();
   const CaseRun run =
       RunCase(ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml"));
   ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ExpectFigures("case 1, " + scheme, SchemeFigures(scheme), run);
   std::string error;
   std::vector<DiscoveredEquation> equations;
   ASSERT_TRUE(DiscoverFromNetworks(run.c.problem, run.model, run.c.discover,

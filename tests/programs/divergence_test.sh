@@ -17,8 +17,8 @@ sed -i -e 's/^adds_to = "stiffness"/&\ninitial = -3\nfree = false/' \
   -e '/^lower /d' three_storey.toml
 { cat three_storey.toml; printf '\n[options]\nshooting = "single"\n'; } \
   >single.toml
-# It will not come to an end; a hundred iterations are enough to say so.
-printf '\n[options]\nmax_iterations = 100\n' >>three_storey.toml
+# It will not come to an end; thirty iterations are enough to say so.
+printf '\n[options]\nmax_iterations = 30\n' >>three_storey.toml
 
 Fail() {
   echo "$1; it left with $status and wrote:"
