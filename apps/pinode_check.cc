@@ -90,7 +90,11 @@ void PrintModel(const Case& c) {
               c.problem.description.units.force.c_str(),
               c.problem.description.units.length.c_str(),
               c.problem.description.units.time.c_str());
-  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
+  const StructuralModel model = dynamics.HeldModel(dynamics.Parameters());
+  if (model.num_dofs() == 0) {
+    std::printf("No modes: the motion of every DOF is prescribed\n");
+    return;
+  }
   ModalProperties modes;
   std::string error;
   if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,

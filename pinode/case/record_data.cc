@@ -69,8 +69,9 @@ class RecordDataReader {
           section_.start_v;
     }
     return ReadFiles() && CollectSignals() && ResampleAll() &&
-           AddGroundDisplacements() && CutWindow() && MakeExcitation() &&
-           MakeChannels() && ApplyFilter() && SetNoise();
+           AddGroundDisplacements() && AddPrescribedDerivatives() &&
+           CutWindow() && MakeExcitation() && MakeChannels() && ApplyFilter() &&
+           SetNoise();
   }
 
  private:
@@ -289,6 +290,40 @@ class RecordDataReader {
     return true;
   }
 
+  // The derivatives of prescribed displacements that no column has.
+  bool AddPrescribedDerivatives() {
+    for (const InputSpec& spec : dynamics_.inputs()) {
+      const bool velocity = spec.kind == InputSpec::Kind::kPrescribedVelocity;
+      if (!velocity && spec.kind != InputSpec::Kind::kPrescribedAcceleration) {
+        continue;
+      }
+      const Channel* lower = FindInput(
+          PrescribedInput(dynamics_.model(), spec.index, velocity ? 0 : 1));
+      if (lower == nullptr || FindInput(spec) != nullptr) continue;
+      Channel derivative;
+      derivative.name = spec.name;
+      derivative.values = Differentiate(lower->values, merged_.sampling_step);
+      record_->description.remarks.push_back(
+          "the prescribed " +
+          std::string(velocity ? "velocity of " : "acceleration of ") +
+          dynamics_.model().dof_names[static_cast<size_t>(spec.index)] +
+          " is the derivative of " + lower->name +
+          " by differences over five samples.");
+      merged_.channels.push_back(std::move(derivative));
+    }
+    return true;
+  }
+
+  // The samples of an input; nullptr where the record does not have them.
+  const Channel* FindInput(const InputSpec& spec) const {
+    for (const InputSection& input : section_.inputs) {
+      if (input.spec.name == spec.name) {
+        return merged_.FindChannel(input.signal.label);
+      }
+    }
+    return merged_.FindChannel(spec.name);
+  }
+
   bool CutWindow() {
     if (!section_.window_from.has_value()) return true;
     Record window;
@@ -316,9 +351,16 @@ class RecordDataReader {
       for (const InputSection& input : section_.inputs) {
         if (input.spec.name == spec.name) signal = &input.signal;
       }
-      const Channel* channel =
-          merged_.FindChannel(signal != nullptr ? signal->label : spec.name);
+      const Channel* channel = FindInput(spec);
       if (channel == nullptr) {
+        if (spec.kind == InputSpec::Kind::kPrescribedDisplacement) {
+          return table_.Fail(
+              "motion",
+              "it has no motion of DOF '" +
+                  dynamics_.model().dof_names[static_cast<size_t>(spec.index)] +
+                  "', which other records prescribe; expected one in every "
+                  "record");
+        }
         if (spec.kind == InputSpec::Kind::kCovariate) {
           return table_.Fail("covariate", "it has no covariate '" + spec.name +
                                               "', expected one as in the other "
@@ -436,6 +478,33 @@ class RecordDataReader {
 };
 
 }  // namespace
+
+Vector Differentiate(const Vector& values, double step) {
+  const Eigen::Index n = values.size();
+  Vector derivative(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    // Differences of the fourth order, of the second beside the ends.
+    const Eigen::Index room = std::min(i, n - 1 - i);
+    if (room >= 2) {
+      derivative[i] = (8.0 * (values[i + 1] - values[i - 1]) -
+                       (values[i + 2] - values[i - 2])) /
+                      (12.0 * step);
+    } else if (room == 1) {
+      derivative[i] = (values[i + 1] - values[i - 1]) / (2.0 * step);
+    } else if (n == 1) {
+      derivative[i] = 0.0;
+    } else if (n == 2) {
+      derivative[i] = (values[1] - values[0]) / step;
+    } else {
+      const Eigen::Index inward = i == 0 ? 1 : -1;
+      derivative[i] = static_cast<double>(inward) *
+                      (4.0 * values[i + inward] - 3.0 * values[i] -
+                       values[i + 2 * inward]) /
+                      (2.0 * step);
+    }
+  }
+  return derivative;
+}
 
 Vector IntegrateTwice(const Vector& acceleration, double step,
                       Interpolation interpolation) {

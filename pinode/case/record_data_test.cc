@@ -18,6 +18,25 @@ using ::testing::HasSubstr;
 
 // The oracle: Simpson's rule on the interpolated acceleration, which is exact
 // for cubics, over two integrations.
+TEST(DifferentiateTest, IsOfFourthOrderInsideAndOfSecondAtTheEnds) {
+  const auto error = [](int samples, bool ends) {
+    const double step = 2.0 / (samples - 1);
+    Vector values(samples);
+    for (int i = 0; i < samples; ++i) values[i] = std::sin(3.0 * step * i);
+    const Vector found = Differentiate(values, step);
+    double worst = 0.0;
+    for (int i = 0; i < samples; ++i) {
+      const bool end = i < 2 || i > samples - 3;
+      if (end != ends) continue;
+      const double truth = 3.0 * std::cos(3.0 * step * i);
+      worst = std::max(worst, std::abs(found[i] - truth));
+    }
+    return worst;
+  };
+  EXPECT_NEAR(error(101, false) / error(201, false), 16.0, 0.5);
+  EXPECT_NEAR(error(101, true) / error(201, true), 4.0, 0.5);
+}
+
 TEST(IntegrateTwiceTest, IsExactForTheInterpolation) {
   constexpr int kSamples = 30;
   constexpr double kStep = 0.02;

@@ -30,6 +30,7 @@ const std::vector<std::string>& RecordKeys() {
                                                           "substeps",
                                                           "ground",
                                                           "force",
+                                                          "motion",
                                                           "covariate",
                                                           "channel",
                                                           "filter"};
@@ -197,7 +198,10 @@ class RecordReader {
   }
 
   bool ReadInputs() {
-    if (!ReadGrounds() || !ReadForces() || !ReadCovariates()) return false;
+    if (!ReadGrounds() || !ReadForces() || !ReadMotions() ||
+        !ReadCovariates()) {
+      return false;
+    }
     if (section_->has_excitation() &&
         !table_.RequireKey("interpolation",
                            "one of held, linear, cubic, band_limited: what the "
@@ -267,6 +271,57 @@ class RecordReader {
     return true;
   }
 
+  // What an actuator prescribes: a displacement, and, where they are measured,
+  // its derivatives.
+  bool ReadMotions() {
+    for (TomlTable& table : table_.Tables("motion", "record")) {
+      table.set_name(table_.name() + ", motion");
+      if (!table.AllowKeys({"dof", "quantity", "column", "unit", "file",
+                            "scale", "remove_offset"})) {
+        return false;
+      }
+      InputSection input(table);
+      const std::string dof = table.RequiredString("dof");
+      const std::string quantity =
+          table.Choice("quantity", {"displacement", "velocity", "acceleration"},
+                       "displacement");
+      if (!table.errors()->ok() ||
+          !FindDof(model_, table, "dof", dof, false, &input.spec.index)) {
+        return false;
+      }
+      const int derivative = quantity == "displacement" ? 0
+                             : quantity == "velocity"   ? 1
+                                                        : 2;
+      input.spec = PrescribedInput(model_, input.spec.index, derivative);
+      input.signal.label = "prescribed " + quantity + " " + dof;
+      input.signal.dimension = derivative == 0   ? Dimension::kLength
+                               : derivative == 1 ? Dimension::kVelocity
+                                                 : Dimension::kAcceleration;
+      input.signal.scale = table.Number("scale", 1.0);
+      if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
+          !AddInput(std::move(input))) {
+        return false;
+      }
+    }
+    for (const InputSection& input : section_->inputs) {
+      if (input.spec.kind != InputSpec::Kind::kPrescribedVelocity &&
+          input.spec.kind != InputSpec::Kind::kPrescribedAcceleration) {
+        continue;
+      }
+      const InputSpec needed = PrescribedInput(model_, input.spec.index, 0);
+      if (std::none_of(section_->inputs.begin(), section_->inputs.end(),
+                       [&needed](const InputSection& other) {
+                         return other.spec.name == needed.name;
+                       })) {
+        return input.signal.table.Fail(
+            "quantity", "'" + input.signal.label +
+                            "' without the displacement, expected a "
+                            "[[record.motion]] of it as well");
+      }
+    }
+    return table_.errors()->ok();
+  }
+
   bool ReadCovariates() {
     for (TomlTable& table : table_.Tables("covariate", "record")) {
       table.set_name(table_.name() + ", covariate");
@@ -276,7 +331,8 @@ class RecordReader {
       input.spec.name = table.RequiredString("name");
       if (!table.errors()->ok()) return false;
       if (input.spec.name.rfind("ground_", 0) == 0 ||
-          input.spec.name.rfind("force_", 0) == 0) {
+          input.spec.name.rfind("force_", 0) == 0 ||
+          input.spec.name.rfind("motion_", 0) == 0) {
         return table.Fail("name", "'" + input.spec.name +
                                       "' begins like the name of an "
                                       "excitation, expected another name");
@@ -548,6 +604,21 @@ bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
   return root.errors()->ok();
 }
 
+InputSpec PrescribedInput(const StructuralModel& model, int dof,
+                          int derivative) {
+  const std::string& name = model.dof_names[static_cast<size_t>(dof)];
+  switch (derivative) {
+    case 0:
+      return {InputSpec::Kind::kPrescribedDisplacement, dof, "motion_" + name};
+    case 1:
+      return {InputSpec::Kind::kPrescribedVelocity, dof,
+              "motion_velocity_" + name};
+    default:
+      return {InputSpec::Kind::kPrescribedAcceleration, dof,
+              "motion_acceleration_" + name};
+  }
+}
+
 std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,
                                      const StructuralModel& model) {
   std::vector<InputSpec> inputs;
@@ -559,7 +630,13 @@ std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,
   };
   bool absolute_displacement = false;
   for (const RecordSection& section : sections) {
-    for (const InputSection& input : section.inputs) add(input.spec);
+    for (const InputSection& input : section.inputs) {
+      add(input.spec);
+      if (input.spec.kind != InputSpec::Kind::kPrescribedDisplacement) continue;
+      for (const int derivative : {1, 2}) {
+        add(PrescribedInput(model, input.spec.index, derivative));
+      }
+    }
     for (const ChannelSection& channel : section.channels) {
       absolute_displacement =
           absolute_displacement ||

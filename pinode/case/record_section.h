@@ -95,9 +95,16 @@ struct RecordSection {
                                       bool simulation,
                                       std::vector<RecordSection>* sections);
 
-// The inputs of the dynamics: everything that some record has, each once, and
-// the ground displacement where a channel needs it. Names: ground_<direction>,
-// force_<dof>, the covariate's own, ground_displacement_<direction>.
+// The `derivative`-th derivative (0 to 2) of the displacement that is
+// prescribed at a DOF: motion_<dof>, motion_velocity_<dof>,
+// motion_acceleration_<dof>.
+InputSpec PrescribedInput(const StructuralModel& model, int dof,
+                          int derivative);
+
+// The inputs of the dynamics: everything that some record has, each once, the
+// ground displacement where a channel needs it, and the derivatives of
+// prescribed motions. Names: ground_<direction>, force_<dof>, motion_<dof> and
+// so on, the covariate's own, ground_displacement_<direction>.
 std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,
                                      const StructuralModel& model);
 

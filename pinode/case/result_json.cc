@@ -124,10 +124,10 @@ bool Modes(const IdentificationProblem& problem,
            Json* json, std::string* error) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   std::vector<ModePair> pairs;
-  if (!CompareModes(dynamics.CorrectedModel(dynamics.Parameters()),
-                    dynamics.CorrectedModel(
-                        model.parameters.head(dynamics.num_parameters())),
-                    &pairs, error)) {
+  if (!CompareModes(
+          dynamics.HeldModel(dynamics.Parameters()),
+          dynamics.HeldModel(model.parameters.head(dynamics.num_parameters())),
+          &pairs, error)) {
     return false;
   }
   const double hz = problem.description.HzPerModelFrequency();

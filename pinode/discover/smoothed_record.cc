@@ -20,6 +20,7 @@ int DerivativeOf(Quantity quantity) {
       return 2;
     case Quantity::kDisplacement:
     case Quantity::kAbsoluteDisplacement:
+    case Quantity::kForce:
       break;
   }
   return 0;
@@ -27,8 +28,8 @@ int DerivativeOf(Quantity quantity) {
 
 bool ShowsAlone(const MeasuredChannel& channel, int dof) {
   const Vector& weights = channel.observation.weights;
-  return channel.fit && weights[dof] != 0.0 &&
-         (weights.array() != 0.0).count() == 1;
+  return channel.fit && channel.observation.quantity != Quantity::kForce &&
+         weights[dof] != 0.0 && (weights.array() != 0.0).count() == 1;
 }
 
 // A channel that shows `dof` alone as a record of that DOF's own motion.

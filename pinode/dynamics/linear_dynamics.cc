@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/dynamics/prescribed_motion.h"
 #include "pinode/dynamics/products.h"
 
 namespace pinode {
@@ -48,6 +49,9 @@ bool LinearDynamics::IsValid(const StructuralModel& model,
         }
         break;
       case InputSpec::Kind::kForce:
+      case InputSpec::Kind::kPrescribedDisplacement:
+      case InputSpec::Kind::kPrescribedVelocity:
+      case InputSpec::Kind::kPrescribedAcceleration:
         if (input.index < 0 || input.index >= model.num_dofs()) {
           *error = "input '" + input.name + "' needs a DOF of the model";
           return false;
@@ -58,7 +62,7 @@ bool LinearDynamics::IsValid(const StructuralModel& model,
         break;
     }
   }
-  return true;
+  return ArePrescribable(model, inputs, error);
 }
 
 void LinearDynamics::SetChanges(std::vector<MatrixChange> changes) {

@@ -20,6 +20,11 @@ struct InputSpec {
     kCovariate,           // a measured quantity that groups or terms follow
     kGroundDisplacement,  // index: direction; for absolute displacements
     kRecordSwitch,        // one in one record, zero in all others
+    // Motion of a DOF that an actuator prescribes, see PrescribedDof; index:
+    // it.
+    kPrescribedDisplacement,
+    kPrescribedVelocity,
+    kPrescribedAcceleration,
   };
   Kind kind = Kind::kForce;
   int index = 0;

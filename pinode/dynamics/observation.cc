@@ -17,6 +17,7 @@ constexpr NamedQuantity kQuantities[] = {
     {Quantity::kRelativeAcceleration, "relative_acceleration"},
     {Quantity::kAbsoluteAcceleration, "absolute_acceleration"},
     {Quantity::kAbsoluteDisplacement, "absolute_displacement"},
+    {Quantity::kForce, "force"},
 };
 
 }  // namespace
@@ -59,7 +60,8 @@ ObservationMap::ObservationMap(const StructuralDynamics& dynamics,
     const auto weights = observation.weights.transpose();
     const bool acceleration =
         observation.quantity == Quantity::kRelativeAcceleration ||
-        observation.quantity == Quantity::kAbsoluteAcceleration;
+        observation.quantity == Quantity::kAbsoluteAcceleration ||
+        observation.quantity == Quantity::kForce;
     if (acceleration) {
       full_rate_map_.block(c, n, 1, n) = weights;
       acceleration_rows_.push_back(c);
@@ -68,6 +70,7 @@ ObservationMap::ObservationMap(const StructuralDynamics& dynamics,
     } else {
       state_map_.block(c, 0, 1, n) = weights;
     }
+    if (acceleration) MapPrescribed(dynamics, observation, c);
     // The ground's own motion, seen by absolute sensors.
     for (int i = 0; i < dynamics.num_inputs(); ++i) {
       const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
@@ -85,6 +88,25 @@ ObservationMap::ObservationMap(const StructuralDynamics& dynamics,
   for (size_t r = 0; r < acceleration_rows_.size(); ++r) {
     rate_map_.row(static_cast<int>(r)) =
         full_rate_map_.row(acceleration_rows_[r]);
+  }
+}
+
+// The rate at a prescribed DOF is the acceleration that it would have if it
+// were let go.
+void ObservationMap::MapPrescribed(const StructuralDynamics& dynamics,
+                                   const Observation& observation,
+                                   int channel) {
+  for (const PrescribedDof& p : dynamics.prescribed()) {
+    const double weight = observation.weights[p.dof];
+    double& rate = full_rate_map_(channel, dynamics.num_dofs() + p.dof);
+    double& input = input_map_(channel, p.acceleration);
+    if (observation.quantity == Quantity::kForce) {
+      input = weight * dynamics.model().mass(p.dof, p.dof);
+      rate = -input;
+    } else {
+      input = weight;
+      rate = 0.0;
+    }
   }
 }
 

@@ -17,6 +17,7 @@ enum class Quantity {
   kRelativeAcceleration,  // a
   kAbsoluteAcceleration,  // a + r a_g
   kAbsoluteDisplacement,  // x + r x_g; needs the ground displacement as input
+  kForce,                 // what moves a DOF of prescribed motion
 };
 
 // The names used in case files, "displacement" and so on.
@@ -69,6 +70,9 @@ class ObservationMap {
   const Matrix& rate_map() const { return rate_map_; }
 
  private:
+  void MapPrescribed(const StructuralDynamics& dynamics,
+                     const Observation& observation, int channel);
+
   Matrix state_map_;      // channels x states
   Matrix full_rate_map_;  // channels x states, zero but for accelerations
   Matrix input_map_;      // channels x inputs

@@ -12,7 +12,8 @@ namespace pinode {
 
 StructuralDynamics::StructuralDynamics(StructuralModel model,
                                        std::vector<InputSpec> inputs)
-    : linear_(std::move(model), std::move(inputs)) {}
+    : linear_(std::move(model), std::move(inputs)),
+      prescribed_(PrescribedDofs(linear_.inputs())) {}
 
 std::unique_ptr<StructuralDynamics> StructuralDynamics::Create(
     StructuralModel model, std::vector<InputSpec> inputs, std::string* error) {
@@ -22,7 +23,7 @@ std::unique_ptr<StructuralDynamics> StructuralDynamics::Create(
 }
 
 StructuralDynamics::StructuralDynamics(const StructuralDynamics& other)
-    : linear_(other.linear_) {
+    : linear_(other.linear_), prescribed_(other.prescribed_) {
   for (const auto& term : other.terms_) terms_.push_back(term->Clone());
   Layout();
 }
@@ -50,7 +51,10 @@ bool StructuralDynamics::AddTerm(std::unique_ptr<Term> term,
     *error = "all groups are one term: add to it by AddGroup";
     return false;
   }
-  if (!term->IsValid(model(), num_inputs(), error)) return false;
+  if (!term->IsValid(model(), num_inputs(), error) ||
+      !LeavesPrescribedMasses(*term, error)) {
+    return false;
+  }
   // Behind all of its kind.
   const auto behind = std::find_if(terms_.begin(), terms_.end(),
                                    [kind = term->kind()](const auto& other) {
@@ -63,6 +67,11 @@ bool StructuralDynamics::AddTerm(std::unique_ptr<Term> term,
 
 // All groups are one term.
 bool StructuralDynamics::AddGroup(GroupTerm term, std::string* error) {
+  GroupTerms alone;
+  if (!alone.Add(term, model(), num_inputs(), error) ||
+      !LeavesPrescribedMasses(alone, error)) {
+    return false;
+  }
   if (groups().empty()) {
     auto groups = std::make_unique<GroupTerms>();
     return groups->Add(std::move(term), model(), num_inputs(), error) &&
@@ -108,6 +117,36 @@ bool StructuralDynamics::AddElement(const std::string& name,
   LawTerm term;
   return MakeElement(name, type, num_dofs(), from, to, values, &term, error) &&
          AddLaw(std::move(term), error);
+}
+
+bool StructuralDynamics::LeavesPrescribedMasses(const Term& term,
+                                                std::string* error) const {
+  for (const MatrixChange& change : term.MatrixChanges()) {
+    if (change.group->target != MatrixGroup::Target::kMass) continue;
+    for (const PrescribedDof& p : prescribed_) {
+      if (change.group->matrix.col(p.dof).isZero(0.0)) continue;
+      *error = "the mass of DOF '" + model().dof_names[Index(p.dof)] +
+               "', whose motion is prescribed, cannot change";
+      return false;
+    }
+  }
+  return true;
+}
+
+const double* StructuralDynamics::Prescribed(const double* input,
+                                             const double* state,
+                                             Vector* copy) const {
+  if (prescribed_.empty()) return state;
+  *copy = Eigen::Map<const Vector>(state, num_states());
+  Prescribe(input, copy->data());
+  return copy->data();
+}
+
+void StructuralDynamics::PrescribeSensitivity(Matrix* sensitivity) const {
+  for (const PrescribedDof& p : prescribed_) {
+    sensitivity->row(p.dof).setZero();
+    sensitivity->row(num_dofs() + p.dof).setZero();
+  }
 }
 
 const std::vector<GroupTerm>& StructuralDynamics::groups() const {
@@ -189,6 +228,10 @@ StructuralModel StructuralDynamics::CorrectedModel(const Vector& theta) const {
   return linear_.ChangedModel(theta);
 }
 
+StructuralModel StructuralDynamics::HeldModel(const Vector& theta) const {
+  return WithoutPrescribed(CorrectedModel(theta), prescribed_);
+}
+
 bool StructuralDynamics::Prepare(const Vector& theta, Prepared* prepared,
                                  std::string* error) const {
   if (theta.size() != num_parameters_) {
@@ -212,6 +255,9 @@ StructuralDynamics::Linearization StructuralDynamics::MakeLinearization()
   linearization.rate = Vector::Zero(num_states());
   linearization.jacobian = Matrix::Zero(num_states(), num_states());
   linearization.force_acceleration = Vector::Zero(num_dofs());
+  if (!prescribed_.empty()) {
+    linearization.prescribed_state = Vector::Zero(num_states());
+  }
   linearization.change_forces =
       Matrix::Zero(num_dofs(), linear_.num_free_changes());
   for (size_t i = 0; i < terms_.size(); ++i) {
@@ -240,6 +286,7 @@ TermRate<T> StructuralDynamics::RateOf(int term, T* rate,
 void StructuralDynamics::Rate(const Prepared& prepared, double time,
                               const double* input, const double* state,
                               double* rate, Linearization* scratch) const {
+  state = Prescribed(input, state, &scratch->prescribed_state);
   linear_.Rate(prepared.linear, input, state, rate);
   for (int i = 0; i < num_terms(); ++i) {
     auto sums = RateOf(i, rate, scratch->force_acceleration.data());
@@ -254,6 +301,12 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
                               const double* input, const WideJet* state,
                               const WideJet* theta, WideJet* rate) const {
   const int n = num_dofs();
+  std::vector<WideJet> copy;
+  if (!prescribed_.empty()) {
+    copy.assign(state, state + num_states());
+    Prescribe(input, copy.data());
+    state = copy.data();
+  }
   linear_.Rate(prepared.linear, input, state, rate);
   std::vector<WideJet> force_acceleration(rate + n, rate + 2 * n);
   for (int i = 0; i < num_terms(); ++i) {
@@ -270,6 +323,7 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
                                    Linearization* linearization) const {
   const int n = num_dofs();
   Linearization& at = *linearization;
+  state = Prescribed(input, state, &at.prescribed_state);
   linear_.Rate(prepared.linear, input, state, at.rate.data());
   if (num_internal_ > 0) at.jacobian.setZero();
   at.jacobian.topLeftCorner(2 * n, 2 * n) = prepared.linear.state_jacobian;
@@ -284,6 +338,10 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
         &at.jacobian, at.terms[Index(i)].get());
   }
   linear_.ChangeForces(input, state, at.force_acceleration, &at.change_forces);
+  for (const PrescribedDof& p : prescribed_) {
+    at.jacobian.col(p.dof).setZero();
+    at.jacobian.col(n + p.dof).setZero();
+  }
 }
 
 StructuralDynamics::TangentScratch StructuralDynamics::MakeTangentScratch(

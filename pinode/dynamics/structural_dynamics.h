@@ -15,6 +15,7 @@
 #include "pinode/dynamics/law_term.h"
 #include "pinode/dynamics/linear_dynamics.h"
 #include "pinode/dynamics/network_term.h"
+#include "pinode/dynamics/prescribed_motion.h"
 #include "pinode/dynamics/term.h"
 #include "pinode/dynamics/unknown_force_term.h"
 #include "pinode/structure/structural_model.h"
@@ -32,7 +33,9 @@ namespace pinode {
 // with M, C, K the model's matrices plus group corrections, and
 // B u = -(M r + M_fs) a_g for ground motion. What is linear with constant
 // matrices is LinearDynamics, everything else a list of terms (term.h); here
-// they are put together.
+// they are put together. Where the motion of a DOF is prescribed, rates are
+// those at the prescribed state, whatever the state says, and who integrates
+// calls Prescribe after each step.
 //
 // Build it once, add the terms, then only read: all const functions are safe
 // to call from several threads, each with its own Linearization objects.
@@ -71,6 +74,17 @@ class StructuralDynamics {
   const LinearDynamics& linear_dynamics() const { return linear_; }
   const StructuralModel& model() const { return linear_.model(); }
   const std::vector<InputSpec>& inputs() const { return linear_.inputs(); }
+  // The DOFs whose motion is prescribed.
+  const std::vector<PrescribedDof>& prescribed() const { return prescribed_; }
+  // The motion that is prescribed at an instant, written into a state.
+  template <typename T>
+  void Prescribe(const double* input, T* state) const {
+    PrescribeMotion(prescribed_, num_dofs(), input, state);
+  }
+  // What is prescribed depends on nothing: zero rows in the sensitivities
+  // (num_states rows) of a state after Prescribe.
+  void PrescribeSensitivity(Matrix* sensitivity) const;
+
   const std::vector<GroupTerm>& groups() const;
   TermRange<LawTerm> laws() const { return Range<LawTerm>(TermKind::kLaw); }
   TermRange<UnknownForceTerm> unknown_forces() const {
@@ -142,6 +156,7 @@ class StructuralDynamics {
     // The rest is the factored derivative by theta, see AddParameterTangents.
     Vector force_acceleration;  // a without what acts as an acceleration
     Matrix change_forces;       // see LinearDynamics::ChangeForces
+    Vector prescribed_state;    // empty where no motion is prescribed
     std::vector<std::unique_ptr<TermLinearization>> terms;
   };
   Linearization MakeLinearization() const;
@@ -178,6 +193,9 @@ class StructuralDynamics {
 
   // The model with M, C, K corrected by the groups that follow nothing.
   StructuralModel CorrectedModel(const Vector& theta) const;
+  // The same with the DOFs of prescribed motion held, for modes; may have no
+  // DOF left.
+  StructuralModel HeldModel(const Vector& theta) const;
 
  private:
   // Where a term's parameters, tangents and internal states begin.
@@ -200,7 +218,14 @@ class StructuralDynamics {
   template <typename T>
   TermRate<T> RateOf(int term, T* rate, T* force_acceleration) const;
 
+  // `state`, or *copy with the prescribed motion.
+  const double* Prescribed(const double* input, const double* state,
+                           Vector* copy) const;
+  // False where the term would change the mass of such a DOF.
+  bool LeavesPrescribedMasses(const Term& term, std::string* error) const;
+
   LinearDynamics linear_;
+  std::vector<PrescribedDof> prescribed_;
   std::vector<std::unique_ptr<Term>> terms_;  // by kind, then as added
   std::vector<Offsets> offsets_;              // of each term
   std::vector<ParameterBlock> blocks_;        // of each term

@@ -38,6 +38,11 @@ bool HasGroundDisplacement(const StructuralDynamics& dynamics) {
                      });
 }
 
+bool IsOnPrescribed(const StructuralDynamics& dynamics, Vector weights) {
+  for (const PrescribedDof& p : dynamics.prescribed()) weights[p.dof] = 0.0;
+  return weights.isZero(0.0);
+}
+
 bool IsValidObservation(const StructuralDynamics& dynamics,
                         const Observation& observation, std::string* error) {
   std::ostringstream message;
@@ -50,6 +55,10 @@ bool IsValidObservation(const StructuralDynamics& dynamics,
              !HasGroundDisplacement(dynamics)) {
     message << "an absolute displacement needs the ground displacement among "
                "the inputs";
+  } else if (observation.quantity == Quantity::kForce &&
+             !IsOnPrescribed(dynamics, observation.weights)) {
+    message << "a force is measured where the motion is prescribed; expected "
+               "weights at such DOFs only";
   } else {
     return true;
   }
@@ -200,7 +209,8 @@ bool IdentificationProblem::IsDriven(const IdentificationRecord& record) const {
     const InputSpec::Kind kind =
         dynamics->inputs()[static_cast<size_t>(i)].kind;
     if ((kind == InputSpec::Kind::kGroundAcceleration ||
-         kind == InputSpec::Kind::kForce) &&
+         kind == InputSpec::Kind::kForce ||
+         kind == InputSpec::Kind::kPrescribedDisplacement) &&
         !record.excitation->samples().row(i).isZero(0.0)) {
       return true;
     }

@@ -36,7 +36,10 @@ Vector InternalScales(const StructuralDynamics& dynamics, const Vector& scales,
     return internal;
   }
   auto scratch = dynamics.MakeLinearization();
-  const Vector input = Vector::Zero(dynamics.num_inputs());
+  Vector input = Vector::Zero(dynamics.num_inputs());
+  for (const PrescribedDof& p : dynamics.prescribed()) {
+    input[p.velocity] = scales[n + p.dof];
+  }
   Vector largest = Vector::Zero(internal.size());
   for (int i = 0; i < n; ++i) {
     Vector state = Vector::Zero(dynamics.num_states());
@@ -91,7 +94,17 @@ Vector GuessStateScales(const IdentificationProblem& problem,
       case Quantity::kAbsoluteAcceleration:
         a = std::max(a, size);
         break;
+      case Quantity::kForce:
+        break;
     }
+  }
+  for (const PrescribedDof& p : dynamics.prescribed()) {
+    const auto size = [&record](int input) {
+      return StandardDeviationOfPresent(
+          record.excitation->samples().row(input).transpose());
+    };
+    x = std::max(x, size(p.displacement));
+    v = std::max(v, size(p.velocity));
   }
   const double omega = TypicalFrequency(problem, x, v, a);
   if (v == 0.0) v = x > 0.0 ? x * omega : a / omega;

@@ -183,7 +183,8 @@ void ScoreModes(const IdentificationProblem& problem,
 double LeastDamping(const StructuralDynamics& dynamics,
                     const Vector& parameters) {
   const StructuralModel model =
-      dynamics.CorrectedModel(parameters.head(dynamics.num_parameters()));
+      dynamics.HeldModel(parameters.head(dynamics.num_parameters()));
+  if (model.num_dofs() == 0) return kNaN;
   ModalProperties modes;
   std::string unused;
   if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,

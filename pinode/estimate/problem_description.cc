@@ -44,6 +44,8 @@ Dimension DimensionOf(Quantity quantity) {
     case Quantity::kRelativeAcceleration:
     case Quantity::kAbsoluteAcceleration:
       return Dimension::kAcceleration;
+    case Quantity::kForce:
+      return Dimension::kForce;
   }
   return Dimension::kNumber;
 }

@@ -32,6 +32,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
   auto stage = dynamics.MakeLinearization();
   Rk4Scratch<double> scratch(ns);
   Vector state = start;
+  dynamics.Prescribe(grid.AtSample(first_sample), state.data());
   for (int i = first_sample; i <= last_sample; ++i) {
     for (int k = 0; k < ns; ++k) {
       if (!(std::abs(state[k]) < kLargest)) {
@@ -55,6 +56,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
                           &stage);
           },
           grid.step_time(i, s), grid.step(), state.data(), &scratch);
+      dynamics.Prescribe(grid.AtNode(i, s, 2), state.data());
     }
   }
   return true;

@@ -47,6 +47,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
         theta[dynamics.tangent_columns()[column - ns]].v[k] = 1.0;
       }
     }
+    dynamics.Prescribe(grid.AtSample(first), state.data());
     for (int i = first; i <= last; ++i) {
       for (int k = 0; k < ns; ++k) {
         if (!(std::abs(state[k].a) < 1e100)) {
@@ -88,6 +89,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
                             theta.data(), h_rate);
             },
             grid.step_time(i, s), grid.step(), state.data(), &scratch);
+        dynamics.Prescribe(grid.AtNode(i, s, 2), state.data());
       }
     }
     for (int k = 0; k < ns; ++k) {

@@ -66,6 +66,8 @@ bool SegmentPropagator::PropagateTangents(
   sensitivity_.resize(ns, ns + np);
   sensitivity_.setZero();
   sensitivity_.leftCols(ns).setIdentity();
+  dynamics_.Prescribe(grid.AtSample(first), state_.data());
+  dynamics_.PrescribeSensitivity(&sensitivity_);
   for (int i = first; i <= last; ++i) {
     const int failed = FirstNotFinite(state_);
     if (failed >= 0) {

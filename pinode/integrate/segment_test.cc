@@ -181,6 +181,116 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
   }
 }
 
+// A chain of three with a law of every kind of state, the last DOF moved.
+std::unique_ptr<StructuralDynamics> MakeMovedChain(
+    const std::vector<InputSpec>& inputs) {
+  auto dynamics = std::make_unique<StructuralDynamics>(
+      testing::MakeChain(3, 10.0, 0.5), inputs);
+  std::string error;
+  GroupTerm group;
+  group.alpha.name = group.group.name = "k3";
+  group.group.matrix = SpringMatrix(3, 1, 2);
+  group.alpha.value = 0.3;
+  CHECK(dynamics->AddGroup(group, &error)) << error;
+  CHECK(dynamics->AddElement("hard", "cubic", 1, 2, {0.8}, &error)) << error;
+  CHECK(dynamics->AddElement("damper", "bouc_wen", Feature::kGround, 2,
+                             {2.0, 1.0, 0.6, 0.3, 1.6}, &error))
+      << error;
+  return dynamics;
+}
+
+const std::vector<InputSpec>& MotionOfTheThird() {
+  static const auto& inputs = *new std::vector<InputSpec>{
+      {InputSpec::Kind::kPrescribedDisplacement, 2, "x3"},
+      {InputSpec::Kind::kPrescribedVelocity, 2, "v3"},
+      {InputSpec::Kind::kPrescribedAcceleration, 2, "a3"}};
+  return inputs;
+}
+
+// What moves the free chain is what the moved one asks for.
+TEST(PrescribedSegment, ForceIsTheOneThatMakesTheMotion) {
+  constexpr int kSamples = 400;
+  constexpr double kStep = 0.01;
+  Matrix force(1, kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    force(0, i) = 3.0 * std::sin(0.06 * i) * std::sin(0.011 * i);
+  }
+  const auto pushed = MakeMovedChain({{InputSpec::Kind::kForce, 2, "f"}});
+  const auto run = [](const StructuralDynamics& dynamics,
+                      const std::vector<Observation>& observations,
+                      const Matrix& input) {
+    StructuralDynamics::Prepared prepared;
+    std::string error;
+    CHECK(dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) << error;
+    const Excitation excitation(0.0, kStep, input, Interpolation::kCubic);
+    Trajectory trajectory;
+    // Whatever the start says of the third.
+    Vector start = Vector::Zero(dynamics.num_states());
+    if (!dynamics.prescribed().empty()) start[2] = start[5] = 9.0;
+    CHECK(FreeRun(dynamics, prepared, ObservationMap(dynamics, observations),
+                  IntegrationGrid(excitation, 4), start, 0, kSamples - 1,
+                  &trajectory));
+    return trajectory;
+  };
+  const Trajectory free =
+      run(*pushed,
+          {{"a3", Quantity::kRelativeAcceleration, Vector::Unit(3, 2)}}, force);
+  Matrix motion(3, kSamples);
+  motion << free.states.row(2), free.states.row(5), free.channels;
+  const auto moved = MakeMovedChain(MotionOfTheThird());
+  const Trajectory found =
+      run(*moved, {{"f3", Quantity::kForce, Vector::Unit(3, 2)}}, motion);
+  EXPECT_LT((found.channels - force).norm(), 1e-5 * force.norm());
+  EXPECT_LT((found.states - free.states).norm(), 1e-5 * free.states.norm());
+  EXPECT_EQ(found.states.row(2), motion.row(0));
+}
+
+TEST(PrescribedSegment, TangentsEqualWideJetsAndDifferences) {
+  const auto dynamics = MakeMovedChain(MotionOfTheThird());
+  const ObservationMap observation(
+      *dynamics, {{"f3", Quantity::kForce, Vector::Unit(3, 2)},
+                  {"x1", Quantity::kDisplacement, Vector::Unit(3, 0)},
+                  {"a2", Quantity::kRelativeAcceleration, Vector::Unit(3, 1)}});
+  const IntegrationGrid grid(SomeExcitation(Interpolation::kLinear, 12), 2);
+  const int ns = dynamics->num_states();
+  const Vector start = Vector::LinSpaced(ns, -0.5, 0.6);
+  const auto propagate = [&](const Vector& theta, DerivativeMethod method) {
+    StructuralDynamics::Prepared prepared;
+    std::string error;
+    CHECK(dynamics->Prepare(theta, &prepared, &error)) << error;
+    SegmentPropagator propagator(*dynamics, method);
+    SegmentTangents result;
+    CHECK(propagator.Propagate(prepared, observation, grid, start, 0, 11, true,
+                               true, &result));
+    return result;
+  };
+  const Vector theta = dynamics->Parameters();
+  const auto tangents = propagate(theta, DerivativeMethod::kTangents);
+  const auto jets = propagate(theta, DerivativeMethod::kJets);
+  EXPECT_LT((tangents.jacobian - jets.jacobian).norm(),
+            1e-12 * jets.jacobian.norm());
+  EXPECT_LT((tangents.end_sensitivity - jets.end_sensitivity).norm(),
+            1e-12 * jets.end_sensitivity.norm());
+  for (const int held : {2, 5}) {
+    EXPECT_TRUE(tangents.end_sensitivity.row(held).isZero(0.0));
+    EXPECT_TRUE(tangents.jacobian.col(held).isZero(0.0));
+  }
+  constexpr double kStep = 1e-6;
+  for (int j = 0; j < dynamics->num_tangent_columns(); ++j) {
+    const Vector step =
+        kStep * Vector::Unit(theta.size(), dynamics->tangent_columns()[j]);
+    const Matrix slope =
+        (propagate(theta + step, DerivativeMethod::kTangents).channels -
+         propagate(theta - step, DerivativeMethod::kTangents).channels) /
+        (2.0 * kStep);
+    const Vector column = tangents.jacobian.col(ns + j);
+    EXPECT_LT(
+        (Eigen::Map<const Vector>(slope.data(), slope.size()) - column).norm(),
+        1e-7 * column.norm())
+        << j;
+  }
+}
+
 TEST(Segment, DivergenceNamesSampleAndState) {
   StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
   model.stiffness *= -1e6;  // explodes

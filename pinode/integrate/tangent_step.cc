@@ -65,6 +65,7 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   *state += dt / 6.0 *
             (stages_[0].rate + 2.0 * stages_[1].rate + 2.0 * stages_[2].rate +
              stages_[3].rate);
+  dynamics_.Prescribe(end, state->data());
 
   // Backwards through the stages.
   weights_[3].setZero();
@@ -83,6 +84,7 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   if (!with_parameters) {
     DCHECK_EQ(sensitivity->cols(), ns);
     next_start_.noalias() = transition_ * *sensitivity;
+    dynamics_.PrescribeSensitivity(&next_start_);
     sensitivity->swap(next_start_);
     return;
   }
@@ -95,6 +97,7 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   dynamics_.AddParameterTangents(
       prepared, stages, lefts, 4, &scratch_,
       next_.data() + static_cast<Eigen::Index>(ns) * ns);
+  dynamics_.PrescribeSensitivity(&next_);
   sensitivity->swap(next_);
 }
 

@@ -35,8 +35,9 @@ std::string Instability(const ReportInput& input) {
       input.model->parameters.size() < dynamics.num_parameters()) {
     return "";
   }
-  const StructuralModel model = dynamics.CorrectedModel(
+  const StructuralModel model = dynamics.HeldModel(
       input.model->parameters.head(dynamics.num_parameters()));
+  if (model.num_dofs() == 0) return "";
   UndampedModes modes;
   std::string unused;
   if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, &unused)) {

@@ -36,6 +36,8 @@ void AlignRigidBodies(const ModalProperties& before, const Matrix& mass,
 bool CompareModes(const StructuralModel& initial,
                   const StructuralModel& updated, std::vector<ModePair>* pairs,
                   std::string* error) {
+  pairs->clear();
+  if (initial.num_dofs() == 0) return true;
   ModalProperties before, after;
   if (!ComputeModes(initial.mass, initial.damping, initial.stiffness, &before,
                     error) ||
@@ -46,7 +48,6 @@ bool CompareModes(const StructuralModel& initial,
   AlignRigidBodies(before, updated.mass, &after);
   const std::vector<int> partners =
       PairModes(before.mode_shapes, after.mode_shapes);
-  pairs->clear();
   for (int i = 0; i < before.frequency_hz.size(); ++i) {
     ModePair pair;
     pair.initial_frequency = before.frequency_hz[i];

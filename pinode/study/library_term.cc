@@ -31,8 +31,12 @@ Powers FeaturePowers(const Feature& feature,
     case Feature::Kind::kInput:
       switch (inputs[static_cast<size_t>(feature.input)].kind) {
         case InputSpec::Kind::kGroundAcceleration:
+        case InputSpec::Kind::kPrescribedAcceleration:
           return {0.0, 1.0, -2.0};
+        case InputSpec::Kind::kPrescribedVelocity:
+          return {0.0, 1.0, -1.0};
         case InputSpec::Kind::kGroundDisplacement:
+        case InputSpec::Kind::kPrescribedDisplacement:
           return {0.0, 1.0, 0.0};
         case InputSpec::Kind::kForce:
           return {1.0, 0.0, 0.0};

@@ -11,12 +11,17 @@ namespace {
 bool IsInputOf(const StructuralModel& model, const InputSpec& input,
                std::string* error) {
   int size = 0;
+  bool dof = false;
   switch (input.kind) {
     case InputSpec::Kind::kGroundAcceleration:
     case InputSpec::Kind::kGroundDisplacement:
       size = model.num_directions();
       break;
     case InputSpec::Kind::kForce:
+    case InputSpec::Kind::kPrescribedDisplacement:
+    case InputSpec::Kind::kPrescribedVelocity:
+    case InputSpec::Kind::kPrescribedAcceleration:
+      dof = true;
       size = model.num_dofs();
       break;
     case InputSpec::Kind::kCovariate:
@@ -24,11 +29,10 @@ bool IsInputOf(const StructuralModel& model, const InputSpec& input,
       return true;
   }
   if (input.index >= 0 && input.index < size) return true;
-  *error =
-      "input '" + input.name + "': the model has no " +
-      std::string(input.kind == InputSpec::Kind::kForce ? "DOF" : "direction") +
-      " " + std::to_string(input.index) + ", expected 0 to " +
-      std::to_string(size - 1);
+  *error = "input '" + input.name + "': the model has no " +
+           std::string(dof ? "DOF" : "direction") + " " +
+           std::to_string(input.index) + ", expected 0 to " +
+           std::to_string(size - 1);
   return false;
 }
 

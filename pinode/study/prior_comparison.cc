@@ -44,8 +44,8 @@ PriorComparison CompareWithPrior(const IdentificationProblem& problem,
   const StructuralDynamics& dynamics = *problem.dynamics;
   std::vector<ModePair> modes;
   if (CompareModes(
-          dynamics.CorrectedModel(prior.head(layout.num_dynamics())),
-          dynamics.CorrectedModel(model.parameters.head(layout.num_dynamics())),
+          dynamics.HeldModel(prior.head(layout.num_dynamics())),
+          dynamics.HeldModel(model.parameters.head(layout.num_dynamics())),
           &modes, &result.why_no_modes)) {
     result.modes = std::move(modes);
   }
