@@ -47,6 +47,9 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
   *first = std::clamp(peak - *count / 3, 0, size - *count);
 }
 
+// Of measurements about a prediction, in its standard deviations.
+constexpr double kBandDeviations = 1.96;
+
 // The three panels of a channel that has been run.
 class ChannelPlot {
  public:
@@ -74,6 +77,11 @@ class ChannelPlot {
     if (channel < static_cast<int>(score_.channels.size())) {
       sigma_ = score_.channels[static_cast<size_t>(channel)].sigma;
     }
+    if (score_.deviations.rows() > channel &&
+        score_.deviations.cols() == num_samples_ &&
+        score_.deviations.row(channel).allFinite()) {
+      half_band_ = kBandDeviations * score_.deviations.row(channel);
+    }
   }
 
   std::string Draw() {
@@ -85,6 +93,7 @@ class ChannelPlot {
     return script_.text();
   }
 
+  bool HasBand() const { return half_band_.size() > 0; }
   bool HasSigma() const { return std::isfinite(sigma_) && sigma_ > 0.0; }
 
  private:
@@ -130,7 +139,16 @@ class ChannelPlot {
                  GnuplotString(AxisLabel(
                      "time", input_.problem->description.units.time)));
     script_.Line(Range("x", time_(first), time_(first + count - 1)));
-    Plot(AddCurves(first, count, kCloseUpBuckets, false));
+    std::vector<std::string> curves =
+        AddCurves(first, count, kCloseUpBuckets, false);
+    if (HasBand()) {
+      const Vector prediction = updated_.segment(first, count);
+      const Vector half = half_band_.segment(first, count);
+      curves.insert(curves.begin(),
+                    Band(time_.segment(first, count), prediction - half,
+                         prediction + half, "", &script_));
+    }
+    Plot(curves);
   }
 
   // Below on the right.
@@ -192,7 +210,8 @@ class ChannelPlot {
   const int num_samples_;
   Vector time_;
   const Vector updated_;
-  Vector prior_;  // empty: not known
+  Vector prior_;      // empty: not known
+  Vector half_band_;  // likewise
   double sigma_ = 0.0;
   FigureScript script_;
 };
@@ -226,6 +245,9 @@ Figure MakeChannelFigure(const ReportInput& input, int record, int channel) {
   figure.caption +=
       ". Whole record above; its strongest part below on the left, the "
       "residual (measured minus updated model) on the right";
+  if (plot.HasBand()) {
+    figure.caption += "; shaded: where 95 % of measurements are expected";
+  }
   if (plot.HasSigma()) {
     figure.caption += ", with \u00b12\u03c3 of the noise dashed";
   }

@@ -94,6 +94,21 @@ std::string RecordWithRole(const ReportInput& input, int record) {
          ")";
 }
 
+std::string Band(const Vector& times, const Vector& lower, const Vector& upper,
+                 const std::string& title, FigureScript* script) {
+  const int size = static_cast<int>(times.size());
+  const int stride = (size + kHistoryBuckets - 1) / kHistoryBuckets;
+  std::vector<std::vector<double>> band(3);
+  for (int i = 0; i < size; i += stride) {
+    const int width = std::min(stride, size - i);
+    band[0].push_back(times.segment(i, width).mean());
+    band[1].push_back(lower.segment(i, width).minCoeff());
+    band[2].push_back(upper.segment(i, width).maxCoeff());
+  }
+  return script->Data(band) + " using 1:2:3 with filledcurves " + kBandFill +
+         (title.empty() ? " notitle" : " title " + GnuplotString(title));
+}
+
 std::vector<double> Column(const Vector& values) {
   return std::vector<double>(values.data(), values.data() + values.size());
 }

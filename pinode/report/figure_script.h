@@ -52,6 +52,12 @@ class FigureScript {
 std::string Lines(const std::string& data, const std::string& style,
                   const std::string& title);
 
+// What lies between two histories, filled, for a plot command: the widest of
+// neighbouring samples stands for them. Where either is not finite there is
+// none.
+std::string Band(const Vector& times, const Vector& lower, const Vector& upper,
+                 const std::string& title, FigureScript* script);
+
 // The command that sets an axis, "x" or "y", a little wider where it would have
 // no width.
 std::string Range(const std::string& axis, double low, double high);

@@ -69,6 +69,22 @@ TEST_F(FigureTest, DrawsAChannelThatThePriorAndTheUpdatedModelMiss) {
   Draw(MakeChannelFigure(example_->input, 0, 0));
 }
 
+TEST_F(FigureTest, ShadesWhereMeasurementsAreExpected) {
+  RecordScore& score = example_->summary.records[0];
+  score.deviations.resize(0, 0);
+  EXPECT_THAT(MakeChannelFigure(example_->input, 0, 0).script,
+              Not(HasSubstr("filledcurves")));
+  score.deviations =
+      Matrix::Constant(score.prediction.rows(), score.prediction.cols(), 0.1);
+  const Figure figure = MakeChannelFigure(example_->input, 0, 0);
+  EXPECT_THAT(figure.script, HasSubstr("filledcurves"));
+  EXPECT_THAT(figure.caption, HasSubstr("shaded"));
+  Draw(figure);
+  score.deviations(0, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(MakeChannelFigure(example_->input, 0, 0).script,
+              Not(HasSubstr("filledcurves")));
+}
+
 TEST_F(FigureTest, MarksWhereScoringBegins) {
   EXPECT_THAT(MakeChannelFigure(example_->input, 0, 0).script,
               Not(HasSubstr("scored from here")));

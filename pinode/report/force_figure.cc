@@ -83,28 +83,17 @@ class ForcePlot {
     const Vector times = estimate_.times.segment(from, size);
     script_.Line(Range("x", times[0], times[size - 1]));
     std::vector<std::string> curves;
-    if (has_band_) curves.push_back(Band(from, times, titles));
+    if (has_band_) {
+      curves.push_back(Band(times, estimate_.lower95.segment(from, size),
+                            estimate_.upper95.segment(from, size),
+                            titles ? "95 % band" : "", &script_));
+    }
     if (truth_ != nullptr) AddTruth(times, titles, &curves);
     const Polyline line = DecimateHistory(
         times, estimate_.value.segment(from, size), kHistoryBuckets);
     curves.push_back(Lines(script_.Data({line.x, line.y}), kUpdatedLine,
                            titles ? "identified" : ""));
     script_.Line("plot " + Join(curves, ", "));
-  }
-
-  // The widest of neighbouring steps stands for them.
-  std::string Band(int from, const Vector& times, bool titles) {
-    const int size = static_cast<int>(times.size());
-    const int stride = (size + kHistoryBuckets - 1) / kHistoryBuckets;
-    std::vector<std::vector<double>> band(3);
-    for (int i = 0; i < size; i += stride) {
-      const int width = std::min(stride, size - i);
-      band[0].push_back(times.segment(i, width).mean());
-      band[1].push_back(estimate_.lower95.segment(from + i, width).minCoeff());
-      band[2].push_back(estimate_.upper95.segment(from + i, width).maxCoeff());
-    }
-    return script_.Data(band) + " using 1:2:3 with filledcurves " + kBandFill +
-           (titles ? " title '95 % band'" : " notitle");
   }
 
   void AddTruth(const Vector& times, bool titles,
