@@ -189,6 +189,15 @@ void StructuralDynamics::Layout() {
   linear_.SetChanges(std::move(changes));
 }
 
+bool StructuralDynamics::IsLinear() const {
+  if (num_terms() > 1 || !prescribed_.empty()) return false;
+  if (num_terms() == 1 && term(0).kind() != TermKind::kGroups) return false;
+  return std::all_of(groups().begin(), groups().end(),
+                     [](const GroupTerm& group) {
+                       return group.follows == GroupTerm::Follows::kNothing;
+                     });
+}
+
 std::vector<std::string> StructuralDynamics::StateNames() const {
   std::vector<std::string> names;
   for (const std::string& dof : model().dof_names) {

@@ -100,6 +100,10 @@ class StructuralDynamics {
   int num_terms() const { return static_cast<int>(terms_.size()); }
   const Term& term(int term) const { return *terms_[Index(term)]; }
 
+  // Whether dh/dt = F h + G u with constant F and G: nothing but groups that
+  // follow nothing, and no prescribed motion.
+  bool IsLinear() const;
+
   int num_dofs() const { return linear_.num_dofs(); }
   int num_internal() const { return num_internal_; }
   int num_states() const { return 2 * num_dofs() + num_internal_; }

@@ -1,12 +1,73 @@
 #include "pinode/integrate/free_run.h"
 
-#include <cmath>
+#include <optional>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/integrate/linear_map.h"
 #include "pinode/integrate/rk4.h"
+#include "pinode/integrate/segment.h"
 
 namespace pinode {
+namespace {
+
+// Samples for each state from which on a map is worth its making.
+constexpr int kSamplesForAMap = 3;
+
+// The steps of one interval after the other: Advance takes the state from one
+// sample to the next.
+class Stepper {
+ public:
+  Stepper(const StructuralDynamics& dynamics,
+          const StructuralDynamics::Prepared& prepared,
+          const IntegrationGrid& grid, int samples)
+      : dynamics_(dynamics),
+        prepared_(prepared),
+        grid_(grid),
+        stage_(dynamics.MakeLinearization()),
+        scratch_(dynamics.num_states()) {
+    if (dynamics.IsLinear() &&
+        samples > kSamplesForAMap * dynamics.num_states()) {
+      map_.emplace(dynamics, prepared, grid.step(), grid.substeps(), false);
+    }
+  }
+
+  void RateAtSample(int sample, const double* state, double* rate) {
+    dynamics_.Rate(prepared_, grid_.time(sample), grid_.AtSample(sample), state,
+                   rate, &stage_);
+  }
+
+  void Advance(int interval, Vector* state) {
+    if (map_.has_value()) {
+      next_.noalias() = map_->transition() * *state;
+      next_.noalias() += map_->forcing() *
+                         Eigen::Map<const Vector>(grid_.AtNode(interval, 0, 0),
+                                                  map_->forcing().cols());
+      state->swap(next_);
+      return;
+    }
+    for (int s = 0; s < grid_.substeps(); ++s) {
+      Rk4Step(
+          [&](int node, double time, const double* h, double* rate) {
+            dynamics_.Rate(prepared_, time, grid_.AtNode(interval, s, node), h,
+                           rate, &stage_);
+          },
+          grid_.step_time(interval, s), grid_.step(), state->data(), &scratch_);
+      dynamics_.Prescribe(grid_.AtNode(interval, s, 2), state->data());
+    }
+  }
+
+ private:
+  const StructuralDynamics& dynamics_;
+  const StructuralDynamics::Prepared& prepared_;
+  const IntegrationGrid& grid_;
+  StructuralDynamics::Linearization stage_;
+  Rk4Scratch<double> scratch_;
+  std::optional<LinearMap> map_;
+  Vector next_;
+};
+
+}  // namespace
 
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
@@ -19,8 +80,6 @@ bool FreeRun(const StructuralDynamics& dynamics,
   CHECK_LE(first_sample, last_sample);
   CHECK_LE(last_sample, grid.num_intervals());
   const int samples = last_sample - first_sample + 1;
-  constexpr double kLargest = 1e100;
-
   trajectory->first_sample = first_sample;
   trajectory->failed_sample = -1;
   trajectory->failed_state = -1;
@@ -29,35 +88,22 @@ bool FreeRun(const StructuralDynamics& dynamics,
   trajectory->channels =
       Matrix::Constant(observation.num_channels(), samples, kNaN);
 
-  auto stage = dynamics.MakeLinearization();
-  Rk4Scratch<double> scratch(ns);
+  Stepper stepper(dynamics, prepared, grid, samples);
   Vector state = start;
   dynamics.Prescribe(grid.AtSample(first_sample), state.data());
   for (int i = first_sample; i <= last_sample; ++i) {
-    for (int k = 0; k < ns; ++k) {
-      if (!(std::abs(state[k]) < kLargest)) {
-        trajectory->failed_sample = i;
-        trajectory->failed_state = k;
-        return false;
-      }
+    trajectory->failed_state = FirstNotFinite(state);
+    if (trajectory->failed_state >= 0) {
+      trajectory->failed_sample = i;
+      return false;
     }
     const int column = i - first_sample;
     trajectory->states.col(column) = state;
-    dynamics.Rate(prepared, grid.time(i), grid.AtSample(i), state.data(),
-                  trajectory->rates.col(column).data(), &stage);
+    stepper.RateAtSample(i, state.data(), trajectory->rates.col(column).data());
     observation.Observe(state.data(), trajectory->rates.col(column).data(),
                         grid.AtSample(i),
                         trajectory->channels.col(column).data());
-    if (i == last_sample) break;
-    for (int s = 0; s < grid.substeps(); ++s) {
-      Rk4Step(
-          [&](int node, double time, const double* h, double* rate) {
-            dynamics.Rate(prepared, time, grid.AtNode(i, s, node), h, rate,
-                          &stage);
-          },
-          grid.step_time(i, s), grid.step(), state.data(), &scratch);
-      dynamics.Prescribe(grid.AtNode(i, s, 2), state.data());
-    }
+    if (i < last_sample) stepper.Advance(i, &state);
   }
   return true;
 }

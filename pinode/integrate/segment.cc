@@ -5,22 +5,21 @@
 #include "pinode/base/logging.h"
 
 namespace pinode {
-namespace {
-
-constexpr double kLargest = 1e100;
 
 int FirstNotFinite(const Vector& state) {
+  constexpr double kLargest = 1e100;
   for (int k = 0; k < state.size(); ++k) {
     if (!(std::abs(state[k]) < kLargest)) return k;
   }
   return -1;
 }
 
-}  // namespace
-
 SegmentPropagator::SegmentPropagator(const StructuralDynamics& dynamics,
                                      DerivativeMethod method)
-    : dynamics_(dynamics), method_(method), step_(dynamics) {}
+    : dynamics_(dynamics),
+      method_(method),
+      linear_(dynamics),
+      step_(dynamics) {}
 
 bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
                                   const ObservationMap& observation,
@@ -34,6 +33,10 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
   CHECK_EQ(start.size(), dynamics_.num_states());
   switch (method_) {
     case DerivativeMethod::kTangents:
+      if (LinearSegment::Suits(dynamics_, grid.substeps())) {
+        return linear_.Propagate(prepared, observation, grid, start, first,
+                                 last, observe_last, with_parameters, result);
+      }
       return PropagateTangents(prepared, observation, grid, start, first, last,
                                observe_last, with_parameters, result);
     case DerivativeMethod::kJets:

@@ -10,6 +10,7 @@
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/linear_segment.h"
 #include "pinode/integrate/tangent_step.h"
 
 namespace pinode {
@@ -17,7 +18,8 @@ namespace pinode {
 // How the derivatives of a segment are computed. Both give the derivative of
 // the discrete steps and agree up to rounding.
 enum class DerivativeMethod {
-  kTangents,  // TangentStep: laws by narrow Jets, networks by hand
+  kTangents,  // TangentStep: laws by narrow Jets, networks by hand;
+              // LinearSegment where the dynamics are linear
   kJets,      // the step on wide Jets through the whole segment
 };
 
@@ -32,6 +34,9 @@ struct SegmentTangents {
   int failed_sample = -1;
   int failed_state = -1;
 };
+
+// The first of the states that has run away or is not a number; -1: none.
+int FirstNotFinite(const Vector& state);
 
 // Working memory for segments of one dynamics; one object per thread.
 class SegmentPropagator {
@@ -57,6 +62,7 @@ class SegmentPropagator {
 
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;
+  LinearSegment linear_;
   TangentStep step_;
   Vector state_;
   Matrix sensitivity_;

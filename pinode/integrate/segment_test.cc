@@ -181,6 +181,98 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
   }
 }
 
+// Groups of every matrix, two inputs, a mass that is coupled, and a segment
+// longer than the blocks of LinearSegment; all methods, and differences of runs
+// that take their steps one by one.
+class LinearSegments : public ::testing::TestWithParam<Interpolation> {};
+
+TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
+  StructuralModel model = testing::MakeChain(3, 10.0, 0.5);
+  model.mass(0, 1) = model.mass(1, 0) = 0.1;
+  model.support_mass_coupling(0, 0) = 0.2;
+  StructuralDynamics dynamics(
+      model, {{InputSpec::Kind::kGroundAcceleration, 0, "ground"},
+              {InputSpec::Kind::kForce, 1, "force"},
+              {InputSpec::Kind::kCovariate, 0, "temperature"}});
+  std::string error;
+  int count = 0;
+  for (const auto target :
+       {MatrixGroup::Target::kStiffness, MatrixGroup::Target::kDamping,
+        MatrixGroup::Target::kMass, MatrixGroup::Target::kStiffness}) {
+    GroupTerm group;
+    group.alpha.name = group.group.name = "g" + std::to_string(count);
+    group.group.target = target;
+    group.group.matrix = SpringMatrix(3, count % 3 - 1, count % 3);
+    group.alpha.value = 0.1 + 0.05 * count;
+    group.alpha.free = count != 3;
+    ++count;
+    ASSERT_TRUE(dynamics.AddGroup(group, &error)) << error;
+  }
+  ASSERT_TRUE(dynamics.IsLinear());
+  StructuralDynamics::Prepared prepared;
+  ASSERT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
+  const ObservationMap observation(dynamics, SomeObservations());
+  constexpr int kSamples = 200;
+  const IntegrationGrid grid(SomeExcitation(GetParam(), kSamples), 3);
+  const Vector start = Vector::LinSpaced(6, -0.5, 0.6);
+  for (const bool with_parameters : {false, true}) {
+    for (const bool observe_last : {false, true}) {
+      SegmentTangents tangents, jets;
+      SegmentPropagator by_map(dynamics, DerivativeMethod::kTangents);
+      SegmentPropagator by_steps(dynamics, DerivativeMethod::kJets);
+      ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
+                                   kSamples - 1, observe_last, with_parameters,
+                                   &tangents));
+      ASSERT_TRUE(by_steps.Propagate(prepared, observation, grid, start, 2,
+                                     kSamples - 1, observe_last,
+                                     with_parameters, &jets));
+      ASSERT_EQ(tangents.jacobian.cols(), with_parameters ? 9 : 6);
+      ASSERT_EQ(tangents.jacobian.rows(), jets.jacobian.rows());
+      EXPECT_LT((tangents.channels - jets.channels).norm(),
+                1e-12 * jets.channels.norm());
+      EXPECT_LT((tangents.end_state - jets.end_state).norm(),
+                1e-12 * jets.end_state.norm());
+      for (Eigen::Index j = 0; j < jets.jacobian.cols(); ++j) {
+        EXPECT_LT((tangents.jacobian.col(j) - jets.jacobian.col(j)).norm(),
+                  1e-11 * jets.jacobian.col(j).norm())
+            << j;
+        EXPECT_LT(
+            (tangents.end_sensitivity.col(j) - jets.end_sensitivity.col(j))
+                .norm(),
+            1e-11 * jets.end_sensitivity.col(j).norm())
+            << j;
+      }
+      // Other parameters have another map, and those before their own again.
+      StructuralDynamics::Prepared other;
+      ASSERT_TRUE(
+          dynamics.Prepare(1.5 * dynamics.Parameters(), &other, &error));
+      SegmentTangents moved, again;
+      ASSERT_TRUE(by_map.Propagate(other, observation, grid, start, 2,
+                                   kSamples - 1, observe_last, with_parameters,
+                                   &moved));
+      EXPECT_GT((moved.channels - tangents.channels).norm(),
+                1e-3 * tangents.channels.norm());
+      ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
+                                   kSamples - 1, observe_last, with_parameters,
+                                   &again));
+      EXPECT_EQ(again.channels, tangents.channels);
+      EXPECT_EQ(again.jacobian, tangents.jacobian);
+      Trajectory trajectory;
+      ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 2,
+                          kSamples - 1, &trajectory));
+      EXPECT_LT(
+          (trajectory.channels.leftCols(jets.channels.cols()) - jets.channels)
+              .norm(),
+          1e-12 * jets.channels.norm());
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Interpolations, LinearSegments,
+                         ::testing::Values(Interpolation::kHeld,
+                                           Interpolation::kLinear,
+                                           Interpolation::kBandLimited));
+
 // A chain of three with a law of every kind of state, the last DOF moved.
 std::unique_ptr<StructuralDynamics> MakeMovedChain(
     const std::vector<InputSpec>& inputs) {

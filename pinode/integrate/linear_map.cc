@@ -1,0 +1,138 @@
+#include "pinode/integrate/linear_map.h"
+
+#include <utility>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+namespace {
+
+// A linear map of state and inputs, and its derivatives.
+struct Map {
+  Matrix value;
+  std::vector<Matrix> derivatives;
+};
+
+// [F G] column by column.
+Map RateMap(const StructuralDynamics& dynamics,
+            const StructuralDynamics::Prepared& prepared,
+            bool with_parameters) {
+  const int ns = dynamics.num_states();
+  const int ni = dynamics.num_inputs();
+  const int np = with_parameters ? dynamics.num_tangent_columns() : 0;
+  Map map;
+  map.value.resize(ns, ns + ni);
+  map.derivatives.assign(static_cast<size_t>(np), Matrix(ns, ns + ni));
+  auto at = dynamics.MakeLinearization();
+  auto scratch = dynamics.MakeTangentScratch(ns);
+  const Matrix left = Matrix::Identity(ns, ns);
+  Matrix tangents(ns, np);
+  for (int k = 0; k < ns + ni; ++k) {
+    const Vector point = Vector::Unit(ns + ni, k);
+    dynamics.Linearize(prepared, 0.0, point.data() + ns, point.data(), &at);
+    map.value.col(k) = at.rate;
+    if (np == 0) continue;
+    tangents.setZero();
+    const StructuralDynamics::Linearization* point_at = &at;
+    const Matrix* left_at = &left;
+    dynamics.AddParameterTangents(prepared, &point_at, &left_at, 1, &scratch,
+                                  tangents.data());
+    for (int j = 0; j < np; ++j) {
+      map.derivatives[static_cast<size_t>(j)].col(k) = tangents.col(j);
+    }
+  }
+  return map;
+}
+
+// One stage of Runge-Kutta, the rate at `point`, of state and the inputs at the
+// three nodes of a step; `node` is that of the stage.
+Map Stage(const Map& rate, const Map& point, int ns, int ni, int node) {
+  const auto f = rate.value.leftCols(ns);
+  Map stage;
+  stage.value.noalias() = f * point.value;
+  stage.value.middleCols(ns + node * ni, ni) += rate.value.rightCols(ni);
+  for (size_t j = 0; j < rate.derivatives.size(); ++j) {
+    const Matrix& change = rate.derivatives[j];
+    Matrix derivative(ns, ns + 3 * ni);
+    derivative.noalias() = change.leftCols(ns) * point.value;
+    derivative.noalias() += f * point.derivatives[j];
+    derivative.middleCols(ns + node * ni, ni) += change.rightCols(ni);
+    stage.derivatives.push_back(std::move(derivative));
+  }
+  return stage;
+}
+
+// *sum += factor * term.
+void Add(double factor, const Map& term, Map* sum) {
+  sum->value += factor * term.value;
+  for (size_t j = 0; j < sum->derivatives.size(); ++j) {
+    sum->derivatives[j] += factor * term.derivatives[j];
+  }
+}
+
+// One step: of the state and the inputs at its three nodes.
+Map StepMap(const Map& rate, int ns, int ni, double dt) {
+  Map begin;
+  begin.value = Matrix::Identity(ns, ns + 3 * ni);
+  begin.derivatives.assign(rate.derivatives.size(),
+                           Matrix::Zero(ns, ns + 3 * ni));
+  Map end = begin;
+  const double next[] = {0.5 * dt, 0.5 * dt, dt};
+  const double weights[] = {dt / 6.0, dt / 3.0, dt / 3.0, dt / 6.0};
+  const int nodes[] = {0, 1, 1, 2};
+  Map point = begin;
+  for (int s = 0; s < 4; ++s) {
+    const Map stage = Stage(rate, point, ns, ni, nodes[s]);
+    Add(weights[s], stage, &end);
+    if (s == 3) break;
+    point = begin;
+    Add(next[s], stage, &point);
+  }
+  return end;
+}
+
+}  // namespace
+
+double LinearMap::TableSize(const StructuralDynamics& dynamics, int substeps) {
+  const double ns = dynamics.num_states();
+  return ns * dynamics.num_tangent_columns() *
+         (ns + 3.0 * substeps * dynamics.num_inputs());
+}
+
+LinearMap::LinearMap(const StructuralDynamics& dynamics,
+                     const StructuralDynamics::Prepared& prepared, double step,
+                     int substeps, bool with_parameters) {
+  DCHECK(dynamics.IsLinear());
+  const int ns = dynamics.num_states();
+  const int ni = dynamics.num_inputs();
+  Map rate = RateMap(dynamics, prepared, with_parameters);
+  const Map one = StepMap(rate, ns, ni, step);
+  const auto np = static_cast<Eigen::Index>(rate.derivatives.size());
+  const Eigen::Index columns = ns + 3 * substeps * ni;
+
+  // One step after the other, over all of the interval's inputs.
+  Matrix all = Matrix::Identity(ns, columns);
+  derivatives_ = Matrix::Zero(ns * np, columns);
+  const auto a = one.value.leftCols(ns);
+  Matrix next(ns, columns);
+  for (int s = 0; s < substeps; ++s) {
+    const Eigen::Index here = ns + 3 * s * ni;
+    for (Eigen::Index j = 0; j < np; ++j) {
+      const Matrix& change = one.derivatives[static_cast<size_t>(j)];
+      auto derivative = derivatives_.middleRows(j * ns, ns);
+      next.noalias() = a * derivative;
+      next.noalias() += change.leftCols(ns) * all;
+      next.middleCols(here, 3 * ni) += change.rightCols(3 * ni);
+      derivative = next;
+    }
+    next.noalias() = a * all;
+    next.middleCols(here, 3 * ni) += one.value.rightCols(3 * ni);
+    all.swap(next);
+  }
+  transition_ = all.leftCols(ns);
+  forcing_ = all.rightCols(columns - ns);
+  rate_ = std::move(rate.value);
+  rate_derivatives_ = std::move(rate.derivatives);
+}
+
+}  // namespace pinode

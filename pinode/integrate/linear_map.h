@@ -1,0 +1,67 @@
+// What the steps between two samples come to where the dynamics are linear.
+
+#ifndef PINODE_INTEGRATE_LINEAR_MAP_H_
+#define PINODE_INTEGRATE_LINEAR_MAP_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+
+namespace pinode {
+
+// For dynamics with IsLinear,
+//
+//   dh/dt = F h + G u,
+//
+// a Runge-Kutta step is a linear map of the state and of the inputs at its
+// nodes, the same one at every step, and so are all steps of an interval
+// together:
+//
+//   h(i + 1) = P h(i) + Q w(i),
+//
+// where w has the inputs at all nodes of the interval, in the order of
+// IntegrationGrid::AtNode. With the derivatives P_j, Q_j by the free parameters
+// the sensitivities S_j = d h / d theta_j follow
+//
+//   S_j(i + 1) = P S_j(i) + P_j h(i) + Q_j w(i).
+//
+// These are the discrete steps themselves and their exact derivatives, at the
+// cost of two products of state size for each column and sample, however many
+// steps a sample has.
+class LinearMap {
+ public:
+  // `step`: of Runge-Kutta, of which `substeps` make an interval. The
+  // derivatives only where they are asked for.
+  LinearMap(const StructuralDynamics& dynamics,
+            const StructuralDynamics::Prepared& prepared, double step,
+            int substeps, bool with_parameters);
+
+  // Numbers that the tables of derivatives hold: what they need of memory.
+  static double TableSize(const StructuralDynamics& dynamics, int substeps);
+
+  // [F G], num_states x (num_states + inputs).
+  const Matrix& rate() const { return rate_; }
+  // [F_j G_j] of the free parameters.
+  const std::vector<Matrix>& rate_derivatives() const {
+    return rate_derivatives_;
+  }
+  // P, num_states x num_states.
+  const Matrix& transition() const { return transition_; }
+  // Q, num_states x (3 * substeps * inputs).
+  const Matrix& forcing() const { return forcing_; }
+  // [P_j Q_j], one below the other: (num_states * parameters) x (num_states +
+  // 3 * substeps * inputs).
+  const Matrix& derivatives() const { return derivatives_; }
+
+ private:
+  Matrix rate_;
+  std::vector<Matrix> rate_derivatives_;
+  Matrix transition_;
+  Matrix forcing_;
+  Matrix derivatives_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_LINEAR_MAP_H_

@@ -1,0 +1,66 @@
+// A shooting segment where the dynamics are linear.
+
+#ifndef PINODE_INTEGRATE_LINEAR_SEGMENT_H_
+#define PINODE_INTEGRATE_LINEAR_SEGMENT_H_
+
+#include <optional>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/linear_map.h"
+
+namespace pinode {
+
+struct SegmentTangents;
+
+// Propagates like SegmentPropagator, by LinearMap: the same values and
+// derivatives to rounding. The map of the last parameters and steps is kept.
+// One object per thread.
+class LinearSegment {
+ public:
+  explicit LinearSegment(const StructuralDynamics& dynamics)
+      : dynamics_(dynamics) {}
+
+  // Whether the dynamics are linear, and the map's tables of a reasonable size.
+  static bool Suits(const StructuralDynamics& dynamics, int substeps);
+
+  // As SegmentPropagator::Propagate.
+  bool Propagate(const StructuralDynamics::Prepared& prepared,
+                 const ObservationMap& observation, const IntegrationGrid& grid,
+                 const Vector& start, int first, int last, bool observe_last,
+                 bool with_parameters, SegmentTangents* result);
+
+ private:
+  void UpdateMap(const StructuralDynamics::Prepared& prepared,
+                 const IntegrationGrid& grid, bool with_parameters);
+  // The states at the samples `first` to `last`; false where one is not finite.
+  bool Run(const IntegrationGrid& grid, const Vector& start, int first,
+           int last, SegmentTangents* result);
+  // What the parameters move the states of the samples behind `begin` by
+  // within one interval, (num_states * parameters) x count.
+  void UpdateForcing(const IntegrationGrid& grid, int first, int begin,
+                     int count);
+  // Their direct effect on the channels of acceleration, (acceleration rows *
+  // parameters) x samples.
+  void UpdateDirect(const ObservationMap& observation,
+                    const IntegrationGrid& grid, int first, int samples);
+
+  const StructuralDynamics& dynamics_;
+  std::optional<LinearMap> map_;
+  Vector theta_;  // of map_
+  double step_ = 0.0;
+  int substeps_ = 0;
+  bool has_parameters_ = false;
+
+  Matrix states_;   // num_states x samples
+  Matrix forcing_;  // see UpdateForcing
+  Matrix direct_;   // see UpdateDirect
+  Matrix sensitivity_;
+  Matrix next_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_LINEAR_SEGMENT_H_
