@@ -141,7 +141,8 @@ bool FindSteadyState(const IdentificationProblem& problem, int record,
   Vector after_smallest = *start;
   for (int i = 1; i < kMostPeriods; ++i) {
     if (!propagator.Propagate(prepared, nothing, grid, *start, 0,
-                              grid.num_intervals(), false, false, &period)) {
+                              grid.num_intervals(), false,
+                              SegmentColumns::kStart, &period)) {
       if (std::isinf(smallest)) return false;
       *start = after_smallest;
       continue;

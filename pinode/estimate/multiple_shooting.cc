@@ -100,33 +100,46 @@ bool MultipleShooting::EvaluateSegment(ShootingRecord* record, int segment,
                                        Thread* thread) const {
   const int ns = problem_.dynamics->num_states();
   const int first = record->first_sample(segment);
+  // A start that is known needs no derivatives.
+  const bool with_start = record->HasFreeStarts();
+  const SegmentColumns columns =
+      with_start
+          ? (with_parameters ? SegmentColumns::kAll : SegmentColumns::kStart)
+          : (with_parameters ? SegmentColumns::kParameters
+                             : SegmentColumns::kNone);
   const SegmentTangents& tangents = thread->tangents;
   SegmentResult& result = record->result(segment);
   result.ok = thread->propagator.Propagate(
       prepared_, record->observation(), record->grid(), starts.col(segment),
       first, record->last_sample(segment),
-      segment + 1 == record->num_segments(), with_parameters,
-      &thread->tangents);
+      segment + 1 == record->num_segments(), columns, &thread->tangents);
   if (!result.ok) {
     result.failed_sample = tangents.failed_sample;
     result.failed_state = tangents.failed_state;
     return false;
   }
   thread->rows.Compute(record->data(), record->sigmas(), parameters_, first,
-                       record->num_segments() == 1, with_parameters, tangents);
+                       record->num_segments() == 1, columns, tangents);
   const Vector& residuals = thread->rows.residuals();
-  const auto by_start = thread->rows.jacobian().leftCols(ns);
   result.cost = thread->rows.cost();
-  result.start_hessian.noalias() = by_start.transpose() * by_start;
-  result.start_gradient.noalias() = by_start.transpose() * residuals;
   record->ends().col(segment) = tangents.end_state;
-  AddSensorColumns(layout_, ns, with_parameters, tangents.end_sensitivity,
-                   &result.end_sensitivity);
+  const auto by_parameters = thread->rows.jacobian().rightCols(
+      with_parameters ? layout_.num_free() : 0);
+  if (with_start) {
+    const auto by_start = thread->rows.jacobian().leftCols(ns);
+    result.start_hessian.noalias() = by_start.transpose() * by_start;
+    result.start_gradient.noalias() = by_start.transpose() * residuals;
+    if (with_parameters) {
+      result.cross.noalias() = by_start.transpose() * by_parameters;
+    }
+    AddSensorColumns(layout_, ns, columns, tangents.end_sensitivity,
+                     &result.end_sensitivity);
+  } else {
+    result.start_hessian = Matrix::Zero(ns, ns);
+    result.start_gradient = Vector::Zero(ns);
+  }
   if (!with_parameters) return true;
 
-  const auto by_parameters =
-      thread->rows.jacobian().rightCols(layout_.num_free());
-  result.cross.noalias() = by_start.transpose() * by_parameters;
   thread->sum.hessian.selfadjointView<Eigen::Lower>().rankUpdate(
       by_parameters.transpose());
   thread->sum.gradient.noalias() += by_parameters.transpose() * residuals;

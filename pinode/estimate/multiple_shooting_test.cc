@@ -171,9 +171,9 @@ DenseSystem AssembleDense(const SmallFit& fit,
       const int first = last_sample * k / count;
       const int last = last_sample * (k + 1) / count;
       SegmentTangents tangents;
-      EXPECT_TRUE(propagator.Propagate(prepared, observation, grid,
-                                       starts[r].col(k), first, last,
-                                       k + 1 == count, true, &tangents));
+      EXPECT_TRUE(propagator.Propagate(
+          prepared, observation, grid, starts[r].col(k), first, last,
+          k + 1 == count, SegmentColumns::kAll, &tangents));
       const auto widen = [&](const Matrix& narrow) {
         Matrix wide = Matrix::Zero(narrow.rows(), ns + nf);
         wide.leftCols(narrow.cols()) = narrow;
@@ -183,8 +183,7 @@ DenseSystem AssembleDense(const SmallFit& fit,
       Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                    tangents.channels.size());
       std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
-      ApplySensors(fit.problem, layout, all, record, true, &prediction,
-                   &jacobian, &valid);
+      ApplySensors(layout, all, record, true, &prediction, &jacobian, &valid);
       const auto add = [&](double residual, const RowVector& by_start,
                            const RowVector& by_next, const RowVector& by_free) {
         Vector row = Vector::Zero(unknowns);
@@ -320,7 +319,8 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
         ASSERT_TRUE(propagator.Propagate(
             prepared, observation, grid,
             objective->shooting().starts()[r].col(k), last_sample * k / count,
-            last_sample * (k + 1) / count, false, false, &tangents));
+            last_sample * (k + 1) / count, false, SegmentColumns::kStart,
+            &tangents));
         multipliers[r].col(k) +=
             (tangents.end_state - objective->shooting().starts()[r].col(k + 1))
                 .cwiseQuotient(fit.scales[r]);

@@ -28,18 +28,18 @@ void FilterHistories(const ZeroPhaseFilter& filter, int num_channels,
 }  // namespace
 
 void AddSensorColumns(const ParameterLayout& layout, int num_states,
-                      bool with_parameters, const Matrix& tangents,
+                      SegmentColumns columns, const Matrix& tangents,
                       Matrix* result) {
-  const int free = with_parameters ? layout.num_free() : 0;
-  result->resize(tangents.rows(), num_states + free);
-  if (!with_parameters) {
-    *result = tangents.leftCols(num_states);
+  if (!HasParameters(columns)) {
+    *result = tangents;
     return;
   }
   // The dynamics' tangent columns are its free parameters, which come first.
-  const int known = num_states + layout.num_free_dynamics();
-  result->leftCols(known) = tangents.leftCols(known);
-  result->rightCols(num_states + free - known).setZero();
+  const int by_start = HasStart(columns) ? num_states : 0;
+  const int known = by_start + layout.num_free_dynamics();
+  result->resize(tangents.rows(), by_start + layout.num_free());
+  result->leftCols(known) = tangents;
+  result->rightCols(result->cols() - known).setZero();
 }
 
 ResidualRows::ResidualRows(const IdentificationProblem& problem,
@@ -52,18 +52,18 @@ ResidualRows::ResidualRows(const IdentificationProblem& problem,
 
 void ResidualRows::Compute(const IdentificationRecord& record,
                            const Vector& sigmas, const Vector& parameters,
-                           int first, bool whole, bool with_parameters,
+                           int first, bool whole, SegmentColumns columns,
                            const SegmentTangents& tangents) {
   const int nc = static_cast<int>(tangents.channels.rows());
   const int samples = static_cast<int>(tangents.channels.cols());
-  AddSensorColumns(layout_, problem_.dynamics->num_states(), with_parameters,
+  AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
                    tangents.jacobian, &jacobian_);
   // Predictions of real sensors, sample-major as the rows are.
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                tangents.channels.size());
   std::vector<bool> valid(static_cast<size_t>(nc * samples), true);
-  ApplySensors(problem_, layout_, parameters, record, with_parameters,
-               &prediction, &jacobian_, &valid);
+  ApplySensors(layout_, parameters, record, HasParameters(columns), &prediction,
+               &jacobian_, &valid);
   if (record.filter != nullptr && whole) {
     FilterHistories(*record.filter, nc, &prediction, &jacobian_);
   }

@@ -14,11 +14,10 @@
 
 namespace pinode {
 
-// Columns of the start (num_states), then of the free parameters: those of
-// `tangents`, and zeros for the sensors, which have no part in it. Without
-// parameters the start's alone.
+// The columns of `tangents`, and, behind those of the dynamics' parameters,
+// zeros for the sensors, which have no part in it.
 void AddSensorColumns(const ParameterLayout& layout, int num_states,
-                      bool with_parameters, const Matrix& tangents,
+                      SegmentColumns columns, const Matrix& tangents,
                       Matrix* result);
 
 // With the residual r = (sensor's prediction - measured) / sigma of a sample
@@ -37,7 +36,7 @@ class ResidualRows {
   // it is applied where `whole` says that these are all samples of the record.
   void Compute(const IdentificationRecord& record, const Vector& sigmas,
                const Vector& parameters, int first, bool whole,
-               bool with_parameters, const SegmentTangents& tangents);
+               SegmentColumns columns, const SegmentTangents& tangents);
 
   // Half the sum of rho(r^2).
   double cost() const { return cost_; }

@@ -72,8 +72,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                                                trajectory.channels.size());
   Matrix no_rows(prediction.size(), 0);
   std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
-  ApplySensors(problem, layout, parameters, data, false, &prediction, &no_rows,
-               &valid);
+  ApplySensors(layout, parameters, data, false, &prediction, &no_rows, &valid);
   score->prediction = Eigen::Map<const Matrix>(prediction.data(), nc, samples);
   if (data.filter != nullptr) {
     Matrix history = score->prediction.transpose();

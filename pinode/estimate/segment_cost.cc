@@ -107,6 +107,8 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
   const size_t free_block = HasGap() ? 2 : 1;
   const bool derive = jacobians != nullptr;
   const bool by_free = derive && jacobians[free_block] != nullptr;
+  const SegmentColumns columns =
+      by_free ? SegmentColumns::kAll : SegmentColumns::kStart;
   Vector all = layout_.InitialValues();
   layout_.SetFree(Eigen::Map<const Vector>(parameters[free_block], nf), &all);
   StructuralDynamics::Prepared prepared;
@@ -116,10 +118,10 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
                                   &error) ||
       !propagator_.Propagate(prepared, observation_, grid_,
                              Eigen::Map<const Vector>(parameters[0], ns),
-                             first_, last_, !HasGap(), by_free, &tangents_)) {
+                             first_, last_, !HasGap(), columns, &tangents_)) {
     return false;
   }
-  rows_.Compute(data_, sigmas_, all, first_, first_ == 0 && !HasGap(), by_free,
+  rows_.Compute(data_, sigmas_, all, first_, first_ == 0 && !HasGap(), columns,
                 tangents_);
   const Eigen::Index count = rows_.residuals().size();
   Eigen::Map<Vector> r(residuals, num_residuals());
@@ -128,7 +130,7 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
   if (HasGap()) {
     r.tail(ns) = inverse.cwiseProduct(
         tangents_.end_state - Eigen::Map<const Vector>(parameters[1], ns));
-    AddSensorColumns(layout_, ns, by_free, tangents_.end_sensitivity,
+    AddSensorColumns(layout_, ns, columns, tangents_.end_sensitivity,
                      &end_sensitivity_);
   }
   const auto fill = [&](size_t block, Eigen::Index column, int size) {

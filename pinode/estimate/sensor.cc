@@ -61,13 +61,12 @@ void DelayChannel(int channel, int channels, double delay, double dt,
 
 }  // namespace
 
-void ApplySensors(const IdentificationProblem& problem,
-                  const ParameterLayout& layout, const Vector& parameters,
+void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   const IdentificationRecord& record, bool with_parameters,
                   Vector* prediction, Matrix* rows, std::vector<bool>* valid) {
   const int channels = static_cast<int>(record.channels.size());
   const int samples = static_cast<int>(prediction->size()) / channels;
-  const int first_free = problem.dynamics->num_states();
+  const int first_free = static_cast<int>(rows->cols()) - layout.num_free();
   // Column of a sensor parameter, -1 where fixed or not asked for.
   const auto column = [&](int sensor) {
     if (sensor < 0 || !with_parameters) return -1;

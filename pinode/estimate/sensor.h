@@ -15,16 +15,15 @@ namespace pinode {
 // record's sensors show, gain * y(t - delay) + offset, in place.
 //
 //   prediction  channels * samples values, channels fastest
-//   rows        their derivatives; columns: the start's states, then, where
-//               with_parameters, all free parameters (sensors last)
+//   rows        their derivatives; where with_parameters, the last columns are
+//               those of all free parameters (sensors last)
 //   valid       set to false where the delayed instant lies outside the
 //               samples at hand by more than half a sampling step
 //
 // Between samples the prediction is a cubic through four neighbours: for
 // signals below a tenth of the sampling rate its error is below 0.1 %.
 // parameters: the full vector of `layout`.
-void ApplySensors(const IdentificationProblem& problem,
-                  const ParameterLayout& layout, const Vector& parameters,
+void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   const IdentificationRecord& record, bool with_parameters,
                   Vector* prediction, Matrix* rows, std::vector<bool>* valid);
 

@@ -14,12 +14,13 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const ObservationMap& observation,
                        const IntegrationGrid& grid, const Vector& start,
                        int first, int last, bool observe_last,
-                       bool with_parameters, SegmentTangents* result) {
+                       SegmentColumns wanted, SegmentTangents* result) {
   constexpr int kWidth = WideJet::DIMENSION;
   const int ns = dynamics.num_states();
   const int np = dynamics.num_parameters();
+  const int by_start = HasStart(wanted) ? ns : 0;
   const int columns =
-      ns + (with_parameters ? dynamics.num_tangent_columns() : 0);
+      by_start + (HasParameters(wanted) ? dynamics.num_tangent_columns() : 0);
   const int channels = observation.num_channels();
   const int samples = last - first + (observe_last ? 1 : 0);
   result->failed_sample = -1;
@@ -41,10 +42,10 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
     for (int k = 0; k < np; ++k) theta[k] = WideJet(prepared.theta[k]);
     for (int k = 0; k < width; ++k) {
       const int column = begin + k;
-      if (column < ns) {
+      if (column < by_start) {
         state[column].v[k] = 1.0;
       } else {
-        theta[dynamics.tangent_columns()[column - ns]].v[k] = 1.0;
+        theta[dynamics.tangent_columns()[column - by_start]].v[k] = 1.0;
       }
     }
     dynamics.Prescribe(grid.AtSample(first), state.data());

@@ -99,10 +99,12 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
                               const ObservationMap& observation,
                               const IntegrationGrid& grid, const Vector& start,
                               int first, int last, bool observe_last,
-                              bool with_parameters, SegmentTangents* result) {
+                              SegmentColumns columns, SegmentTangents* result) {
   const int ns = dynamics_.num_states();
   const int ni = dynamics_.num_inputs();
+  const bool with_parameters = HasParameters(columns);
   const int np = with_parameters ? dynamics_.num_tangent_columns() : 0;
+  const int by_start = HasStart(columns) ? ns : 0;
   const int channels = observation.num_channels();
   const int samples = last - first + (observe_last ? 1 : 0);
   UpdateMap(prepared, grid, with_parameters);
@@ -128,10 +130,10 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   Matrix state_jacobian;
   observation.StateJacobian(at, &state_jacobian);
 
-  result->jacobian.resize(channels * samples, ns + np);
-  sensitivity_ = Matrix::Zero(ns, ns + np);
-  sensitivity_.leftCols(ns).setIdentity();
-  next_.resize(ns, ns + np);
+  result->jacobian.resize(channels * samples, by_start + np);
+  sensitivity_ = Matrix::Zero(ns, by_start + np);
+  sensitivity_.leftCols(by_start).setIdentity();
+  next_.resize(ns, by_start + np);
   for (int begin = first; begin <= last; begin += kBlock) {
     // The last sample moves nothing.
     const int count = std::min(kBlock, last - begin);
@@ -143,7 +145,8 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
             state_jacobian * sensitivity_;
         for (int r = 0; r < (np > 0 ? num_rows : 0); ++r) {
           for (int j = 0; j < np; ++j) {
-            result->jacobian(row + rows[static_cast<size_t>(r)], ns + j) +=
+            result->jacobian(row + rows[static_cast<size_t>(r)],
+                             by_start + j) +=
                 direct_(j * num_rows + r, i - first);
           }
         }

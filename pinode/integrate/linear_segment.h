@@ -13,6 +13,7 @@
 
 namespace pinode {
 
+enum class SegmentColumns;
 struct SegmentTangents;
 
 // Propagates like SegmentPropagator, by LinearMap: the same values and
@@ -30,7 +31,7 @@ class LinearSegment {
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
                  const Vector& start, int first, int last, bool observe_last,
-                 bool with_parameters, SegmentTangents* result);
+                 SegmentColumns columns, SegmentTangents* result);
 
  private:
   void UpdateMap(const StructuralDynamics::Prepared& prepared,

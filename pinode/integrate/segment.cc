@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
+#include "pinode/integrate/free_run.h"
 
 namespace pinode {
 
@@ -25,50 +26,74 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
                                   const ObservationMap& observation,
                                   const IntegrationGrid& grid,
                                   const Vector& start, int first, int last,
-                                  bool observe_last, bool with_parameters,
+                                  bool observe_last, SegmentColumns columns,
                                   SegmentTangents* result) {
   CHECK_LE(0, first);
   CHECK_LT(first, last);
   CHECK_LE(last, grid.num_intervals());
   CHECK_EQ(start.size(), dynamics_.num_states());
+  if (columns == SegmentColumns::kNone) {
+    return Run(prepared, observation, grid, start, first, last, observe_last,
+               result);
+  }
   switch (method_) {
     case DerivativeMethod::kTangents:
       if (LinearSegment::Suits(dynamics_, grid.substeps())) {
         return linear_.Propagate(prepared, observation, grid, start, first,
-                                 last, observe_last, with_parameters, result);
+                                 last, observe_last, columns, result);
       }
       return PropagateTangents(prepared, observation, grid, start, first, last,
-                               observe_last, with_parameters, result);
+                               observe_last, columns, result);
     case DerivativeMethod::kJets:
       return PropagateWithJets(dynamics_, prepared, observation, grid, start,
-                               first, last, observe_last, with_parameters,
-                               result);
+                               first, last, observe_last, columns, result);
   }
   return false;
+}
+
+bool SegmentPropagator::Run(const StructuralDynamics::Prepared& prepared,
+                            const ObservationMap& observation,
+                            const IntegrationGrid& grid, const Vector& start,
+                            int first, int last, bool observe_last,
+                            SegmentTangents* result) {
+  Trajectory trajectory;
+  const bool finite = FreeRun(dynamics_, prepared, observation, grid, start,
+                              first, last, &trajectory);
+  result->failed_sample = trajectory.failed_sample;
+  result->failed_state = trajectory.failed_state;
+  if (!finite) return false;
+  const int samples = last - first + (observe_last ? 1 : 0);
+  result->channels = trajectory.channels.leftCols(samples);
+  result->jacobian.resize(result->channels.size(), 0);
+  result->end_state = trajectory.states.rightCols(1);
+  result->end_sensitivity.resize(dynamics_.num_states(), 0);
+  return true;
 }
 
 bool SegmentPropagator::PropagateTangents(
     const StructuralDynamics::Prepared& prepared,
     const ObservationMap& observation, const IntegrationGrid& grid,
     const Vector& start, int first, int last, bool observe_last,
-    bool with_parameters, SegmentTangents* result) {
+    SegmentColumns columns, SegmentTangents* result) {
   const int ns = dynamics_.num_states();
+  const bool with_parameters = HasParameters(columns);
   const int np = with_parameters ? dynamics_.num_tangent_columns() : 0;
+  const int by_start = HasStart(columns) ? ns : 0;
   const int channels = observation.num_channels();
   const int samples = last - first + (observe_last ? 1 : 0);
   result->failed_sample = -1;
   result->failed_state = -1;
   result->channels.resize(channels, samples);
-  result->jacobian.resize(channels * samples, ns + np);
+  result->jacobian.resize(channels * samples, by_start + np);
   const bool direct = observation.uses_acceleration() && np > 0;
   if (direct) {
     direct_.resize(observation.rate_map().rows(), np);
   }
 
   state_ = start;
-  sensitivity_.resize(ns, ns + np);
+  sensitivity_.resize(ns, by_start + np);
   sensitivity_.setZero();
-  sensitivity_.leftCols(ns).setIdentity();
+  sensitivity_.leftCols(by_start).setIdentity();
   dynamics_.Prescribe(grid.AtSample(first), state_.data());
   dynamics_.PrescribeSensitivity(&sensitivity_);
   for (int i = first; i <= last; ++i) {

@@ -23,8 +23,18 @@ enum class DerivativeMethod {
   kJets,      // the step on wide Jets through the whole segment
 };
 
-// Columns of the derivatives: num_states for the start, then, where asked for,
-// num_tangent_columns for the parameters.
+// Which derivatives are asked for: num_states columns by the start, then
+// num_tangent_columns by the parameters.
+enum class SegmentColumns { kNone, kStart, kParameters, kAll };
+
+inline bool HasStart(SegmentColumns columns) {
+  return columns == SegmentColumns::kStart || columns == SegmentColumns::kAll;
+}
+inline bool HasParameters(SegmentColumns columns) {
+  return columns == SegmentColumns::kParameters ||
+         columns == SegmentColumns::kAll;
+}
+
 struct SegmentTangents {
   Matrix channels;         // num_channels x samples observed
   Matrix jacobian;         // (num_channels * samples) x columns
@@ -51,14 +61,19 @@ class SegmentPropagator {
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
                  const Vector& start, int first, int last, bool observe_last,
-                 bool with_parameters, SegmentTangents* result);
+                 SegmentColumns columns, SegmentTangents* result);
 
  private:
+  // Values alone, by steps without derivatives.
+  bool Run(const StructuralDynamics::Prepared& prepared,
+           const ObservationMap& observation, const IntegrationGrid& grid,
+           const Vector& start, int first, int last, bool observe_last,
+           SegmentTangents* result);
   bool PropagateTangents(const StructuralDynamics::Prepared& prepared,
                          const ObservationMap& observation,
                          const IntegrationGrid& grid, const Vector& start,
                          int first, int last, bool observe_last,
-                         bool with_parameters, SegmentTangents* result);
+                         SegmentColumns columns, SegmentTangents* result);
 
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;
@@ -76,7 +91,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const ObservationMap& observation,
                        const IntegrationGrid& grid, const Vector& start,
                        int first, int last, bool observe_last,
-                       bool with_parameters, SegmentTangents* result);
+                       SegmentColumns columns, SegmentTangents* result);
 
 }  // namespace pinode
 

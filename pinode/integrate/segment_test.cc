@@ -48,7 +48,7 @@ class SegmentDerivatives : public ::testing::TestWithParam<Interpolation> {
     SegmentPropagator propagator(*dynamics_, method);
     SegmentTangents result;
     EXPECT_TRUE(propagator.Propagate(prepared_, observation_, grid_, start_, 2,
-                                     11, true, true, &result));
+                                     11, true, SegmentColumns::kAll, &result));
     return result;
   }
 
@@ -169,15 +169,50 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
     SegmentPropagator propagator(*dynamics, method);
     SegmentTangents full, alone;
     ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
-                                     false, true, &full));
+                                     false, SegmentColumns::kAll, &full));
     ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
-                                     false, false, &alone));
+                                     false, SegmentColumns::kStart, &alone));
     EXPECT_EQ(alone.jacobian.cols(), ns);
     EXPECT_LT((alone.jacobian - full.jacobian.leftCols(ns)).norm(),
               1e-13 * alone.jacobian.norm());
     EXPECT_LT(
         (alone.end_sensitivity - full.end_sensitivity.leftCols(ns)).norm(),
         1e-13 * alone.end_sensitivity.norm());
+  }
+}
+
+// Columns that are not asked for are left out, and the others are the same.
+TEST(Segment, ColumnsDoNotDependOnEachOther) {
+  const auto dynamics = testing::MakeEverything();
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  ASSERT_TRUE(dynamics->Prepare(dynamics->Parameters(), &prepared, &error));
+  const ObservationMap observation(*dynamics, SomeObservations());
+  const IntegrationGrid grid(SomeExcitation(Interpolation::kCubic, 8), 2);
+  const int ns = dynamics->num_states();
+  const int np = dynamics->num_tangent_columns();
+  const Vector start = Vector::LinSpaced(ns, -0.5, 0.6);
+  for (auto method : {DerivativeMethod::kTangents, DerivativeMethod::kJets}) {
+    SegmentPropagator propagator(*dynamics, method);
+    SegmentTangents all, parameters, none;
+    ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
+                                     true, SegmentColumns::kAll, &all));
+    ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
+                                     true, SegmentColumns::kParameters,
+                                     &parameters));
+    ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
+                                     true, SegmentColumns::kNone, &none));
+    EXPECT_EQ(parameters.jacobian.cols(), np);
+    EXPECT_LT((parameters.jacobian - all.jacobian.rightCols(np)).norm(),
+              1e-13 * all.jacobian.norm());
+    EXPECT_LT(
+        (parameters.end_sensitivity - all.end_sensitivity.rightCols(np)).norm(),
+        1e-13 * all.end_sensitivity.norm());
+    EXPECT_EQ(none.jacobian.cols(), 0);
+    EXPECT_LT((none.channels - all.channels).norm(),
+              1e-13 * all.channels.norm());
+    EXPECT_LT((none.end_state - all.end_state).norm(),
+              1e-13 * all.end_state.norm());
   }
 }
 
@@ -215,18 +250,21 @@ TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
   constexpr int kSamples = 200;
   const IntegrationGrid grid(SomeExcitation(GetParam(), kSamples), 3);
   const Vector start = Vector::LinSpaced(6, -0.5, 0.6);
-  for (const bool with_parameters : {false, true}) {
+  for (const auto columns :
+       {SegmentColumns::kNone, SegmentColumns::kStart,
+        SegmentColumns::kParameters, SegmentColumns::kAll}) {
     for (const bool observe_last : {false, true}) {
       SegmentTangents tangents, jets;
       SegmentPropagator by_map(dynamics, DerivativeMethod::kTangents);
       SegmentPropagator by_steps(dynamics, DerivativeMethod::kJets);
       ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
-                                   kSamples - 1, observe_last, with_parameters,
+                                   kSamples - 1, observe_last, columns,
                                    &tangents));
       ASSERT_TRUE(by_steps.Propagate(prepared, observation, grid, start, 2,
-                                     kSamples - 1, observe_last,
-                                     with_parameters, &jets));
-      ASSERT_EQ(tangents.jacobian.cols(), with_parameters ? 9 : 6);
+                                     kSamples - 1, observe_last, columns,
+                                     &jets));
+      ASSERT_EQ(tangents.jacobian.cols(),
+                (HasStart(columns) ? 6 : 0) + (HasParameters(columns) ? 3 : 0));
       ASSERT_EQ(tangents.jacobian.rows(), jets.jacobian.rows());
       EXPECT_LT((tangents.channels - jets.channels).norm(),
                 1e-12 * jets.channels.norm());
@@ -248,12 +286,12 @@ TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
           dynamics.Prepare(1.5 * dynamics.Parameters(), &other, &error));
       SegmentTangents moved, again;
       ASSERT_TRUE(by_map.Propagate(other, observation, grid, start, 2,
-                                   kSamples - 1, observe_last, with_parameters,
+                                   kSamples - 1, observe_last, columns,
                                    &moved));
       EXPECT_GT((moved.channels - tangents.channels).norm(),
                 1e-3 * tangents.channels.norm());
       ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
-                                   kSamples - 1, observe_last, with_parameters,
+                                   kSamples - 1, observe_last, columns,
                                    &again));
       EXPECT_EQ(again.channels, tangents.channels);
       EXPECT_EQ(again.jacobian, tangents.jacobian);
@@ -353,7 +391,7 @@ TEST(PrescribedSegment, TangentsEqualWideJetsAndDifferences) {
     SegmentPropagator propagator(*dynamics, method);
     SegmentTangents result;
     CHECK(propagator.Propagate(prepared, observation, grid, start, 0, 11, true,
-                               true, &result));
+                               SegmentColumns::kAll, &result));
     return result;
   };
   const Vector theta = dynamics->Parameters();
@@ -396,8 +434,8 @@ TEST(Segment, DivergenceNamesSampleAndState) {
   SegmentPropagator propagator(dynamics, DerivativeMethod::kTangents);
   SegmentTangents result;
   EXPECT_FALSE(propagator.Propagate(prepared, observation, grid,
-                                    Vector::Ones(4), 0, 199, true, false,
-                                    &result));
+                                    Vector::Ones(4), 0, 199, true,
+                                    SegmentColumns::kStart, &result));
   EXPECT_GT(result.failed_sample, 0);
   EXPECT_LT(result.failed_sample, 199);
   EXPECT_GE(result.failed_state, 0);

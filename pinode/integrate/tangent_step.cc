@@ -13,7 +13,6 @@ TangentStep::TangentStep(const StructuralDynamics& dynamics)
   const int ns = dynamics.num_states();
   for (Matrix& weight : weights_) weight = Matrix::Zero(ns, ns);
   transition_ = Matrix::Zero(ns, ns);
-  next_start_ = Matrix::Zero(ns, ns);
   next_ = Matrix::Zero(ns, ns + dynamics.num_tangent_columns());
   stage_state_ = Vector::Zero(ns);
 }
@@ -81,24 +80,23 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   for (size_t s = 0; s < 4; ++s) {
     transition_.noalias() += weights_[s] * stages_[s].jacobian;
   }
-  if (!with_parameters) {
-    DCHECK_EQ(sensitivity->cols(), ns);
-    next_start_.noalias() = transition_ * *sensitivity;
-    dynamics_.PrescribeSensitivity(&next_start_);
-    sensitivity->swap(next_start_);
-    return;
-  }
-  DCHECK_EQ(sensitivity->cols(), next_.cols());
+  next_.resize(ns, sensitivity->cols());
   next_.noalias() = transition_ * *sensitivity;
+  if (with_parameters) AddParameterColumns(prepared);
+  dynamics_.PrescribeSensitivity(&next_);
+  sensitivity->swap(next_);
+}
+
+void TangentStep::AddParameterColumns(
+    const StructuralDynamics::Prepared& prepared) {
+  const int np = dynamics_.num_tangent_columns();
+  DCHECK_GE(next_.cols(), np);
   const StructuralDynamics::Linearization* stages[] = {
       &stages_[0], &stages_[1], &stages_[2], &stages_[3]};
   const Matrix* lefts[] = {&weights_[0], &weights_[1], &weights_[2],
                            &weights_[3]};
-  dynamics_.AddParameterTangents(
-      prepared, stages, lefts, 4, &scratch_,
-      next_.data() + static_cast<Eigen::Index>(ns) * ns);
-  dynamics_.PrescribeSensitivity(&next_);
-  sensitivity->swap(next_);
+  dynamics_.AddParameterTangents(prepared, stages, lefts, 4, &scratch_,
+                                 next_.rightCols(np).data());
 }
 
 }  // namespace pinode

@@ -34,8 +34,8 @@ class TangentStep {
 
   // Advances *state (num_states) and *sensitivity by one step. `linearized`:
   // the last call was LinearizeAt at *state and the beginning of the step.
-  // `with_parameters`: whether *sensitivity has the parameter columns, or just
-  // the num_states columns of the start.
+  // `with_parameters`: whether the last columns of *sensitivity are those of
+  // the parameters.
   void Step(const StructuralDynamics::Prepared& prepared,
             const IntegrationGrid& grid, int interval, int substep,
             bool linearized, bool with_parameters, Vector* state,
@@ -47,14 +47,16 @@ class TangentStep {
                             const Matrix& left, Matrix* result);
 
  private:
+  // To next_, for the stages and weights of a step.
+  void AddParameterColumns(const StructuralDynamics::Prepared& prepared);
+
   const StructuralDynamics& dynamics_;
   std::array<StructuralDynamics::Linearization, 4> stages_;
   std::array<Matrix, 4> weights_;  // G_1 ... G_4
   StructuralDynamics::TangentScratch scratch_;
   StructuralDynamics::TangentScratch observation_scratch_;
   Matrix transition_;  // A
-  Matrix next_start_;  // next sensitivity by start alone, ns x ns
-  Matrix next_;        // next sensitivity, ns x (ns + np)
+  Matrix next_;        // next sensitivity
   Vector stage_state_;
 };
 
