@@ -54,9 +54,10 @@ if [[ -z $build ]]; then
   build=$root/build-release
 fi
 # Tests of the cases, and statistics, in the order of the table.
-cases=(cases discover_cases nsd force shake_table damage_cases modal_cases)
+cases=(cases discover_cases nsd force shake_table damage_cases modal_cases
+  nested units)
 studies=(cases_study discover_study nsd_study force_study damage_study
-  profile_study)
+  profile_study units_study)
 targets=(pinode_integrate_test pinode_discover_test)
 for name in "${cases[@]}"; do targets+=("pinode_${name}_test"); done
 if [[ -n $study ]]; then
