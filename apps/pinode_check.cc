@@ -204,6 +204,9 @@ bool PrintAssessment(const Case& c) {
                   std::isfinite(expected.sigma) ? "" : "(not determined)");
     }
   }
+  for (const std::string& remark : assessment.remarks) {
+    std::printf("\n%s\n", remark.c_str());
+  }
   for (const std::string& direction : assessment.undetermined) {
     std::printf(
         "\nThe sensors and the load cannot see: %s. Add a prior, fix one of "

@@ -48,6 +48,9 @@ std::vector<Unit> MakeUnits() {
   units.push_back({"MN", Dimension::kForce, 1e6});
   units.push_back({"lbf", Dimension::kForce, kPoundForce});
   units.push_back({"kip", Dimension::kForce, 1e3 * kPoundForce});
+  units.push_back({"V", Dimension::kVoltage, 1.0});
+  units.push_back({"mV", Dimension::kVoltage, 1e-3});
+  units.push_back({"uV", Dimension::kVoltage, 1e-6});
   return units;
 }
 
@@ -99,6 +102,8 @@ const char* DimensionName(Dimension dimension) {
       return "an acceleration";
     case Dimension::kForce:
       return "a force";
+    case Dimension::kVoltage:
+      return "a voltage";
   }
   LOG(FATAL) << "not a dimension: " << static_cast<int>(dimension);
   return "";
@@ -149,6 +154,8 @@ std::string UnitName(Dimension dimension, const UnitSystem& system) {
       return system.length + "/" + system.time + "^2";
     case Dimension::kForce:
       return system.force;
+    case Dimension::kVoltage:
+      return "V";
   }
   LOG(FATAL) << "not a dimension: " << static_cast<int>(dimension);
   return "";

@@ -14,7 +14,8 @@ enum class Dimension {
   kLength,
   kVelocity,
   kAcceleration,
-  kForce
+  kForce,
+  kVoltage  // of sensors whose sensitivity is not known
 };
 
 // "a number", "a time", "an acceleration", ... for messages.
@@ -43,7 +44,8 @@ struct UnitSystem {
 // All units of a dimension, in the order of the documentation.
 std::vector<std::string> KnownUnits(Dimension dimension);
 
-// The model's own unit of a dimension, such as "m/s^2"; "1" for numbers.
+// The model's own unit of a dimension, such as "m/s^2"; "1" for numbers, "V"
+// for voltages, whatever the system.
 // UnitFactor() of it is 1.
 std::string UnitName(Dimension dimension, const UnitSystem& system);
 

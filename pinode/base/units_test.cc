@@ -26,6 +26,7 @@ TEST(UnitsTest, Converts) {
   EXPECT_DOUBLE_EQ(Factor("mm/ms", Dimension::kVelocity, si), 1.0);
   EXPECT_DOUBLE_EQ(Factor("kip", Dimension::kForce, si), 4448.2216152605);
   EXPECT_EQ(Factor("1", Dimension::kNumber, si), 1.0);
+  EXPECT_EQ(Factor("mV", Dimension::kVoltage, si), 1e-3);
 
   const UnitSystem us = {"lbf", "in", "s"};
   EXPECT_NEAR(Factor("g", Dimension::kAcceleration, us), 386.0886, 1e-4);
@@ -46,8 +47,8 @@ TEST(UnitsTest, TheModelsOwnUnitsAreOne) {
         ASSERT_TRUE(system.IsValid(&error)) << error;
         for (const Dimension dimension :
              {Dimension::kNumber, Dimension::kTime, Dimension::kLength,
-              Dimension::kVelocity, Dimension::kAcceleration,
-              Dimension::kForce}) {
+              Dimension::kVelocity, Dimension::kAcceleration, Dimension::kForce,
+              Dimension::kVoltage}) {
           EXPECT_EQ(Factor(UnitName(dimension, system), dimension, system),
                     1.0);
           // Every documented unit converts.

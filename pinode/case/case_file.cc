@@ -7,6 +7,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/case/discover_section.h"
 #include "pinode/case/finite_element_section.h"
+#include "pinode/case/force_scale_section.h"
 #include "pinode/case/library_section.h"
 #include "pinode/case/modal_section.h"
 #include "pinode/case/model_section.h"
@@ -120,6 +121,7 @@ class CaseReader {
     }
     std::vector<InputSpec> inputs = CollectInputs(sections_, model_.model);
     if (!AddRecordSwitches(root_, sections_, &inputs)) return false;
+    AddScaleSwitches(sections_, &inputs);
     dynamics_ =
         std::make_shared<StructuralDynamics>(model_.model, std::move(inputs));
     TermsContext context;
@@ -131,6 +133,7 @@ class CaseReader {
         !ReadElements(root_, context, dynamics_.get()) ||
         !ReadLibraries(root_, context, dynamics_.get()) ||
         !ReadUnknownForces(root_, context, sections_, dynamics_.get()) ||
+        !ReadForceScales(sections_, context, dynamics_.get()) ||
         !ReadNetworks(root_, context, dynamics_.get()) ||
         !ReadDiscover(root_, *dynamics_, &c_.discover) ||
         !ReadReferenceCurves(root_, *dynamics_,

@@ -7,6 +7,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
+#include "pinode/case/force_scale_section.h"
 #include "pinode/case/model_files.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/toml_value.h"
@@ -233,7 +234,10 @@ class ModelCaseWriter {
       for (const char* key : {"ground", "force", "covariate", "channel"}) {
         TomlValue* signals = tables[r].Find(key);
         if (signals == nullptr) continue;
-        for (TomlValue& signal : signals->elements) MovePath(&signal);
+        for (TomlValue& signal : signals->elements) {
+          MovePath(&signal);
+          if (std::string(key) == "force") SetScale(&signal);
+        }
       }
       TomlValue* channels = tables[r].Find("channel");
       CHECK(channels != nullptr &&
@@ -257,6 +261,14 @@ class ModelCaseWriter {
     if (curves == nullptr) return true;
     for (TomlValue& curve : curves->elements) MovePath(&curve);
     return true;
+  }
+
+  void SetScale(TomlValue* force) const {
+    const std::string name = ForceScaleName(*force);
+    for (const ForceScaleTerm& term : dynamics_.force_scales()) {
+      if (term.name != name) continue;
+      SetParameter(term.parameters.parameters[0], 1.0, force->Find("scale"));
+    }
   }
 
   void SetSensor(size_t r, size_t i, TomlValue* table) const {

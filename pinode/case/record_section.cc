@@ -37,6 +37,14 @@ const std::vector<std::string>& RecordKeys() {
   return keys;
 }
 
+// Whether the column is what a sensor of unknown sensitivity gives out.
+bool IsVoltage(const TomlTable& table) {
+  const std::vector<std::string> known = KnownUnits(Dimension::kVoltage);
+  const TomlValue* unit = table.Find("unit");
+  return unit != nullptr &&
+         std::find(known.begin(), known.end(), unit->text) != known.end();
+}
+
 class RecordReader {
  public:
   RecordReader(const UnitSystem& units, const StructuralModel& model,
@@ -233,6 +241,11 @@ class RecordReader {
                               "vectors" +
                               NameHint(direction, model_.directions));
       }
+      if (table.Has("scale") && table.Find("scale")->IsTable()) {
+        return table.Fail("scale",
+                          "'scale' of a ground motion is known, expected a "
+                          "number; gains of channels can be unknown");
+      }
       input.spec.name = "ground_" + direction;
       input.signal.label = "ground " + direction;
       input.signal.dimension = Dimension::kAcceleration;
@@ -261,8 +274,11 @@ class RecordReader {
       input.spec.kind = InputSpec::Kind::kForce;
       input.spec.name = "force_" + dof;
       input.signal.label = "force " + dof;
-      input.signal.dimension = Dimension::kForce;
-      input.signal.scale = table.Number("scale", 1.0);
+      input.signal.dimension =
+          IsVoltage(table) ? Dimension::kVoltage : Dimension::kForce;
+      // An unknown one is a parameter of the model.
+      const bool unknown = table.Has("scale") && table.Find("scale")->IsTable();
+      input.signal.scale = unknown ? 1.0 : table.Number("scale", 1.0);
       if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
           !AddInput(std::move(input))) {
         return false;
@@ -418,6 +434,7 @@ class RecordReader {
       if (table.Has("combination") && table.String("unit") == "1") {
         channel.signal.dimension = Dimension::kNumber;
       }
+      if (IsVoltage(table)) channel.signal.dimension = Dimension::kVoltage;
       channel.signal.sign = 1;
       if (table.Has("sign")) {
         const double sign = table.Number("sign", 1.0);

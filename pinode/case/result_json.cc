@@ -228,6 +228,9 @@ bool FormatResultJson(const IdentificationProblem& problem,
                                 {"rolled_back", stage.rolled_back}});
   }
   json["remarks"] = problem.description.remarks;
+  for (const std::string& remark : summary.remarks) {
+    json["remarks"].push_back(remark);
+  }
   *text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return true;
 }

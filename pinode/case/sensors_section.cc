@@ -14,6 +14,11 @@ bool Same(const Parameter& a, const Parameter& b) {
          a.free == b.free;
 }
 
+std::string VoltsPer(const std::string& unit) {
+  if (unit == "1") return "V";
+  return unit.find('/') == std::string::npos ? "V/" + unit : "V/(" + unit + ")";
+}
+
 class SensorsReader {
  public:
   SensorsReader(const UnitSystem& units, IdentificationProblem* problem)
@@ -32,6 +37,9 @@ class SensorsReader {
         Parameter gain;
         gain.name = "gain." + channel.name;
         gain.value = 1.0;
+        if (channel.signal.dimension == Dimension::kVoltage) {
+          gain.unit = VoltsPer(UnitName(DimensionOf(channel.quantity), units_));
+        }
         Parameter delay;
         delay.name = "delay." + channel.name;
         delay.unit = UnitName(Dimension::kTime, units_);
@@ -50,6 +58,7 @@ class SensorsReader {
         }
       }
     }
+    if (!CheckVoltages(sections)) return false;
     for (IdentificationRecord& record : problem_->records) {
       for (MeasuredChannel& channel : record.channels) {
         channel.gain = Index("gain." + channel.observation.name);
@@ -64,6 +73,30 @@ class SensorsReader {
   }
 
  private:
+  // What is in volts needs a gain that says from what; and one gain is one in
+  // volts or it is not.
+  bool CheckVoltages(const std::vector<RecordSection>& sections) const {
+    for (const RecordSection& section : sections) {
+      for (const ChannelSection& channel : section.channels) {
+        const int index = Index("gain." + channel.name);
+        const bool in_volts = channel.signal.dimension == Dimension::kVoltage;
+        const bool gain_in_volts =
+            index >= 0 &&
+            problem_->sensors.parameters[static_cast<size_t>(index)].unit !=
+                "1";
+        if (in_volts == gain_in_volts) continue;
+        return channel.signal.table.Fail(
+            "unit",
+            in_volts && index < 0
+                ? "a channel in volts needs its sensitivity, expected gain = "
+                  "{initial = ...} in volts per the model's unit"
+                : "it is in volts in one record and not in another, where it "
+                  "has the same gain; expected another name of the channel");
+      }
+    }
+    return true;
+  }
+
   static bool IsShared(const ChannelSection& channel, const char* key) {
     const TomlTable& table = channel.signal.table;
     return table.Has(key) &&
@@ -112,6 +145,11 @@ class SensorsReader {
     std::vector<std::string> known_keys = ParameterKeys();
     if (std::string(key) == "offset") known_keys.push_back("shared");
     if (!table.errors()->ok() || !keys.AllowKeys(known_keys)) return false;
+    if (std::string(key) == "gain" && parameter.unit != "1" &&
+        !keys.RequireKey("initial",
+                         "the nominal sensitivity, in " + parameter.unit)) {
+      return false;
+    }
     parameter.free = false;
     parameter.prior_mean = parameter.value;
     if (!ReadParameterKeys(keys, factor, &parameter)) return false;

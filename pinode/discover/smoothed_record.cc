@@ -33,14 +33,16 @@ bool ShowsAlone(const MeasuredChannel& channel, int dof) {
 }
 
 // A channel that shows `dof` alone as a record of that DOF's own motion.
-MotionChannel MotionOf(const StructuralDynamics& dynamics,
+MotionChannel MotionOf(const IdentificationProblem& problem,
                        const IdentificationRecord& record,
                        const MeasuredChannel& channel, int dof) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
   const double weight = channel.observation.weights[dof];
+  const double gain = problem.InitialGain(channel);
   MotionChannel motion;
   motion.derivative = DerivativeOf(channel.observation.quantity);
-  motion.values = channel.values;
-  motion.sigma = channel.sigma / std::abs(weight);
+  motion.values = channel.values / gain;
+  motion.sigma = channel.sigma / std::abs(gain * weight);
   // Absolute ones less the ground's own motion.
   const ObservationMap map(dynamics, {channel.observation});
   const Vector rest = Vector::Zero(dynamics.num_states());
@@ -53,14 +55,14 @@ MotionChannel MotionOf(const StructuralDynamics& dynamics,
   return motion;
 }
 
-bool SmoothDof(const StructuralDynamics& dynamics,
+bool SmoothDof(const IdentificationProblem& problem,
                const IdentificationRecord& record, int dof,
                SmoothedRecord* result, std::string* error) {
   std::vector<MotionChannel> shown;
   std::vector<int> channels;
   for (size_t c = 0; c < record.channels.size(); ++c) {
     if (!ShowsAlone(record.channels[c], dof)) continue;
-    shown.push_back(MotionOf(dynamics, record, record.channels[c], dof));
+    shown.push_back(MotionOf(problem, record, record.channels[c], dof));
     channels.push_back(static_cast<int>(c));
   }
   SmoothedMotion motion;
@@ -71,13 +73,17 @@ bool SmoothDof(const StructuralDynamics& dynamics,
   if (!SmoothMotion(record.sampling_step(), shown, &motion, error)) {
     return false;
   }
-  const int n = dynamics.num_dofs();
+  const int n = problem.dynamics->num_dofs();
   result->states.row(dof) = motion.motion.row(0);
   result->states.row(n + dof) = result->rates.row(dof) = motion.motion.row(1);
   result->rates.row(n + dof) = motion.motion.row(2);
   result->sigma.row(dof) = motion.sigma.row(2);
   for (size_t k = 0; k < channels.size(); ++k) {
-    result->noise[channels[k]] = motion.noise[k];
+    const MeasuredChannel& channel =
+        record.channels[static_cast<size_t>(channels[k])];
+    result->noise[channels[k]] =
+        motion.noise[k] * std::abs(problem.InitialGain(channel) *
+                                   channel.observation.weights[dof]);
   }
   return true;
 }
@@ -97,7 +103,7 @@ bool SmoothRecord(const IdentificationProblem& problem,
   result->noise =
       Vector::Zero(static_cast<Eigen::Index>(record.channels.size()));
   for (int dof = 0; dof < n; ++dof) {
-    if (!SmoothDof(dynamics, record, dof, result, error)) {
+    if (!SmoothDof(problem, record, dof, result, error)) {
       *error = "record '" + record.name + "', DOF '" +
                dynamics.model().dof_names[static_cast<size_t>(dof)] +
                "': " + *error;

@@ -106,6 +106,12 @@ bool StructuralDynamics::AddGroupCurve(GroupCurve curve, std::string* error) {
   return AddTerm(MakeTerm(std::move(curve)), error);
 }
 
+bool StructuralDynamics::AddForceScale(ForceScaleTerm term,
+                                       std::string* error) {
+  std::unique_ptr<Term> made = MakeTerm(std::move(term), inputs(), error);
+  return made != nullptr && AddTerm(std::move(made), error);
+}
+
 bool StructuralDynamics::AddNetwork(NetworkTerm term, std::string* error) {
   return AddTerm(MakeTerm(std::move(term)), error);
 }

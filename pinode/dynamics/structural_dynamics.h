@@ -10,6 +10,7 @@
 
 #include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
+#include "pinode/dynamics/force_scale_term.h"
 #include "pinode/dynamics/group_curve.h"
 #include "pinode/dynamics/group_term.h"
 #include "pinode/dynamics/law_term.h"
@@ -31,11 +32,11 @@ namespace pinode {
 //   dz/dt = r(q, z)                                    (hysteretic laws)
 //
 // with M, C, K the model's matrices plus group corrections, and
-// B u = -(M r + M_fs) a_g for ground motion. What is linear with constant
-// matrices is LinearDynamics, everything else a list of terms (term.h); here
-// they are put together. Where the motion of a DOF is prescribed, rates are
-// those at the prescribed state, whatever the state says, and who integrates
-// calls Prescribe after each step.
+// B u = -(M r + M_fs) a_g for ground motion; measured forces may have an
+// unknown scale. What is linear with constant matrices is LinearDynamics,
+// everything else a list of terms (term.h); here they are put together. Where
+// the motion of a DOF is prescribed, rates are those at the prescribed state,
+// whatever the state says, and who integrates calls Prescribe after each step.
 //
 // Build it once, add the terms, then only read: all const functions are safe
 // to call from several threads, each with its own Linearization objects.
@@ -62,6 +63,7 @@ class StructuralDynamics {
   [[nodiscard]] bool AddUnknownForce(UnknownForceTerm term, std::string* error);
   // Of a group that was added; see GroupCurve.
   [[nodiscard]] bool AddGroupCurve(GroupCurve curve, std::string* error);
+  [[nodiscard]] bool AddForceScale(ForceScaleTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
   // A named element between two DOFs, see MakeElement.
   [[nodiscard]] bool AddElement(const std::string& name,
@@ -93,6 +95,9 @@ class StructuralDynamics {
   TermRange<GroupCurve> group_curves() const {
     return Range<GroupCurve>(TermKind::kGroupCurve);
   }
+  TermRange<ForceScaleTerm> force_scales() const {
+    return Range<ForceScaleTerm>(TermKind::kForceScale);
+  }
   TermRange<NetworkTerm> networks() const {
     return Range<NetworkTerm>(TermKind::kNetwork);
   }
@@ -113,8 +118,8 @@ class StructuralDynamics {
 
   // The flat parameter vector theta: one block for all groups (named
   // "groups"; absent where there are none), one per law, one per unknown force,
-  // one per curve of a group,
-  // one per term of another kind, one per network.
+  // one per curve of a group, one per force scale, one per term of another
+  // kind, one per network.
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   // Indices of the terms' blocks.
   int unknown_force_block(int force) const {
@@ -122,6 +127,9 @@ class StructuralDynamics {
   }
   int group_curve_block(int curve) const {
     return FirstOf(TermKind::kGroupCurve) + curve;
+  }
+  int force_scale_block(int scale) const {
+    return FirstOf(TermKind::kForceScale) + scale;
   }
   int network_block(int network) const {
     return FirstOf(TermKind::kNetwork) + network;

@@ -176,6 +176,18 @@ TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
   refused(dynamics.AddUnknownForce(force, &error), "are free, or none");
   force.input = 0;
   refused(dynamics.AddUnknownForce(force, &error), "does not exist");
+  ForceScaleTerm scale = all->force_scales()[0];
+  refused(dynamics.AddForceScale(scale, &error), "which is no measured force");
+  StructuralDynamics driven(all->model(), all->inputs());
+  scale.forces = {};
+  refused(driven.AddForceScale(scale, &error), "the scale of no force");
+  scale.forces = {{0, -1}};
+  refused(driven.AddForceScale(scale, &error), "which is no measured force");
+  scale.forces = {{1, 3}};
+  refused(driven.AddForceScale(scale, &error), "does not exist");
+  scale.forces = {{1, -1}};
+  scale.parameters.parameters.clear();
+  refused(driven.AddForceScale(scale, &error), "expected its scale alone");
   refused(dynamics.AddElement("e", "cubick", -1, 0, {1.0}, &error), "cubic");
   refused(dynamics.AddElement("e", "cubic", 0, 0, {1.0}, &error),
           "its ends are");
@@ -191,6 +203,42 @@ TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
   EXPECT_FALSE(dynamics.Prepare(Vector(), &prepared, &error));
   EXPECT_THAT(error,
               ::testing::HasSubstr("0 values of parameters, expected 1"));
+}
+
+// As if the column had been multiplied before, whatever else there is.
+TEST(StructuralDynamics, ScaleOfAForceMultipliesIt) {
+  auto scaled = testing::MakeEverything();
+  StructuralDynamics plain(scaled->model(), scaled->inputs());
+  std::string error;
+  for (int i = 0; i < scaled->num_terms(); ++i) {
+    if (scaled->term(i).kind() == TermKind::kForceScale) continue;
+    ASSERT_TRUE(plain.AddTerm(scaled->term(i).Clone(), &error)) << error;
+  }
+  Vector theta = scaled->Parameters();
+  theta[scaled->block_offset(scaled->force_scale_block(0))] = -2.5;
+  theta[scaled->block_offset(scaled->force_scale_block(1))] = 1.0;
+  StructuralDynamics::Prepared prepared, without;
+  ASSERT_TRUE(scaled->Prepare(theta, &prepared, &error)) << error;
+  ASSERT_TRUE(plain.Prepare(plain.Parameters(), &without, &error)) << error;
+  const Vector state = SomeState(scaled->num_states());
+  Vector rate(state.size()), expected(state.size());
+  auto scratch = scaled->MakeLinearization();
+  auto plain_scratch = plain.MakeLinearization();
+  const double input[] = {kInput[0], -2.5 * kInput[1], kInput[2]};
+  scaled->Rate(prepared, kTime, kInput, state.data(), rate.data(), &scratch);
+  plain.Rate(without, kTime, input, state.data(), expected.data(),
+             &plain_scratch);
+  EXPECT_LT((rate - expected).norm(), 1e-14 * expected.norm());
+
+  // The second is off where its record's switch is zero.
+  theta[scaled->block_offset(scaled->force_scale_block(1))] = 7.0;
+  ASSERT_TRUE(scaled->Prepare(theta, &prepared, &error)) << error;
+  const double off[] = {kInput[0], kInput[1], 0.0};
+  const double off_scaled[] = {kInput[0], -2.5 * kInput[1], 0.0};
+  scaled->Rate(prepared, kTime, off, state.data(), rate.data(), &scratch);
+  plain.Rate(without, kTime, off_scaled, state.data(), expected.data(),
+             &plain_scratch);
+  EXPECT_LT((rate - expected).norm(), 1e-14 * expected.norm());
 }
 
 // A copy's terms are its own; theta is in the order of the kinds, whatever the

@@ -25,6 +25,7 @@ enum class TermKind {
   kLaw,
   kUnknownForce,
   kGroupCurve,
+  kForceScale,
   kOther,
   kNetwork
 };

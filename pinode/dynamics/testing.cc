@@ -236,6 +236,18 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
   }
   AddCurve("k1", 0, {-0.4, 0.2, 1.5, 2.6}, 1, dynamics.get());
   AddCurve("c2", 2, {0.1, 0.4}, 0, dynamics.get());
+  // One scale of a force in all records, and one in a part of them.
+  for (const int record_switch : {-1, 2}) {
+    ForceScaleTerm term;
+    term.name = record_switch < 0 ? "scale" : "scale in a record";
+    term.forces = {{1, record_switch}};
+    term.parameters.name = term.name;
+    Parameter parameter;
+    parameter.name = term.name;
+    parameter.value = -2.5;
+    term.parameters.parameters = {parameter};
+    CHECK(dynamics->AddForceScale(std::move(term), &error)) << error;
+  }
   AddNetwork("skip", {5}, true, false, NetworkTerm::ActsAs::kAcceleration,
              {x0, v2, d01, w12}, two, dynamics.get());
   AddNetwork("force", {4, 3}, false, false, NetworkTerm::ActsAs::kForce,

@@ -11,6 +11,7 @@
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/objective.h"
+#include "pinode/estimate/signs.h"
 #include "pinode/estimate/stage_schedule.h"
 
 namespace pinode {
@@ -116,6 +117,9 @@ bool AssessProblem(const IdentificationProblem& problem,
   const bool sizes_known =
       !shooting.train_records().empty() || problem.modal.HasSigmas();
   if (sizes_known) Expect(layout, covariance, assessment);
+  Vector first_values = layout.InitialValues();
+  FindSigns(problem, &first_values);
+  assessment->remarks = SignRemarks(problem, first_values);
   assessment->undetermined = DescribeNullSpace(layout, covariance.null_space);
   return true;
 }

@@ -30,6 +30,8 @@ struct ProblemAssessment {
   std::vector<Expected> expected;
   // Directions of named parameters along which the cost does not change.
   std::vector<std::string> undetermined;
+  // What a user should hear of the records, one sentence each (SignRemarks).
+  std::vector<std::string> remarks;
 };
 
 // Linearises `problem` at its initial values, on states that the smoother finds

@@ -218,6 +218,26 @@ bool IdentificationProblem::IsDriven(const IdentificationRecord& record) const {
   return false;
 }
 
+double IdentificationProblem::InitialGain(
+    const MeasuredChannel& channel) const {
+  const double gain =
+      channel.gain < 0
+          ? 1.0
+          : sensors.parameters[static_cast<size_t>(channel.gain)].value;
+  return gain == 0.0 ? 1.0 : gain;
+}
+
+IdentificationRecord IdentificationProblem::AsSeenByIdealSensors(
+    const IdentificationRecord& record) const {
+  IdentificationRecord ideal = record;
+  for (MeasuredChannel& channel : ideal.channels) {
+    const double gain = InitialGain(channel);
+    channel.values /= gain;
+    channel.sigma /= std::abs(gain);
+  }
+  return ideal;
+}
+
 std::string IdentificationProblem::UnitOf(
     const MeasuredChannel& channel) const {
   return channel.description.unit.empty()

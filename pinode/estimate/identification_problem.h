@@ -92,6 +92,13 @@ struct IdentificationProblem {
   // and switches do not.
   bool IsDriven(const IdentificationRecord& record) const;
 
+  // By its initial value; 1 of a sensor without one, or where that is zero and
+  // says nothing.
+  double InitialGain(const MeasuredChannel& channel) const;
+  // The record as ideal sensors would show it by these gains.
+  IdentificationRecord AsSeenByIdealSensors(
+      const IdentificationRecord& record) const;
+
   // What a channel's values came in, and where it measures.
   std::string UnitOf(const MeasuredChannel& channel) const;
   std::string LocationOf(const MeasuredChannel& channel) const;

@@ -167,6 +167,8 @@ struct IdentificationSummary {
   // A channel whose noise was to be estimated and which an unknown force
   // follows nearly sample by sample; empty: there is none.
   std::string followed_record, followed_channel;
+  // What a user should hear of the outcome, one sentence each.
+  std::vector<std::string> remarks;
 
   double seconds = 0.0;
   double profile_seconds = 0.0;

@@ -12,7 +12,8 @@ namespace pinode {
 // Solves `problem` by Levenberg-Marquardt in Ceres over multiple shooting
 // segments:
 //
-//   1. for each start (multistart.h), stages of growing segments
+//   1. signs that nobody said are read off (signs.h); for each start
+//      (multistart.h), stages of growing segments
 //      (stage_schedule.h, fit.h), beginning from a Rauch-Tung-Striebel smoother
 //      on the given model (initial_states.h),
 //   2. per stage (stage.h), an augmented Lagrangian closes the gaps

@@ -79,7 +79,8 @@ Vector GuessStateScales(const IdentificationProblem& problem,
   const StructuralDynamics& dynamics = *problem.dynamics;
   double x = 0.0, v = 0.0, a = 0.0;
   for (const MeasuredChannel& channel : record.channels) {
-    const double weight = channel.observation.weights.cwiseAbs().maxCoeff();
+    const double weight = std::abs(problem.InitialGain(channel)) *
+                          channel.observation.weights.cwiseAbs().maxCoeff();
     if (!(weight > 0.0)) continue;
     const double size = StandardDeviationOfPresent(channel.values) / weight;
     switch (channel.observation.quantity) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/estimate/pulse_scan.h"
+#include "pinode/estimate/signs.h"
 #include "pinode/estimate/ways.h"
 #include "pinode/network/initialize_weights.h"
 
@@ -76,6 +77,7 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
     } else if (initial != nullptr) {
       parameters = initial->parameters;
     } else {
+      FindSigns(problem, &parameters);
       ScanPulses(problem, &parameters);
     }
     IdentificationSummary outcome;

@@ -14,6 +14,7 @@
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/prediction_band.h"
 #include "pinode/estimate/score.h"
+#include "pinode/estimate/signs.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -311,6 +312,7 @@ void ReportOutcome(const IdentificationProblem& problem,
                 &certainty, summary);
   }
   ReportParameters(problem, layout, model->parameters, certainty, summary);
+  summary->remarks = SignRemarks(problem, model->parameters);
   summary->forces = EstimateForces(
       problem, layout, model->parameters,
       certainty.known ? certainty.covariance.covariance : Matrix(),

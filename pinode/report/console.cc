@@ -278,6 +278,10 @@ std::string ConsoleReport(const ReportInput& input) {
   add("Measured modes", MakeMeasuredModeTable(input));
   add("Modes", MakeModeTable(input));
   add("Sensors", MakeSensorTable(input));
+  if (!input.summary->remarks.empty()) text += "\n";
+  for (const std::string& remark : input.summary->remarks) {
+    text += remark + "\n";
+  }
   return text;
 }
 

@@ -234,10 +234,15 @@ std::string ChannelUnit(const ReportInput& input, int record, int channel) {
   const MeasuredChannel& measured =
       RecordAt(input, record).channels.at(static_cast<size_t>(channel));
   // A combination may carry a length, which its quantity does not say.
-  if (measured.description.factor == 1.0)
-    return input.problem->UnitOf(measured);
-  return UnitName(DimensionOf(measured.observation.quantity),
-                  input.problem->description.units);
+  const UnitSystem& units = input.problem->description.units;
+  const std::string unit = input.problem->UnitOf(measured);
+  if (measured.description.factor == 1.0) return unit;
+  double unused = 0.0;
+  std::string error;
+  return UnitName(UnitFactor(unit, Dimension::kVoltage, units, &unused, &error)
+                      ? Dimension::kVoltage
+                      : DimensionOf(measured.observation.quantity),
+                  units);
 }
 
 double NoiseShare(const ReportInput& input, int record, int channel) {
@@ -295,6 +300,9 @@ std::vector<std::string> RemarksOf(const ReportInput& input) {
     for (const std::string& remark : record.description.remarks) {
       remarks.push_back("Record " + record.name + ": " + remark);
     }
+  }
+  for (const std::string& remark : input.summary->remarks) {
+    remarks.push_back(remark);
   }
   if (!input.prior.why_no_modes.empty()) {
     remarks.push_back("No modes: " + input.prior.why_no_modes);

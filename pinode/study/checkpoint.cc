@@ -90,6 +90,12 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
     }
     for (const double precision : curve.prior.precisions) hash->Add(precision);
   }
+  for (const ForceScaleTerm& term : dynamics.force_scales()) {
+    for (const ForceScaleTerm::Force& force : term.forces) {
+      hash->Add(static_cast<std::int64_t>(force.input));
+      hash->Add(static_cast<std::int64_t>(force.record_switch));
+    }
+  }
   for (const NetworkTerm& term : dynamics.networks()) {
     const NetworkArchitecture& architecture = term.network->architecture();
     for (const int width : architecture.hidden_widths) {

@@ -33,7 +33,8 @@ StructureTerms TermsOf(const StructuralDynamics& dynamics) {
     terms.networks.push_back(term);
   }
   for (int i = 0; i < dynamics.num_terms(); ++i) {
-    if (dynamics.term(i).kind() != TermKind::kOther) continue;
+    const TermKind kind = dynamics.term(i).kind();
+    if (kind != TermKind::kOther && kind != TermKind::kForceScale) continue;
     terms.others.push_back(dynamics.term(i).Clone());
   }
   return terms;

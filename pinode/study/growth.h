@@ -27,7 +27,8 @@ struct StructureTerms {
   std::vector<UnknownForceTerm> unknown_forces;
   std::vector<GroupCurve> group_curves;
   std::vector<NetworkTerm> networks;
-  // Kinds that the library does not know (StructuralDynamics::AddTerm).
+  // Scales of forces, and kinds that the library does not know
+  // (StructuralDynamics::AddTerm).
   std::vector<std::shared_ptr<const Term>> others;
 };
 StructureTerms TermsOf(const StructuralDynamics& dynamics);

@@ -291,11 +291,12 @@ bool SetSubsteps(IdentificationProblem* problem,
     IdentificationRecord& record = problem->records[r];
     SubstepChoice& choice = (*choices)[r];
     if (record.substeps == 0) record.substeps_chosen = true;
+    const IdentificationRecord ideal = problem->AsSeenByIdealSensors(record);
     const bool good =
         record.substeps > 0
-            ? CheckSubsteps(*problem->dynamics, record, record.substeps,
-                            &choice, error)
-            : ChooseSubsteps(*problem->dynamics, record, &choice, error);
+            ? CheckSubsteps(*problem->dynamics, ideal, record.substeps, &choice,
+                            error)
+            : ChooseSubsteps(*problem->dynamics, ideal, &choice, error);
     if (!good) {
       *failed = static_cast<int>(r);
       return false;
