@@ -29,7 +29,11 @@ std::vector<Unit> MakeUnits() {
                                      {"mm", Dimension::kLength, 1e-3},
                                      {"in", Dimension::kLength, 0.0254},
                                      {"ft", Dimension::kLength, 0.3048}};
-  std::vector<Unit> units = {{"1", Dimension::kNumber, 1.0}};
+  std::vector<Unit> units = {{"1", Dimension::kNumber, 1.0},
+                             {"um/m", Dimension::kNumber, 1e-6},
+                             {"microstrain", Dimension::kNumber, 1e-6},
+                             {"mm/m", Dimension::kNumber, 1e-3},
+                             {"%", Dimension::kNumber, 1e-2}};
   units.insert(units.end(), times.begin(), times.end());
   units.insert(units.end(), lengths.begin(), lengths.end());
   for (const Unit& time : times) {

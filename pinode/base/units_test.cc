@@ -26,6 +26,8 @@ TEST(UnitsTest, Converts) {
   EXPECT_DOUBLE_EQ(Factor("mm/ms", Dimension::kVelocity, si), 1.0);
   EXPECT_DOUBLE_EQ(Factor("kip", Dimension::kForce, si), 4448.2216152605);
   EXPECT_EQ(Factor("1", Dimension::kNumber, si), 1.0);
+  EXPECT_EQ(Factor("um/m", Dimension::kNumber, si), 1e-6);
+  EXPECT_EQ(Factor("%", Dimension::kNumber, si), 1e-2);
   EXPECT_EQ(Factor("mV", Dimension::kVoltage, si), 1e-3);
 
   const UnitSystem us = {"lbf", "in", "s"};

@@ -801,7 +801,7 @@ const BadCase kBadCases[] = {
     {"NameWithASlash", "name = \"quake\"", "name = \"../quake\"",
      "case.toml:17: record '../quake': '../quake' cannot be a name here"},
     {"NoTime", "time = \"t\"\n", "", "'time' is missing"},
-    {"UnknownQuantity", "quantity = \"displacement\"", "quantity = \"strain\"",
+    {"UnknownQuantity", "quantity = \"displacement\"", "quantity = \"strian\"",
      "case.toml:33: "},
     {"OnlyHoldOut", "name = \"quake\"", "name = \"quake\"\nrole = \"holdout\"",
      "no training record has a fitted channel"},

@@ -8,6 +8,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/parameter_keys.h"
+#include "pinode/case/strain_channel.h"
 #include "pinode/estimate/problem_description.h"
 
 namespace pinode {
@@ -403,9 +404,9 @@ class RecordReader {
     std::set<std::string> seen;
     for (TomlTable& table : table_.Tables("channel", "record")) {
       if (!table.AllowKeys({"name", "column", "file", "quantity", "dof",
-                            "combination", "unit", "sign", "sigma",
-                            "sigma_percent", "remove_offset", "gain", "offset",
-                            "delay", "fit"})) {
+                            "combination", "gauge_length", "distance", "unit",
+                            "sign", "sigma", "sigma_percent", "remove_offset",
+                            "gain", "offset", "delay", "fit"})) {
         return false;
       }
       ChannelSection channel(table);
@@ -427,7 +428,9 @@ class RecordReader {
       if (!ParseQuantity(quantity, &channel.quantity, &error)) {
         return table.Fail("quantity", error);
       }
-      if (!ReadWeights(table, &channel)) return false;
+      if (!ReadWeights(table, &channel) || !ReadStrainKeys(table, &channel)) {
+        return false;
+      }
       channel.signal.dimension = DimensionOf(channel.quantity);
       // The weights of a combination may carry a unit themselves, as in a
       // strain.

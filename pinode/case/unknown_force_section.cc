@@ -230,13 +230,15 @@ class UnknownForceReader {
           [](const ChannelSection& channel) {
             return channel.fit &&
                    (channel.quantity == Quantity::kDisplacement ||
-                    channel.quantity == Quantity::kAbsoluteDisplacement);
+                    channel.quantity == Quantity::kAbsoluteDisplacement ||
+                    channel.quantity == Quantity::kStrain);
           });
       if (sees) continue;
       context_.remarks->push_back(
           "The static part of the unknown force " + term_.name +
           " is not observable: record " + section.name +
-          " has no displacement channel. What is found of it well below the "
+          " has no channel of displacement or strain. What is found of it well "
+          "below the "
           "first natural frequency is the prior's (" +
           (table_.Has("band_hz")      ? "band_hz"
            : table_.Has("relaxation") ? "relaxation"

@@ -21,6 +21,7 @@ int DerivativeOf(Quantity quantity) {
     case Quantity::kDisplacement:
     case Quantity::kAbsoluteDisplacement:
     case Quantity::kForce:
+    case Quantity::kStrain:
       break;
   }
   return 0;

@@ -18,6 +18,7 @@ constexpr NamedQuantity kQuantities[] = {
     {Quantity::kAbsoluteAcceleration, "absolute_acceleration"},
     {Quantity::kAbsoluteDisplacement, "absolute_displacement"},
     {Quantity::kForce, "force"},
+    {Quantity::kStrain, "strain"},
 };
 
 }  // namespace
@@ -44,6 +45,17 @@ bool ParseQuantity(const std::string& name, Quantity* quantity,
            Join(names, ", ") +
            (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
   return false;
+}
+
+Vector AxialStrain(const Vector& combination, double gauge_length) {
+  CHECK_GT(gauge_length, 0.0);
+  return combination / gauge_length;
+}
+
+Vector BendingStrain(const Vector& combination, double distance,
+                     double gauge_length) {
+  CHECK_NE(distance, 0.0);
+  return -distance * AxialStrain(combination, gauge_length);
 }
 
 ObservationMap::ObservationMap(const StructuralDynamics& dynamics,

@@ -18,6 +18,7 @@ enum class Quantity {
   kAbsoluteAcceleration,  // a + r a_g
   kAbsoluteDisplacement,  // x + r x_g; needs the ground displacement as input
   kForce,                 // what moves a DOF of prescribed motion
+  kStrain,                // of x, see AxialStrain and BendingStrain
 };
 
 // The names used in case files, "displacement" and so on.
@@ -30,12 +31,25 @@ const char* QuantityName(Quantity quantity);
 //   y = sum_i w_i quantity_i,
 //
 // in the model's units. A sensor at one DOF has one weight 1; a strain gauge
-// or a relative displacement sensor has several.
+// or a relative displacement sensor has several. The weights of a strain hold
+// what makes it a pure number.
 struct Observation {
   std::string name;
   Quantity quantity = Quantity::kDisplacement;
   Vector weights;  // num_dofs
 };
+
+// Weights of a gauge whose ends move apart by sum_i c_i x_i, `combination`
+// being c (num_dofs), over its `gauge_length` > 0:
+//
+//   axial, of displacements         (u_2 - u_1) / gauge_length,
+//   bending, of rotations r = dv/dx  -distance (r_2 - r_1) / gauge_length
+//
+// where `distance`, not 0, is that from the neutral axis, positive on the side
+// of positive deflection v. It is the mean strain over the gauge.
+Vector AxialStrain(const Vector& combination, double gauge_length);
+Vector BendingStrain(const Vector& combination, double distance,
+                     double gauge_length);
 
 // All channels of a record as linear maps of state, acceleration and inputs,
 //

@@ -26,16 +26,19 @@ TEST(Observation, SeesEveryQuantity) {
       {At(Quantity::kDisplacement, difference), At(Quantity::kVelocity, second),
        At(Quantity::kRelativeAcceleration, second),
        At(Quantity::kAbsoluteAcceleration, second),
-       At(Quantity::kAbsoluteDisplacement, second)});
+       At(Quantity::kAbsoluteDisplacement, second),
+       At(Quantity::kStrain, AxialStrain(difference, 0.05)),
+       At(Quantity::kStrain, BendingStrain(difference, 0.01, 0.05))});
   const double state[] = {0.1, 0.4, -1.0, 2.0};
   const double rate[] = {-1.0, 2.0, 7.0, -3.0};
   const double input[] = {0.8, 0.06};
-  double y[5];
+  double y[7];
   map.Observe(state, rate, input, y);
   EXPECT_THAT(y, ::testing::ElementsAre(
                      ::testing::DoubleEq(0.3), ::testing::DoubleEq(2.0),
                      ::testing::DoubleEq(-3.0), ::testing::DoubleEq(-2.6),
-                     ::testing::DoubleEq(0.43)));
+                     ::testing::DoubleEq(0.43), ::testing::DoubleEq(6.0),
+                     ::testing::DoubleEq(-0.06)));
   EXPECT_THAT(map.acceleration_rows(), ::testing::ElementsAre(2, 3));
 }
 

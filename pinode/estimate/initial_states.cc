@@ -86,6 +86,7 @@ Vector GuessStateScales(const IdentificationProblem& problem,
     switch (channel.observation.quantity) {
       case Quantity::kDisplacement:
       case Quantity::kAbsoluteDisplacement:
+      case Quantity::kStrain:
         x = std::max(x, size);
         break;
       case Quantity::kVelocity:

@@ -46,6 +46,8 @@ Dimension DimensionOf(Quantity quantity) {
       return Dimension::kAcceleration;
     case Quantity::kForce:
       return Dimension::kForce;
+    case Quantity::kStrain:
+      return Dimension::kNumber;
   }
   return Dimension::kNumber;
 }

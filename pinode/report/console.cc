@@ -269,6 +269,9 @@ TextTable MakeStageTable(const ReportInput& input) {
 
 std::string ConsoleReport(const ReportInput& input) {
   std::string text = Verdict(input) + "\n";
+  for (const std::string& remark : input.summary->remarks) {
+    text += remark + "\n";
+  }
   const auto add = [&](const std::string& heading, const TextTable& table) {
     if (!table.empty()) text += "\n" + heading + "\n" + table.ToText();
   };
@@ -278,10 +281,6 @@ std::string ConsoleReport(const ReportInput& input) {
   add("Measured modes", MakeMeasuredModeTable(input));
   add("Modes", MakeModeTable(input));
   add("Sensors", MakeSensorTable(input));
-  if (!input.summary->remarks.empty()) text += "\n";
-  for (const std::string& remark : input.summary->remarks) {
-    text += remark + "\n";
-  }
   return text;
 }
 

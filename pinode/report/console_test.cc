@@ -120,7 +120,9 @@ TEST(Console, LeavesOutWhatAFailureLacks) {
 
 TEST(Console, HasAllTables) {
   const auto example = testing::MakeReportExample();
+  example->summary.remarks = {"Sensor 'a3': mounted upside down, gain -0.98."};
   const std::string text = ConsoleReport(example->input);
+  EXPECT_EQ(Lines(text)[1], example->summary.remarks[0]);
   for (const char* heading :
        {"Usable.", "Free-run error", "Parameters", "Modes", "Sensors"}) {
     EXPECT_THAT(text, HasSubstr(heading));

@@ -77,8 +77,8 @@ double LossProbability(const DamageResult& damage, size_t index);
 // The unit of a feature's values; empty where it has none.
 std::string FeatureUnit(const Feature& feature, const UnitSystem& units);
 
-// What a reader should know: the problem's remarks, those of its records, and
-// why there are no modes.
+// What a reader should know: the problem's remarks, those of its records, those
+// on the outcome, and why there are no modes.
 std::vector<std::string> RemarksOf(const ReportInput& input);
 
 }  // namespace pinode

@@ -39,7 +39,7 @@ bool FindStart(const StructuralDynamics& dynamics,
   for (const MeasuredChannel& channel : record.channels) {
     const Quantity quantity = channel.observation.quantity;
     if (channel.values.size() == 0 || !std::isfinite(channel.values[0]) ||
-        (quantity != Quantity::kDisplacement &&
+        (quantity != Quantity::kDisplacement && quantity != Quantity::kStrain &&
          quantity != Quantity::kVelocity)) {
       continue;
     }
