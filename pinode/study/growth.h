@@ -25,11 +25,12 @@ struct StructureTerms {
   std::vector<GroupTerm> groups;
   std::vector<LawTerm> laws;
   std::vector<UnknownForceTerm> unknown_forces;
-  std::vector<GroupCurve> group_curves;
   std::vector<NetworkTerm> networks;
   // Scales of forces, and kinds that the library does not know
   // (StructuralDynamics::AddTerm).
   std::vector<std::shared_ptr<const Term>> others;
+  // Of the groups.
+  std::vector<GroupCurve> group_curves;
 };
 StructureTerms TermsOf(const StructuralDynamics& dynamics);
 

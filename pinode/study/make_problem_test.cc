@@ -31,6 +31,7 @@ struct Arrays {
                           {},
                           {},
                           {},
+                          {},
                           {}};
   double step = kFrameStep;
   Matrix ground = Sine(3.0).transpose();
