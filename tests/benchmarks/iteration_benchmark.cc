@@ -284,7 +284,8 @@ class Fit {
         CHECK(propagator.Propagate(prepared, observation, grid_, starts.col(k),
                                    boundaries_[static_cast<size_t>(k)],
                                    boundaries_[static_cast<size_t>(k) + 1],
-                                   k + 1 == num_segments(), true, &segment));
+                                   k + 1 == num_segments(),
+                                   SegmentColumns::kAll, &segment));
       }
       tangents.push_back(CpuSeconds() - begin);
     }

@@ -101,7 +101,7 @@ void BM_SegmentJacobian(benchmark::State& state) {
   SegmentTangents tangents;
   const auto evaluate_tangents = [&]() {
     CHECK(propagator.Propagate(prepared, observation, grid, start, 0, kSteps,
-                               false, true, &tangents));
+                               false, SegmentColumns::kAll, &tangents));
   };
 
   const Chain chain(kStiffness, kDamping, Vector(), &grid);
