@@ -107,6 +107,8 @@ TEST_F(PrescribedMotionCase, FindsTheDeviceOnTheRig) {
   IdentifiedModel model;
   Identify(c.problem, c.options, nullptr, &summary, &model);
   EXPECT_TRUE(summary.usable) << summary.message;
+  // A force that resists is no sensor upside down.
+  EXPECT_THAT(summary.remarks, ::testing::IsEmpty());
   EXPECT_NEAR(model.parameters[0], kStiffness, 1e-5 * kStiffness);
   EXPECT_NEAR(model.parameters[1], kDamping, 1e-5 * kDamping);
 }

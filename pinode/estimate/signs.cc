@@ -273,6 +273,8 @@ class Responses {
     SeenChannel seen;
     seen.record = record;
     seen.channel = channel;
+    // What a device resists with is not the linear model's to say.
+    if (ChannelOf(seen).observation.quantity == Quantity::kForce) return;
     const Vector& values = ChannelOf(seen).values;
     std::vector<Eigen::Index> present;
     for (Eigen::Index i = 0; i < values.size(); ++i) {
