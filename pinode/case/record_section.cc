@@ -1,7 +1,6 @@
 #include "pinode/case/record_section.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -36,14 +35,6 @@ const std::vector<std::string>& RecordKeys() {
                                                           "channel",
                                                           "filter"};
   return keys;
-}
-
-// Whether the column is what a sensor of unknown sensitivity gives out.
-bool IsVoltage(const TomlTable& table) {
-  const std::vector<std::string> known = KnownUnits(Dimension::kVoltage);
-  const TomlValue* unit = table.Find("unit");
-  return unit != nullptr &&
-         std::find(known.begin(), known.end(), unit->text) != known.end();
 }
 
 class RecordReader {
@@ -83,18 +74,10 @@ class RecordReader {
       section_->file = table_.RequiredString("file");
       if (!table_.errors()->ok()) return false;
       section_->file = ResolvePath(table_.errors()->path(), section_->file);
-      if (!Exists(table_, section_->file)) return false;
+      if (!FileExists(table_, section_->file)) return false;
     }
     section_->substeps = table_.Integer("substeps", 0, 0);
     return table_.errors()->ok();
-  }
-
-  bool Exists(const TomlTable& table, const std::string& path) const {
-    std::error_code status;
-    if (std::filesystem::exists(path, status)) return true;
-    return table.Fail("file", "the file '" + path +
-                                  "' does not exist, expected a CSV file with "
-                                  "a header line, or a PEER .at2 file");
   }
 
   bool ReadTime() {
@@ -136,79 +119,9 @@ class RecordReader {
     return table_.errors()->ok();
   }
 
-  // Keys that all signals share. `name_key` holds what the signal is.
-  bool ReadSource(SignalSection* signal) {
-    const TomlTable& table = signal->table;
-    signal->file = section_->file;
-    if (table.Has("file")) {
-      signal->file = table.RequiredString("file");
-      if (!table.errors()->ok()) return false;
-      signal->file = ResolvePath(table.errors()->path(), signal->file);
-      if (!Exists(table, signal->file)) return false;
-    }
-    if (signal->file.empty()) {
-      return table.Fail("file",
-                        "it has no file, expected 'file' here or in its "
-                        "record");
-    }
-    if (IsAt2File(signal->file)) {
-      if (table.Has("column")) {
-        return table.Fail("column",
-                          "'column' of an AT2 file, which holds one motion "
-                          "only; expected none");
-      }
-    } else {
-      signal->column = table.RequiredString("column");
-    }
-    return table.errors()->ok();
-  }
-
-  bool ReadUnit(SignalSection* signal) {
-    const TomlTable& table = signal->table;
-    const bool at2 = IsAt2File(signal->file);
-    if (!at2 &&
-        !table.RequireKey(
-            "unit", std::string("that of ") + DimensionName(signal->dimension) +
-                        ", such as \"" + UnitName(signal->dimension, units_) +
-                        "\"")) {
-      return false;
-    }
-    signal->unit = table.String("unit", "g");
-    if (at2 && signal->unit != "g") {
-      return table.Fail(
-          "unit", "unit '" + signal->unit + "' of an AT2 file, expected g");
-    }
-    double factor = 1.0;
-    std::string error;
-    if (!UnitFactor(signal->unit, signal->dimension, units_, &factor, &error)) {
-      return table.Fail("unit", error);
-    }
-    signal->factor = factor * signal->scale * signal->sign;
-    if (table.Has("sigma") && table.Has("sigma_percent")) {
-      return table.Fail("sigma",
-                        "'sigma' beside 'sigma_percent', expected one "
-                        "of the two");
-    }
-    signal->sigma = factor * table.NonNegativeNumber("sigma", 0.0);
-    signal->sigma_percent = table.NonNegativeNumber("sigma_percent", 0.0);
-    signal->remove_offset = table.Boolean("remove_offset", false);
-    return table.errors()->ok();
-  }
-
-  bool AddInput(InputSection input) {
-    for (const InputSection& other : section_->inputs) {
-      if (other.spec.name != input.spec.name) continue;
-      return input.signal.table.Fail(
-          "column", "'" + input.signal.label +
-                        "' is given twice in this record, expected once");
-    }
-    section_->inputs.push_back(std::move(input));
-    return true;
-  }
-
   bool ReadInputs() {
-    if (!ReadGrounds() || !ReadForces() || !ReadMotions() ||
-        !ReadCovariates()) {
+    if (!ReadInputSections(table_, section_->file, units_, model_,
+                           &section_->inputs)) {
       return false;
     }
     if (section_->has_excitation() &&
@@ -221,145 +134,6 @@ class RecordReader {
         "interpolation", {"held", "linear", "cubic", "band_limited"}, "linear");
     return table_.errors()->ok() &&
            ParseInterpolation(interpolation, &section_->interpolation);
-  }
-
-  bool ReadGrounds() {
-    for (TomlTable& table : table_.Tables("ground", "record")) {
-      table.set_name(table_.name() + ", ground");
-      if (!table.AllowKeys({"direction", "column", "unit", "file", "scale",
-                            "remove_offset", "sigma", "sigma_percent"})) {
-        return false;
-      }
-      InputSection input(table);
-      const std::string direction = table.RequiredString("direction");
-      if (!table.errors()->ok()) return false;
-      input.spec.kind = InputSpec::Kind::kGroundAcceleration;
-      input.spec.index = model_.DirectionIndex(direction);
-      if (input.spec.index < 0) {
-        return table.Fail("direction",
-                          "'" + direction +
-                              "' is not a direction of the model's influence "
-                              "vectors" +
-                              NameHint(direction, model_.directions));
-      }
-      if (table.Has("scale") && table.Find("scale")->IsTable()) {
-        return table.Fail("scale",
-                          "'scale' of a ground motion is known, expected a "
-                          "number; gains of channels can be unknown");
-      }
-      input.spec.name = "ground_" + direction;
-      input.signal.label = "ground " + direction;
-      input.signal.dimension = Dimension::kAcceleration;
-      input.signal.scale = table.Number("scale", 1.0);
-      if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
-          !AddInput(std::move(input))) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  bool ReadForces() {
-    for (TomlTable& table : table_.Tables("force", "record")) {
-      table.set_name(table_.name() + ", force");
-      if (!table.AllowKeys({"dof", "column", "unit", "file", "scale",
-                            "remove_offset", "sigma", "sigma_percent"})) {
-        return false;
-      }
-      InputSection input(table);
-      const std::string dof = table.RequiredString("dof");
-      if (!table.errors()->ok() ||
-          !FindDof(model_, table, "dof", dof, false, &input.spec.index)) {
-        return false;
-      }
-      input.spec.kind = InputSpec::Kind::kForce;
-      input.spec.name = "force_" + dof;
-      input.signal.label = "force " + dof;
-      input.signal.dimension =
-          IsVoltage(table) ? Dimension::kVoltage : Dimension::kForce;
-      // An unknown one is a parameter of the model.
-      const bool unknown = table.Has("scale") && table.Find("scale")->IsTable();
-      input.signal.scale = unknown ? 1.0 : table.Number("scale", 1.0);
-      if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
-          !AddInput(std::move(input))) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  // What an actuator prescribes: a displacement, and, where they are measured,
-  // its derivatives.
-  bool ReadMotions() {
-    for (TomlTable& table : table_.Tables("motion", "record")) {
-      table.set_name(table_.name() + ", motion");
-      if (!table.AllowKeys({"dof", "quantity", "column", "unit", "file",
-                            "scale", "remove_offset"})) {
-        return false;
-      }
-      InputSection input(table);
-      const std::string dof = table.RequiredString("dof");
-      const std::string quantity =
-          table.Choice("quantity", {"displacement", "velocity", "acceleration"},
-                       "displacement");
-      if (!table.errors()->ok() ||
-          !FindDof(model_, table, "dof", dof, false, &input.spec.index)) {
-        return false;
-      }
-      const int derivative = quantity == "displacement" ? 0
-                             : quantity == "velocity"   ? 1
-                                                        : 2;
-      input.spec = PrescribedInput(model_, input.spec.index, derivative);
-      input.signal.label = "prescribed " + quantity + " " + dof;
-      input.signal.dimension = derivative == 0   ? Dimension::kLength
-                               : derivative == 1 ? Dimension::kVelocity
-                                                 : Dimension::kAcceleration;
-      input.signal.scale = table.Number("scale", 1.0);
-      if (!ReadSource(&input.signal) || !ReadUnit(&input.signal) ||
-          !AddInput(std::move(input))) {
-        return false;
-      }
-    }
-    for (const InputSection& input : section_->inputs) {
-      if (input.spec.kind != InputSpec::Kind::kPrescribedVelocity &&
-          input.spec.kind != InputSpec::Kind::kPrescribedAcceleration) {
-        continue;
-      }
-      const InputSpec needed = PrescribedInput(model_, input.spec.index, 0);
-      if (std::none_of(section_->inputs.begin(), section_->inputs.end(),
-                       [&needed](const InputSection& other) {
-                         return other.spec.name == needed.name;
-                       })) {
-        return input.signal.table.Fail(
-            "quantity", "'" + input.signal.label +
-                            "' without the displacement, expected a "
-                            "[[record.motion]] of it as well");
-      }
-    }
-    return table_.errors()->ok();
-  }
-
-  bool ReadCovariates() {
-    for (TomlTable& table : table_.Tables("covariate", "record")) {
-      table.set_name(table_.name() + ", covariate");
-      if (!table.AllowKeys({"name", "column", "file"})) return false;
-      InputSection input(table);
-      input.spec.kind = InputSpec::Kind::kCovariate;
-      input.spec.name = table.RequiredString("name");
-      if (!table.errors()->ok()) return false;
-      if (input.spec.name.rfind("ground_", 0) == 0 ||
-          input.spec.name.rfind("force_", 0) == 0 ||
-          input.spec.name.rfind("motion_", 0) == 0) {
-        return table.Fail("name", "'" + input.spec.name +
-                                      "' begins like the name of an "
-                                      "excitation, expected another name");
-      }
-      input.signal.label = "covariate " + input.spec.name;
-      if (!ReadSource(&input.signal) || !AddInput(std::move(input))) {
-        return false;
-      }
-    }
-    return true;
   }
 
   // `dof` or `combination`.
@@ -449,8 +223,8 @@ class RecordReader {
         channel.signal.sign = sign < 0.0 ? -1 : 1;
       }
       channel.fit = table.Boolean("fit", true);
-      if ((!simulation_ && !ReadSource(&channel.signal)) ||
-          !ReadUnit(&channel.signal)) {
+      if ((!simulation_ && !ReadSource(section_->file, &channel.signal)) ||
+          !ReadUnit(units_, &channel.signal)) {
         return false;
       }
       section_->channels.push_back(std::move(channel));
@@ -588,13 +362,6 @@ class RecordReader {
 
 }  // namespace
 
-bool IsAt2File(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".at2";
-}
-
 bool RecordSection::has_excitation() const {
   return std::any_of(inputs.begin(), inputs.end(),
                      [](const InputSection& input) {
@@ -622,21 +389,6 @@ bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
     sections->push_back(std::move(section));
   }
   return root.errors()->ok();
-}
-
-InputSpec PrescribedInput(const StructuralModel& model, int dof,
-                          int derivative) {
-  const std::string& name = model.dof_names[static_cast<size_t>(dof)];
-  switch (derivative) {
-    case 0:
-      return {InputSpec::Kind::kPrescribedDisplacement, dof, "motion_" + name};
-    case 1:
-      return {InputSpec::Kind::kPrescribedVelocity, dof,
-              "motion_velocity_" + name};
-    default:
-      return {InputSpec::Kind::kPrescribedAcceleration, dof,
-              "motion_acceleration_" + name};
-  }
 }
 
 std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "pinode/base/units.h"
+#include "pinode/case/input_section.h"
 #include "pinode/case/model_section.h"
+#include "pinode/case/signal_section.h"
 #include "pinode/case/toml_table.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
@@ -18,37 +20,6 @@
 #include "pinode/record/filter.h"
 
 namespace pinode {
-
-// By its extension, in any case: a PEER ground motion, not a table.
-bool IsAt2File(const std::string& path);
-
-// Where one time history comes from, and how it becomes one in model units:
-// factor * value, after the mean is subtracted if `remove_offset`.
-struct SignalSection {
-  TomlTable table;
-  std::string label;   // "ground x", "channel a1": for messages
-  std::string file;    // as opened
-  std::string column;  // empty for AT2 files
-  Dimension dimension = Dimension::kNumber;
-  std::string unit = "1";
-  int sign = 1;
-  double scale = 1.0;
-  double factor = 1.0;  // of unit, sign and scale
-  bool remove_offset = false;
-  // Noise, model units; not positive: not given.
-  double sigma = 0.0;
-  // Per cent of the standard deviation; not positive: not given.
-  double sigma_percent = 0.0;
-
-  explicit SignalSection(const TomlTable& t) : table(t) {}
-};
-
-struct InputSection {
-  SignalSection signal;
-  InputSpec spec;
-
-  explicit InputSection(const TomlTable& t) : signal(t) {}
-};
 
 struct ChannelSection {
   SignalSection signal;
@@ -94,12 +65,6 @@ struct RecordSection {
                                       const StructuralModel& model,
                                       bool simulation,
                                       std::vector<RecordSection>* sections);
-
-// The `derivative`-th derivative (0 to 2) of the displacement that is
-// prescribed at a DOF: motion_<dof>, motion_velocity_<dof>,
-// motion_acceleration_<dof>.
-InputSpec PrescribedInput(const StructuralModel& model, int dof,
-                          int derivative);
 
 // The inputs of the dynamics: everything that some record has, each once, the
 // ground displacement where a channel needs it, and the derivatives of
