@@ -234,7 +234,7 @@ std::unique_ptr<StructuralDynamics> MakeEverything() {
     }
     CHECK(dynamics->AddUnknownForce(std::move(term), &error)) << error;
   }
-  AddCurve("k1", 0, {-0.4, 0.2, 0.6, 0.9}, 1, dynamics.get());
+  AddCurve("k1", 0, {1.0, 1.3, 1.5, 2.6}, 1, dynamics.get());
   AddCurve("c2", 2, {0.1, 0.4}, 0, dynamics.get());
   // One scale of a force in all records, and one in a part of them.
   for (const int record_switch : {-1, 2}) {
