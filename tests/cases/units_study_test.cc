@@ -7,6 +7,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
+#include "tests/cases/case_text.h"
 #include "tests/cases/measure.h"
 #include "tests/cases/other_units.h"
 
@@ -17,7 +18,9 @@ namespace {
 class UnitsOfEveryCase : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(UnitsOfEveryCase, ChangeNoResult) {
-  const Case c = ReadCaseOrFail(std::string("data/") + GetParam() + ".toml");
+  Case c = ReadCaseOrFail(std::string("data/") + GetParam() + ".toml");
+  // What is left of records without noise is rounding.
+  if (std::string(GetParam()).rfind("duffing", 0) == 0) AddNoise(0.01, 7, &c);
   const CaseRun here = RunCase(c);
   double exact = 0.0;
   double rounded = 0.0;
