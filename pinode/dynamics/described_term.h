@@ -54,6 +54,37 @@ class DescribedTerm : public TermOf<Description> {
   int num_free_;
 };
 
+struct ColumnScratch : TermTangentScratch {
+  Vector column;  // rows
+};
+
+// A term whose parameters act through one column of accelerations at a time.
+template <typename Derived, typename Description,
+          ParameterBlock Description::*Block>
+class ColumnTerm : public DescribedTerm<Derived, Description, Block> {
+ public:
+  using DescribedTerm<Derived, Description, Block>::DescribedTerm;
+
+  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
+      const TermPlace& /*place*/, int rows) const final {
+    auto scratch = std::make_unique<ColumnScratch>();
+    scratch->column = Vector::Zero(rows);
+    return scratch;
+  }
+
+ protected:
+  // left * [0; acceleration; 0], kept in the scratch.
+  template <typename Acceleration>
+  static const Vector& MapColumn(const TermPlace& place, const Matrix& left,
+                                 const Acceleration& acceleration,
+                                 TermTangentScratch* scratch) {
+    Vector& column = static_cast<ColumnScratch*>(scratch)->column;
+    column.noalias() =
+        left.middleCols(place.num_dofs, place.num_dofs) * acceleration;
+    return column;
+  }
+};
+
 // A function of features whose results act on the DOFs through a matrix: a
 // description with name, features, outputs and acts_as.
 template <typename Derived, typename Description,

@@ -17,16 +17,12 @@ struct LinearizedScale : TermLinearization {
   Vector acceleration;  // num_dofs: by the forces at scale 1
 };
 
-struct ScaleScratch : TermTangentScratch {
-  Vector mapped;  // rows
-};
-
 class ForceScaleDynamics final
-    : public DescribedTerm<ForceScaleDynamics, ForceScaleTerm,
-                           &ForceScaleTerm::parameters> {
+    : public ColumnTerm<ForceScaleDynamics, ForceScaleTerm,
+                        &ForceScaleTerm::parameters> {
  public:
   ForceScaleDynamics(ForceScaleTerm scale, std::vector<int> dofs)
-      : DescribedTerm(std::move(scale)), dofs_(std::move(dofs)) {}
+      : ColumnTerm(std::move(scale)), dofs_(std::move(dofs)) {}
 
   TermKind kind() const override { return TermKind::kForceScale; }
 
@@ -93,13 +89,6 @@ class ForceScaleDynamics final
     AddRate(prepared, at, rate, kept);
   }
 
-  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
-      const TermPlace& /*place*/, int rows) const override {
-    auto scratch = std::make_unique<ScaleScratch>();
-    scratch->mapped = Vector::Zero(rows);
-    return scratch;
-  }
-
   void AddParameterTangents(const TermPlace& place,
                             const TermPrepared& /*prepared*/,
                             const TermLinearization* const* stages,
@@ -107,13 +96,10 @@ class ForceScaleDynamics final
                             TermTangentScratch* scratch,
                             double* result) const override {
     if (num_free() == 0) return;
-    const int n = place.num_dofs;
-    Vector& mapped = static_cast<ScaleScratch*>(scratch)->mapped;
     for (int s = 0; s < num_stages; ++s) {
-      mapped.noalias() =
-          lefts[s]->middleCols(n, n) *
-          static_cast<const LinearizedScale&>(*stages[s]).acceleration;
-      AddToColumn(0, mapped, 1.0, result);
+      const auto& kept = static_cast<const LinearizedScale&>(*stages[s]);
+      AddToColumn(0, MapColumn(place, *lefts[s], kept.acceleration, scratch),
+                  1.0, result);
     }
   }
 

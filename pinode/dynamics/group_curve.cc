@@ -30,10 +30,6 @@ struct LinearizedCurve : TermLinearization {
   CurvePlace place;
 };
 
-struct CurveScratch : TermTangentScratch {
-  Vector column;  // rows
-};
-
 CurvePlace PlaceOnCurve(const GroupCurve& curve, double u) {
   const std::vector<double>& knots = curve.knots;
   const auto above = std::upper_bound(knots.begin(), knots.end(), u);
@@ -65,10 +61,10 @@ T ChangeOfAlpha(const CurvePlace& place, const T* parameters) {
 }
 
 class GroupCurveDynamics final
-    : public DescribedTerm<GroupCurveDynamics, GroupCurve,
-                           &GroupCurve::parameters> {
+    : public ColumnTerm<GroupCurveDynamics, GroupCurve,
+                        &GroupCurve::parameters> {
  public:
-  using DescribedTerm::DescribedTerm;
+  using ColumnTerm::ColumnTerm;
 
   TermKind kind() const override { return TermKind::kGroupCurve; }
 
@@ -103,13 +99,8 @@ class GroupCurveDynamics final
                "and a parameter for each other";
       return false;
     }
-    if (!curve.prior.Fits(curve.parameters.size())) {
-      *error = of + "its prior does not fit its parameters";
-      return false;
-    }
-    if (!curve.prior.combinations.empty() && num_free() > 0 &&
-        num_free() < curve.parameters.size()) {
-      *error = of + "all of its knots are free, or none, where it has a prior";
+    if (!curve.prior.IsValid(curve.parameters.size(), num_free(), error)) {
+      *error = of + *error;
       return false;
     }
     return curve.parameters.IsValid(error);
@@ -162,13 +153,6 @@ class GroupCurveDynamics final
         static_cast<const PreparedCurve&>(prepared).map;
   }
 
-  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
-      const TermPlace& /*place*/, int rows) const override {
-    auto scratch = std::make_unique<CurveScratch>();
-    scratch->column = Vector::Zero(rows);
-    return scratch;
-  }
-
   void AddParameterTangents(const TermPlace& place,
                             const TermPrepared& /*prepared*/,
                             const TermLinearization* const* stages,
@@ -176,11 +160,9 @@ class GroupCurveDynamics final
                             TermTangentScratch* scratch,
                             double* result) const override {
     if (num_free() == 0) return;
-    const int n = place.num_dofs;
-    Vector& column = static_cast<CurveScratch*>(scratch)->column;
     for (int s = 0; s < num_stages; ++s) {
       const auto& kept = static_cast<const LinearizedCurve&>(*stages[s]);
-      column.noalias() = lefts[s]->middleCols(n, n) * kept.unit;
+      const Vector& column = MapColumn(place, *lefts[s], kept.unit, scratch);
       for (int i = 0; i < 2; ++i) {
         if (kept.place.parameter[i] < 0) continue;
         AddToColumn(kept.place.parameter[i], column, kept.place.weight[i],

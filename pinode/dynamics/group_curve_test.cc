@@ -104,7 +104,10 @@ TEST(CurvePrior, HoldsDifferencesOfNeighbours) {
   const double mean = 10.0;
   const CombinationPrior first = CurvePrior(knots, 2, 1, 0.05);
   ASSERT_EQ(first.combinations.size(), 3u);
-  EXPECT_TRUE(first.Fits(3));
+  std::string error;
+  EXPECT_TRUE(first.IsValid(3, 3, &error)) << error;
+  EXPECT_FALSE(first.IsValid(3, 2, &error));
+  EXPECT_FALSE(first.IsValid(2, 2, &error));
   EXPECT_DOUBLE_EQ(first.precisions[0], 400.0);
   for (size_t k = 0; k < 3; ++k) {
     const auto& row = first.combinations[k];
@@ -116,7 +119,7 @@ TEST(CurvePrior, HoldsDifferencesOfNeighbours) {
   }
   const CombinationPrior second = CurvePrior(knots, 2, 2, 0.0);
   ASSERT_EQ(second.combinations.size(), 2u);
-  EXPECT_TRUE(second.Fits(3));
+  EXPECT_TRUE(second.IsValid(3, 0, &error)) << error;
   EXPECT_LT(second.precisions[0], 0.0);
   for (size_t k = 0; k < 2; ++k) {
     const auto& row = second.combinations[k];

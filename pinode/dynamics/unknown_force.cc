@@ -119,13 +119,22 @@ WideJet HalfSinePulse::Evaluate(double time, const WideJet* parameters) const {
   return HalfSine(time, parameters);
 }
 
-bool CombinationPrior::Fits(int num_parameters) const {
-  return std::all_of(combinations.begin(), combinations.end(),
-                     [this, num_parameters](const Combination& c) {
-                       return c.first >= 0 && c.group >= 0 &&
-                              c.group < num_groups() &&
-                              c.first + c.weights.size() <= num_parameters;
-                     });
+bool CombinationPrior::IsValid(int num_parameters, int num_free,
+                               std::string* error) const {
+  if (!std::all_of(combinations.begin(), combinations.end(),
+                   [this, num_parameters](const Combination& c) {
+                     return c.first >= 0 && c.group >= 0 &&
+                            c.group < num_groups() &&
+                            c.first + c.weights.size() <= num_parameters;
+                   })) {
+    *error = "its prior does not fit its parameters";
+    return false;
+  }
+  if (!combinations.empty() && num_free > 0 && num_free < num_parameters) {
+    *error = "all of its parameters are free, or none, where it has a prior";
+    return false;
+  }
+  return true;
 }
 
 double CombinationPrior::ShareToBeChosen() const {

@@ -104,8 +104,10 @@ struct CombinationPrior {
   std::vector<double> precisions;
 
   int num_groups() const { return static_cast<int>(precisions.size()); }
-  // Whether its groups exist and its combinations are of `num_parameters`.
-  [[nodiscard]] bool Fits(int num_parameters) const;
+  // Whether its groups exist, its combinations are of `num_parameters`, and,
+  // where there are any, all of these are free or none. *error has no subject.
+  [[nodiscard]] bool IsValid(int num_parameters, int num_free,
+                             std::string* error) const;
   // Share of the combinations whose precision the evidence chooses.
   double ShareToBeChosen() const;
 };

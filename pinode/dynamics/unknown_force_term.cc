@@ -15,15 +15,11 @@ struct LinearizedForce : TermLinearization {
   ForceHistory::Local local;  // times the force's input
 };
 
-struct ForceScratch : TermTangentScratch {
-  Vector mapped;  // rows
-};
-
 class UnknownForceDynamics final
-    : public DescribedTerm<UnknownForceDynamics, UnknownForceTerm,
-                           &UnknownForceTerm::parameters> {
+    : public ColumnTerm<UnknownForceDynamics, UnknownForceTerm,
+                        &UnknownForceTerm::parameters> {
  public:
-  using DescribedTerm::DescribedTerm;
+  using ColumnTerm::ColumnTerm;
 
   TermKind kind() const override { return TermKind::kUnknownForce; }
 
@@ -48,15 +44,8 @@ class UnknownForceDynamics final
       *error = "'" + term.name + "' looks at an input that does not exist";
       return false;
     }
-    if (!term.prior.Fits(term.parameters.size())) {
-      *error = "'" + term.name + "': its prior does not fit its parameters";
-      return false;
-    }
-    if (!term.prior.combinations.empty() && num_free() > 0 &&
-        num_free() < term.parameters.size()) {
-      *error = "'" + term.name +
-               "': all of its parameters are free, or none, where it has a "
-               "prior";
+    if (!term.prior.IsValid(term.parameters.size(), num_free(), error)) {
+      *error = "'" + term.name + "': " + *error;
       return false;
     }
     return term.parameters.IsValid(error);
@@ -103,13 +92,6 @@ class UnknownForceDynamics final
     AddRate(prepared, at, rate, kept);
   }
 
-  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
-      const TermPlace& /*place*/, int rows) const override {
-    auto scratch = std::make_unique<ForceScratch>();
-    scratch->mapped = Vector::Zero(rows);
-    return scratch;
-  }
-
   void AddParameterTangents(const TermPlace& place,
                             const TermPrepared& prepared,
                             const TermLinearization* const* stages,
@@ -117,14 +99,12 @@ class UnknownForceDynamics final
                             TermTangentScratch* scratch,
                             double* result) const override {
     if (num_free() == 0) return;
-    const int n = place.num_dofs;
-    Vector& mapped = static_cast<ForceScratch*>(scratch)->mapped;
     for (int s = 0; s < num_stages; ++s) {
       const ForceHistory::Local& local =
           static_cast<const LinearizedForce&>(*stages[s]).local;
       if (local.count == 0) continue;
-      mapped.noalias() =
-          lefts[s]->middleCols(n, n) * prepared.output_map.col(0);
+      const Vector& mapped =
+          MapColumn(place, *lefts[s], prepared.output_map.col(0), scratch);
       for (int p = 0; p < local.count; ++p) {
         AddToColumn(local.first + p, mapped, local.derivatives[p], result);
       }

@@ -29,7 +29,9 @@ void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
       }
     }
     if (record.start == IdentificationRecord::Start::kFree) {
-      assessment->num_starts += problem.dynamics->num_states();
+      assessment->num_starts +=
+          problem.dynamics->num_states() -
+          2 * static_cast<int>(problem.dynamics->prescribed().size());
     }
   }
   assessment->num_free = layout.num_free();

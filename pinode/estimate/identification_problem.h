@@ -88,8 +88,8 @@ struct IdentificationProblem {
 
   int num_train_records() const;
 
-  // Whether the ground or a force drives the structure in a record; covariates
-  // and switches do not.
+  // Whether the ground, a force or an actuator drives the structure in a
+  // record; covariates and switches do not.
   bool IsDriven(const IdentificationRecord& record) const;
 
   // By its initial value; 1 of a sensor without one, or where that is zero and

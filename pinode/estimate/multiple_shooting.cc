@@ -265,7 +265,7 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   int num_segments = 0;
   for (const auto& record : records_) {
     if (!AllFinite(*record)) return false;
-    num_segments += record->num_segments();
+    if (record->HasFreeStarts()) num_segments += record->num_segments();
   }
 
   FreeEquations sum = threads_[0]->sum;
@@ -275,7 +275,9 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   }
   data_curvature_ = 0.0;
   for (size_t r = 0; r < records_.size(); ++r) {
-    data_curvature_ += records_[r]->DataCurvature() / num_segments;
+    if (records_[r]->HasFreeStarts()) {
+      data_curvature_ += records_[r]->DataCurvature() / num_segments;
+    }
     if (!records_[r]->Eliminate(gap_penalty_, starts_[r], &sum)) return false;
   }
   system->gradient = sum.gradient;

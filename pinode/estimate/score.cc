@@ -23,6 +23,7 @@ void ScoreDivergence(const IdentificationRecord& data,
   if (trajectory.channels.cols() == samples) {
     score->prediction = trajectory.channels;
     score->states = trajectory.states;
+    score->start = score->states.col(0);  // with what is prescribed of it
   }
   score->nrmse = kInfinity;
   for (size_t c = 0; c < data.channels.size(); ++c) {

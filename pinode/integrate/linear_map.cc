@@ -91,6 +91,41 @@ Map StepMap(const Map& rate, int ns, int ni, double dt) {
   return end;
 }
 
+Map Columns(const Map& map, Eigen::Index first, Eigen::Index count) {
+  Map columns;
+  columns.value = map.value.middleCols(first, count);
+  for (const Matrix& derivative : map.derivatives) {
+    columns.derivatives.push_back(derivative.middleCols(first, count));
+  }
+  return columns;
+}
+
+Map Product(const Map& left, const Map& right) {
+  Map product;
+  product.value.noalias() = left.value * right.value;
+  for (size_t j = 0; j < left.derivatives.size(); ++j) {
+    Matrix derivative = left.derivatives[j] * right.value;
+    derivative.noalias() += left.value * right.derivatives[j];
+    product.derivatives.push_back(std::move(derivative));
+  }
+  return product;
+}
+
+// By squares: as many products as `exponent` (at least 1) has binary digits,
+// twice at most.
+Map Power(Map base, int exponent) {
+  while (exponent % 2 == 0) {
+    base = Product(base, base);
+    exponent /= 2;
+  }
+  Map power = base;
+  while (exponent /= 2) {
+    base = Product(base, base);
+    if (exponent % 2 == 1) power = Product(base, power);
+  }
+  return power;
+}
+
 }  // namespace
 
 double LinearMap::TableSize(const StructuralDynamics& dynamics, int substeps) {
@@ -108,29 +143,26 @@ LinearMap::LinearMap(const StructuralDynamics& dynamics,
   Map rate = RateMap(dynamics, prepared, with_parameters);
   const Map one = StepMap(rate, ns, ni, step);
   const auto np = static_cast<Eigen::Index>(rate.derivatives.size());
-  const Eigen::Index columns = ns + 3 * substeps * ni;
-
-  // One step after the other, over all of the interval's inputs.
-  Matrix all = Matrix::Identity(ns, columns);
-  derivatives_ = Matrix::Zero(ns * np, columns);
-  const auto a = one.value.leftCols(ns);
-  Matrix next(ns, columns);
-  for (int s = 0; s < substeps; ++s) {
-    const Eigen::Index here = ns + 3 * s * ni;
-    for (Eigen::Index j = 0; j < np; ++j) {
-      const Matrix& change = one.derivatives[static_cast<size_t>(j)];
-      auto derivative = derivatives_.middleRows(j * ns, ns);
-      next.noalias() = a * derivative;
-      next.noalias() += change.leftCols(ns) * all;
-      next.middleCols(here, 3 * ni) += change.rightCols(3 * ni);
-      derivative = next;
-    }
-    next.noalias() = a * all;
-    next.middleCols(here, 3 * ni) += one.value.rightCols(3 * ni);
-    all.swap(next);
+  const Map power = Power(Columns(one, 0, ns), substeps);
+  transition_ = power.value;
+  forcing_.resize(ns, 3 * substeps * ni);
+  derivatives_.resize(ns * np, ns + forcing_.cols());
+  for (Eigen::Index j = 0; j < np; ++j) {
+    derivatives_.block(j * ns, 0, ns, ns) =
+        power.derivatives[static_cast<size_t>(j)];
   }
-  transition_ = all.leftCols(ns);
-  forcing_ = all.rightCols(columns - ns);
+  // What the inputs of a step come to at the interval's end, from the last step
+  // to the first.
+  const Map a = Columns(one, 0, ns);
+  Map inputs = Columns(one, ns, 3 * ni);
+  for (int s = substeps - 1; s >= 0; --s) {
+    forcing_.middleCols(3 * s * ni, 3 * ni) = inputs.value;
+    for (Eigen::Index j = 0; j < np; ++j) {
+      derivatives_.block(j * ns, ns + 3 * s * ni, ns, 3 * ni) =
+          inputs.derivatives[static_cast<size_t>(j)];
+    }
+    if (s > 0) inputs = Product(a, inputs);
+  }
   rate_ = std::move(rate.value);
   rate_derivatives_ = std::move(rate.derivatives);
 }

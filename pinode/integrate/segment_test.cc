@@ -248,60 +248,63 @@ TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
   ASSERT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
   const ObservationMap observation(dynamics, SomeObservations());
   constexpr int kSamples = 200;
-  const IntegrationGrid grid(SomeExcitation(GetParam(), kSamples), 3);
-  const Vector start = Vector::LinSpaced(6, -0.5, 0.6);
-  for (const auto columns :
-       {SegmentColumns::kNone, SegmentColumns::kStart,
-        SegmentColumns::kParameters, SegmentColumns::kAll}) {
-    for (const bool observe_last : {false, true}) {
-      SegmentTangents tangents, jets;
-      SegmentPropagator by_map(dynamics, DerivativeMethod::kTangents);
-      SegmentPropagator by_steps(dynamics, DerivativeMethod::kJets);
-      ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
-                                   kSamples - 1, observe_last, columns,
-                                   &tangents));
-      ASSERT_TRUE(by_steps.Propagate(prepared, observation, grid, start, 2,
+  for (const int substeps : {1, 3, 6}) {
+    const IntegrationGrid grid(SomeExcitation(GetParam(), kSamples), substeps);
+    const Vector start = Vector::LinSpaced(6, -0.5, 0.6);
+    for (const auto columns :
+         {SegmentColumns::kNone, SegmentColumns::kStart,
+          SegmentColumns::kParameters, SegmentColumns::kAll}) {
+      for (const bool observe_last : {false, true}) {
+        SegmentTangents tangents, jets;
+        SegmentPropagator by_map(dynamics, DerivativeMethod::kTangents);
+        SegmentPropagator by_steps(dynamics, DerivativeMethod::kJets);
+        ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
                                      kSamples - 1, observe_last, columns,
-                                     &jets));
-      ASSERT_EQ(tangents.jacobian.cols(),
-                (HasStart(columns) ? 6 : 0) + (HasParameters(columns) ? 3 : 0));
-      ASSERT_EQ(tangents.jacobian.rows(), jets.jacobian.rows());
-      EXPECT_LT((tangents.channels - jets.channels).norm(),
-                1e-12 * jets.channels.norm());
-      EXPECT_LT((tangents.end_state - jets.end_state).norm(),
-                1e-12 * jets.end_state.norm());
-      for (Eigen::Index j = 0; j < jets.jacobian.cols(); ++j) {
-        EXPECT_LT((tangents.jacobian.col(j) - jets.jacobian.col(j)).norm(),
-                  1e-11 * jets.jacobian.col(j).norm())
-            << j;
+                                     &tangents));
+        ASSERT_TRUE(by_steps.Propagate(prepared, observation, grid, start, 2,
+                                       kSamples - 1, observe_last, columns,
+                                       &jets));
+        ASSERT_EQ(
+            tangents.jacobian.cols(),
+            (HasStart(columns) ? 6 : 0) + (HasParameters(columns) ? 3 : 0));
+        ASSERT_EQ(tangents.jacobian.rows(), jets.jacobian.rows());
+        EXPECT_LT((tangents.channels - jets.channels).norm(),
+                  1e-12 * jets.channels.norm());
+        EXPECT_LT((tangents.end_state - jets.end_state).norm(),
+                  1e-12 * jets.end_state.norm());
+        for (Eigen::Index j = 0; j < jets.jacobian.cols(); ++j) {
+          EXPECT_LT((tangents.jacobian.col(j) - jets.jacobian.col(j)).norm(),
+                    1e-11 * jets.jacobian.col(j).norm())
+              << j;
+          EXPECT_LT(
+              (tangents.end_sensitivity.col(j) - jets.end_sensitivity.col(j))
+                  .norm(),
+              1e-11 * jets.end_sensitivity.col(j).norm())
+              << j;
+        }
+        // Other parameters have another map, and those before their own again.
+        StructuralDynamics::Prepared other;
+        ASSERT_TRUE(
+            dynamics.Prepare(1.5 * dynamics.Parameters(), &other, &error));
+        SegmentTangents moved, again;
+        ASSERT_TRUE(by_map.Propagate(other, observation, grid, start, 2,
+                                     kSamples - 1, observe_last, columns,
+                                     &moved));
+        EXPECT_GT((moved.channels - tangents.channels).norm(),
+                  1e-3 * tangents.channels.norm());
+        ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
+                                     kSamples - 1, observe_last, columns,
+                                     &again));
+        EXPECT_EQ(again.channels, tangents.channels);
+        EXPECT_EQ(again.jacobian, tangents.jacobian);
+        Trajectory trajectory;
+        ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 2,
+                            kSamples - 1, &trajectory));
         EXPECT_LT(
-            (tangents.end_sensitivity.col(j) - jets.end_sensitivity.col(j))
+            (trajectory.channels.leftCols(jets.channels.cols()) - jets.channels)
                 .norm(),
-            1e-11 * jets.end_sensitivity.col(j).norm())
-            << j;
+            1e-12 * jets.channels.norm());
       }
-      // Other parameters have another map, and those before their own again.
-      StructuralDynamics::Prepared other;
-      ASSERT_TRUE(
-          dynamics.Prepare(1.5 * dynamics.Parameters(), &other, &error));
-      SegmentTangents moved, again;
-      ASSERT_TRUE(by_map.Propagate(other, observation, grid, start, 2,
-                                   kSamples - 1, observe_last, columns,
-                                   &moved));
-      EXPECT_GT((moved.channels - tangents.channels).norm(),
-                1e-3 * tangents.channels.norm());
-      ASSERT_TRUE(by_map.Propagate(prepared, observation, grid, start, 2,
-                                   kSamples - 1, observe_last, columns,
-                                   &again));
-      EXPECT_EQ(again.channels, tangents.channels);
-      EXPECT_EQ(again.jacobian, tangents.jacobian);
-      Trajectory trajectory;
-      ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 2,
-                          kSamples - 1, &trajectory));
-      EXPECT_LT(
-          (trajectory.channels.leftCols(jets.channels.cols()) - jets.channels)
-              .norm(),
-          1e-12 * jets.channels.norm());
     }
   }
 }

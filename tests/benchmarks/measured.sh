@@ -35,10 +35,10 @@ ln -s "$data" "$work/data"
 missed=0
 printf '%-28s %12s %12s   %s\n' "record" "here" "asked" "others"
 
-# row NAME VALUE ASKED OTHERS
+# row NAME VALUE ASKED OTHERS; ASKED is - where nothing is.
 row() {
   local mark=""
-  if awk -v v="$2" -v a="$3" 'BEGIN {exit !(v > a)}'; then
+  if [[ $3 != - ]] && awk -v v="$2" -v a="$3" 'BEGIN {exit !(v > a)}'; then
     mark="  missed"
     missed=1
   fi
@@ -164,7 +164,7 @@ friction_damper() {
     echo "friction damper, $name: $(grep -m 1 -E '^(Not u|U)sable' \
       "$work/friction_$name.log" | cut -c 1-90)"
     for record in dbe mce; do
-      row "  $record, nrmse" "$(nrmse "friction_$name" "$record" 8)" inf ""
+      row "  $record, nrmse" "$(nrmse "friction_$name" "$record" 8)" - ""
     done
   done
 }
