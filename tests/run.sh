@@ -20,10 +20,18 @@ apps/install_packages.sh apps/packages.txt tests/packages.txt
 echo "== format"
 tests/format.sh || failed+=("format")
 
+# Many sources at a time, where there is memory for it: nobody changes one of
+# them here.
+batch=4
+memory_kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
+if ((memory_kib / jobs > 3000000)); then
+  batch=16
+fi
+
 for preset in release asan tsan; do
   echo "== $preset"
-  # Several sources of the library at a time: nobody changes one of them here.
-  cmake --preset "$preset" -DPINODE_UNITY_LIBRARY=ON
+  cmake --preset "$preset" \
+    -DPINODE_UNITY_LIBRARY=ON -DPINODE_UNITY_BATCH="$batch"
   cmake --build --preset "$preset" --parallel "$jobs"
   ctest --preset "$preset" --parallel "$jobs" || failed+=("$preset")
 done

@@ -17,20 +17,20 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // A spring, a damper and a mass on a rig: what the load cell reads is a sum.
-constexpr double kStiffness = 30.0;  // N/mm
-constexpr double kDamping = 0.4;     // N s/mm
-constexpr double kMass = 0.002;      // N s^2/mm
+constexpr double kRigStiffness = 30.0;  // N/mm
+constexpr double kDamping = 0.4;        // N s/mm
+constexpr double kRigMass = 0.002;      // N s^2/mm
 
 std::string RigRecord() {
   std::string table = "t,stroke,speed,load\n";
   for (int i = 0; i < 400; ++i) {
     const double t = 0.005 * i, w = 12.0;
     const double x = 3.0 * std::sin(w * t), v = 3.0 * w * std::cos(w * t);
-    table +=
-        FormatNumber(t) + "," + FormatNumber(x, 12) + "," +
-        FormatNumber(v, 12) + "," +
-        FormatNumber(kStiffness * x + kDamping * v - kMass * w * w * x, 12) +
-        "\n";
+    table += FormatNumber(t) + "," + FormatNumber(x, 12) + "," +
+             FormatNumber(v, 12) + "," +
+             FormatNumber(
+                 kRigStiffness * x + kDamping * v - kRigMass * w * w * x, 12) +
+             "\n";
   }
   return table;
 }
@@ -109,7 +109,7 @@ TEST_F(PrescribedMotionCase, FindsTheDeviceOnTheRig) {
   EXPECT_TRUE(summary.usable) << summary.message;
   // A force that resists is no sensor upside down.
   EXPECT_THAT(summary.remarks, ::testing::IsEmpty());
-  EXPECT_NEAR(model.parameters[0], kStiffness, 1e-5 * kStiffness);
+  EXPECT_NEAR(model.parameters[0], kRigStiffness, 1e-5 * kRigStiffness);
   EXPECT_NEAR(model.parameters[1], kDamping, 1e-5 * kDamping);
 }
 

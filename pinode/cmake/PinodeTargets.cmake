@@ -34,12 +34,11 @@ function(pinode_private_flags target)
   endif()
 endfunction()
 
-# Sources of one folder, `batch` at a time: what stands in their unnamed
-# namespaces must not clash. Four of the library's take 1.2 GB, eight 1.7 GB,
-# which a small machine has not for each core.
-function(pinode_unity_build target batch)
+# Sources of one folder, PINODE_UNITY_BATCH at a time: what stands in their
+# unnamed namespaces must not clash.
+function(pinode_unity_build target)
   set_target_properties(${target} PROPERTIES
-    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${PINODE_UNITY_BATCH})
 endfunction()
 
 function(pinode_add_unit_test name folder label libraries)
@@ -51,7 +50,7 @@ function(pinode_add_unit_test name folder label libraries)
     PINODE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   pinode_private_flags(${name})
   if(PINODE_UNITY_TESTS)
-    pinode_unity_build(${name} 8)
+    pinode_unity_build(${name})
   endif()
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES
     DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${label})
@@ -81,7 +80,7 @@ function(pinode_add_floor folder)
   target_link_libraries(${target} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE})
   pinode_private_flags(${target})
   if(PINODE_UNITY_LIBRARY)
-    pinode_unity_build(${target} 4)
+    pinode_unity_build(${target})
   endif()
   set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
   install(TARGETS ${target} EXPORT pinodeTargets
