@@ -21,6 +21,7 @@
 #include "pinode/case/toml_value.h"
 #include "pinode/case/unknown_force_section.h"
 #include "pinode/estimate/free_run_start.h"
+#include "pinode/study/network_scales.h"
 
 namespace pinode {
 namespace {
@@ -169,7 +170,9 @@ class CaseReader {
     }
     RemarkOnModes(problem, &description_.remarks);
     SpreadNetworksOfTime(root_, problem, dynamics_.get());
-    return ReadSensors(sections_, units_, &problem);
+    if (!ReadSensors(sections_, units_, &problem)) return false;
+    ScaleNetworks(problem, dynamics_.get());
+    return true;
   }
 
   bool Check() {

@@ -205,8 +205,8 @@ class ModelCaseWriter {
   void SetNetworks() {
     for (size_t j = 0; j < dynamics_.networks().size(); ++j) {
       TomlValue& table = root_.Find("network")->elements[j];
-      for (const char* key :
-           {"layers", "activation", "bias", "skip", "gauge", "input_scale"}) {
+      for (const char* key : {"layers", "activation", "bias", "skip", "gauge",
+                              "input_scale", "output_scale"}) {
         table.Erase(key);
       }
       table.Set("weights",

@@ -123,6 +123,12 @@ class NetworkReader {
       if (!table_.errors()->ok()) return false;
       architecture_.input_scale = ToVector(scale);
     }
+    if (table_.Has("output_scale")) {
+      const std::vector<double> scale = table_.Numbers(
+          "output_scale", architecture_.num_outputs, "output of the network");
+      if (!table_.errors()->ok()) return false;
+      architecture_.output_scale = ToVector(scale);
+    }
     if (!table_.errors()->ok()) return false;
     const NetworkArchitecture& file = saved_.architecture;
     return Agrees(table_, "layers", architecture_.hidden_widths,
@@ -131,7 +137,9 @@ class NetworkReader {
                   file.activation, has_file_) &&
            Agrees(table_, "bias", architecture_.bias, file.bias, has_file_) &&
            Agrees(table_, "input_scale", ToStd(architecture_.input_scale),
-                  ToStd(file.input_scale), has_file_);
+                  ToStd(file.input_scale), has_file_) &&
+           Agrees(table_, "output_scale", ToStd(architecture_.output_scale),
+                  ToStd(file.output_scale), has_file_);
   }
 
   bool ReadGauge(NetworkTerm* term) {
@@ -248,9 +256,10 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
   std::set<std::string> seen;
   for (const LawTerm& law : dynamics->laws()) seen.insert(law.name);
   for (TomlTable& table : root.Tables("network")) {
-    if (!table.AllowKeys({"name", "inputs", "input_scale", "outputs", "acts_as",
-                          "layers", "activation", "bias", "skip", "gauge",
-                          "decay", "seed", "weights", "free", "truth"})) {
+    if (!table.AllowKeys({"name", "inputs", "input_scale", "outputs",
+                          "output_scale", "acts_as", "layers", "activation",
+                          "bias", "skip", "gauge", "decay", "seed", "weights",
+                          "free", "truth"})) {
       return false;
     }
     NetworkTerm term;

@@ -116,6 +116,16 @@ bool StructuralDynamics::AddNetwork(NetworkTerm term, std::string* error) {
   return AddTerm(MakeTerm(std::move(term)), error);
 }
 
+void StructuralDynamics::SetNetworkScales(int network, const Vector& input,
+                                          const Vector& output) {
+  NetworkTerm term = networks()[static_cast<size_t>(network)];
+  NetworkArchitecture architecture = term.network->architecture();
+  architecture.input_scale = input;
+  architecture.output_scale = output;
+  term.network = std::make_shared<Network>(std::move(architecture));
+  terms_[Index(network_block(network))] = MakeTerm(std::move(term));
+}
+
 bool StructuralDynamics::AddElement(const std::string& name,
                                     const std::string& type, int from, int to,
                                     const std::vector<double>& values,

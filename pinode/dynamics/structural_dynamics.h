@@ -65,6 +65,9 @@ class StructuralDynamics {
   [[nodiscard]] bool AddGroupCurve(GroupCurve curve, std::string* error);
   [[nodiscard]] bool AddForceScale(ForceScaleTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
+  // Scales of a network that was added, see NetworkArchitecture: empty, or one
+  // positive number an input and an output.
+  void SetNetworkScales(int network, const Vector& input, const Vector& output);
   // A named element between two DOFs, see MakeElement.
   [[nodiscard]] bool AddElement(const std::string& name,
                                 const std::string& type, int from, int to,

@@ -80,6 +80,9 @@ NetworkWorkspace::NetworkWorkspace(const Network& network, int max_rows,
   CHECK_GE(max_stages, 1);
   const int max_factors = max_stages * (network.architecture().gauge ? 3 : 1);
   products_.setZero(max_factors * slice_);
+  scaled_lefts_.setZero(std::ptrdiff_t{max_stages} * max_rows *
+                        network.architecture().output_scale.size());
+  stage_lefts_.reserve(max_stages);
   lefts_.reserve(max_factors);
   rights_.reserve(max_factors);
 }
@@ -158,10 +161,15 @@ void Network::EvaluateOutput(const NetworkSweep& point, const double* weights,
   const Vector& input = point.layers.back().input;
   MultiplySmall(last.rows, static_cast<int>(input.size()), 1,
                 weights + last.offset, input.data(), y);
-  if (layout_.skip.size() == 0) return;
-  Eigen::Map<Vector>(y, num_outputs()).noalias() +=
-      MapPart(layout_.skip, weights)
-          .lazyProduct(point.layers.front().input.head(num_inputs()));
+  Eigen::Map<Vector> output(y, num_outputs());
+  if (layout_.skip.size() > 0) {
+    output.noalias() +=
+        MapPart(layout_.skip, weights)
+            .lazyProduct(point.layers.front().input.head(num_inputs()));
+  }
+  if (architecture_.output_scale.size() > 0) {
+    output.array() *= architecture_.output_scale.array();
+  }
 }
 
 void Network::SweepBackward(const double* weights,
@@ -170,7 +178,7 @@ void Network::SweepBackward(const double* weights,
   const WeightLayout::Part& output = layout_.weights[last];
   if (last == 0) {
     tangent->input_jacobian_ = MapPart(output, weights);
-    tangent->input_jacobian_ *= inverse_scale_.asDiagonal();
+    ScaleJacobian(&tangent->input_jacobian_);
     return;
   }
 
@@ -204,7 +212,32 @@ void Network::SweepBackward(const double* weights,
   if (layout_.skip.size() > 0) {
     tangent->input_jacobian_ += MapPart(layout_.skip, weights);
   }
-  tangent->input_jacobian_ *= inverse_scale_.asDiagonal();
+  ScaleJacobian(&tangent->input_jacobian_);
+}
+
+void Network::ScaleJacobian(Matrix* jacobian) const {
+  *jacobian *= inverse_scale_.asDiagonal();
+  for (int i = 0; i < architecture_.output_scale.size(); ++i) {
+    jacobian->row(i) *= architecture_.output_scale[i];
+  }
+}
+
+void Network::ScaleLefts(const Matrix* const* lefts, int count,
+                         NetworkWorkspace* workspace) const {
+  const Vector& scale = architecture_.output_scale;
+  workspace->stage_lefts_.clear();
+  double* scaled = workspace->scaled_lefts_.data();
+  for (int s = 0; s < count; ++s) {
+    if (scale.size() == 0) {
+      workspace->stage_lefts_.push_back(lefts[s]->data());
+      continue;
+    }
+    const Eigen::Index rows = lefts[s]->rows();
+    Eigen::Map<Matrix>(scaled, rows, scale.size()) =
+        *lefts[s] * scale.asDiagonal();
+    workspace->stage_lefts_.push_back(scaled);
+    scaled += rows * scale.size();
+  }
 }
 
 void Network::AddWeightTangent(const NetworkTangent& tangent,
@@ -228,6 +261,8 @@ void Network::AddWeightTangents(const NetworkTangent* const* stages,
     CHECK_EQ(lefts[s]->rows(), rows);
     CHECK_EQ(lefts[s]->cols(), num_outputs());
   }
+  ScaleLefts(lefts, count, workspace);
+  const std::vector<const double*>& scaled = workspace->stage_lefts_;
 
   // The part of W_l and b_l in B is, read as a matrix of rows * width rows and
   // a column per input, the sum of outer products vec(left D_l) a_{l-1}'.
@@ -238,20 +273,20 @@ void Network::AddWeightTangents(const NetworkTangent* const* stages,
     const WeightLayout::Part& part = layout_.weights[l];
     v.clear();
     a.clear();
-    const auto add_factor = [&](const Matrix& left,
+    const auto add_factor = [&](const double* left,
                                 const NetworkSweep::Layer& layer) {
       double* product =
           workspace->products_.data() + v.size() * workspace->slice_;
-      MultiplySmall(rows, num_outputs(), part.rows, left.data(),
-                    layer.adjoint.data(), product);
+      MultiplySmall(rows, num_outputs(), part.rows, left, layer.adjoint.data(),
+                    product);
       v.push_back(product);
       a.push_back(layer.input.data());
     };
     for (int s = 0; s < count; ++s) {
-      add_factor(*lefts[s], stages[s]->point_.layers[l]);
+      add_factor(scaled[s], stages[s]->point_.layers[l]);
       if (!architecture_.gauge) continue;
-      add_factor(*lefts[s], stages[s]->rest_.layers[l]);
-      add_factor(*lefts[s], stages[s]->rate_.layers[l]);
+      add_factor(scaled[s], stages[s]->rest_.layers[l]);
+      add_factor(scaled[s], stages[s]->rate_.layers[l]);
     }
     AddOuterProducts(static_cast<int>(v.size()), rows * part.rows,
                      part.cols + layout_.biases[l].cols, v.data(), a.data(),
@@ -262,7 +297,7 @@ void Network::AddWeightTangents(const NetworkTangent* const* stages,
   v.clear();
   a.clear();
   for (int s = 0; s < count; ++s) {
-    v.push_back(lefts[s]->data());
+    v.push_back(scaled[s]);
     a.push_back(stages[s]->point_.layers[last].input.data());
   }
   const WeightLayout::Part& output = layout_.weights[last];

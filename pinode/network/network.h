@@ -85,6 +85,9 @@ class NetworkWorkspace {
   int slice_;
   std::vector<const double*> lefts_;
   std::vector<const double*> rights_;
+  // The lefts of a product with the outputs' scales, one after the other.
+  Vector scaled_lefts_;
+  std::vector<const double*> stage_lefts_;
 };
 
 // A network of a fixed architecture; see network_architecture.h for its
@@ -138,6 +141,11 @@ class Network {
   void EvaluateOutput(const NetworkSweep& point, const double* weights,
                       double* y) const;
   void SweepBackward(const double* weights, NetworkTangent* tangent) const;
+  // What the scales of inputs and outputs make of the inner network's.
+  void ScaleJacobian(Matrix* jacobian) const;
+  // Points the workspace at `lefts` with the outputs' scales.
+  void ScaleLefts(const Matrix* const* lefts, int count,
+                  NetworkWorkspace* workspace) const;
 
   NetworkArchitecture architecture_;
   WeightLayout layout_;

@@ -21,6 +21,25 @@ std::vector<int> LayerWidths(const NetworkArchitecture& architecture) {
   return widths;
 }
 
+// Whether `scale` is empty or has `size` positive numbers.
+bool IsScale(const Vector& scale, const char* key, int size, const char* of,
+             std::string* error) {
+  if (scale.size() != 0 && scale.size() != size) {
+    *error = std::string(key) + " has " + std::to_string(scale.size()) +
+             " entries, expected one for each of the " + std::to_string(size) +
+             " " + of;
+    return false;
+  }
+  for (Eigen::Index i = 0; i < scale.size(); ++i) {
+    if (!(scale[i] > 0.0) || !std::isfinite(scale[i])) {
+      *error = std::string(key) + "[" + std::to_string(i) + "] is " +
+               FormatNumber(scale[i]) + ", expected a positive finite number";
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 bool NetworkArchitecture::IsValid(std::string* error) const {
@@ -42,19 +61,9 @@ bool NetworkArchitecture::IsValid(std::string* error) const {
       return false;
     }
   }
-  if (input_scale.size() != 0 && input_scale.size() != num_inputs) {
-    *error = "input_scale has " + std::to_string(input_scale.size()) +
-             " entries, expected one for each of the " +
-             std::to_string(num_inputs) + " inputs";
+  if (!IsScale(input_scale, "input_scale", num_inputs, "inputs", error) ||
+      !IsScale(output_scale, "output_scale", num_outputs, "outputs", error)) {
     return false;
-  }
-  for (Eigen::Index i = 0; i < input_scale.size(); ++i) {
-    if (!(input_scale[i] > 0.0) || !std::isfinite(input_scale[i])) {
-      *error = "input_scale[" + std::to_string(i) + "] is " +
-               FormatNumber(input_scale[i]) +
-               ", expected a positive finite number";
-      return false;
-    }
   }
   if (gauge && IsLinear()) {
     *error =
@@ -123,6 +132,9 @@ Matrix LinearPart(const NetworkArchitecture& architecture,
   if (architecture.input_scale.size() != 0) {
     linear *= architecture.input_scale.cwiseInverse().asDiagonal();
   }
+  if (architecture.output_scale.size() != 0) {
+    linear = architecture.output_scale.asDiagonal() * linear;
+  }
   return linear;
 }
 
@@ -135,7 +147,11 @@ Vector ConstantPart(const NetworkArchitecture& architecture,
   CHECK_EQ(weights.size(), layout.size);
   const WeightLayout::Part& part = layout.biases.back();
   if (part.size() == 0) return Vector::Zero(architecture.num_outputs);
-  return weights.segment(part.offset, part.size());
+  Vector constant = weights.segment(part.offset, part.size());
+  if (architecture.output_scale.size() != 0) {
+    constant.array() *= architecture.output_scale.array();
+  }
+  return constant;
 }
 
 }  // namespace pinode

@@ -38,10 +38,10 @@ struct WeightLayout {
 //
 //   a_0 = q / s                          (elementwise)
 //   a_l = act(W_l a_{l-1} + b_l)         l = 1 ... L-1
-//   g(q) = W_L a_{L-1} + b_L + W_skip a_0
+//   g(q) = r (W_L a_{L-1} + b_L + W_skip a_0)
 //
-// Without hidden layers the network is linear, g = W_1 a_0 + b_1. W_1 is then
-// all that a skip path could be, and `skip` has no effect.
+// Without hidden layers the network is linear, g = r (W_1 a_0 + b_1). W_1 is
+// then all that a skip path could be, and `skip` has no effect.
 //
 // In its gauged form the network is entered without its value and its slope at
 // rest,
@@ -62,6 +62,9 @@ struct NetworkArchitecture {
   bool gauge = false;
   // s: features are divided by it, in the features' units. Empty means ones.
   Vector input_scale;
+  // r: results are multiplied by it, in the outputs' units. Empty means ones.
+  // With both the weights are numbers without units.
+  Vector output_scale;
 
   // On failure *error names the field, its value and what it violates.
   [[nodiscard]] bool IsValid(std::string* error) const;
@@ -79,14 +82,14 @@ struct NetworkArchitecture {
 };
 
 // The linear map that the weights hold in the open, for folding back (eq. 17):
-// W_1 diag(1/s) of a linear network, W_skip diag(1/s) of the others, zero
-// without a skip path. Shape num_outputs x num_inputs. `weights` has
-// NumWeights() entries.
+// diag(r) W_1 diag(1/s) of a linear network, W_skip in place of W_1 of the
+// others, zero without a skip path. Shape num_outputs x num_inputs. `weights`
+// has NumWeights() entries.
 Matrix LinearPart(const NetworkArchitecture& architecture,
                   const Vector& weights);
 
-// The constant beside it: b_1 of a linear network, zero without a bias. Only
-// linear networks fold back completely; others are a CHECK failure.
+// The constant beside it: diag(r) b_1 of a linear network, zero without a bias.
+// Only linear networks fold back completely; others are a CHECK failure.
 Vector ConstantPart(const NetworkArchitecture& architecture,
                     const Vector& weights);
 

@@ -88,6 +88,12 @@ TEST(NetworkArchitecture, RefusesWhatMakesNoSense) {
          a->input_scale[5] = 0.0;
        },
        "input_scale[5]"},
+      {[](NetworkArchitecture* a) { a->output_scale = Vector::Ones(7); },
+       "output_scale has 7 entries"},
+      {[](NetworkArchitecture* a) {
+         a->output_scale = Vector::Constant(a->num_outputs, -1.0);
+       },
+       "output_scale[0] is -1"},
       {[](NetworkArchitecture* a) {
          a->input_scale =
              Vector::Constant(8, std::numeric_limits<double>::quiet_NaN());
@@ -137,6 +143,20 @@ TEST(NetworkArchitecture, LinearPartIsInTheFeaturesUnits) {
   EXPECT_TRUE(LinearPart(architecture, more).isApprox(expected, 1e-15));
   architecture.skip = false;
   EXPECT_EQ(LinearPart(architecture, more.head(12)), Matrix::Zero(2, 2));
+}
+
+TEST(NetworkArchitecture, LinearPartIsInTheOutputsUnits) {
+  NetworkArchitecture architecture;
+  architecture.num_inputs = 1;
+  architecture.num_outputs = 2;
+  architecture.output_scale = Vector(2);
+  architecture.output_scale << 100.0, 0.5;
+  Vector weights(4);
+  weights << 1.0, 2.0, 3.0, 4.0;
+  EXPECT_EQ(LinearPart(architecture, weights),
+            Matrix(Eigen::Vector2d(100.0, 1.0)));
+  EXPECT_EQ(ConstantPart(architecture, weights),
+            Vector(Eigen::Vector2d(300.0, 2.0)));
 }
 
 }  // namespace

@@ -125,6 +125,9 @@ void EvaluateNetwork(const NetworkArchitecture& architecture, const T* q,
           weights[layout.skip.offset + j * layout.skip.rows + i] * scaled[j];
     }
   }
+  for (int i = 0; i < architecture.output_scale.size(); ++i) {
+    y[i] *= architecture.output_scale[i];
+  }
 }
 
 }  // namespace pinode

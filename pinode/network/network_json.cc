@@ -17,12 +17,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr char kSchema[] = "pinode-network-1";
+// The one key that may be missing.
+constexpr char kOutputScale[] = "output_scale";
+
 // In the order in which they are written.
 const std::vector<std::string>& Keys() {
   static const auto& keys = *new std::vector<std::string>{
-      "schema",     "inputs", "outputs", "input_scale", "hidden_widths",
-      "activation", "bias",   "skip",    "gauge",       "weights"};
+      "schema",     "inputs",        "outputs",    "input_scale",
+      kOutputScale, "hidden_widths", "activation", "bias",
+      "skip",       "gauge",         "weights"};
   return keys;
+}
+
+std::vector<double> OnesWhereEmpty(const Vector& scale, int size) {
+  if (scale.size() == 0) return std::vector<double>(size, 1.0);
+  return std::vector<double>(scale.begin(), scale.end());
 }
 
 // What is read so far; the first failure is kept.
@@ -165,14 +174,14 @@ bool FormatNetwork(const SavedNetwork& network, std::string* text,
   CHECK(error != nullptr);
   if (!network.IsValid(error)) return false;
   const NetworkArchitecture& architecture = network.architecture;
-  const Vector scale = architecture.input_scale.size() != 0
-                           ? architecture.input_scale
-                           : Vector::Ones(architecture.num_inputs);
   Json json;
   json["schema"] = kSchema;
   json["inputs"] = network.inputs;
   json["outputs"] = network.outputs;
-  json["input_scale"] = std::vector<double>(scale.begin(), scale.end());
+  json["input_scale"] =
+      OnesWhereEmpty(architecture.input_scale, architecture.num_inputs);
+  json[kOutputScale] =
+      OnesWhereEmpty(architecture.output_scale, architecture.num_outputs);
   json["hidden_widths"] = architecture.hidden_widths;
   json["activation"] = ActivationName(architecture.activation);
   json["bias"] = architecture.bias;
@@ -214,7 +223,7 @@ bool ParseNetwork(const std::string& text, const std::string& source,
     }
   }
   for (const std::string& key : Keys()) {
-    if (!json.contains(key)) {
+    if (!json.contains(key) && key != kOutputScale) {
       return fail("no key '" + key + "', expected " + Join(Keys(), " "));
     }
   }
@@ -227,6 +236,9 @@ bool ParseNetwork(const std::string& text, const std::string& source,
   architecture.num_inputs = static_cast<int>(read.inputs.size());
   architecture.num_outputs = static_cast<int>(read.outputs.size());
   architecture.input_scale = reader.Numbers("input_scale");
+  architecture.output_scale = json.contains(kOutputScale)
+                                  ? reader.Numbers(kOutputScale)
+                                  : Vector::Ones(architecture.num_outputs);
   architecture.hidden_widths = reader.Widths("hidden_widths");
   const std::string activation = reader.String("activation");
   architecture.bias = reader.Boolean("bias");

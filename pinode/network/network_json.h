@@ -26,11 +26,13 @@ struct SavedNetwork {
 };
 
 // {"schema": "pinode-network-1", "inputs": [...], "outputs": [...],
-//  "input_scale": [...], "hidden_widths": [...], "activation": "tanh",
-//  "bias": true, "skip": true, "gauge": false, "weights": [...]}
+//  "input_scale": [...], "output_scale": [...], "hidden_widths": [...],
+//  "activation": "tanh", "bias": true, "skip": true, "gauge": false,
+//  "weights": [...]}
 //
-// Every key must be there, and no other. Numbers are written such that they
-// are read back bit for bit; an empty input_scale is written as ones.
+// Every key must be there, and no other, but output_scale, which older files
+// lack and which is then ones. Numbers are written such that they are read back
+// bit for bit; an empty scale is written as ones.
 //
 // Reading leaves *network untouched on failure, and *error reads
 // `path[:line]: what, and what was expected`.

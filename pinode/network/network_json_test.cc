@@ -26,6 +26,7 @@ SavedNetwork Example() {
   network.architecture.bias = false;
   network.architecture.input_scale = Vector(2);
   network.architecture.input_scale << 0.1, 1.0 / 3.0;
+  network.architecture.output_scale = Vector::Constant(1, 1.0 / 7.0);
   network.inputs = {"x[u1]", "d[ground,\"u\u00e9\"]"};
   network.outputs = {"u1"};
   network.weights = InitializeWeights(network.architecture, 3, false);
@@ -49,6 +50,7 @@ void ExpectSame(const SavedNetwork& actual, const SavedNetwork& expected) {
   EXPECT_EQ(a.skip, b.skip);
   EXPECT_EQ(a.gauge, b.gauge);
   EXPECT_EQ(a.input_scale, b.input_scale);
+  EXPECT_EQ(a.output_scale, b.output_scale);
   ASSERT_EQ(actual.weights.size(), expected.weights.size());
   for (int i = 0; i < expected.weights.size(); ++i) {
     EXPECT_EQ(actual.weights[i], expected.weights[i]) << i;
@@ -90,12 +92,14 @@ TEST(NetworkJson, RoundTripKeepsGaugeAndLinearNetworks) {
 TEST(NetworkJson, MissingScaleIsWrittenAsOnes) {
   SavedNetwork network = Example();
   network.architecture.input_scale = Vector();
+  network.architecture.output_scale = Vector();
   std::string text;
   std::string error;
   ASSERT_TRUE(FormatNetwork(network, &text, &error)) << error;
   SavedNetwork read;
   ASSERT_TRUE(ParseNetwork(text, "n.json", &read, &error)) << error;
   EXPECT_EQ(read.architecture.input_scale, Vector::Ones(2));
+  EXPECT_EQ(read.architecture.output_scale, Vector::Ones(1));
 }
 
 constexpr char kGood[] = R"({
@@ -111,10 +115,12 @@ constexpr char kGood[] = R"({
 "weights": [1, 2.5, -3, 4e-1]
 })";
 
+// Without output_scale, as files from before there was one.
 TEST(NetworkJson, ReadsWhatAPersonWrote) {
   SavedNetwork network;
   std::string error;
   ASSERT_TRUE(ParseNetwork(kGood, "n.json", &network, &error)) << error;
+  EXPECT_EQ(network.architecture.output_scale, Vector::Ones(1));
   EXPECT_EQ(network.weights, (Vector(4) << 1.0, 2.5, -3.0, 0.4).finished());
 }
 

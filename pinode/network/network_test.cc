@@ -43,6 +43,8 @@ std::vector<NetworkArchitecture> AllArchitectures() {
               architecture.gauge = gauge;
               architecture.input_scale = Vector(3);
               architecture.input_scale << 0.5, 2.0, 1.25;
+              architecture.output_scale =
+                  Vector::LinSpaced(num_outputs, 0.5, 3.0);
               std::string error;
               if (architecture.IsValid(&error)) all.push_back(architecture);
             }

@@ -104,6 +104,13 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
     hash->Add(static_cast<std::int64_t>(architecture.activation));
     hash->Add(static_cast<std::int64_t>(architecture.gauge));
     hash->Add(term.outputs);
+    for (const Vector* scale :
+         {&architecture.input_scale, &architecture.output_scale}) {
+      // None are ones, and are read back as such.
+      if (scale->size() > 0 && (scale->array() != 1.0).any()) {
+        hash->Add(Matrix(*scale));
+      }
+    }
   }
   for (const ParameterBlock& block : dynamics.blocks()) {
     hash->Add(block);

@@ -1,9 +1,12 @@
 #include "pinode/study/prepare_problem.h"
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/free_run_start.h"
+#include "pinode/study/network_scales.h"
 #include "pinode/study/substeps.h"
 
 namespace pinode {
@@ -28,6 +31,11 @@ bool Prepare(IdentificationProblem* problem, std::string* error) {
   std::vector<SubstepChoice> choices;
   int failed = 0;
   if (SetSubsteps(problem, &choices, &failed, error)) {
+    if (HasNetworksToScale(*problem->dynamics)) {
+      auto scaled = std::make_shared<StructuralDynamics>(*problem->dynamics);
+      ScaleNetworks(*problem, scaled.get());
+      problem->dynamics = std::move(scaled);
+    }
     FixTrainingStarts(problem);
     return true;
   }

@@ -11,8 +11,9 @@ namespace pinode {
 
 // Checks the problem (IdentificationProblem::IsValid) and sets the steps of all
 // records whose `substeps` is 0; those that were given are checked (SetSubsteps
-// in study/substeps.h says how); then the starts of training records that their
-// first samples say (FixTrainingStarts). A problem that comes from a case file
+// in study/substeps.h says how); then the scales of networks that have none
+// (ScaleNetworks), and the starts of training records that their first samples
+// say (FixTrainingStarts). A problem that comes from a case file
 // is prepared already; to do it again changes nothing.
 //
 // False, with the problem untouched, where something is wrong: *error names the

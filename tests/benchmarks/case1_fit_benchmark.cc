@@ -175,8 +175,8 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
   const ParameterLayout layout(problem);
   CHECK_EQ(layout.num_free(), Chain::kParameters);
   const StructuralModel& model = dynamics.model();
-  const Vector& input_scale =
-      dynamics.networks()[0].network->architecture().input_scale;
+  const NetworkArchitecture& architecture =
+      dynamics.networks()[0].network->architecture();
 
   Watch watch(problem);
   Vector x = layout.Free(layout.InitialValues());
@@ -195,8 +195,8 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
     const IdentificationRecord& record =
         problem.records[static_cast<size_t>(r)];
     grids.emplace_back(*record.excitation, record.substeps);
-    chains.emplace_back(model.stiffness(3, 3), model.damping(3, 3), input_scale,
-                        &grids.back());
+    chains.emplace_back(model.stiffness(3, 3), model.damping(3, 3),
+                        architecture, &grids.back());
     const Matrix measured = MeasuredStates(record);
     const std::vector<int> boundaries =
         CutSegments(record.num_samples(), segment_samples);

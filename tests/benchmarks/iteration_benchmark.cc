@@ -144,7 +144,7 @@ class Fit {
         shooting_(objective_.shooting()),
         boundaries_(CutSegments(num_samples, kSegmentSamples)),
         grid_(*record().excitation, record().substeps),
-        chain_(kStiffness, kDamping, Vector(), &grid_) {
+        chain_(kStiffness, kDamping, NetworkArchitecture(), &grid_) {
     CHECK_EQ(layout_.num_free(), Chain::kParameters);
     initial_ = layout_.Free(layout_.InitialValues());
     sigma_.resize(Chain::kStates);

@@ -35,15 +35,18 @@ class PlainChain {
                                   (kSkip ? kOutputs * kInputs : 0);
   static constexpr int kParameters = kGroupParameters + kWeights;
 
-  // `stiffness` of every link, `damping` of every mass. `input_scale`: see
-  // NetworkArchitecture; empty for ones. `grid` must outlive this object.
-  PlainChain(double stiffness, double damping, const Vector& input_scale,
+  // `stiffness` of every link, `damping` of every mass; the network's scales
+  // are those of `architecture`. `grid` must outlive this object.
+  PlainChain(double stiffness, double damping,
+             const NetworkArchitecture& architecture,
              const IntegrationGrid* grid)
       : stiffness_(stiffness), damping_(damping), grid_(grid) {
     inverse_scale_.fill(1.0);
-    for (int i = 0; i < input_scale.size(); ++i) {
-      inverse_scale_[i] = 1.0 / input_scale[i];
-    }
+    output_scale_.fill(1.0);
+    const Vector& input = architecture.input_scale;
+    for (int i = 0; i < input.size(); ++i) inverse_scale_[i] = 1.0 / input[i];
+    const Vector& output = architecture.output_scale;
+    for (int o = 0; o < output.size(); ++o) output_scale_[o] = output[o];
   }
 
   // Runge-Kutta steps from `start` at sample `first` to sample `last`; writes
@@ -111,28 +114,31 @@ class PlainChain {
     const T* b1 = w1 + kHidden * kInputs;
     const T* w2 = b1 + kHidden;
     const T* b2 = w2 + kOutputs * kHidden;
-    for (int o = 0; o < kOutputs; ++o) a[o] += b2[o];
+    std::array<T, kOutputs> sum;
+    for (int o = 0; o < kOutputs; ++o) sum[o] = b2[o];
     for (int i = 0; i < kHidden; ++i) {
       T z = b1[i];
       for (int j = 0; j < kInputs; ++j) z += w1[j * kHidden + i] * q[j];
       const T activation = tanh(z);
       for (int o = 0; o < kOutputs; ++o) {
-        a[o] += w2[i * kOutputs + o] * activation;
+        sum[o] += w2[i * kOutputs + o] * activation;
       }
     }
     if constexpr (kSkip) {
       const T* skip = b2 + kOutputs;
       for (int j = 0; j < kInputs; ++j) {
         for (int o = 0; o < kOutputs; ++o) {
-          a[o] += skip[j * kOutputs + o] * q[j];
+          sum[o] += skip[j * kOutputs + o] * q[j];
         }
       }
     }
+    for (int o = 0; o < kOutputs; ++o) a[o] += output_scale_[o] * sum[o];
   }
 
   double stiffness_;
   double damping_;
   std::array<double, kInputs> inverse_scale_;
+  std::array<double, kOutputs> output_scale_;
   const IntegrationGrid* grid_;
 };
 

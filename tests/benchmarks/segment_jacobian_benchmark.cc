@@ -104,7 +104,7 @@ void BM_SegmentJacobian(benchmark::State& state) {
                                false, SegmentColumns::kAll, &tangents));
   };
 
-  const Chain chain(kStiffness, kDamping, Vector(), &grid);
+  const Chain chain(kStiffness, kDamping, NetworkArchitecture(), &grid);
   const std::unique_ptr<ceres::CostFunction> plain_costs[] = {
       MakePlainCost<4>(&chain), MakePlainCost<8>(&chain),
       MakePlainCost<16>(&chain)};

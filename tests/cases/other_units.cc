@@ -12,6 +12,7 @@
 #include "pinode/case/feature_text.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/library_law.h"
+#include "pinode/study/network_scales.h"
 
 namespace pinode {
 namespace testing {
@@ -153,7 +154,7 @@ UnknownForceTerm ForceInOtherUnits(UnknownForceTerm term,
   return term;
 }
 
-std::shared_ptr<const StructuralDynamics> DynamicsInOtherUnits(
+std::shared_ptr<StructuralDynamics> DynamicsInOtherUnits(
     const StructuralDynamics& old, const UnitFactors& unit) {
   StructuralModel model = old.model();
   using Target = MatrixGroup::Target;
@@ -179,6 +180,10 @@ std::shared_ptr<const StructuralDynamics> DynamicsInOtherUnits(
     EXPECT_TRUE(
         dynamics->AddUnknownForce(ForceInOtherUnits(force, unit), &error))
         << error;
+  }
+  for (size_t j = 0; j < old.networks().size(); ++j) {
+    EXPECT_TRUE(dynamics->AddNetwork(old.networks()[j], &error)) << error;
+    dynamics->SetNetworkScales(static_cast<int>(j), Vector(), Vector());
   }
   EXPECT_EQ(dynamics->num_terms(), old.num_terms()) << "a term of another kind";
   EXPECT_EQ(dynamics->num_internal(), 0) << "a law with states of its own";
@@ -223,7 +228,9 @@ void RecordInOtherUnits(const StructuralDynamics& dynamics,
 IdentificationProblem InOtherUnits(const IdentificationProblem& problem,
                                    const UnitFactors& unit) {
   IdentificationProblem other = problem;
-  other.dynamics = DynamicsInOtherUnits(*problem.dynamics, unit);
+  const std::shared_ptr<StructuralDynamics> dynamics =
+      DynamicsInOtherUnits(*problem.dynamics, unit);
+  other.dynamics = dynamics;
   std::set<int> done;
   for (IdentificationRecord& record : other.records) {
     RecordInOtherUnits(*problem.dynamics, unit, &record, &other.sensors, &done);
@@ -232,6 +239,7 @@ IdentificationProblem InOtherUnits(const IdentificationProblem& problem,
     mode.frequency /= unit.time;
     mode.frequency_sigma /= unit.time;
   }
+  ScaleNetworks(other, dynamics.get());
   other.description.force_truths.clear();
   other.description.reference_curves.clear();
   return other;

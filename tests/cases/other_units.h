@@ -19,9 +19,10 @@ struct UnitFactors {
   double time = 1.0;
 };
 
-// Matrices, groups, elements, libraries, unknown forces, inputs, channels,
-// sensors and measured modes of a problem without networks, whose DOFs are
-// translations. Fails the test where it has something else.
+// Matrices, groups, elements, libraries, unknown forces, networks, inputs,
+// channels, sensors and measured modes of a problem whose DOFs are
+// translations; the scales of networks are chosen anew. Fails the test where it
+// has something else.
 IdentificationProblem InOtherUnits(const IdentificationProblem& problem,
                                    const UnitFactors& unit);
 

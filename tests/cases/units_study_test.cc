@@ -1,5 +1,5 @@
-// Every case without networks in other units (ctest label `study`); the figures
-// stand in data/README.md.
+// Every case in other units (ctest label `study`); the figures stand in
+// data/README.md.
 
 #include <algorithm>
 #include <cstdio>
@@ -46,6 +46,42 @@ TEST_P(UnitsOfEveryCase, ChangeNoResult) {
   ExpectFigure(what + "2^13: largest change", 1e-12, exact);
   ExpectFigure(what + "1e4: largest change", 1e-6, rounded);
 }
+
+class UnitsOfNetworks : public ::testing::TestWithParam<const char*> {};
+
+// Learning goes by chance: errors within a tenth, and the same verdict.
+TEST_P(UnitsOfNetworks, ChangeNoVerdict) {
+  const Case c = ReadCaseOrFail(std::string("data/") + GetParam() + ".toml");
+  const CaseRun here = RunCase(c);
+  EXPECT_TRUE(here.summary.usable) << here.summary.message;
+  double largest = 0.0;
+  for (const UnitFactors& unit :
+       {UnitFactors{"2^13 lengths", 1.0, 8192.0, 1.0},
+        UnitFactors{"2^-13 times", 1.0, 1.0, 1.0 / 8192.0},
+        UnitFactors{"1e4 forces", 1e4, 1.0, 1.0},
+        UnitFactors{"1e-4 lengths", 1.0, 1e-4, 1.0},
+        UnitFactors{"1e-4 times", 1.0, 1.0, 1e-4}}) {
+    Case other = c;
+    other.problem = InOtherUnits(c.problem, unit);
+    const CaseRun there = RunCase(std::move(other));
+    EXPECT_EQ(there.summary.usable, here.summary.usable)
+        << unit.name << ": " << there.summary.message;
+    for (size_t r = 0; r < here.summary.records.size(); ++r) {
+      const double ratio =
+          there.summary.records[r].nrmse / here.summary.records[r].nrmse;
+      std::printf("%s, %s, %s: error %.3g times as large\n", GetParam(),
+                  unit.name.c_str(), here.summary.records[r].name.c_str(),
+                  ratio);
+      largest = std::max(largest, std::abs(std::log(ratio)));
+    }
+  }
+  ExpectFigure(GetParam() + std::string(" in other units: error grows by"), 1.1,
+               std::exp(largest));
+}
+
+INSTANTIATE_TEST_SUITE_P(Networks, UnitsOfNetworks,
+                         ::testing::Values("four_dof_free/scheme2",
+                                           "four_dof_free/scheme3"));
 
 INSTANTIATE_TEST_SUITE_P(
     Cases, UnitsOfEveryCase,
