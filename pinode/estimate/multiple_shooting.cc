@@ -243,6 +243,7 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
     return true;
   }
   last_free_.resize(0);
+  is_linearized_ = false;
   failed_ = !PrepareDynamics(free) || !SolveStarts(free, cost);
   if (failed_) return false;
   last_free_ = free;
@@ -251,6 +252,11 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
 }
 
 bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
+  if (is_linearized_ && free.size() == linearized_free_.size() &&
+      free == linearized_free_) {
+    *system = linearized_;
+    return true;
+  }
   if (!Evaluate(free, &system->cost)) return false;
   failed_ = true;
   if (!PrepareDynamics(free)) return false;
@@ -287,6 +293,8 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   linearized_cost_ = system->cost;
   for (auto& record : records_) record->linearized_cost = record->cost;
   failed_ = !system->hessian.allFinite() || !system->gradient.allFinite();
+  is_linearized_ = !failed_;
+  if (is_linearized_) linearized_ = *system;
   return !failed_;
 }
 
@@ -354,6 +362,7 @@ bool MultipleShooting::Trajectories(const Vector& free,
 bool MultipleShooting::WeightedResiduals(const Vector& free, bool with_jacobian,
                                          std::vector<Matrix>* residuals,
                                          std::vector<Matrix>* jacobians) {
+  is_linearized_ = false;
   if (!PrepareDynamics(free)) return false;
   const int ns = problem_.dynamics->num_states();
   const int nf = layout_.num_free();

@@ -97,7 +97,8 @@ class MultipleShooting final : public CostPart {
   [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
 
   // The same, and gradient and Hessian. Starts stay those found here for the
-  // next evaluations.
+  // next evaluations. Asked again at the same point, before anything else has
+  // been evaluated or changed, it answers without propagating.
   [[nodiscard]] bool Linearize(const Vector& free,
                                CondensedSystem* system) override;
 
@@ -148,6 +149,7 @@ class MultipleShooting final : public CostPart {
   bool AllFinite(const ShootingRecord& record);
   void CostHasChanged() {
     last_free_.resize(0);
+    is_linearized_ = false;
     linearized_cost_ = std::numeric_limits<double>::infinity();
   }
   // Where the last linearisation's tangent leads.
@@ -171,6 +173,9 @@ class MultipleShooting final : public CostPart {
   std::vector<Matrix> starts_, linearized_starts_;
   double linearized_cost_ = std::numeric_limits<double>::infinity();
   double last_cost_ = 0.0;
+  // Whether the last evaluation was this linearisation, at linearized_free_.
+  bool is_linearized_ = false;
+  CondensedSystem linearized_;
   bool failed_ = false;
   Divergence divergence_;
 };
