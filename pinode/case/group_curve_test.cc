@@ -10,6 +10,7 @@
 #include "pinode/case/case_file.h"
 #include "pinode/case/model_case.h"
 #include "pinode/case/testing.h"
+#include "pinode/estimate/assessment.h"
 #include "pinode/estimate/identify.h"
 
 namespace pinode {
@@ -185,6 +186,20 @@ follows = {covariate = "temperature", reference = 20}
   for (const ParameterEstimate& p : found) {
     std::printf("%-24s %9.5f +- %.5f\n", p.name.c_str(), p.value, p.sigma);
   }
+}
+
+// No record reaches 40 degrees: what the fit holds by its prior is not called
+// undetermined before it.
+TEST_F(GroupCurveTest, AssessmentKnowsWhatHoldsAKnotWithoutData) {
+  const Case c = Read(kTable);
+  ProblemAssessment assessment;
+  std::string error;
+  ASSERT_TRUE(AssessProblem(c.problem, c.options, &assessment, &error))
+      << error;
+  EXPECT_THAT(assessment.undetermined, ::testing::IsEmpty());
+  ASSERT_EQ(assessment.expected.size(), 6u);
+  EXPECT_LT(assessment.expected[4].sigma, assessment.expected[5].sigma);
+  EXPECT_LT(assessment.expected[5].sigma, 10.0);
 }
 
 // The result is a case whose matrices are those at the reference, and whose

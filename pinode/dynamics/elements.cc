@@ -55,17 +55,18 @@ struct AmplitudeDamping {
   }
 };
 
+// x - clamp(x, -gap, gap).
+template <typename T>
+T BeyondGap(const T& x, const T& gap) {
+  if (x > gap) return x - gap;
+  if (x < -gap) return x + gap;
+  return T(0.0);
+}
+
 struct Bilinear {
   template <typename T>
   void operator()(const T* q, const T*, const T* p, T* force) const {
-    const T& gap = p[1];
-    if (q[0] > gap) {
-      force[0] = p[0] * (q[0] - gap);
-    } else if (q[0] < -gap) {
-      force[0] = p[0] * (q[0] + gap);
-    } else {
-      force[0] = T(0.0);
-    }
+    force[0] = p[0] * BeyondGap(q[0], p[1]);
   }
 };
 
@@ -95,6 +96,21 @@ struct BoucWen {
     result[0] = p[0] * z[0];
     result[1] =
         p[1] * w - p[2] * Magnitude(w) * signed_power - p[3] * w * power;
+  }
+};
+
+struct BacklashFriction {
+  template <typename T>
+  void operator()(const T* q, const T* z, const T* p, T* result) const {
+    const T& k = p[0];
+    const T& gap = p[2];
+    const T& w = q[1];
+    result[0] = k * BeyondGap(z[0], gap);
+    result[1] = w;
+    const bool outwards = (w < T(0.0)) == (z[0] < T(0.0));
+    if (!outwards) return;
+    const T slip = gap + p[1] / k;
+    result[1] -= w * SafePower(Magnitude(z[0]) / slip, p[3]);
   }
 };
 
@@ -143,6 +159,12 @@ const std::vector<ElementType>& Catalogue() {
         {"b", 0, 0, 0, -kInfinity, kInfinity, kRequired},
         {"g", 0, 0, 0, -kInfinity, kInfinity, kRequired},
         {"n", 0, 0, 0, 1.0, 10.0, 1.0}}},
+      {"backlash_friction",
+       &Create<BacklashFriction, 1, 4>,
+       {{"k", 1, -1, 0, 1e-12, kInfinity, kRequired},
+        {"f", 1, 0, 0, 1e-12, kInfinity, kRequired},
+        {"gap", 0, 1, 0, 0.0, kInfinity, kRequired},
+        {"n", 0, 0, 0, 1.0, 50.0, 10.0}}},
   };
   return *catalogue;
 }

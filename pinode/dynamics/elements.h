@@ -40,6 +40,10 @@ struct ElementParameterInfo {
 //   power_damper         c |w|^p sign(w)
 //   bouc_wen             k z,  dz/dt = a w - b |w| |z|^(n-1) z - g w |z|^n
 //                        (Wen 1976, without the elastic share)
+//   backlash_friction    k (z - clamp(z, -gap, gap)), a slider behind a spring
+//                        and a play of 2 gap: dz/dt = w while |z| grows no
+//                        further than where the force is f,
+//                        dz/dt = w (1 - H(w z) (|z| / (gap + f / k))^n)
 std::vector<std::string> ElementTypes();
 
 // nullptr and a message with the nearest known type where `type` is unknown.

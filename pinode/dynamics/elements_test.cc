@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pinode/base/logging.h"
@@ -59,6 +60,54 @@ TEST(Elements, BoucWenFollowsItsEvolutionLaw) {
   EXPECT_NEAR(result[0], 5.0, 1e-14);
   // a w - b |w| |z|^(n-1) z - g w |z|^n = -2 - 0.6*2*0.25 + 0.4*2*0.25
   EXPECT_NEAR(result[1], -2.1, 1e-14);
+}
+
+TEST(Elements, BacklashFrictionFollowsItsEvolutionLaw) {
+  std::string error;
+  const auto law = CreateElement("backlash_friction", &error);
+  ASSERT_NE(law, nullptr) << error;
+  const double parameters[] = {10.0, 5.0, 0.2, 2.0};
+  const double internal[] = {0.5};
+  double result[2];
+  const double outwards[] = {0.0, 2.0};
+  law->Evaluate(outwards, internal, parameters, result);
+  EXPECT_NEAR(result[0], 3.0, 1e-14);
+  // It slips at 0.2 + 5 / 10.
+  EXPECT_NEAR(result[1], 2.0 * (1.0 - (0.5 / 0.7) * (0.5 / 0.7)), 1e-14);
+  const double back[] = {0.0, -2.0};
+  law->Evaluate(back, internal, parameters, result);
+  EXPECT_EQ(result[1], -2.0);
+}
+
+// Where it slips sharply it is a spring and a slider behind a play, whose state
+// after a step is known: as far as the slider lets it.
+TEST(Elements, SharpBacklashFrictionIsASliderBehindAPlay) {
+  std::string error;
+  const auto law = CreateElement("backlash_friction", &error);
+  ASSERT_NE(law, nullptr) << error;
+  const double k = 10.0, f = 5.0, gap = 0.2;
+  const double parameters[] = {k, f, gap, 50.0};
+  const double slip = gap + f / k;
+  constexpr int kSteps = 40000;
+  double z = 0.0, exact = 0.0, largest = 0.0, work = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    // Two cycles.
+    const double step = 4.0 * std::acos(-1.0) / kSteps;
+    const double features[] = {0.0, 2.0 * std::cos(step * i)};
+    double result[2];
+    law->Evaluate(features, &z, parameters, result);
+    const double move = features[1] * step;
+    largest = std::max(
+        largest,
+        std::abs(result[0] - k * (exact - std::clamp(exact, -gap, gap))));
+    if (i >= kSteps / 2) work += result[0] * move;
+    z += result[1] * step;
+    exact = std::clamp(exact + move, -slip, slip);
+  }
+  EXPECT_LT(largest, 0.1 * f);
+  // The second cycle's travel at full force is 2 (2 d - 2 slip), and what the
+  // spring stores comes back.
+  EXPECT_NEAR(work, f * 2.0 * (4.0 - 2.0 * slip), 0.05 * work);
 }
 
 TEST(Elements, JacobiansMatchRiddersStyleDifferences) {

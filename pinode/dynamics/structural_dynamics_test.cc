@@ -29,7 +29,7 @@ TEST(StructuralDynamics, AgreesWithJetsForEveryTerm) {
   ASSERT_TRUE(dynamics->Prepare(dynamics->Parameters(), &prepared, &error));
   const int ns = dynamics->num_states();
   const int np = dynamics->num_parameters();
-  ASSERT_EQ(ns, 7);
+  ASSERT_EQ(ns, 8);
   ASSERT_EQ(dynamics->num_tangent_columns(), np);
   const Vector state = SomeState(ns);
 

@@ -6,6 +6,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/covariance.h"
+#include "pinode/estimate/evidence.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/input_noise_fit.h"
 #include "pinode/estimate/noise_levels.h"
@@ -36,6 +37,20 @@ void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
   }
   assessment->num_free = layout.num_free();
   if (modes != nullptr) assessment->num_residuals += modes->num_residuals();
+}
+
+// First precisions of what keeps curves and unknown forces smooth, as the fit
+// has them: what no data reach follows from its neighbours. Networks' weights
+// are left to the data.
+Vector SmoothnessPrecisions(const ParameterLayout& layout,
+                            const EvidenceTuning& tuning) {
+  Vector precisions = FirstDecays(layout, tuning, nullptr);
+  for (int g = 0; g < layout.num_decay_groups(); ++g) {
+    if (layout.decay_groups()[static_cast<size_t>(g)].network >= 0) {
+      precisions[g] = 0.0;
+    }
+  }
+  return precisions;
 }
 
 // Deviations of the free named parameters; infinite in the null space.
@@ -74,6 +89,9 @@ bool AssessProblem(const IdentificationProblem& problem,
       AssumedNoise(problem, options.tuning.noise);
   Count(problem, layout, objective.modes(), assessment);
   shooting.SetSigmas(sigmas);
+  const Vector precisions =
+      SmoothnessPrecisions(layout, options.tuning.evidence);
+  objective.priors().SetDecays(precisions);
 
   const auto fail = [&objective, error]() {
     const bool modes =
@@ -109,8 +127,7 @@ bool AssessProblem(const IdentificationProblem& problem,
     }
   } else if (CanFitWithInputNoise(problem, options.loss) &&
              !InputNoiseCovariance(problem, layout, shooting_options,
-                                   Vector::Zero(layout.num_decay_groups()),
-                                   &point)) {
+                                   precisions, &point)) {
     return fail();
   }
   CovarianceEstimate& covariance = point.covariance;

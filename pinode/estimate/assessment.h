@@ -28,7 +28,8 @@ struct ProblemAssessment {
     double sigma = 0.0;
   };
   std::vector<Expected> expected;
-  // Directions of named parameters along which the cost does not change.
+  // Directions of named parameters along which the cost does not change: data,
+  // priors, and what keeps curves and unknown forces smooth.
   std::vector<std::string> undetermined;
   // What a user should hear of the records, one sentence each (SignRemarks).
   std::vector<std::string> remarks;

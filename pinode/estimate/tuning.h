@@ -79,7 +79,7 @@ struct SolveTuning {
   // Iterations of a round, and the change of the cost that ends it, before the
   // last round, which runs to the tolerance that the user asked for.
   int round_iterations = 15;
-  int network_round_iterations = 10;
+  int network_round_iterations = 30;
   double round_tolerance = 1e-3;
   // First radii of the trust region; networks need small steps at first.
   double first_radius = 1e4;
@@ -113,7 +113,7 @@ struct NoiseTuning {
   // residuals mislead, and a network needs time to find out what it can do
   // without. Down to this share; with networks down by this one.
   double shrink = 0.1;
-  double network_step_down = 0.25;
+  double network_step_down = 0.4;
   double growth = 10.0;
   // Of all samples, at least this share is taken to be left after what the
   // parameters have used up, and of one channel beside an unknown force.

@@ -191,6 +191,20 @@ std::string Percent(double error) {
   return text;
 }
 
+// What is left over of a good fit is noise for this share at least, or next to
+// nothing: another minimum could not be much better.
+constexpr double kNoise = 0.8;
+constexpr double kNothing = 0.01;
+
+// Whether nothing is to be gained from another way.
+bool LeavesOnlyNoise(const IdentificationProblem& problem, Way* way) {
+  return way->ok() && way->fit().converged() &&
+         (way->error() < kNothing ||
+          LeastNoiseShare(problem, way->fit()) >= kNoise);
+}
+
+constexpr char kWholeRecords[] = "whole records at once";
+constexpr char kStages[] = "stages of multiple shooting";
 constexpr char kInOrder[] = "linear terms first, then all on whole records";
 constexpr char kByStages[] = "all terms at once by stages of multiple shooting";
 
@@ -218,10 +232,6 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
                              const IdentificationOptions& options,
                              const Vector& parameters,
                              IdentificationSummary* outcome) {
-  // What is left over of a good fit is noise for this share at least, or next
-  // to nothing: another minimum could not be much better.
-  constexpr double kNoise = 0.8;
-  constexpr double kNothing = 0.01;
   // A way that has done so many times the work of another is left off.
   constexpr int64_t kMostWork = 3;
   // A linear model with an error of less than this is somewhere near.
@@ -249,10 +259,7 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
   Way ordered(problem, single, kMostWorkOfAll * work);
   ordered.Run(begin, nullptr);
   work += ordered.Work();
-  if (ordered.interrupted() ||
-      (ordered.ok() && ordered.fit().converged() &&
-       (ordered.error() < kNothing ||
-        LeastNoiseShare(problem, ordered.fit()) >= kNoise))) {
+  if (ordered.interrupted() || LeavesOnlyNoise(problem, &ordered)) {
     outcome->way = kInOrder;
     return ordered.Take(outcome);
   }
@@ -272,6 +279,30 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
     return ordered.Take(outcome);
   }
   return Better(&ordered, kInOrder, &staged, kByStages, outcome);
+}
+
+// Nothing but groups: on whole records, where an iteration costs least, and by
+// the stages only if that leaves over what a linear model might explain.
+std::unique_ptr<Fit> RunLinear(const IdentificationProblem& problem,
+                               const IdentificationOptions& options,
+                               const Vector& parameters,
+                               IdentificationSummary* outcome) {
+  IdentificationOptions single = options;
+  single.shooting = Shooting::kSingle;
+  Way whole(problem, single, 0);
+  whole.Run(parameters, nullptr);
+  if (whole.interrupted() || LeavesOnlyNoise(problem, &whole)) {
+    outcome->way = kWholeRecords;
+    return whole.Take(outcome);
+  }
+  Way staged(problem, options, 0);
+  staged.Run(parameters, nullptr);
+  if (staged.interrupted() && whole.ok()) {
+    outcome->way =
+        std::string(kWholeRecords) + "; " + kStages + ": interrupted";
+    return whole.Take(outcome);
+  }
+  return Better(&whole, kWholeRecords, &staged, kStages, outcome);
 }
 
 // Training, and again from the linear part where that is better.
@@ -342,7 +373,9 @@ std::unique_ptr<Fit> RunWays(const IdentificationProblem& problem,
       chosen ? nullptr : LinearPart(problem);
   *summary = IdentificationSummary();
   if (linear == nullptr) {
-    return RunDirectly(problem, options, parameters, initial, summary);
+    return !chosen && problem.dynamics->IsLinear()
+               ? RunLinear(problem, options, parameters, summary)
+               : RunDirectly(problem, options, parameters, initial, summary);
   }
   return HasFreeNetworks(*problem.dynamics)
              ? RunNetworks(problem, *linear, options, parameters, summary)

@@ -28,6 +28,9 @@ std::unique_ptr<IdentificationProblem> LinearPart(
 // where it has done three times the work of the first and has not come to an
 // end.
 //
+// Linear models, of nothing but groups, are fitted on whole records, and by the
+// stages as well where more than noise is left over.
+//
 // Networks are trained by their stages. Only where the result is poor is the
 // linear part fitted, and training begins again from what it found where that
 // was better.

@@ -13,7 +13,8 @@ constexpr int kMaxLoopSamples = 2000;
 // Springs say everything in their force-deformation loop.
 bool DependsOnRate(const RestoringForceLoop& loop) {
   static const std::set<std::string> kSprings = {"cubic", "quadratic_stiffness",
-                                                 "bilinear", "bouc_wen"};
+                                                 "bilinear", "bouc_wen",
+                                                 "backlash_friction"};
   return kSprings.count(loop.type) == 0;
 }
 
