@@ -136,6 +136,7 @@ name = "nn"
 inputs = ["x[u2]", "w[u1,u2]", "d[ground, u1]", "v[u2]", "t", "input[temperature]"]
 input_scale = [1, 2, 3, 4, 5, 20]
 outputs = ["u2", "u1-u2"]
+output_scale = [7, 8]
 acts_as = "force"
 layers = [4, 3]
 activation = "softplus"
@@ -269,6 +270,7 @@ seed = 5
   EXPECT_FALSE(architecture.skip);
   EXPECT_FALSE(architecture.gauge);
   EXPECT_EQ(architecture.input_scale[5], 20.0);
+  EXPECT_EQ(architecture.output_scale, Vector(Eigen::Vector2d(7.0, 8.0)));
   EXPECT_EQ(network.acts_as, NetworkTerm::ActsAs::kForce);
   EXPECT_EQ(network.decay, 0.25);
   EXPECT_EQ(network.features[1].kind, Feature::Kind::kDeformationRate);

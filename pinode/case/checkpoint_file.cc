@@ -98,8 +98,9 @@ bool ReadCheckpoint(const std::string& path,
   }
   if (json["problem"] != ProblemIdentity(problem)) {
     *error = path +
-             ": belongs to another case, or the case or its data have "
-             "changed since; expected the same case (options may change)";
+             ": belongs to another case, the case or its data have changed "
+             "since, or an older pinode wrote it; expected the same case "
+             "(options may change), otherwise run pinode_update again";
     return false;
   }
   Checkpoint result;

@@ -248,6 +248,8 @@ TEST(ResultFilesTest, ModelCaseReadsBack) {
   const NetworkTerm& network = after.networks()[0];
   EXPECT_EQ(network.weights.Values(), theta.tail(network.weights.size()));
   EXPECT_EQ(network.network->architecture().input_scale[1], 2.0);
+  EXPECT_EQ(network.network->architecture().output_scale,
+            before.networks()[0].network->architecture().output_scale);
   EXPECT_NEAR(read.problem.sensors.Values()[0], f.model.parameters.tail(1)[0],
               1e-15);
   EXPECT_EQ(read.problem.records[0].channels[1].values,
