@@ -188,8 +188,8 @@ struct MultistartTuning {
 };
 
 // The constants of the fit, a group for each part that uses them. For studies:
-// what a user needs is an option. tests/cases/tuning_study_test.cc tells
-// what halving and doubling each of them does.
+// what a user needs is an option. What halving and doubling each of
+// them does stands in theory.md, section 13 (tests/cases/tuning_study_test.cc).
 struct Tuning {
   StageTuning stages;
   StartTuning starts;
