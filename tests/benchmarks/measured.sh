@@ -163,8 +163,8 @@ peak() {
   ' "$work/out_$1/prediction_$2.csv"
 }
 
-# work_done CASE RECORD SKIP MOTION: the work of the force predicted over that of the
-# force measured, along the motion in the first two columns of a file.
+# work_done CASE RECORD SKIP MOTION: the work of the force predicted over that of
+# the force measured, along the motion in the first two columns of a file.
 work_done() {
   zcat "$4" | awk -F, -v skip="$3" '
     NR == FNR {
