@@ -56,14 +56,35 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   return true;
 }
 
-void ProfileCase(bool show_progress, Case* c, const IdentifiedModel& model,
-                 IdentificationSummary* summary) {
+void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
+                 const IdentifiedModel& model, IdentificationSummary* summary) {
   const auto begin = std::chrono::steady_clock::now();
   std::string error = "the fit did not converge";
   ProfileOptions options;
   if (c->profiles.has_value()) options.parameters = *c->profiles;
-  options.callback = [show_progress](int done, int of) {
-    if (show_progress) std::fprintf(stderr, "profiles: %d of %d\n", done, of);
+  Checkpoint checkpoint;
+  std::string unused;
+  if (!folder.resume_path().empty() &&
+      ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, &unused)) {
+    options.known = std::move(checkpoint.profiles);
+  }
+  checkpoint.iteration = summary->num_iterations;
+  checkpoint.cost =
+      summary->iterations.empty() ? 0.0 : summary->iterations.back().cost;
+  checkpoint.model = model;
+  bool warned = false;
+  options.callback = [&](const std::vector<ParameterProfile>& done, int of) {
+    if (show_progress) {
+      std::fprintf(stderr, "profiles: %zu of %d\n", done.size(), of);
+    }
+    checkpoint.profiles = done;
+    std::string what;
+    if (!WriteCheckpoint(folder.checkpoint_path(), ProblemIdentity(c->problem),
+                         checkpoint, &what) &&
+        !warned) {
+      std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
+      warned = true;
+    }
     return true;
   };
   options.stop = Interrupted;

@@ -29,10 +29,12 @@ namespace pinode {
 
 // Profiles the likelihood of the parameters that the case names (all free ones
 // where it names none) around a fit that has converged, into summary->profiles,
-// with progress on standard error and an end at an interrupt. Where that cannot
-// be, a remark of the case says why.
-void ProfileCase(bool show_progress, Case* c, const IdentifiedModel& model,
-                 IdentificationSummary* summary);
+// with progress on standard error and an end at an interrupt. Those that are
+// done stand in the checkpoint of `folder`, and those in the checkpoint that it
+// resumes are not made again. Where profiles cannot be, a remark of the case
+// says why.
+void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
+                 const IdentifiedModel& model, IdentificationSummary* summary);
 
 // Fits with progress and an end at an interrupt as FitCase, without a
 // checkpoint.

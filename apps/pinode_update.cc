@@ -58,9 +58,12 @@ int main(int argc, char** argv) {
     return Refuse(error);
   }
 
-  if ((FLAGS_profiles || c.profiles.has_value()) && !Interrupted()) {
-    ProfileCase(FLAGS_progress, &c, model, &summary);
+  const bool profiles = FLAGS_profiles || c.profiles.has_value();
+  if (profiles && !Interrupted()) {
+    ProfileCase(folder, FLAGS_progress, &c, model, &summary);
   }
+  const bool cut_off = summary.termination == Termination::kInterrupted ||
+                       (profiles && Interrupted());
 
   // 4. Results and report.
   const double seconds =
@@ -78,7 +81,7 @@ int main(int argc, char** argv) {
   }
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());
-  if (summary.termination == Termination::kInterrupted) {
+  if (cut_off) {
     std::fprintf(stderr,
                  "interrupted; what was found so far is in %s, continue with "
                  "--resume\n",

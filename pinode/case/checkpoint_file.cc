@@ -47,6 +47,95 @@ bool FromJson(const Json& json, std::vector<Vector>* vectors) {
   return true;
 }
 
+// The ends of a profile's intervals, infinite ones as null.
+struct NamedEnd {
+  const char* name;
+  double ParameterProfile::*end;
+};
+constexpr NamedEnd kEnds[] = {
+    {"lower95", &ParameterProfile::lower95},
+    {"upper95", &ParameterProfile::upper95},
+    {"lower99", &ParameterProfile::lower99},
+    {"upper99", &ParameterProfile::upper99},
+    {"linear_lower95", &ParameterProfile::linear_lower95},
+    {"linear_upper95", &ParameterProfile::linear_upper95},
+};
+
+Json ToJson(const std::vector<ParameterProfile>& profiles) {
+  Json array = Json::array();
+  for (const ParameterProfile& profile : profiles) {
+    Json points = Json::array();
+    for (const ParameterProfile::Point& point : profile.points) {
+      points.push_back({point.value, point.ratio});
+    }
+    Json one = {{"name", profile.name},
+                {"unit", profile.unit},
+                {"estimate", profile.estimate},
+                {"points", points},
+                {"threshold95", profile.threshold95},
+                {"threshold99", profile.threshold99},
+                {"determination", DeterminationName(profile.determination)},
+                {"combinations", profile.combinations},
+                {"found_lower", profile.found_lower},
+                {"unsettled", profile.unsettled},
+                {"linearizations", profile.linearizations}};
+    for (const NamedEnd& end : kEnds) {
+      const double value = profile.*end.end;
+      one[end.name] = std::isfinite(value) ? Json(value) : Json(nullptr);
+    }
+    array.push_back(std::move(one));
+  }
+  return array;
+}
+
+bool FromJson(const Json& json, Determination* determination) {
+  for (const Determination known :
+       {Determination::kDetermined, Determination::kOneSided,
+        Determination::kNotHere, Determination::kNotAtAll}) {
+    if (json == DeterminationName(known)) {
+      *determination = known;
+      return true;
+    }
+  }
+  return false;
+}
+
+// Throws where a key is missing or of another type.
+bool ParseProfile(const Json& json, ParameterProfile* profile) {
+  profile->name = json.at("name").get<std::string>();
+  profile->unit = json.at("unit").get<std::string>();
+  profile->estimate = json.at("estimate").get<double>();
+  for (const Json& point : json.at("points")) {
+    profile->points.push_back(
+        {point.at(0).get<double>(), point.at(1).get<double>()});
+  }
+  profile->threshold95 = json.at("threshold95").get<double>();
+  profile->threshold99 = json.at("threshold99").get<double>();
+  profile->combinations =
+      json.at("combinations").get<std::vector<std::string>>();
+  profile->found_lower = json.at("found_lower").get<bool>();
+  profile->unsettled = json.at("unsettled").get<bool>();
+  profile->linearizations = json.at("linearizations").get<int>();
+  for (const NamedEnd& end : kEnds) {
+    const Json& value = json.at(end.name);
+    if (!value.is_null()) profile->*end.end = value.get<double>();
+  }
+  return FromJson(json.at("determination"), &profile->determination);
+}
+
+bool FromJson(const Json& json, std::vector<ParameterProfile>* profiles) {
+  if (!json.is_array()) return false;
+  profiles->assign(json.size(), ParameterProfile());
+  try {
+    for (size_t i = 0; i < json.size(); ++i) {
+      if (!ParseProfile(json[i], &(*profiles)[i])) return false;
+    }
+  } catch (const Json::exception&) {
+    return false;
+  }
+  return true;
+}
+
 bool ParseCheckpoint(const Json& json, Checkpoint* checkpoint) {
   for (const char* key : {"iteration", "stage", "cost", "parameters", "sigmas",
                           "starts", "decays"}) {
@@ -60,6 +149,10 @@ bool ParseCheckpoint(const Json& json, Checkpoint* checkpoint) {
   checkpoint->model.resume_stage = json["stage"].get<int>();
   checkpoint->cost = json["cost"].get<double>();
   IdentifiedModel& model = checkpoint->model;
+  if (json.contains("profiles") &&
+      !FromJson(json["profiles"], &checkpoint->profiles)) {
+    return false;
+  }
   return FromJson(json["parameters"], &model.parameters) &&
          FromJson(json["sigmas"], &model.sigmas) &&
          FromJson(json["starts"], &model.starts) &&
@@ -80,6 +173,9 @@ bool WriteCheckpoint(const std::string& path, const std::string& problem_hash,
   json["sigmas"] = ToJson(checkpoint.model.sigmas);
   json["starts"] = ToJson(checkpoint.model.starts);
   json["decays"] = ToJson(checkpoint.model.decays);
+  if (!checkpoint.profiles.empty()) {
+    json["profiles"] = ToJson(checkpoint.profiles);
+  }
   return WriteFileAtomically(path, json.dump() + "\n", error);
 }
 
@@ -105,7 +201,7 @@ bool ReadCheckpoint(const std::string& path,
   }
   Checkpoint result;
   if (!ParseCheckpoint(json, &result)) {
-    *error = path + ": a key is missing or holds something else than numbers";
+    *error = path + ": a key is missing or holds something else than expected";
     return false;
   }
   const int expected = ParameterLayout(problem).num_parameters();

@@ -14,7 +14,8 @@ namespace pinode {
 
 // {"schema": "pinode-checkpoint-1", "problem": hash, "iteration", "stage",
 //  "cost", "parameters": [...], "sigmas": [[...]], "starts": [[...]],
-//  "decays": [...]}, written atomically; numbers are read back bit for bit.
+//  "decays": [...]} and, where profiles of the likelihood are done,
+//  "profiles": [{...}], written atomically; numbers are read back bit for bit.
 [[nodiscard]] bool WriteCheckpoint(const std::string& path,
                                    const std::string& problem_hash,
                                    const Checkpoint& checkpoint,

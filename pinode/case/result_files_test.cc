@@ -470,6 +470,54 @@ TEST(CheckpointTest, RoundTrip) {
   EXPECT_EQ(read.model.decays, f.model.decays);
 }
 
+TEST(CheckpointTest, KeepsProfiles) {
+  const Fixture f;
+  const std::string path = f.folder.Path("checkpoint.json");
+  Checkpoint checkpoint;
+  checkpoint.model = f.model;
+  ParameterProfile profile;
+  profile.name = "k1";
+  profile.unit = "N/m";
+  profile.estimate = 1.0 / 3.0;
+  profile.points = {{0.25, 4.5}, {1.0 / 3.0, 0.0}};
+  profile.lower95 = 0.1;
+  profile.linear_upper95 = 0.7;
+  profile.threshold95 = 3.84;
+  profile.determination = Determination::kOneSided;
+  profile.combinations = {"k1 * c1"};
+  profile.unsettled = true;
+  profile.linearizations = 7;
+  checkpoint.profiles = {profile, ParameterProfile()};
+  std::string error;
+  ASSERT_TRUE(
+      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
+      << error;
+  Checkpoint read;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  ASSERT_EQ(read.profiles.size(), 2u);
+  const ParameterProfile& again = read.profiles[0];
+  EXPECT_EQ(again.name, "k1");
+  EXPECT_EQ(again.unit, "N/m");
+  EXPECT_EQ(again.estimate, 1.0 / 3.0);
+  ASSERT_EQ(again.points.size(), 2u);
+  EXPECT_EQ(again.points[0].ratio, 4.5);
+  EXPECT_EQ(again.lower95, 0.1);
+  EXPECT_EQ(again.upper95, kInfinity);
+  EXPECT_EQ(again.linear_lower95, -kInfinity);
+  EXPECT_EQ(again.linear_upper95, 0.7);
+  EXPECT_EQ(again.threshold95, 3.84);
+  EXPECT_EQ(again.determination, Determination::kOneSided);
+  EXPECT_EQ(again.combinations, profile.combinations);
+  EXPECT_TRUE(again.unsettled);
+  EXPECT_FALSE(again.found_lower);
+  EXPECT_EQ(again.linearizations, 7);
+
+  std::string text = f.folder.Read("checkpoint.json");
+  f.folder.Write("checkpoint.json", Replaced(text, "one-sided", "sideways"));
+  EXPECT_FALSE(ReadCheckpoint(path, f.c.problem, &read, &error));
+  EXPECT_THAT(error, HasSubstr("than expected"));
+}
+
 TEST(CheckpointTest, OfAnotherCaseIsRefused) {
   const Fixture f;
   const std::string path = f.folder.Path("checkpoint.json");

@@ -445,6 +445,43 @@ bool FindColumns(const ParameterLayout& layout,
   return !columns->empty();
 }
 
+// What the fit says of a parameter; sigma is 0 where it has none.
+struct LinearInterval {
+  double sigma = 0.0;
+  double quantile = 0.0;
+  double lower95 = -kInfinity, upper95 = kInfinity;
+};
+
+LinearInterval LinearIntervalOf(const IdentificationSummary& summary,
+                                const std::string& name) {
+  LinearInterval interval;
+  const ParameterEstimate* estimate = FindEstimate(summary, name);
+  if (estimate == nullptr || !(estimate->sigma > 0.0) ||
+      !std::isfinite(estimate->sigma)) {
+    return interval;
+  }
+  interval.sigma = estimate->sigma;
+  interval.lower95 = estimate->lower95;
+  interval.upper95 = estimate->upper95;
+  interval.quantile =
+      0.5 * (estimate->upper95 - estimate->lower95) / estimate->sigma;
+  return interval;
+}
+
+// nullptr where there is none around this value.
+const ParameterProfile* FindKnown(const std::vector<ParameterProfile>& known,
+                                  const std::string& name, double value,
+                                  double sigma) {
+  const double least = sigma > 0.0 ? sigma : std::abs(value);
+  for (const ParameterProfile& profile : known) {
+    if (profile.name == name &&
+        std::abs(profile.estimate - value) <= 1e-3 * least) {
+      return &profile;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 bool ProfileParameters(const IdentificationProblem& problem,
@@ -489,34 +526,34 @@ bool ProfileParameters(const IdentificationProblem& problem,
   std::vector<ParameterProfile> all(columns.size());
   std::vector<char> done(columns.size(), 0);
   std::mutex mutex;
-  int num_done = 0;
+  std::vector<ParameterProfile> finished;
   ParallelFor(
       static_cast<int>(columns.size()), threads, [&](int i, int thread) {
         const size_t k = static_cast<size_t>(i);
-        ParameterProfile& profile = all[k];
         const Parameter& parameter = layout.free_parameter(columns[k]);
-        profile.name = parameter.name;
-        profile.unit = parameter.unit;
-        double sigma = 0.0;
-        double quantile = 0.0;
-        const ParameterEstimate* estimate =
-            FindEstimate(summary, parameter.name);
-        if (estimate != nullptr && estimate->sigma > 0.0 &&
-            std::isfinite(estimate->sigma)) {
-          sigma = estimate->sigma;
-          profile.linear_lower95 = estimate->lower95;
-          profile.linear_upper95 = estimate->upper95;
-          quantile = 0.5 * (estimate->upper95 - estimate->lower95) / sigma;
-        }
-        if (stop() || !profilers[static_cast<size_t>(thread)]->Run(
-                          columns[k], fit, sigma, quantile, &profile)) {
-          return;
+        const LinearInterval linear = LinearIntervalOf(summary, parameter.name);
+        const ParameterProfile* known =
+            FindKnown(profile_options.known, parameter.name, fit[columns[k]],
+                      linear.sigma);
+        ParameterProfile& profile = all[k];
+        if (known != nullptr) {
+          profile = *known;
+        } else {
+          profile.name = parameter.name;
+          profile.unit = parameter.unit;
+          profile.linear_lower95 = linear.lower95;
+          profile.linear_upper95 = linear.upper95;
+          if (stop() ||
+              !profilers[static_cast<size_t>(thread)]->Run(
+                  columns[k], fit, linear.sigma, linear.quantile, &profile)) {
+            return;
+          }
         }
         const std::lock_guard<std::mutex> lock(mutex);
         done[k] = 1;
-        ++num_done;
+        finished.push_back(profile);
         if (profile_options.callback &&
-            !profile_options.callback(num_done,
+            !profile_options.callback(finished,
                                       static_cast<int>(columns.size()))) {
           stopped = true;
         }

@@ -16,9 +16,13 @@ namespace pinode {
 struct ProfileOptions {
   // Names; empty: all that are free.
   std::vector<std::string> parameters;
-  // Called as each parameter is done, with how many are; false stops, keeping
+  // Called as each parameter is done, with all that are; false stops, keeping
   // those that are done.
-  std::function<bool(int done, int of)> callback;
+  std::function<bool(const std::vector<ParameterProfile>& done, int of)>
+      callback;
+  // Of a run that was cut off: they stand where the fit is within a thousandth
+  // of a deviation of where it was.
+  std::vector<ParameterProfile> known;
   // Asked after every iteration, by several threads, and may be empty; true
   // stops in the middle of a parameter.
   std::function<bool()> stop;

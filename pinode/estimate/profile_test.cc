@@ -153,14 +153,41 @@ TEST(ProfileParameters, StopsWhereItIsToldTo) {
                Eigen::Vector3d(0.1, -0.05, 0.02), 0.02);
   Identify(fit.problem, fit.options, nullptr, &fit.summary, &fit.model);
   ProfileOptions options;
-  options.callback = [](int done, int of) {
+  options.callback = [](const std::vector<ParameterProfile>& done, int of) {
     EXPECT_EQ(of, 3);
-    return done < 2;
+    return done.size() < 2;
   };
   ASSERT_TRUE(ProfileParameters(fit.problem, fit.summary, fit.model,
                                 fit.options, options, &fit.profiles,
                                 &fit.error));
   EXPECT_EQ(fit.profiles.size(), 2);
+}
+
+TEST(ProfileParameters, GoesOnWhereItWasCutOff) {
+  Profiled fit(testing::MakeGroupedChain(3, 40.0, 0.4),
+               Eigen::Vector3d(0.1, -0.05, 0.02), 0.02);
+  ASSERT_TRUE(fit.Run()) << fit.error;
+  ASSERT_EQ(fit.profiles.size(), 3u);
+  const std::vector<ParameterProfile> whole = fit.profiles;
+
+  // What is known stands, though no more work is allowed.
+  ProfileOptions options;
+  options.known = {whole[0], whole[2]};
+  options.stop = []() { return true; };
+  ASSERT_TRUE(ProfileParameters(fit.problem, fit.summary, fit.model,
+                                fit.options, options, &fit.profiles,
+                                &fit.error));
+  ASSERT_EQ(fit.profiles.size(), 2u);
+  EXPECT_EQ(fit.profiles[1].name, whole[2].name);
+  EXPECT_EQ(fit.profiles[1].lower95, whole[2].lower95);
+
+  // But not around another fit.
+  options.known[0].estimate += 0.1 * (whole[0].upper95 - whole[0].lower95);
+  ASSERT_TRUE(ProfileParameters(fit.problem, fit.summary, fit.model,
+                                fit.options, options, &fit.profiles,
+                                &fit.error));
+  ASSERT_EQ(fit.profiles.size(), 1u);
+  EXPECT_EQ(fit.profiles[0].name, whole[2].name);
 }
 
 TEST(ProfileParameters, SaysWhatItCannotDo) {

@@ -4,6 +4,7 @@
 #define PINODE_STUDY_CHECKPOINT_H_
 
 #include <string>
+#include <vector>
 
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
@@ -16,6 +17,8 @@ struct Checkpoint {
   // What Identify takes as its `initial`. Of a fit that was still running it
   // has no starts.
   IdentifiedModel model;
+  // Those that are done, of a fit that has ended.
+  std::vector<ParameterProfile> profiles;
 };
 
 // 16 hexadecimal digits that stand for a problem: matrices, named unknowns,
