@@ -63,9 +63,16 @@ inline Range NetworkRange(const StructuralDynamics& dynamics, int index) {
       dynamics.networks()[static_cast<size_t>(index)].network->num_weights()};
 }
 
-// `values` as the weights of the first network.
-inline void SetFirstNetwork(const Vector& values, Case* c) {
+// The first network as `run` has learned it, with the scales that go with it.
+inline void SetFirstNetwork(const CaseRun& run, Case* c) {
+  const StructuralDynamics& learned = *run.c.problem.dynamics;
+  const NetworkArchitecture& architecture =
+      learned.networks()[0].network->architecture();
+  const Range from = NetworkRange(learned, 0);
+  const Vector values = run.model.parameters.segment(from.offset, from.size);
   auto dynamics = std::make_shared<StructuralDynamics>(*c->problem.dynamics);
+  dynamics->SetNetworkScales(0, architecture.input_scale,
+                             architecture.output_scale);
   const Range range = NetworkRange(*dynamics, 0);
   ASSERT_EQ(values.size(), range.size);
   Vector theta = dynamics->Parameters();
@@ -108,9 +115,7 @@ class Nsd : public ::testing::TestWithParam<const char*> {
     if (IsMeasured()) {
       const CaseRun first = Run("phase1");
       EXPECT_TRUE(first.summary.usable) << first.summary.message;
-      const Range range = NetworkRange(*first.c.problem.dynamics, 0);
-      SetFirstNetwork(first.model.parameters.segment(range.offset, range.size),
-                      &c);
+      SetFirstNetwork(first, &c);
     }
     return c;
   }
