@@ -69,8 +69,7 @@ void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
     options.known = std::move(checkpoint.profiles);
   }
   checkpoint.iteration = summary->num_iterations;
-  checkpoint.cost =
-      summary->iterations.empty() ? 0.0 : summary->iterations.back().cost;
+  checkpoint.cost = summary->final_cost;
   checkpoint.model = model;
   bool warned = false;
   options.callback = [&](const std::vector<ParameterProfile>& done, int of) {

@@ -197,6 +197,7 @@ class ResultWriter {
     checkpoint.iteration = summary_.num_iterations;
     checkpoint.cost = summary_.final_cost;
     checkpoint.model = model_;
+    checkpoint.profiles = summary_.profiles;
     return WriteCheckpoint(Path("checkpoint.json"), ProblemIdentity(problem_),
                            checkpoint, error_);
   }
