@@ -36,6 +36,12 @@ class InputReader {
     return true;
   }
 
+  // Where its values stand and in which unit.
+  bool AddMeasured(InputSection input) {
+    return ReadSource(file_, &input.signal) &&
+           ReadUnit(units_, &input.signal) && AddInput(std::move(input));
+  }
+
   bool ReadGrounds() {
     for (TomlTable& table : table_.Tables("ground", "record")) {
       table.set_name(table_.name() + ", ground");
@@ -64,10 +70,7 @@ class InputReader {
       input.signal.label = "ground " + direction;
       input.signal.dimension = Dimension::kAcceleration;
       input.signal.scale = table.Number("scale", 1.0);
-      if (!ReadSource(file_, &input.signal) ||
-          !ReadUnit(units_, &input.signal) || !AddInput(std::move(input))) {
-        return false;
-      }
+      if (!AddMeasured(std::move(input))) return false;
     }
     return true;
   }
@@ -93,10 +96,7 @@ class InputReader {
       // An unknown one is a parameter of the model.
       const bool unknown = table.Has("scale") && table.Find("scale")->IsTable();
       input.signal.scale = unknown ? 1.0 : table.Number("scale", 1.0);
-      if (!ReadSource(file_, &input.signal) ||
-          !ReadUnit(units_, &input.signal) || !AddInput(std::move(input))) {
-        return false;
-      }
+      if (!AddMeasured(std::move(input))) return false;
     }
     return true;
   }
@@ -128,10 +128,7 @@ class InputReader {
                                : derivative == 1 ? Dimension::kVelocity
                                                  : Dimension::kAcceleration;
       input.signal.scale = table.Number("scale", 1.0);
-      if (!ReadSource(file_, &input.signal) ||
-          !ReadUnit(units_, &input.signal) || !AddInput(std::move(input))) {
-        return false;
-      }
+      if (!AddMeasured(std::move(input))) return false;
     }
     for (const InputSection& input : *inputs_) {
       if (input.spec.kind != InputSpec::Kind::kPrescribedVelocity &&

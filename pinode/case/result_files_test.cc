@@ -446,20 +446,25 @@ TEST(FoldedMatricesTest, AreTheJacobianOfALinearNetwork) {
   }
 }
 
+Checkpoint WrittenAndRead(const Fixture& f, const Checkpoint& checkpoint) {
+  const std::string path = f.folder.Path("checkpoint.json");
+  std::string error;
+  EXPECT_TRUE(
+      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
+      << error;
+  Checkpoint read;
+  EXPECT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  return read;
+}
+
 TEST(CheckpointTest, RoundTrip) {
   const Fixture f;
-  const std::string path = f.folder.Path("checkpoint.json");
   Checkpoint checkpoint;
   checkpoint.iteration = 12;
   checkpoint.cost = 1.0 / 3.0;
   checkpoint.model = f.model;
   checkpoint.model.resume_stage = 3;
-  std::string error;
-  ASSERT_TRUE(
-      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
-      << error;
-  Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  Checkpoint read = WrittenAndRead(f, checkpoint);
   EXPECT_EQ(read.iteration, 12);
   EXPECT_EQ(read.model.resume_stage, 3);
   EXPECT_EQ(read.cost, 1.0 / 3.0);
@@ -472,7 +477,6 @@ TEST(CheckpointTest, RoundTrip) {
 
 TEST(CheckpointTest, KeepsProfiles) {
   const Fixture f;
-  const std::string path = f.folder.Path("checkpoint.json");
   Checkpoint checkpoint;
   checkpoint.model = f.model;
   ParameterProfile profile;
@@ -488,12 +492,7 @@ TEST(CheckpointTest, KeepsProfiles) {
   profile.unsettled = true;
   profile.linearizations = 7;
   checkpoint.profiles = {profile, ParameterProfile()};
-  std::string error;
-  ASSERT_TRUE(
-      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
-      << error;
-  Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  Checkpoint read = WrittenAndRead(f, checkpoint);
   ASSERT_EQ(read.profiles.size(), 2u);
   const ParameterProfile& again = read.profiles[0];
   EXPECT_EQ(again.name, "k1");
@@ -512,9 +511,12 @@ TEST(CheckpointTest, KeepsProfiles) {
   EXPECT_FALSE(again.found_lower);
   EXPECT_EQ(again.linearizations, 7);
 
-  std::string text = f.folder.Read("checkpoint.json");
-  f.folder.Write("checkpoint.json", Replaced(text, "one-sided", "sideways"));
-  EXPECT_FALSE(ReadCheckpoint(path, f.c.problem, &read, &error));
+  const std::string text = f.folder.Read("checkpoint.json");
+  std::string error;
+  EXPECT_FALSE(
+      ReadCheckpoint(f.folder.Write("checkpoint.json",
+                                    Replaced(text, "one-sided", "sideways")),
+                     f.c.problem, &read, &error));
   EXPECT_THAT(error, HasSubstr("than expected"));
 }
 

@@ -116,14 +116,25 @@ bool StructuralDynamics::AddNetwork(NetworkTerm term, std::string* error) {
   return AddTerm(MakeTerm(std::move(term)), error);
 }
 
-void StructuralDynamics::SetNetworkScales(int network, const Vector& input,
-                                          const Vector& output) {
+bool StructuralDynamics::SetNetworkScales(int network, const Vector& input,
+                                          const Vector& output,
+                                          std::string* error) {
+  if (network < 0 || network >= static_cast<int>(networks().size())) {
+    *error = "network " + std::to_string(network) + ", and there are " +
+             std::to_string(networks().size());
+    return false;
+  }
   NetworkTerm term = networks()[static_cast<size_t>(network)];
   NetworkArchitecture architecture = term.network->architecture();
   architecture.input_scale = input;
   architecture.output_scale = output;
+  if (!architecture.IsValid(error)) {
+    *error = "'" + term.name + "': " + *error;
+    return false;
+  }
   term.network = std::make_shared<Network>(std::move(architecture));
   terms_[Index(network_block(network))] = MakeTerm(std::move(term));
+  return true;
 }
 
 bool StructuralDynamics::AddElement(const std::string& name,

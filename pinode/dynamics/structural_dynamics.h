@@ -66,8 +66,10 @@ class StructuralDynamics {
   [[nodiscard]] bool AddForceScale(ForceScaleTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
   // Scales of a network that was added, see NetworkArchitecture: empty, or one
-  // positive number an input and an output.
-  void SetNetworkScales(int network, const Vector& input, const Vector& output);
+  // positive number an input and an output. False with a sentence in *error
+  // where there is no such network or a scale is none; nothing changes then.
+  [[nodiscard]] bool SetNetworkScales(int network, const Vector& input,
+                                      const Vector& output, std::string* error);
   // A named element between two DOFs, see MakeElement.
   [[nodiscard]] bool AddElement(const std::string& name,
                                 const std::string& type, int from, int to,

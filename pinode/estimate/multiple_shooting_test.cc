@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pinode/estimate/sensor.h"
 #include "pinode/estimate/testing.h"
@@ -93,6 +94,42 @@ TEST_P(ProjectedGradient, EqualsDifferencesOfTheCost) {
                         .name
                   : "a random direction");
   }
+}
+
+// The point at hand is not propagated again, and anything that changes the cost
+// or goes elsewhere makes it another one.
+TEST(MultipleShooting, LinearizesAPointOnce) {
+  const SmallFit fit(Start::kRest);
+  auto objective = fit.Shoot(0, MultipleShooting::Options());
+  MultipleShooting& shooting = objective->shooting();
+  CondensedSystem first, again;
+  ASSERT_TRUE(objective->Linearize(fit.free, &first));
+  const int64_t work = shooting.work();
+  ASSERT_TRUE(objective->Linearize(fit.free, &again));
+  EXPECT_EQ(shooting.work(), work);
+  EXPECT_EQ(again.cost, first.cost);
+  EXPECT_EQ(again.gradient, first.gradient);
+  EXPECT_EQ(again.hessian, first.hessian);
+
+  double cost = 0.0;
+  ASSERT_TRUE(objective->Evaluate(1.01 * fit.free, &cost));
+  ASSERT_TRUE(objective->Linearize(1.01 * fit.free, &again));
+  EXPECT_EQ(again.cost, cost);
+  EXPECT_NE(again.gradient, first.gradient);
+  ASSERT_TRUE(objective->Linearize(fit.free, &again));
+  EXPECT_EQ(again.gradient, first.gradient);
+
+  std::vector<Vector> sigmas;
+  for (const int r : shooting.train_records()) {
+    sigmas.push_back(Vector::Constant(
+        static_cast<Eigen::Index>(
+            fit.problem.records[static_cast<size_t>(r)].channels.size()),
+        123.0));
+  }
+  shooting.SetSigmas(sigmas);
+  ASSERT_TRUE(objective->Linearize(fit.free, &again));
+  EXPECT_NE(again.cost, first.cost);
+  EXPECT_GT(shooting.work(), work);
 }
 
 // Starts are solved for no better than the outer iteration needs. The

@@ -115,5 +115,30 @@ TEST_F(WaysTest, TriesBothWhereMoreThanNoiseIsLeft) {
   EXPECT_LE(summary.records[0].nrmse, summary.linear_error);
 }
 
+// Without the spring nothing but groups is left: whole records first, and the
+// stages only where that leaves more than noise.
+TEST_F(WaysTest, LinearModelsAreFittedOnWholeRecordsFirst) {
+  const auto chain = testing::MakeGroupedChain(2, 40.0, 0.4);
+  dynamics_ = std::make_shared<StructuralDynamics>(*chain);
+  const Vector truth = Eigen::Vector2d(-0.2, 0.15);
+  IdentificationProblem problem = Problem(0.02, truth);
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_EQ(summary.way, "whole records at once");
+  EXPECT_EQ(summary.stages.size(), 1u);
+  EXPECT_LT((model.parameters - truth).norm(), 0.02);
+
+  Vector& values = problem.records[0].channels[1].values;
+  const double size = values.norm() / std::sqrt(values.size());
+  for (int i = 0; i < values.size(); ++i) {
+    values[i] += 0.3 * size * std::sin(0.11 * i);
+  }
+  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  EXPECT_THAT(summary.way, HasSubstr("whole records at once"));
+  EXPECT_THAT(summary.way, HasSubstr("stages of multiple shooting"));
+}
+
 }  // namespace
 }  // namespace pinode

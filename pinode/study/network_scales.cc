@@ -3,7 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/initial_states.h"
 
@@ -38,12 +40,16 @@ double OverRecords(const IdentificationProblem& problem, const Size& size) {
 MotionSizes SizesOf(const IdentificationProblem& problem) {
   const int n = problem.dynamics->num_dofs();
   MotionSizes sizes;
-  sizes.displacement = OverRecords(problem, [&](const auto& record) {
-    return GuessStateScales(problem, record).head(n).maxCoeff();
-  });
-  sizes.velocity = OverRecords(problem, [&](const auto& record) {
-    return GuessStateScales(problem, record).segment(n, n).maxCoeff();
-  });
+  double displacements = 0.0;  // sums of squares
+  double velocities = 0.0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    const Vector scales = GuessStateScales(problem, record);
+    displacements += std::pow(scales.head(n).maxCoeff(), 2);
+    velocities += std::pow(scales.segment(n, n).maxCoeff(), 2);
+  }
+  sizes.displacement = std::sqrt(displacements / problem.num_train_records());
+  sizes.velocity = std::sqrt(velocities / problem.num_train_records());
   sizes.time = OverRecords(problem, [](const auto& record) {
     const double begin = record.excitation->time(0);
     const double end = record.excitation->time(record.num_samples() - 1);
@@ -148,8 +154,11 @@ void ScaleNetworks(const IdentificationProblem& problem,
         output[i] = SizeOf(term, term.outputs.col(i), sizes, model.mass);
       }
     }
-    dynamics->SetNetworkScales(static_cast<int>(j), OneUnlessPositive(input),
-                               OneUnlessPositive(output));
+    std::string error;
+    CHECK(dynamics->SetNetworkScales(static_cast<int>(j),
+                                     OneUnlessPositive(input),
+                                     OneUnlessPositive(output), &error))
+        << error;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/study/make_problem.h"
@@ -137,7 +138,8 @@ TEST(NetworkScales, LeavesWhatWasGivenOrLearned) {
   EXPECT_FALSE(HasNetworksToScale(*problem.dynamics));
   StructuralDynamics dynamics = *problem.dynamics;
   const Vector input = Vector::Constant(4, 3.0);
-  dynamics.SetNetworkScales(0, input, Vector());
+  std::string error;
+  ASSERT_TRUE(dynamics.SetNetworkScales(0, input, Vector(), &error)) << error;
   EXPECT_TRUE(HasNetworksToScale(dynamics));
   ScaleNetworks(problem, &dynamics);
   const NetworkArchitecture& architecture =
@@ -151,12 +153,27 @@ TEST(NetworkScales, LeavesWhatWasGivenOrLearned) {
     learned.weights.parameters[i].name = "learned" + std::to_string(i);
   }
   learned.drawn = false;
-  std::string error;
   ASSERT_TRUE(dynamics.AddNetwork(learned, &error)) << error;
   EXPECT_FALSE(HasNetworksToScale(dynamics));
   ScaleNetworks(problem, &dynamics);
   EXPECT_EQ(dynamics.networks()[2].network->architecture().output_scale.size(),
             0);
+}
+
+TEST(NetworkScales, WrongOnesAreRefused) {
+  StructuralDynamics dynamics = *TwoStoreys(Units()).dynamics;
+  const Vector before =
+      dynamics.networks()[0].network->architecture().input_scale;
+  std::string error;
+  EXPECT_FALSE(dynamics.SetNetworkScales(0, Vector::Ones(3), Vector(), &error));
+  EXPECT_THAT(error, ::testing::HasSubstr("input_scale has 3 entries"));
+  EXPECT_FALSE(dynamics.SetNetworkScales(0, before, Vector::Zero(1), &error));
+  EXPECT_THAT(error, ::testing::HasSubstr("output_scale[0] is 0"));
+  for (const int network : {-1, 2}) {
+    EXPECT_FALSE(dynamics.SetNetworkScales(network, before, Vector(), &error));
+    EXPECT_THAT(error, ::testing::HasSubstr("there are 2"));
+  }
+  EXPECT_EQ(dynamics.networks()[0].network->architecture().input_scale, before);
 }
 
 }  // namespace

@@ -71,8 +71,10 @@ inline void SetFirstNetwork(const CaseRun& run, Case* c) {
   const Range from = NetworkRange(learned, 0);
   const Vector values = run.model.parameters.segment(from.offset, from.size);
   auto dynamics = std::make_shared<StructuralDynamics>(*c->problem.dynamics);
-  dynamics->SetNetworkScales(0, architecture.input_scale,
-                             architecture.output_scale);
+  std::string error;
+  ASSERT_TRUE(dynamics->SetNetworkScales(0, architecture.input_scale,
+                                         architecture.output_scale, &error))
+      << error;
   const Range range = NetworkRange(*dynamics, 0);
   ASSERT_EQ(values.size(), range.size);
   Vector theta = dynamics->Parameters();

@@ -183,7 +183,9 @@ std::shared_ptr<StructuralDynamics> DynamicsInOtherUnits(
   }
   for (size_t j = 0; j < old.networks().size(); ++j) {
     EXPECT_TRUE(dynamics->AddNetwork(old.networks()[j], &error)) << error;
-    dynamics->SetNetworkScales(static_cast<int>(j), Vector(), Vector());
+    EXPECT_TRUE(dynamics->SetNetworkScales(static_cast<int>(j), Vector(),
+                                           Vector(), &error))
+        << error;
   }
   EXPECT_EQ(dynamics->num_terms(), old.num_terms()) << "a term of another kind";
   EXPECT_EQ(dynamics->num_internal(), 0) << "a law with states of its own";
