@@ -82,6 +82,9 @@ class ObservationMap {
     return acceleration_rows_;
   }
   const Matrix& rate_map() const { return rate_map_; }
+  // H_h and H_u.
+  const Matrix& state_map() const { return state_map_; }
+  const Matrix& input_map() const { return input_map_; }
 
  private:
   void MapPrescribed(const StructuralDynamics& dynamics,

@@ -3,46 +3,12 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/integrate/linear_rate.h"
 
 namespace pinode {
 namespace {
 
-// A linear map of state and inputs, and its derivatives.
-struct Map {
-  Matrix value;
-  std::vector<Matrix> derivatives;
-};
-
-// [F G] column by column.
-Map RateMap(const StructuralDynamics& dynamics,
-            const StructuralDynamics::Prepared& prepared,
-            bool with_parameters) {
-  const int ns = dynamics.num_states();
-  const int ni = dynamics.num_inputs();
-  const int np = with_parameters ? dynamics.num_tangent_columns() : 0;
-  Map map;
-  map.value.resize(ns, ns + ni);
-  map.derivatives.assign(static_cast<size_t>(np), Matrix(ns, ns + ni));
-  auto at = dynamics.MakeLinearization();
-  auto scratch = dynamics.MakeTangentScratch(ns);
-  const Matrix left = Matrix::Identity(ns, ns);
-  Matrix tangents(ns, np);
-  for (int k = 0; k < ns + ni; ++k) {
-    const Vector point = Vector::Unit(ns + ni, k);
-    dynamics.Linearize(prepared, 0.0, point.data() + ns, point.data(), &at);
-    map.value.col(k) = at.rate;
-    if (np == 0) continue;
-    tangents.setZero();
-    const StructuralDynamics::Linearization* point_at = &at;
-    const Matrix* left_at = &left;
-    dynamics.AddParameterTangents(prepared, &point_at, &left_at, 1, &scratch,
-                                  tangents.data());
-    for (int j = 0; j < np; ++j) {
-      map.derivatives[static_cast<size_t>(j)].col(k) = tangents.col(j);
-    }
-  }
-  return map;
-}
+using Map = ParameterizedMap;
 
 // One stage of Runge-Kutta, the rate at `point`, of state and the inputs at the
 // three nodes of a step; `node` is that of the stage.
@@ -140,7 +106,7 @@ LinearMap::LinearMap(const StructuralDynamics& dynamics,
   DCHECK(dynamics.IsLinear());
   const int ns = dynamics.num_states();
   const int ni = dynamics.num_inputs();
-  Map rate = RateMap(dynamics, prepared, with_parameters);
+  Map rate = LinearRate(dynamics, prepared, with_parameters);
   const Map one = StepMap(rate, ns, ni, step);
   const auto np = static_cast<Eigen::Index>(rate.derivatives.size());
   const Map power = Power(Columns(one, 0, ns), substeps);

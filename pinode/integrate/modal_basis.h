@@ -1,0 +1,68 @@
+// Modes of linear dynamics, and what each of them does between two samples.
+
+#ifndef PINODE_INTEGRATE_MODAL_BASIS_H_
+#define PINODE_INTEGRATE_MODAL_BASIS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+using ComplexMatrix = Eigen::MatrixXcd;
+using ComplexVector = Eigen::VectorXcd;
+
+// The state matrix F of dh/dt = F h + G u as V diag(lambda) W, W = V^-1. In the
+// coordinates W h each mode goes its own way: between two samples the
+// Runge-Kutta steps take the response z of a mode to an input u from sample i
+// to the next one by
+//
+//   z(i + 1) = rho(lambda) z(i) + sum_k kappa_k(lambda) u_k(i),
+//
+// u_k being the input at the nodes of the interval in the order of
+// IntegrationGrid::AtNode. These are the steps themselves, not the exact
+// solution. Of a pair of conjugate modes one is kept.
+class ModalBasis {
+ public:
+  // `state_matrix`: F. `step`: of Runge-Kutta, of which `substeps` make an
+  // interval. False where the modes do not span the states to working accuracy,
+  // as those of a rigid body, whose two eigenvalues 0 have one mode.
+  [[nodiscard]] bool Compute(const Matrix& state_matrix, double step,
+                             int substeps);
+
+  int num_states() const { return static_cast<int>(eigenvalues_.size()); }
+  int num_kept() const { return static_cast<int>(kept_.size()); }
+  // All modes; V has them as columns.
+  const ComplexVector& eigenvalues() const { return eigenvalues_; }
+  const ComplexMatrix& modes() const { return modes_; }
+  const ComplexMatrix& inverse_modes() const { return inverse_modes_; }
+  // Those that are kept, and how often each counts: 2 for one of a pair, of
+  // which the real part is taken, and 1 for a real mode.
+  const std::vector<int>& kept() const { return kept_; }
+  const Vector& weights() const { return weights_; }
+
+  // Of the kept modes: rho and its derivative by lambda; kappa and its own,
+  // kept x (3 * substeps).
+  const ComplexVector& advance() const { return advance_; }
+  const ComplexVector& advance_slope() const { return advance_slope_; }
+  const ComplexMatrix& forcing() const { return forcing_; }
+  const ComplexMatrix& forcing_slope() const { return forcing_slope_; }
+
+ private:
+  void ComputeSteps(double step, int substeps);
+
+  ComplexVector eigenvalues_;
+  ComplexMatrix modes_;
+  ComplexMatrix inverse_modes_;
+  std::vector<int> kept_;
+  Vector weights_;
+  ComplexVector advance_;
+  ComplexVector advance_slope_;
+  ComplexMatrix forcing_;
+  ComplexMatrix forcing_slope_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_MODAL_BASIS_H_
