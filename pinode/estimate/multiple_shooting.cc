@@ -33,6 +33,12 @@ MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
     train_records_.push_back(static_cast<int>(r));
     records_.push_back(std::make_unique<ShootingRecord>(
         problem, static_cast<int>(r), options.starts.prior_precision));
+    const ShootingRecord& record = *records_.back();
+    linear_.push_back(options.derivatives == DerivativeMethod::kTangents
+                          ? LinearRecord::Create(
+                                problem, layout, record.data(), record.grid(),
+                                record.observation(), options.loss)
+                          : nullptr);
   }
   starts_.resize(records_.size());
   for (int t = 0; t < std::max(1, options.num_threads); ++t) {
@@ -94,19 +100,23 @@ bool MultipleShooting::PrepareDynamics(const Vector& free) {
                                     &prepared_, &error);
 }
 
+SegmentColumns MultipleShooting::ColumnsOf(const ShootingRecord& record,
+                                           bool with_parameters) const {
+  // A start that is known needs no derivatives.
+  if (record.HasFreeStarts()) {
+    return with_parameters ? SegmentColumns::kAll : SegmentColumns::kStart;
+  }
+  return with_parameters ? SegmentColumns::kParameters : SegmentColumns::kNone;
+}
+
 bool MultipleShooting::EvaluateSegment(ShootingRecord* record, int segment,
                                        const Matrix& starts,
                                        bool with_parameters,
                                        Thread* thread) const {
   const int ns = problem_.dynamics->num_states();
   const int first = record->first_sample(segment);
-  // A start that is known needs no derivatives.
   const bool with_start = record->HasFreeStarts();
-  const SegmentColumns columns =
-      with_start
-          ? (with_parameters ? SegmentColumns::kAll : SegmentColumns::kStart)
-          : (with_parameters ? SegmentColumns::kParameters
-                             : SegmentColumns::kNone);
+  const SegmentColumns columns = ColumnsOf(*record, with_parameters);
   const SegmentTangents& tangents = thread->tangents;
   SegmentResult& result = record->result(segment);
   result.ok = thread->propagator.Propagate(
@@ -167,14 +177,74 @@ void MultipleShooting::EvaluateSegments(
     work_ += static_cast<int64_t>(columns) *
              (of.last_sample(segment) - of.first_sample(segment));
   }
-  ParallelFor(static_cast<int>(tasks.size()), static_cast<int>(threads_.size()),
+  // Records that are linear share the threads where there are enough of them,
+  // and each has them all to itself where there are not.
+  const int num_threads = static_cast<int>(threads_.size());
+  const auto whole =
+      std::count_if(tasks.begin(), tasks.end(), [this](const Task& task) {
+        return IsWholeAndLinear(static_cast<size_t>(task.first));
+      });
+  const bool side_by_side = whole >= num_threads;
+  std::vector<char> done(tasks.size(), 0);
+  ParallelFor(static_cast<int>(tasks.size()), side_by_side ? num_threads : 1,
               [&](int t, int thread) {
-                const auto& [record, segment] = tasks[static_cast<size_t>(t)];
-                const size_t r = static_cast<size_t>(record);
-                EvaluateSegment(records_[r].get(), segment, *starts[r],
-                                with_parameters,
-                                threads_[static_cast<size_t>(thread)].get());
+                const size_t r =
+                    static_cast<size_t>(tasks[static_cast<size_t>(t)].first);
+                done[static_cast<size_t>(t)] =
+                    IsWholeAndLinear(r) &&
+                    EvaluateWhole(r, *starts[r], with_parameters,
+                                  side_by_side ? 1 : num_threads,
+                                  &threads_[static_cast<size_t>(thread)]->sum);
               });
+  ParallelFor(
+      static_cast<int>(tasks.size()), num_threads, [&](int t, int thread) {
+        if (done[static_cast<size_t>(t)] != 0) return;
+        const auto& [record, segment] = tasks[static_cast<size_t>(t)];
+        const size_t r = static_cast<size_t>(record);
+        EvaluateSegment(records_[r].get(), segment, *starts[r], with_parameters,
+                        threads_[static_cast<size_t>(thread)].get());
+      });
+}
+
+bool MultipleShooting::IsWholeAndLinear(size_t record) const {
+  return linear_[record] != nullptr && records_[record]->num_segments() == 1;
+}
+
+LinearRecord::Point MultipleShooting::PointOf(size_t record,
+                                              const Matrix& starts,
+                                              SegmentColumns columns) const {
+  return {&prepared_, &parameters_, &records_[record]->sigmas(), starts.col(0),
+          columns};
+}
+
+bool MultipleShooting::EvaluateWhole(size_t r, const Matrix& starts,
+                                     bool with_parameters, int num_threads,
+                                     FreeEquations* sum) {
+  ShootingRecord& record = *records_[r];
+  const SegmentColumns columns = ColumnsOf(record, with_parameters);
+  LinearRecord::Equations equations;
+  if (!linear_[r]->Evaluate(PointOf(r, starts, columns), num_threads,
+                            &equations)) {
+    return false;
+  }
+  const int ns = problem_.dynamics->num_states();
+  const int by_start = HasStart(columns) ? ns : 0;
+  const int nf = with_parameters ? layout_.num_free() : 0;
+  SegmentResult& result = record.result(0);
+  result.ok = true;
+  result.cost = equations.cost;
+  record.ends().col(0) = equations.end_state;
+  result.start_hessian = Matrix::Zero(ns, ns);
+  result.start_gradient = Vector::Zero(ns);
+  if (by_start > 0) {
+    result.start_hessian = equations.hessian.topLeftCorner(ns, ns);
+    result.start_gradient = equations.gradient.head(ns);
+    result.cross = equations.hessian.topRightCorner(ns, nf);
+  }
+  if (!with_parameters) return true;
+  sum->hessian += equations.hessian.bottomRightCorner(nf, nf);
+  sum->gradient += equations.gradient.tail(nf);
+  return true;
 }
 
 bool MultipleShooting::AllFinite(const ShootingRecord& record) {
@@ -359,44 +429,88 @@ bool MultipleShooting::Trajectories(const Vector& free,
   return true;
 }
 
+bool MultipleShooting::VisitWeightedResiduals(const Vector& free,
+                                              bool with_jacobian,
+                                              const Visitor& visitor) {
+  is_linearized_ = false;
+  if (!PrepareDynamics(free)) return false;
+  for (size_t r = 0; r < records_.size(); ++r) {
+    if (IsWholeAndLinear(r) && VisitWhole(r, with_jacobian, visitor)) continue;
+    for (int k = 0; k < records_[r]->num_segments(); ++k) {
+      if (!VisitSegment(r, k, with_jacobian, visitor)) return false;
+    }
+  }
+  return true;
+}
+
+bool MultipleShooting::VisitWhole(size_t r, bool with_jacobian,
+                                  const Visitor& visitor) {
+  const ShootingRecord& record = *records_[r];
+  const SegmentColumns columns =
+      with_jacobian ? ColumnsOf(record, true) : SegmentColumns::kNone;
+  const int nf = layout_.num_free();
+  return linear_[r]->Visit(
+      PointOf(r, starts_[r], columns),
+      [&](int first, const Matrix& residuals, const Matrix& rows) {
+        if (!HasStart(columns)) {
+          visitor(r, first, residuals,
+                  with_jacobian ? rows : Matrix(rows.rows(), 0));
+          return;
+        }
+        Matrix jacobian = rows.rightCols(nf);
+        jacobian.noalias() +=
+            rows.leftCols(rows.cols() - nf) * record.start_sensitivity();
+        visitor(r, first, residuals, jacobian);
+      });
+}
+
+bool MultipleShooting::VisitSegment(size_t r, int segment, bool with_jacobian,
+                                    const Visitor& visitor) {
+  ShootingRecord& record = *records_[r];
+  Thread& thread = *threads_[0];
+  if (!EvaluateSegment(&record, segment, starts_[r], with_jacobian, &thread)) {
+    return false;
+  }
+  const int ns = problem_.dynamics->num_states();
+  const int nc = record.observation().num_channels();
+  const int nf = layout_.num_free();
+  const Vector& values = thread.rows.residuals();
+  const Matrix& rows = thread.rows.jacobian();
+  Matrix jacobian(rows.rows(), 0);
+  if (with_jacobian) {
+    jacobian = rows.rightCols(nf);
+    if (record.HasFreeStarts()) {
+      jacobian.noalias() +=
+          rows.leftCols(ns) *
+          record.start_sensitivity().middleRows(segment * ns, ns);
+    }
+  }
+  visitor(r, record.first_sample(segment),
+          Eigen::Map<const Matrix>(values.data(), nc, values.size() / nc),
+          jacobian);
+  return true;
+}
+
 bool MultipleShooting::WeightedResiduals(const Vector& free, bool with_jacobian,
                                          std::vector<Matrix>* residuals,
                                          std::vector<Matrix>* jacobians) {
-  is_linearized_ = false;
-  if (!PrepareDynamics(free)) return false;
-  const int ns = problem_.dynamics->num_states();
-  const int nf = layout_.num_free();
   residuals->clear();
   if (with_jacobian) jacobians->clear();
-  Thread& thread = *threads_[0];
-  for (size_t r = 0; r < records_.size(); ++r) {
-    ShootingRecord& record = *records_[r];
-    const int nc = record.observation().num_channels();
-    const int samples = record.grid().num_samples();
-    Matrix residual(nc, samples);
-    Matrix jacobian(with_jacobian ? nc * samples : 0, nf);
-    for (int k = 0; k < record.num_segments(); ++k) {
-      if (!EvaluateSegment(&record, k, starts_[r], with_jacobian, &thread)) {
-        return false;
-      }
-      const Vector& values = thread.rows.residuals();
-      const int first = record.first_sample(k);
-      const int count = static_cast<int>(values.size()) / nc;
-      residual.middleCols(first, count) =
-          Eigen::Map<const Matrix>(values.data(), nc, count);
-      if (!with_jacobian) continue;
-      const Matrix& rows = thread.rows.jacobian();
-      jacobian.middleRows(first * nc, count * nc) = rows.rightCols(nf);
-      if (record.HasFreeStarts()) {
-        jacobian.middleRows(first * nc, count * nc).noalias() +=
-            rows.leftCols(ns) *
-            record.start_sensitivity().middleRows(k * ns, ns);
-      }
-    }
-    residuals->push_back(std::move(residual));
-    if (with_jacobian) jacobians->push_back(std::move(jacobian));
+  for (const auto& record : records_) {
+    const int nc = record->observation().num_channels();
+    const int samples = record->grid().num_samples();
+    residuals->push_back(Matrix::Zero(nc, samples));
+    if (!with_jacobian) continue;
+    jacobians->push_back(Matrix::Zero(static_cast<Eigen::Index>(nc) * samples,
+                                      layout_.num_free()));
   }
-  return true;
+  return VisitWeightedResiduals(
+      free, with_jacobian,
+      [&](size_t r, int first, const Matrix& part, const Matrix& rows) {
+        (*residuals)[r].middleCols(first, part.cols()) = part;
+        if (!with_jacobian) return;
+        (*jacobians)[r].middleRows(first * part.rows(), part.size()) = rows;
+      });
 }
 
 }  // namespace pinode

@@ -4,6 +4,7 @@
 #define PINODE_ESTIMATE_MULTIPLE_SHOOTING_H_
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -13,6 +14,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/linear_record.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/robust_loss.h"
 #include "pinode/estimate/shooting_record.h"
@@ -122,6 +124,15 @@ class MultipleShooting final : public CostPart {
   bool WeightedResiduals(const Vector& free, bool with_jacobian,
                          std::vector<Matrix>* residuals,
                          std::vector<Matrix>* jacobians);
+  // The same piece by piece, for what does not need all of it at once: of
+  // consecutive samples of a training record, from `first` on, residuals
+  // (channels x count) and their derivative ((channels * count) x num_free, no
+  // columns without `with_jacobian`).
+  using Visitor =
+      std::function<void(size_t train_record, int first,
+                         const Matrix& residuals, const Matrix& jacobian)>;
+  bool VisitWeightedResiduals(const Vector& free, bool with_jacobian,
+                              const Visitor& visitor);
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
   double DataCurvature() const { return data_curvature_; }
@@ -139,6 +150,18 @@ class MultipleShooting final : public CostPart {
   bool EvaluateSegment(ShootingRecord* record, int segment,
                        const Matrix& starts, bool with_parameters,
                        Thread* thread) const;
+  // The same for a record in one piece, where LinearRecord can have it.
+  bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
+                     int num_threads, FreeEquations* sum);
+  bool VisitWhole(size_t record, bool with_jacobian, const Visitor& visitor);
+  bool VisitSegment(size_t record, int segment, bool with_jacobian,
+                    const Visitor& visitor);
+  // Whether LinearRecord is to be asked.
+  bool IsWholeAndLinear(size_t record) const;
+  LinearRecord::Point PointOf(size_t record, const Matrix& starts,
+                              SegmentColumns columns) const;
+  SegmentColumns ColumnsOf(const ShootingRecord& record,
+                           bool with_parameters) const;
   // The same for segments side by side.
   void EvaluateSegments(const std::vector<Task>& tasks,
                         const std::vector<const Matrix*>& starts,
@@ -161,6 +184,7 @@ class MultipleShooting final : public CostPart {
   Options options_;
   std::vector<int> train_records_;
   std::vector<std::unique_ptr<ShootingRecord>> records_;
+  std::vector<std::unique_ptr<LinearRecord>> linear_;  // nullptr: not linear
   std::vector<std::unique_ptr<Thread>> threads_;
   double gap_penalty_ = 1.0;
   double data_curvature_ = 0.0;

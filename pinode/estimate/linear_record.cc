@@ -1,0 +1,330 @@
+#include "pinode/estimate/linear_record.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/parallel_for.h"
+
+namespace pinode {
+namespace {
+
+// Samples whose histories are at hand at a time.
+constexpr int kBlockSamples = 128;
+// Blocks that one thread sums before another may go on behind them.
+constexpr int kBlocksOfAPiece = 64;
+// Each has a Gram matrix of its own.
+constexpr size_t kMostPatterns = 4;
+
+}  // namespace
+
+struct LinearRecord::Tables {
+  ModalResponse::Contents contents;
+  Eigen::Index columns = 0;
+  // R x channels: the sensors' predictions over sigma, what was measured not
+  // subtracted.
+  Matrix predictions;
+  // R x columns of each channel, over sigma; empty where it is not fitted.
+  std::vector<Matrix> derivatives;
+  Vector start;
+  Vector sigmas;
+  // Whether rows of the Jacobian are cheaper than the histories' Gram matrix.
+  bool by_rows = false;
+};
+
+struct LinearRecord::Sums {
+  double cost = 0.0;
+  std::vector<Matrix> grams;  // of each pattern, lower triangles; R x R
+  Matrix products;            // Z r_c, R x channels
+  Matrix hessian;             // where the Jacobian's rows are summed
+  Vector end;                 // the last histories
+  bool finite = true;
+
+  void Add(const Sums& other) {
+    cost += other.cost;
+    for (size_t p = 0; p < grams.size(); ++p) grams[p] += other.grams[p];
+    products += other.products;
+    hessian += other.hessian;
+    if (other.end.size() > 0) end = other.end;
+    finite = finite && other.finite;
+  }
+};
+
+LinearRecord::LinearRecord(const IdentificationProblem& problem,
+                           const ParameterLayout& layout,
+                           const IdentificationRecord& record,
+                           const IntegrationGrid& grid,
+                           const ObservationMap& observation)
+    : problem_(problem),
+      layout_(layout),
+      record_(record),
+      grid_(grid),
+      observation_(observation) {}
+
+std::unique_ptr<LinearRecord> LinearRecord::Create(
+    const IdentificationProblem& problem, const ParameterLayout& layout,
+    const IdentificationRecord& record, const IntegrationGrid& grid,
+    const ObservationMap& observation, RobustLoss loss) {
+  const bool delayed =
+      std::any_of(record.channels.begin(), record.channels.end(),
+                  [](const auto& channel) { return channel.delay >= 0; });
+  if (!problem.dynamics->IsLinear() || record.filter != nullptr || delayed ||
+      loss != RobustLoss::kNone) {
+    return nullptr;
+  }
+  std::unique_ptr<LinearRecord> result(
+      new LinearRecord(problem, layout, record, grid, observation));
+  return result->FindPatterns() ? std::move(result) : nullptr;
+}
+
+bool LinearRecord::FindPatterns() {
+  for (size_t c = 0; c < record_.channels.size(); ++c) {
+    const MeasuredChannel& channel = record_.channels[c];
+    if (!channel.fit) continue;
+    std::vector<bool> present;
+    if (channel.values.array().isNaN().any()) {
+      for (const double value : channel.values) {
+        present.push_back(!std::isnan(value));
+      }
+    }
+    const auto same =
+        std::find_if(patterns_.begin(), patterns_.end(),
+                     [&](const Pattern& p) { return p.present == present; });
+    if (same != patterns_.end()) {
+      same->channels.push_back(static_cast<int>(c));
+      continue;
+    }
+    patterns_.push_back({{static_cast<int>(c)}, std::move(present)});
+  }
+  return patterns_.size() <= kMostPatterns;
+}
+
+bool LinearRecord::Tabulate(const Point& point, Tables* tables) {
+  const bool by_parameters = HasParameters(point.columns);
+  const bool by_start = HasStart(point.columns);
+  if (!response_.Prepare(*problem_.dynamics, *point.prepared, grid_,
+                         by_parameters)) {
+    return false;
+  }
+  tables->contents.with_slopes = by_parameters;
+  tables->contents.with_start = by_start || !point.start.isZero(0.0);
+  tables->start = point.start;
+  tables->sigmas = *point.sigmas;
+  const Eigen::Index ns = by_start ? point.start.size() : 0;
+  tables->columns = ns + (by_parameters ? layout_.num_free() : 0);
+  const int constant = response_.ConstantRow(tables->contents);
+  tables->predictions =
+      response_.Values(tables->contents, observation_, point.start);
+  std::vector<Matrix> ideal = response_.Derivatives(
+      tables->contents, observation_, point.start, by_start, by_parameters);
+  tables->derivatives.assign(record_.channels.size(), Matrix());
+  size_t fitted = 0;
+  const auto value = [&](int sensor) {
+    return (*point.parameters)[layout_.num_dynamics() + sensor];
+  };
+  // Column of a sensor's parameter, -1 where it is fixed or not asked for.
+  const auto column = [&](int sensor) {
+    const int free = layout_.FreeIndex(layout_.num_dynamics() + sensor);
+    return by_parameters && free >= 0 ? ns + free : Eigen::Index(-1);
+  };
+  for (size_t c = 0; c < record_.channels.size(); ++c) {
+    const MeasuredChannel& channel = record_.channels[c];
+    auto prediction = tables->predictions.col(static_cast<Eigen::Index>(c));
+    Matrix& derivatives = tables->derivatives[c];
+    if (channel.fit) {
+      ++fitted;
+      derivatives = Matrix::Zero(prediction.size(), tables->columns);
+      derivatives.leftCols(ideal[c].cols()) = ideal[c];
+      ideal[c].resize(0, 0);
+    }
+    if (channel.gain >= 0) {
+      derivatives *= value(channel.gain);
+      if (channel.fit && column(channel.gain) >= 0) {
+        derivatives.col(column(channel.gain)) = prediction;
+      }
+      prediction *= value(channel.gain);
+    }
+    if (channel.offset >= 0) {
+      prediction[constant] += value(channel.offset);
+      if (channel.fit && column(channel.offset) >= 0) {
+        derivatives(constant, column(channel.offset)) = 1.0;
+      }
+    }
+    const double sigma = (*point.sigmas)[static_cast<Eigen::Index>(c)];
+    prediction /= sigma;
+    derivatives /= sigma;
+  }
+  const auto rows = static_cast<double>(tables->predictions.rows());
+  const auto columns = static_cast<double>(tables->columns);
+  tables->by_rows =
+      static_cast<double>(fitted) * columns * (2.0 * rows + columns) <
+      static_cast<double>(patterns_.size()) * rows * rows;
+  return true;
+}
+
+Matrix LinearRecord::Residuals(const Tables& tables, int first,
+                               const Matrix& histories) const {
+  const auto count = histories.cols();
+  Matrix residuals = tables.predictions.transpose() * histories;
+  for (size_t c = 0; c < record_.channels.size(); ++c) {
+    const MeasuredChannel& channel = record_.channels[c];
+    auto row = residuals.row(static_cast<Eigen::Index>(c));
+    if (!channel.fit) {
+      row.setZero();
+      continue;
+    }
+    row -= channel.values.segment(first, count).transpose() /
+           tables.sigmas[static_cast<Eigen::Index>(c)];
+  }
+  for (const Pattern& pattern : patterns_) {
+    if (pattern.present.empty()) continue;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (pattern.present[static_cast<size_t>(first + i)]) continue;
+      for (const int c : pattern.channels) residuals(c, i) = 0.0;
+    }
+  }
+  return residuals;
+}
+
+void LinearRecord::AddBlock(const Tables& tables, int first,
+                            const Matrix& histories, Sums* sums) const {
+  const Matrix residuals = Residuals(tables, first, histories);
+  sums->cost += 0.5 * residuals.squaredNorm();
+  sums->finite = sums->finite && std::isfinite(sums->cost);
+  if (tables.columns == 0) return;
+  sums->products.noalias() += histories * residuals.transpose();
+  Matrix present = histories;
+  for (size_t p = 0; p < patterns_.size(); ++p) {
+    const Pattern& pattern = patterns_[p];
+    if (!pattern.present.empty()) {
+      for (Eigen::Index i = 0; i < histories.cols(); ++i) {
+        if (pattern.present[static_cast<size_t>(first + i)]) {
+          present.col(i) = histories.col(i);
+        } else {
+          present.col(i).setZero();
+        }
+      }
+    }
+    const Matrix& used = pattern.present.empty() ? histories : present;
+    if (!tables.by_rows) {
+      sums->grams[p].selfadjointView<Eigen::Lower>().rankUpdate(used);
+      continue;
+    }
+    for (const int c : pattern.channels) {
+      const Matrix rows =
+          tables.derivatives[static_cast<size_t>(c)].transpose() * used;
+      sums->hessian.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+    }
+  }
+}
+
+void LinearRecord::Condense(const Tables& tables, const Sums& sums,
+                            Equations* equations) const {
+  equations->cost = sums.cost;
+  equations->end_state =
+      response_.StateAt(tables.contents, tables.start, sums.end);
+  equations->gradient = Vector::Zero(tables.columns);
+  equations->hessian = sums.hessian;
+  Matrix product;
+  for (size_t p = 0; p < patterns_.size(); ++p) {
+    for (const int c : patterns_[p].channels) {
+      const Matrix& table = tables.derivatives[static_cast<size_t>(c)];
+      equations->gradient.noalias() += table.transpose() * sums.products.col(c);
+      if (tables.by_rows || tables.columns == 0) continue;
+      product.noalias() = sums.grams[p].selfadjointView<Eigen::Lower>() * table;
+      equations->hessian.noalias() += table.transpose() * product;
+    }
+  }
+  if (tables.by_rows) {
+    equations->hessian = Matrix(sums.hessian.selfadjointView<Eigen::Lower>());
+  }
+}
+
+bool LinearRecord::Evaluate(const Point& point, int num_threads,
+                            Equations* equations) {
+  Tables tables;
+  if (!Tabulate(point, &tables)) return false;
+  const Eigen::Index rows = tables.predictions.rows();
+  Sums zero;
+  if (tables.columns > 0) {
+    zero.products = Matrix::Zero(rows, tables.predictions.cols());
+    if (!tables.by_rows) {
+      zero.grams.assign(patterns_.size(), Matrix::Zero(rows, rows));
+    }
+  }
+  zero.hessian = Matrix::Zero(tables.columns, tables.columns);
+
+  const int samples = record_.num_samples();
+  const int piece = kBlockSamples * kBlocksOfAPiece;
+  const int pieces = (samples + piece - 1) / piece;
+  const int threads = std::max(1, std::min(num_threads, pieces));
+  std::vector<Sums> sums(static_cast<size_t>(threads), zero);
+  const auto sum_piece = [&](int k, ModalResponse::State* state, Sums* into) {
+    Matrix histories;
+    const int last = std::min(samples, (k + 1) * piece);
+    for (int first = k * piece; first < last; first += kBlockSamples) {
+      response_.Advance(tables.contents, grid_, first,
+                        std::min(kBlockSamples, last - first), state,
+                        &histories);
+      AddBlock(tables, first, histories, into);
+    }
+    if (last == samples) into->end = histories.rightCols(1);
+  };
+  ModalResponse::State state = response_.Begin(tables.contents);
+  if (threads == 1) {
+    for (int k = 0; k < pieces; ++k) sum_piece(k, &state, &sums[0]);
+  } else {
+    // Where each piece begins; what a mode does costs little beside the sums.
+    std::vector<ModalResponse::State> begins;
+    Matrix unused;
+    for (int k = 0; k < pieces; ++k) {
+      begins.push_back(state);
+      for (int b = 0; b < kBlocksOfAPiece && k + 1 < pieces; ++b) {
+        response_.Advance(tables.contents, grid_, k * piece + b * kBlockSamples,
+                          kBlockSamples, &state, &unused);
+      }
+    }
+    ParallelFor(pieces, threads, [&](int k, int thread) {
+      sum_piece(k, &begins[static_cast<size_t>(k)],
+                &sums[static_cast<size_t>(thread)]);
+    });
+  }
+  for (int t = 1; t < threads; ++t) sums[0].Add(sums[static_cast<size_t>(t)]);
+  if (!sums[0].finite) return false;
+  Condense(tables, sums[0], equations);
+  return equations->end_state.allFinite();
+}
+
+bool LinearRecord::Visit(const Point& point, const Visitor& visitor) {
+  Tables tables;
+  if (!Tabulate(point, &tables)) return false;
+  const int nc = static_cast<int>(record_.channels.size());
+  const int samples = record_.num_samples();
+  ModalResponse::State state = response_.Begin(tables.contents);
+  Matrix histories, jacobian, rows;
+  for (int first = 0; first < samples; first += kBlockSamples) {
+    const int count = std::min(kBlockSamples, samples - first);
+    response_.Advance(tables.contents, grid_, first, count, &state, &histories);
+    const Matrix residuals = Residuals(tables, first, histories);
+    if (!residuals.allFinite()) return false;
+    jacobian =
+        Matrix::Zero(static_cast<Eigen::Index>(nc) * count, tables.columns);
+    for (const Pattern& pattern : patterns_) {
+      for (const int c : pattern.channels) {
+        if (tables.columns == 0) continue;
+        rows.noalias() =
+            histories.transpose() * tables.derivatives[static_cast<size_t>(c)];
+        for (int i = 0; i < count; ++i) {
+          if (!pattern.present.empty() &&
+              !pattern.present[static_cast<size_t>(first + i)]) {
+            continue;
+          }
+          jacobian.row(i * nc + c) = rows.row(i);
+        }
+      }
+    }
+    visitor(first, residuals, jacobian);
+  }
+  return true;
+}
+
+}  // namespace pinode

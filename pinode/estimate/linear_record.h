@@ -1,0 +1,109 @@
+// A whole training record of a linear model, by its modes.
+
+#ifndef PINODE_ESTIMATE_LINEAR_RECORD_H_
+#define PINODE_ESTIMATE_LINEAR_RECORD_H_
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/robust_loss.h"
+#include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/modal_response.h"
+#include "pinode/integrate/segment.h"
+
+namespace pinode {
+
+// Cost and normal equations of a record in one piece from its start s,
+//
+//   1/2 sum_c sum_i r_ci^2,   r_ci = (gain_c y_c(i) + offset_c - measured) /
+//                                    sigma_c.
+//
+// With the histories Z (R x samples, see ModalResponse) channel c has the
+// Jacobian T_c' Z by the start and the free parameters, so that
+//
+//   J'J = sum_c T_c' (Z Z') T_c,    J'r = sum_c T_c' (Z r_c):
+//
+// a sample costs R^2, or for few derivatives R columns channels, whichever is
+// less, and nothing is kept of it. Channels that miss samples have a Gram
+// matrix Z Z' of their own. The pieces of a record are summed side by side.
+class LinearRecord {
+ public:
+  // nullptr where the record is not of this kind: dynamics that are not linear,
+  // a filter, delays, a robust loss, or channels that miss too many different
+  // samples. All must outlive the object.
+  static std::unique_ptr<LinearRecord> Create(
+      const IdentificationProblem& problem, const ParameterLayout& layout,
+      const IdentificationRecord& record, const IntegrationGrid& grid,
+      const ObservationMap& observation, RobustLoss loss);
+
+  // Where the record is looked at.
+  struct Point {
+    const StructuralDynamics::Prepared* prepared = nullptr;
+    const Vector* parameters = nullptr;  // all of the problem's
+    const Vector* sigmas = nullptr;      // one a channel
+    Vector start;                        // num_states
+    SegmentColumns columns = SegmentColumns::kNone;
+  };
+
+  // Columns: the start where `columns` have it, then all free parameters.
+  struct Equations {
+    double cost = 0.0;
+    Matrix hessian;   // J'J
+    Vector gradient;  // J'r
+    Vector end_state;
+  };
+
+  // False where the modes do not span the states or the run is not finite:
+  // such a record is to be propagated step by step.
+  [[nodiscard]] bool Evaluate(const Point& point, int num_threads,
+                              Equations* equations);
+
+  // Residuals r, channels x count, and their Jacobian, (channels * count) x
+  // columns, channels fastest, of consecutive samples from `first` on; zero
+  // where missing or not fitted.
+  using Visitor = std::function<void(int first, const Matrix& residuals,
+                                     const Matrix& jacobian)>;
+  [[nodiscard]] bool Visit(const Point& point, const Visitor& visitor);
+
+ private:
+  // Channels that miss the same samples.
+  struct Pattern {
+    std::vector<int> channels;
+    std::vector<bool> present;  // empty: all
+  };
+  // What a point comes to in histories.
+  struct Tables;
+  // Sums over samples.
+  struct Sums;
+
+  LinearRecord(const IdentificationProblem& problem,
+               const ParameterLayout& layout,
+               const IdentificationRecord& record, const IntegrationGrid& grid,
+               const ObservationMap& observation);
+  bool FindPatterns();
+  bool Tabulate(const Point& point, Tables* tables);
+  // r of consecutive samples from their histories, channels x count.
+  Matrix Residuals(const Tables& tables, int first,
+                   const Matrix& histories) const;
+  void AddBlock(const Tables& tables, int first, const Matrix& histories,
+                Sums* sums) const;
+  void Condense(const Tables& tables, const Sums& sums,
+                Equations* equations) const;
+
+  const IdentificationProblem& problem_;
+  const ParameterLayout& layout_;
+  const IdentificationRecord& record_;
+  const IntegrationGrid& grid_;
+  const ObservationMap& observation_;
+  std::vector<Pattern> patterns_;  // of the fitted channels
+  ModalResponse response_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_LINEAR_RECORD_H_
