@@ -21,35 +21,57 @@ constexpr int kLags = 20;
 // Random sign vectors per channel for the trace of the induced noise.
 constexpr int kProbes = 6;
 
-// Score of consecutive blocks: sums of J_i' r_i, one column per block.
-Matrix BlockScores(const std::vector<Matrix>& residuals,
-                   const std::vector<Matrix>& jacobians) {
-  std::vector<Vector> scores;
-  for (size_t r = 0; r < residuals.size(); ++r) {
-    const int nc = static_cast<int>(residuals[r].rows());
-    const int samples = static_cast<int>(residuals[r].cols());
-    double time = 1.0;
-    for (int c = 0; c < nc; ++c) {
-      time = std::max(time, AutocorrelationTime(residuals[r].row(c)));
-    }
-    // Blocks long against the memory of the residuals, but enough of them.
-    const int length = std::clamp(static_cast<int>(std::ceil(8.0 * time)), 5,
-                                  std::max(5, samples / 12));
-    for (int first = 0; first < samples; first += length) {
-      const int count = std::min(length, samples - first);
-      const auto block = residuals[r].middleCols(first, count);
-      const Vector flat = Eigen::Map<const Vector>(
-          Matrix(block).data(), static_cast<Eigen::Index>(count) * nc);
-      scores.push_back(
-          jacobians[r].middleRows(first * nc, count * nc).transpose() * flat);
+// Sum of g g' over blocks of consecutive samples, g = sum_i J_i' r_i being a
+// block's score. The samples of each record come in their order.
+class BlockScores {
+ public:
+  BlockScores(const std::vector<Matrix>& residuals, int num_free)
+      : score_(Vector::Zero(num_free)),
+        products_(Matrix::Zero(num_free, num_free)) {
+    for (const Matrix& record : residuals) {
+      double time = 1.0;
+      for (int c = 0; c < record.rows(); ++c) {
+        time = std::max(time, AutocorrelationTime(record.row(c)));
+      }
+      // Blocks long against the memory of the residuals, but enough of them.
+      const int samples = static_cast<int>(record.cols());
+      samples_.push_back(samples);
+      lengths_.push_back(std::clamp(static_cast<int>(std::ceil(8.0 * time)), 5,
+                                    std::max(5, samples / 12)));
     }
   }
-  Matrix result(jacobians[0].cols(), static_cast<int>(scores.size()));
-  for (size_t b = 0; b < scores.size(); ++b) {
-    result.col(static_cast<int>(b)) = scores[b];
+
+  // As MultipleShooting::Visitor has them.
+  void Add(size_t record, int first, const Matrix& residuals,
+           const Matrix& jacobian) {
+    const int count = static_cast<int>(residuals.cols());
+    const Eigen::Index nc = residuals.rows();
+    const int length = lengths_[record];
+    for (int i = 0; i < count;) {
+      const int sample = first + i;
+      const int end = std::min(count, i + length - sample % length);
+      score_.noalias() +=
+          jacobian.middleRows(i * nc, (end - i) * nc).transpose() *
+          Eigen::Map<const Vector>(residuals.col(i).data(), (end - i) * nc);
+      i = end;
+      if ((first + i) % length == 0 || first + i == samples_[record]) {
+        products_.selfadjointView<Eigen::Lower>().rankUpdate(score_);
+        score_.setZero();
+        ++count_;
+      }
+    }
   }
-  return result;
-}
+
+  double count() const { return count_; }
+  Matrix products() const { return products_.selfadjointView<Eigen::Lower>(); }
+
+ private:
+  std::vector<int> samples_;
+  std::vector<int> lengths_;
+  Vector score_;
+  Matrix products_;
+  double count_ = 0.0;
+};
 
 bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
   for (const Matrix& record : residuals) {
@@ -60,26 +82,17 @@ bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
   return false;
 }
 
-// Residuals at a draw from the posterior in place of those at its mode. With a
-// model that can be true and white noise the residuals at the mode have the
-// covariance I - J H^-1 J' (weighted): a fit with many parameters follows some
-// of the noise, and what it leaves is not white. Moved by J H^(-1/2) z, z of
-// unit covariance, they are white again, and autocorrelation is a matter of the
-// model. `inverse_root` is any root of H^-1.
-std::vector<Matrix> ResidualsOfADraw(const std::vector<Matrix>& residuals,
-                                     const std::vector<Matrix>& jacobians,
-                                     const Matrix& inverse_root) {
+// A step from the mode of the posterior to a draw from it. Residuals at the
+// draw stand for those at the mode: with a model that can be true and white
+// noise the latter have the covariance I - J H^-1 J' (weighted), since a fit
+// with many parameters follows some of the noise, and what it leaves is not
+// white. Moved by J H^(-1/2) z, z of unit covariance, they are white again, and
+// autocorrelation is a matter of the model. `inverse_root` is any root of H^-1.
+Vector StepToADraw(const Matrix& inverse_root) {
   std::mt19937_64 random(2021);
   Vector z(inverse_root.cols());
   for (double& value : z) value = (random() & 1) != 0 ? 1.0 : -1.0;
-  const Vector step = inverse_root * z;
-  std::vector<Matrix> drawn = residuals;
-  for (size_t r = 0; r < drawn.size(); ++r) {
-    const Vector move = jacobians[r] * step;
-    drawn[r] +=
-        Eigen::Map<const Matrix>(move.data(), drawn[r].rows(), drawn[r].cols());
-  }
-  return drawn;
+  return inverse_root * z;
 }
 
 // kProbes columns per channel: random signs in its samples, zeros elsewhere.
@@ -122,10 +135,10 @@ Matrix ChannelRows(const Matrix& jacobian, int nc, int c) {
 
 // sum_c rho_c s_c J_c' J_c + sum_i sigma_u^2 v_i v_i' of one record, added to
 // *middle.
-void AddInputNoise(const IdentificationRecord& data,
-                   const LinearizedRecord& linearized, const Matrix& residuals,
-                   const Matrix& jacobian, const Vector& sigmas,
-                   Matrix* middle) {
+void AddRecordInputNoise(const IdentificationRecord& data,
+                         const LinearizedRecord& linearized,
+                         const Matrix& residuals, const Matrix& jacobian,
+                         const Vector& sigmas, Matrix* middle) {
   const int nc = static_cast<int>(residuals.rows());
   const int samples = static_cast<int>(residuals.cols());
   const Eigen::Index n = jacobian.cols();
@@ -157,6 +170,50 @@ void AddInputNoise(const IdentificationRecord& data,
     const Matrix rows = ChannelRows(jacobian, nc, c);
     middle->noalias() += share * scale_to_one * rows.transpose() * rows;
   }
+}
+
+// The same of all training records.
+bool AddInputNoise(const IdentificationProblem& problem,
+                   const ParameterLayout& layout, const Vector& free,
+                   const std::vector<Vector>& sigmas,
+                   MultipleShooting* shooting, Matrix* middle) {
+  std::vector<Matrix> residuals, jacobians, states;
+  if (!shooting->WeightedResiduals(free, true, &residuals, &jacobians) ||
+      !shooting->Trajectories(free, &states)) {
+    return false;
+  }
+  Vector parameters = layout.InitialValues();
+  layout.SetFree(free, &parameters);
+  for (size_t t = 0; t < residuals.size(); ++t) {
+    const int record = shooting->train_records()[t];
+    const IdentificationRecord& data =
+        problem.records[static_cast<size_t>(record)];
+    const LinearizedRecord linearized = LinearizeRecord(
+        problem, layout, record, data.NoisyInputs(), parameters, states[t]);
+    AddRecordInputNoise(data, linearized, residuals[t], jacobians[t], sigmas[t],
+                        middle);
+  }
+  return true;
+}
+
+// sum_c tau_c J_c' J_c, tau_c by the residuals `drawn`.
+bool AddInflated(const Vector& free, const std::vector<Matrix>& drawn,
+                 MultipleShooting* shooting, Matrix* middle) {
+  std::vector<Vector> roots;
+  for (const Matrix& record : drawn) {
+    Vector root(record.rows());
+    for (Eigen::Index c = 0; c < record.rows(); ++c) {
+      root[c] = std::sqrt(AutocorrelationTime(record.row(c)));
+    }
+    roots.push_back(root);
+  }
+  return shooting->VisitWeightedResiduals(
+      free, true,
+      [&](size_t r, int, const Matrix& part, const Matrix& jacobian) {
+        const Vector weights = roots[r].replicate(part.cols(), 1);
+        const Matrix rows = weights.asDiagonal() * jacobian;
+        middle->noalias() += rows.transpose() * rows;
+      });
 }
 
 bool HasNoisyInput(const IdentificationProblem& problem,
@@ -215,66 +272,61 @@ bool EstimateCovariance(const IdentificationProblem& problem,
                         Objective* objective, CovarianceEstimate* estimate) {
   using Covariance = IdentificationOptions::Covariance;
   CondensedSystem system;
-  std::vector<Matrix> residuals, jacobians, states;
+  std::vector<Matrix> residuals;
   MultipleShooting& shooting = objective->shooting();
   Matrix inverse_root;
   if (!objective->Linearize(free, &system) ||
-      !shooting.WeightedResiduals(free, true, &residuals, &jacobians) ||
-      !shooting.Trajectories(free, &states) ||
+      !shooting.WeightedResiduals(free, false, &residuals, nullptr) ||
       !InvertInformation(system.hessian, &inverse_root,
                          &estimate->null_space)) {
     return false;
   }
-  const Matrix inverse = inverse_root * inverse_root.transpose();
-  const std::vector<int>& train = shooting.train_records();
-  const bool automatic = choice == Covariance::kAuto;
-  const bool noisy_input = HasNoisyInput(problem, train);
+  estimate->covariance = inverse_root * inverse_root.transpose();
+  estimate->method = "plain";
   estimate->quantile = StudentQuantile(1e6);
-  std::vector<Matrix> drawn;
-  if (automatic) drawn = ResidualsOfADraw(residuals, jacobians, inverse_root);
-  if (choice == Covariance::kPlain || residuals.empty() ||
-      (automatic && !noisy_input && !AnyAutocorrelated(drawn))) {
-    estimate->method = "plain";
-    estimate->covariance = inverse;
-    return true;
+  if (choice == Covariance::kPlain || residuals.empty()) return true;
+
+  // Everything that asks for the Jacobian, in one pass over it.
+  const int num_free = layout.num_free();
+  Matrix information = Matrix::Zero(num_free, num_free);
+  std::vector<Matrix> drawn = residuals;
+  const Vector step = StepToADraw(inverse_root);
+  BlockScores scores(residuals, num_free);
+  if (!shooting.VisitWeightedResiduals(
+          free, true,
+          [&](size_t r, int first, const Matrix& part, const Matrix& rows) {
+            information.selfadjointView<Eigen::Lower>().rankUpdate(
+                rows.transpose());
+            const Vector move = rows * step;
+            drawn[r].middleCols(first, part.cols()) +=
+                Eigen::Map<const Matrix>(move.data(), part.rows(), part.cols());
+            scores.Add(r, first, part, rows);
+          })) {
+    return false;
   }
+  const bool automatic = choice == Covariance::kAuto;
+  const bool noisy_input = HasNoisyInput(problem, shooting.train_records());
+  if (automatic && !noisy_input && !AnyAutocorrelated(drawn)) return true;
 
   // The priors' share of the Hessian is theirs in the middle as well.
-  Matrix middle = system.hessian;
-  for (const Matrix& jacobian : jacobians) {
-    middle.noalias() -= jacobian.transpose() * jacobian;
-  }
+  const Matrix inverse = estimate->covariance;
+  Matrix middle =
+      system.hessian - Matrix(information.selfadjointView<Eigen::Lower>());
   if (automatic && noisy_input) {
     estimate->method = "input noise";
-    Vector parameters = layout.InitialValues();
-    layout.SetFree(free, &parameters);
-    for (size_t t = 0; t < residuals.size(); ++t) {
-      const IdentificationRecord& data =
-          problem.records[static_cast<size_t>(train[t])];
-      const LinearizedRecord linearized = LinearizeRecord(
-          problem, layout, train[t], data.NoisyInputs(), parameters, states[t]);
-      AddInputNoise(data, linearized, residuals[t], jacobians[t], sigmas[t],
-                    &middle);
+    if (!AddInputNoise(problem, layout, free, sigmas, &shooting, &middle)) {
+      return false;
     }
   } else if (automatic && layout.HasForceDecay()) {
     // More knots than blocks: scores of blocks cannot say how well each is
     // known. Noise with a memory counts as one sample per autocorrelation time.
     estimate->method = "inflated";
-    for (size_t t = 0; t < residuals.size(); ++t) {
-      const int nc = static_cast<int>(residuals[t].rows());
-      for (int c = 0; c < nc; ++c) {
-        const Matrix rows = ChannelRows(jacobians[t], nc, c);
-        middle.noalias() +=
-            AutocorrelationTime(drawn[t].row(c)) * (rows.transpose() * rows);
-      }
-    }
+    if (!AddInflated(free, drawn, &shooting, &middle)) return false;
   } else {
     estimate->method = "sandwich";
-    const Matrix scores = BlockScores(residuals, jacobians);
-    const double blocks = static_cast<double>(scores.cols());
-    middle.noalias() +=
-        blocks / std::max(1.0, blocks - 1.0) * scores * scores.transpose();
-    estimate->quantile = StudentQuantile(blocks - 1.0);
+    middle += scores.count() / std::max(1.0, scores.count() - 1.0) *
+              scores.products();
+    estimate->quantile = StudentQuantile(scores.count() - 1.0);
   }
   estimate->covariance = inverse * middle * inverse;
   return estimate->covariance.allFinite();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/constants.h"
@@ -107,7 +108,7 @@ void ScoreRecords(const IdentificationProblem& problem,
       score.channels[c].prior_nrmse = prior.channels[c].nrmse;
       score.channels[c].sigma = sigmas[static_cast<int>(c)];
     }
-    summary->records.push_back(score);
+    summary->records.push_back(std::move(score));
     model->starts.push_back(start);
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
@@ -68,9 +69,10 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     ScoreDivergence(data, trajectory, score);
     return;
   }
-  score->states = trajectory.states;
+  score->states = std::move(trajectory.states);
   Vector prediction = Eigen::Map<const Vector>(trajectory.channels.data(),
                                                trajectory.channels.size());
+  trajectory.channels.resize(0, 0);
   Matrix no_rows(prediction.size(), 0);
   std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
   ApplySensors(layout, parameters, data, false, &prediction, &no_rows, &valid);

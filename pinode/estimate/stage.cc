@@ -1,6 +1,7 @@
 #include "pinode/estimate/stage.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "pinode/base/constants.h"
 #include "pinode/estimate/initial_states.h"
@@ -150,7 +151,7 @@ bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
   record->free_run_error = state->free_run_error = measure();
   std::vector<Matrix> trajectories;
   if (shooting.Trajectories(state->free, &trajectories)) {
-    state->trajectories = trajectories;
+    state->trajectories = std::move(trajectories);
   }
   context_.summary.largest_gap = record->largest_gap;
   context_.summary.single_shooting = single;

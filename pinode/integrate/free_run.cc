@@ -84,12 +84,12 @@ bool FreeRun(const StructuralDynamics& dynamics,
   trajectory->failed_sample = -1;
   trajectory->failed_state = -1;
   trajectory->states = Matrix::Constant(ns, samples, kNaN);
-  trajectory->rates = Matrix::Constant(ns, samples, kNaN);
   trajectory->channels =
       Matrix::Constant(observation.num_channels(), samples, kNaN);
 
   Stepper stepper(dynamics, prepared, grid, samples);
   Vector state = start;
+  Vector rate(ns);
   dynamics.Prescribe(grid.AtSample(first_sample), state.data());
   for (int i = first_sample; i <= last_sample; ++i) {
     trajectory->failed_state = FirstNotFinite(state);
@@ -99,9 +99,8 @@ bool FreeRun(const StructuralDynamics& dynamics,
     }
     const int column = i - first_sample;
     trajectory->states.col(column) = state;
-    stepper.RateAtSample(i, state.data(), trajectory->rates.col(column).data());
-    observation.Observe(state.data(), trajectory->rates.col(column).data(),
-                        grid.AtSample(i),
+    stepper.RateAtSample(i, state.data(), rate.data());
+    observation.Observe(state.data(), rate.data(), grid.AtSample(i),
                         trajectory->channels.col(column).data());
     if (i < last_sample) stepper.Advance(i, &state);
   }

@@ -16,7 +16,6 @@ namespace pinode {
 struct Trajectory {
   int first_sample = 0;
   Matrix states;    // num_states x samples
-  Matrix rates;     // dh/dt at the samples, num_states x samples
   Matrix channels;  // num_channels x samples
   // Where a state stopped being finite: sample and index of the state; -1 if
   // nowhere.
