@@ -221,7 +221,7 @@ void LinearRecord::Condense(const Tables& tables, const Sums& sums,
                             Equations* equations) const {
   equations->cost = sums.cost;
   equations->end_state =
-      response_.StateAt(tables.contents, tables.start, sums.end);
+      response_.States(tables.contents, tables.start).transpose() * sums.end;
   equations->gradient = Vector::Zero(tables.columns);
   equations->hessian = sums.hessian;
   Matrix product;

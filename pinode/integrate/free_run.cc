@@ -1,18 +1,23 @@
 #include "pinode/integrate/free_run.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/integrate/linear_map.h"
+#include "pinode/integrate/modal_response.h"
 #include "pinode/integrate/rk4.h"
 #include "pinode/integrate/segment.h"
 
 namespace pinode {
 namespace {
 
-// Samples for each state from which on a map is worth its making.
+// Samples for each state from which on a map is worth its making, and modes.
 constexpr int kSamplesForAMap = 3;
+constexpr int kSamplesForModes = 40;
+// Samples at a time.
+constexpr int kSamplesAtATime = 128;
 
 // The steps of one interval after the other: Advance takes the state from one
 // sample to the next.
@@ -67,6 +72,46 @@ class Stepper {
   Vector next_;
 };
 
+// Notes the first state that is not finite; what follows it is NaN.
+bool EndWhereNotFinite(Trajectory* trajectory) {
+  for (int i = 0; i < trajectory->num_samples(); ++i) {
+    trajectory->failed_state = FirstNotFinite(trajectory->states.col(i));
+    if (trajectory->failed_state < 0) continue;
+    const int rest = trajectory->num_samples() - i;
+    trajectory->failed_sample = trajectory->first_sample + i;
+    trajectory->states.rightCols(rest).setConstant(kNaN);
+    trajectory->channels.rightCols(rest).setConstant(kNaN);
+    return false;
+  }
+  return true;
+}
+
+// By the modes of linear dynamics; false where they do not span the states. A
+// state that is not finite is left for the caller to be seen.
+bool RunByModes(const StructuralDynamics& dynamics,
+                const StructuralDynamics::Prepared& prepared,
+                const ObservationMap& observation, const IntegrationGrid& grid,
+                const Vector& start, int first, Trajectory* trajectory) {
+  ModalResponse response;
+  if (!response.Prepare(dynamics, prepared, grid, false)) return false;
+  ModalResponse::Contents contents;
+  contents.with_start = !start.isZero(0.0);
+  const Matrix states = response.States(contents, start);
+  const Matrix values = response.Values(contents, observation, start);
+  ModalResponse::State state = response.Begin(contents);
+  Matrix histories;
+  const int samples = static_cast<int>(trajectory->states.cols());
+  for (int begin = 0; begin < samples; begin += kSamplesAtATime) {
+    const int count = std::min(kSamplesAtATime, samples - begin);
+    response.Advance(contents, grid, first + begin, count, &state, &histories);
+    trajectory->states.middleCols(begin, count).noalias() =
+        states.transpose() * histories;
+    trajectory->channels.middleCols(begin, count).noalias() =
+        values.transpose() * histories;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool FreeRun(const StructuralDynamics& dynamics,
@@ -87,6 +132,11 @@ bool FreeRun(const StructuralDynamics& dynamics,
   trajectory->channels =
       Matrix::Constant(observation.num_channels(), samples, kNaN);
 
+  if (dynamics.IsLinear() && samples > kSamplesForModes * ns &&
+      RunByModes(dynamics, prepared, observation, grid, start, first_sample,
+                 trajectory)) {
+    return EndWhereNotFinite(trajectory);
+  }
   Stepper stepper(dynamics, prepared, grid, samples);
   Vector state = start;
   Vector rate(ns);

@@ -59,5 +59,69 @@ TEST(FreeRun, StartsAndEndsWhereToldTo) {
   EXPECT_EQ(rest.states, whole.states.rightCols(30));
 }
 
+// Long runs of linear dynamics go by modes, short ones by steps.
+TEST(FreeRun, LongRunsEqualShortOnesOneAfterTheOther) {
+  for (const double damping : {0.0, 0.3, 20.0}) {
+    const StructuralDynamics dynamics(
+        testing::MakeChain(3, 10.0, damping),
+        {{InputSpec::Kind::kGroundAcceleration, 0, "ag"},
+         {InputSpec::Kind::kForce, 1, "f"}});
+    StructuralDynamics::Prepared prepared;
+    std::string error;
+    ASSERT_TRUE(dynamics.Prepare(Vector(), &prepared, &error)) << error;
+    const ObservationMap observation(
+        dynamics, {{"x", Quantity::kDisplacement, Vector::Unit(3, 1)},
+                   {"a", Quantity::kAbsoluteAcceleration, Vector::Unit(3, 2)}});
+    constexpr int kSamples = 601;
+    Matrix input(2, kSamples);
+    for (int i = 0; i < kSamples; ++i) {
+      input.col(i) << std::sin(0.7 * i), std::cos(0.2 * i);
+    }
+    const IntegrationGrid grid(
+        Excitation(0.0, 0.05, input, Interpolation::kCubic), 2);
+    Vector start = Vector::LinSpaced(6, -1.0, 1.0);
+    Trajectory whole;
+    ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0,
+                        kSamples - 1, &whole));
+    for (int first = 0; first < kSamples - 1; first += 10) {
+      Trajectory part;
+      ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, first,
+                          first + 10, &part));
+      EXPECT_LT((part.states - whole.states.middleCols(first, 11))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-11);
+      EXPECT_LT((part.channels - whole.channels.middleCols(first, 11))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-11);
+      start = part.states.rightCols(1);
+    }
+  }
+}
+
+TEST(FreeRun, LongRunsEndWhereTheyRunAway) {
+  StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
+  model.stiffness *= -1e3;
+  const StructuralDynamics dynamics(model, {});
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  ASSERT_TRUE(dynamics.Prepare(Vector(), &prepared, &error)) << error;
+  const ObservationMap observation(
+      dynamics, {{"x", Quantity::kDisplacement, Vector::Unit(2, 0)}});
+  const IntegrationGrid grid(0.0, 0.05, 2000, 4);
+  Trajectory trajectory;
+  EXPECT_FALSE(FreeRun(dynamics, prepared, observation, grid, Vector::Ones(4),
+                       0, 1999, &trajectory));
+  const int failed = trajectory.failed_sample;
+  ASSERT_GT(failed, 10);
+  ASSERT_LT(failed, 1999);
+  EXPECT_GE(trajectory.failed_state, 0);
+  EXPECT_LT(trajectory.states.leftCols(failed).cwiseAbs().maxCoeff(), 1e100);
+  EXPECT_TRUE(trajectory.states.rightCols(2000 - failed).array().isNaN().all());
+  EXPECT_TRUE(
+      trajectory.channels.rightCols(2000 - failed).array().isNaN().all());
+}
+
 }  // namespace
 }  // namespace pinode

@@ -204,6 +204,20 @@ void ModalResponse::AddCombination(const Contents& contents, int source,
   combination.segment(first + kept, kept).array() -= weights * a.imag().array();
 }
 
+void ModalResponse::AddModes(const Contents& contents,
+                             const ComplexMatrix& modes,
+                             const ComplexMatrix& participation,
+                             Matrix* combinations) const {
+  for (Eigen::Index k = 0; k < modes.rows(); ++k) {
+    for (int source = 0; source < num_sources(contents); ++source) {
+      const ComplexVector a =
+          modes.row(k).transpose().cwiseProduct(participation.col(source));
+      AddCombination(contents, source, false, Kept(basis_, a),
+                     combinations->col(k));
+    }
+  }
+}
+
 Matrix ModalResponse::Values(const Contents& contents,
                              const ObservationMap& observation,
                              const Vector& start) const {
@@ -228,21 +242,12 @@ Matrix ModalResponse::Values(const Contents& contents,
   return values;
 }
 
-Vector ModalResponse::StateAt(const Contents& contents, const Vector& start,
-                              const Vector& histories) const {
-  const Eigen::Index kept = basis_.num_kept();
+Matrix ModalResponse::States(const Contents& contents,
+                             const Vector& start) const {
   const ComplexMatrix participation = Participation(contents, start);
-  ComplexVector modal = ComplexVector::Zero(basis_.num_states());
-  for (int source = 0; source < num_sources(contents); ++source) {
-    const auto own = histories.segment(source * rows_per_source(contents),
-                                       rows_per_source(contents));
-    for (Eigen::Index m = 0; m < kept; ++m) {
-      const int mode = basis_.kept()[static_cast<size_t>(m)];
-      modal[mode] += basis_.weights()[m] * participation(mode, source) *
-                     Complex(own[m], own[kept + m]);
-    }
-  }
-  return (basis_.modes() * modal).real();
+  Matrix states = Matrix::Zero(NumRows(contents), basis_.num_states());
+  AddModes(contents, basis_.modes(), participation, &states);
+  return states;
 }
 
 void ModalResponse::AddParameter(const Contents& contents,

@@ -82,9 +82,8 @@ class ModalResponse {
                                   const ObservationMap& observation,
                                   const Vector& start, bool by_start,
                                   bool by_parameters) const;
-  // The state itself at a sample from the histories there.
-  Vector StateAt(const Contents& contents, const Vector& start,
-                 const Vector& histories) const;
+  // R x num_states, the states of a run from `start`: states' * histories.
+  Matrix States(const Contents& contents, const Vector& start) const;
 
  private:
   int num_sources(const Contents& contents) const {
@@ -106,6 +105,10 @@ class ModalResponse {
   void AddCombination(const Contents& contents, int source, bool slopes,
                       const ComplexVector& a,
                       Eigen::Ref<Vector> combination) const;
+  // Adds sum_m modes_km (sum_source participation_m,source z_m,source) to
+  // combination k, for all rows of `modes` (all modes as columns).
+  void AddModes(const Contents& contents, const ComplexMatrix& modes,
+                const ComplexMatrix& participation, Matrix* combinations) const;
   // Adds the derivatives by parameter `j` as column `column` of each table.
   void AddParameter(const Contents& contents, const ObservationMap& observation,
                     const ComplexMatrix& channel_modes,

@@ -83,7 +83,7 @@ class ModalResponseTest : public ::testing::Test {
                      std::max(least, segment.jacobian.col(j).norm()));
     }
     const Vector end =
-        response.StateAt(contents, start_, histories.col(histories.cols() - 1));
+        response.States(contents, start_).transpose() * histories.rightCols(1);
     return testing::Worse(
         worst, (end - segment.end_state).norm() / segment.end_state.norm());
   }
