@@ -140,11 +140,16 @@ void PrintRecords(const Case& c) {
             ? InterpolationName(record.excitation->interpolation())
             : "none",
         record.excitation->periodic() ? ", periodic" : "");
-    std::printf(
-        "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, growth "
-        "%.6f",
-        record.substeps, record.substeps_chosen ? " (chosen)" : " (given)",
-        choice.stability.largest_eigenvalue, choice.stability.growth);
+    if (choice.integrator == Integrator::kExact) {
+      std::printf("    integrated exactly; fastest mode %.4g rad/s",
+                  choice.stability.largest_eigenvalue);
+    } else {
+      std::printf(
+          "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, "
+          "growth %.6f",
+          record.substeps, record.substeps_chosen ? " (chosen)" : " (given)",
+          choice.stability.largest_eigenvalue, choice.stability.growth);
+    }
     if (std::isfinite(choice.error) && !choice.channel.empty()) {
       std::printf("; halving the step moves %s by %.2g (limit %.2g)",
                   choice.channel.c_str(), choice.error, choice.error_limit);

@@ -195,6 +195,7 @@ class CaseReader {
   bool SetSteps() {
     for (size_t r = 0; r < sections_.size(); ++r) {
       c_.problem.records[r].substeps = sections_[r].substeps;
+      c_.problem.records[r].integrator = sections_[r].integrator;
     }
     int failed = 0;
     std::string message;

@@ -28,6 +28,7 @@ const std::vector<std::string>& RecordKeys() {
                                                           "start",
                                                           "start_samples",
                                                           "substeps",
+                                                          "integrator",
                                                           "ground",
                                                           "force",
                                                           "motion",
@@ -77,6 +78,10 @@ class RecordReader {
       if (!FileExists(table_, section_->file)) return false;
     }
     section_->substeps = table_.Integer("substeps", 0, 0);
+    const std::string integrator =
+        table_.Choice("integrator", {"auto", "rk4", "exact"}, "auto");
+    if (integrator == "rk4") section_->integrator = Integrator::kRungeKutta;
+    if (integrator == "exact") section_->integrator = Integrator::kExact;
     return table_.errors()->ok();
   }
 

@@ -16,6 +16,7 @@
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/integrate/integration_grid.h"
 #include "pinode/record/excitation.h"
 #include "pinode/record/filter.h"
 
@@ -50,6 +51,7 @@ struct RecordSection {
   Vector start_x, start_v;  // kKnown
   int start_samples = 0;    // of a hold-out; 0: chosen
   int substeps = 0;         // 0: chosen
+  std::optional<Integrator> integrator;
   std::vector<InputSection> inputs;
   std::vector<ChannelSection> channels;
   std::optional<FilterOptions> filter;  // frequencies per model time

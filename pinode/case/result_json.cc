@@ -5,6 +5,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/case/result_files.h"
+#include "pinode/estimate/record_grid.h"
 #include "pinode/structure/mode_comparison.h"
 #include "pinode/study/checkpoint.h"
 
@@ -27,7 +28,12 @@ Json Records(const IdentificationProblem& problem,
     record["first_scored_sample"] = score.first_scored_sample;
     record["nrmse"] = score.nrmse;
     record["prior_nrmse"] = score.prior_nrmse;
-    record["substeps"] = problem.records[r].substeps;
+    const Integrator integrator =
+        IntegratorOf(*problem.dynamics, problem.records[r]);
+    record["integrator"] = IntegratorName(integrator);
+    if (integrator == Integrator::kRungeKutta) {
+      record["substeps"] = problem.records[r].substeps;
+    }
     record["channels"] = Json::array();
     for (size_t i = 0; i < score.channels.size(); ++i) {
       const ChannelScore& channel_score = score.channels[i];

@@ -10,6 +10,7 @@
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/record_grid.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
 
@@ -126,7 +127,7 @@ bool FindSteadyState(const IdentificationProblem& problem, int record,
                         &error)) {
     return false;
   }
-  const IntegrationGrid grid(*data.excitation, data.substeps);
+  const IntegrationGrid grid = GridOf(dynamics, data);
   const ObservationMap nothing(dynamics, {});
   Trajectory trajectory;
   if (!FreeRun(dynamics, prepared, nothing, grid, *start, 0,

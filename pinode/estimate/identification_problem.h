@@ -15,6 +15,7 @@
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/measured_mode.h"
 #include "pinode/estimate/problem_description.h"
+#include "pinode/integrate/integration_grid.h"
 #include "pinode/record/excitation.h"
 #include "pinode/record/filter.h"
 
@@ -63,6 +64,8 @@ struct IdentificationRecord {
   int substeps = 0;
   // By PrepareProblem for the dynamics as they are, rather than given.
   bool substeps_chosen = false;
+  // How it is integrated; not given: see IntegratorOf.
+  std::optional<Integrator> integrator;
   RecordDescription description;
 
   // Indices of the inputs that have noise.

@@ -8,6 +8,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/record_grid.h"
 #include "pinode/estimate/sensor.h"
 #include "pinode/integrate/free_run.h"
 
@@ -61,7 +62,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                     start.size() == dynamics.num_states();
   if (fits && dynamics.Prepare(parameters.head(layout.num_dynamics()),
                                &prepared, &error)) {
-    const IntegrationGrid grid(*data.excitation, data.substeps);
+    const IntegrationGrid grid = GridOf(dynamics, data);
     score->finite = FreeRun(dynamics, prepared, observation, grid, start, 0,
                             samples - 1, &trajectory);
   }

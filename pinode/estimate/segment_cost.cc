@@ -5,6 +5,7 @@
 
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/noise_levels.h"
+#include "pinode/estimate/record_grid.h"
 
 namespace pinode {
 namespace {
@@ -87,7 +88,7 @@ SegmentCost::SegmentCost(const IdentificationProblem& problem, int record,
       last_(last),
       sigmas_(options.sigmas),
       gap_sigmas_(options.gap_sigmas),
-      grid_(*data_.excitation, data_.substeps),
+      grid_(GridOf(*problem.dynamics, data_)),
       observation_(*problem.dynamics, data_.Observations()),
       propagator_(*problem.dynamics, options.derivatives),
       rows_(problem, layout_, RobustLoss::kNone, 1.0) {

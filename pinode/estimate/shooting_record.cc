@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/record_grid.h"
 
 namespace pinode {
 
@@ -13,7 +14,7 @@ ShootingRecord::ShootingRecord(const IdentificationProblem& problem, int index,
       data_(&problem.records[static_cast<size_t>(index)]),
       num_states_(problem.dynamics->num_states()),
       start_precision_(start_precision),
-      grid_(*data_->excitation, data_->substeps),
+      grid_(GridOf(*problem.dynamics, *data_)),
       observation_(*problem.dynamics, data_->Observations()),
       start_is_free_(data_->start == IdentificationRecord::Start::kFree),
       fixed_start_(data_->start == IdentificationRecord::Start::kKnown

@@ -10,6 +10,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/record_grid.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/structure/damping.h"
 
@@ -252,7 +253,7 @@ class Responses {
     std::vector<Matrix> histories;  // samples x channels
     for (int k = -1; k < static_cast<int>(open_scales_.size()); ++k) {
       const Excitation excitation = ExcitationBy(record, k);
-      const IntegrationGrid grid(excitation, record.substeps);
+      const IntegrationGrid grid = GridOf(linear, record, excitation);
       Trajectory trajectory;
       if (!FreeRun(linear, prepared, observation, grid,
                    Vector::Zero(linear.num_states()), 0, samples - 1,

@@ -32,8 +32,9 @@ class Stepper {
         stage_(dynamics.MakeLinearization()),
         scratch_(dynamics.num_states()) {
     if (dynamics.IsLinear() &&
-        samples > kSamplesForAMap * dynamics.num_states()) {
-      map_.emplace(dynamics, prepared, grid.step(), grid.substeps(), false);
+        (grid.integrator() == Integrator::kExact ||
+         samples > kSamplesForAMap * dynamics.num_states())) {
+      map_.emplace(dynamics, prepared, grid, false);
     }
   }
 

@@ -4,6 +4,10 @@
 
 namespace pinode {
 
+const char* IntegratorName(Integrator integrator) {
+  return integrator == Integrator::kExact ? "exact" : "rk4";
+}
+
 IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,
                                  int num_samples, int substeps)
     : start_time_(start_time),
@@ -18,9 +22,28 @@ IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,
   CHECK_GT(sampling_step, 0.0);
 }
 
-IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps)
+IntegrationGrid IntegrationGrid::Exact(const Excitation& excitation) {
+  int steps = 1;
+  switch (excitation.interpolation()) {
+    case Interpolation::kHeld:
+    case Interpolation::kLinear:
+      steps = 1;
+      break;
+    case Interpolation::kCubic:
+      steps = 2;
+      break;
+    case Interpolation::kBandLimited:
+      steps = 4;
+      break;
+  }
+  return IntegrationGrid(excitation, steps, Integrator::kExact);
+}
+
+IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps,
+                                 Integrator integrator)
     : IntegrationGrid(excitation.time(0), excitation.step(),
                       excitation.num_samples(), substeps) {
+  integrator_ = integrator;
   if (excitation.periodic()) num_intervals_ = num_samples_;
   at_samples_.resize(excitation.num_inputs(), num_intervals_ + 1);
   at_nodes_.resize(excitation.num_inputs(), 3 * substeps * num_intervals_);

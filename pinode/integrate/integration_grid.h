@@ -8,22 +8,39 @@
 
 namespace pinode {
 
+// How a state is taken from one sample to the next.
+enum class Integrator {
+  kRungeKutta,  // classical steps of fourth order
+  kExact,  // linear dynamics with constant matrices: no error but that of a
+           // polynomial for the inputs between two samples
+};
+
+// "rk4" or "exact".
+const char* IntegratorName(Integrator integrator);
+
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
 // `substeps` Runge-Kutta steps of equal length in every interval. The inputs
 // are tabulated once: every integration of the record reads the same values.
-// A periodic excitation has one interval more, from the last sample to the
-// first one of the next period.
+// The exact solution has steps too, which are but where its inputs are
+// tabulated. A periodic excitation has one interval more, from the last sample
+// to the first one of the next period.
 class IntegrationGrid {
  public:
   IntegrationGrid() = default;
 
   // `excitation` has one row per input of the dynamics, in their order.
-  IntegrationGrid(const Excitation& excitation, int substeps);
+  IntegrationGrid(const Excitation& excitation, int substeps,
+                  Integrator integrator = Integrator::kRungeKutta);
+  // For the exact solution: as many steps as the polynomial through their nodes
+  // asks for, which is the interpolation's own where that is held, linear or
+  // cubic, and within 1e-6 of it where it is band-limited.
+  static IntegrationGrid Exact(const Excitation& excitation);
 
   // Without inputs.
   IntegrationGrid(double start_time, double sampling_step, int num_samples,
                   int substeps);
 
+  Integrator integrator() const { return integrator_; }
   int num_samples() const { return num_samples_; }
   int num_intervals() const { return num_intervals_; }
   int substeps() const { return substeps_; }
@@ -53,6 +70,7 @@ class IntegrationGrid {
   }
 
  private:
+  Integrator integrator_ = Integrator::kRungeKutta;
   double start_time_ = 0.0;
   double sampling_step_ = 1.0;
   int num_samples_ = 0;

@@ -1,9 +1,11 @@
 #include "pinode/integrate/linear_map.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "pinode/base/logging.h"
-#include "pinode/integrate/linear_rate.h"
+#include "pinode/integrate/exact_forcing.h"
 
 namespace pinode {
 namespace {
@@ -92,6 +94,56 @@ Map Power(Map base, int exponent) {
   return power;
 }
 
+// The first rows of exp [hF hG 0 ...; 0 0 I 0 ...; ...], those of the states:
+// of the state and the first `terms` derivatives of the inputs by the share of
+// the interval h.
+Map ExponentialOfSeries(const Map& rate, double duration, Eigen::Index terms) {
+  constexpr double kSmall = 0.5;  // |A| at which so many terms are enough
+  constexpr int kExponentialTerms = 14;
+  const Eigen::Index ns = rate.value.rows();
+  const Eigen::Index ni = rate.value.cols() - ns;
+  const Eigen::Index size = ns + terms * ni;
+  const Vector unit = VelocityUnits(rate.value.leftCols(ns));
+  const auto augmented = [&](const Matrix& own) {
+    Matrix a = Matrix::Zero(size, size);
+    a.topLeftCorner(ns, ns) = duration * unit.asDiagonal() * own.leftCols(ns) *
+                              unit.cwiseInverse().asDiagonal();
+    a.block(0, ns, ns, ni) = duration * unit.asDiagonal() * own.rightCols(ni);
+    return a;
+  };
+  Map a{augmented(rate.value), {}};
+  for (const Matrix& derivative : rate.derivatives) {
+    a.derivatives.push_back(augmented(derivative));
+  }
+  a.value.block(ns, ns + ni, (terms - 1) * ni, (terms - 1) * ni).setIdentity();
+  const double norm = a.value.cwiseAbs().colwise().sum().maxCoeff();
+  const int squarings =
+      std::max(0, static_cast<int>(std::ceil(std::log2(norm / kSmall))));
+  const double share = std::exp2(-squarings);
+  a.value *= share;
+  for (Matrix& derivative : a.derivatives) derivative *= share;
+  Map sum;
+  sum.value = Matrix::Identity(size, size);
+  sum.derivatives.assign(a.derivatives.size(), Matrix::Zero(size, size));
+  for (int k = kExponentialTerms; k >= 1; --k) {
+    sum = Product(a, sum);
+    sum.value /= k;
+    sum.value.diagonal().array() += 1.0;
+    for (Matrix& derivative : sum.derivatives) derivative /= k;
+  }
+  for (int s = 0; s < squarings; ++s) sum = Product(sum, sum);
+  const auto own = [&](const Matrix& whole) {
+    Matrix rows = unit.cwiseInverse().asDiagonal() * whole.topRows(ns);
+    rows.leftCols(ns) = rows.leftCols(ns) * unit.asDiagonal();
+    return rows;
+  };
+  Map result{own(sum.value), {}};
+  for (const Matrix& derivative : sum.derivatives) {
+    result.derivatives.push_back(own(derivative));
+  }
+  return result;
+}
+
 }  // namespace
 
 double LinearMap::TableSize(const StructuralDynamics& dynamics, int substeps) {
@@ -101,13 +153,24 @@ double LinearMap::TableSize(const StructuralDynamics& dynamics, int substeps) {
 }
 
 LinearMap::LinearMap(const StructuralDynamics& dynamics,
-                     const StructuralDynamics::Prepared& prepared, double step,
-                     int substeps, bool with_parameters) {
+                     const StructuralDynamics::Prepared& prepared,
+                     const IntegrationGrid& grid, bool with_parameters) {
   DCHECK(dynamics.IsLinear());
-  const int ns = dynamics.num_states();
-  const int ni = dynamics.num_inputs();
   Map rate = LinearRate(dynamics, prepared, with_parameters);
-  const Map one = StepMap(rate, ns, ni, step);
+  if (grid.integrator() == Integrator::kExact) {
+    ComputeExactly(rate, grid.sampling_step(), grid.substeps());
+  } else {
+    ComputeSteps(rate, grid.step(), grid.substeps());
+  }
+  rate_ = std::move(rate.value);
+  rate_derivatives_ = std::move(rate.derivatives);
+}
+
+void LinearMap::ComputeSteps(const Map& rate, double step, int substeps) {
+  const Eigen::Index ns = rate.value.rows();
+  const Eigen::Index ni = rate.value.cols() - ns;
+  const Map one =
+      StepMap(rate, static_cast<int>(ns), static_cast<int>(ni), step);
   const auto np = static_cast<Eigen::Index>(rate.derivatives.size());
   const Map power = Power(Columns(one, 0, ns), substeps);
   transition_ = power.value;
@@ -129,8 +192,35 @@ LinearMap::LinearMap(const StructuralDynamics& dynamics,
     }
     if (s > 0) inputs = Product(a, inputs);
   }
-  rate_ = std::move(rate.value);
-  rate_derivatives_ = std::move(rate.derivatives);
+}
+
+void LinearMap::ComputeExactly(const Map& rate, double sampling_step,
+                               int substeps) {
+  const Eigen::Index ns = rate.value.rows();
+  const Eigen::Index ni = rate.value.cols() - ns;
+  const auto np = static_cast<Eigen::Index>(rate.derivatives.size());
+  // Of the inputs' derivatives by the share of the interval those at its
+  // beginning are j! times the polynomial's coefficients.
+  const Matrix polynomial = NodePolynomial(substeps);
+  Matrix nodes(polynomial.rows() * ni, polynomial.cols() * ni);
+  double factorial = 1.0;
+  for (Eigen::Index j = 0; j < polynomial.rows(); ++j) {
+    if (j > 1) factorial *= static_cast<double>(j);
+    for (Eigen::Index k = 0; k < polynomial.cols(); ++k) {
+      nodes.block(j * ni, k * ni, ni, ni) =
+          factorial * polynomial(j, k) * Matrix::Identity(ni, ni);
+    }
+  }
+  const Map exponential =
+      ExponentialOfSeries(rate, sampling_step, polynomial.rows());
+  transition_ = exponential.value.leftCols(ns);
+  forcing_ = exponential.value.rightCols(nodes.rows()) * nodes;
+  derivatives_.resize(ns * np, ns + forcing_.cols());
+  for (Eigen::Index j = 0; j < np; ++j) {
+    const Matrix& derivative = exponential.derivatives[static_cast<size_t>(j)];
+    derivatives_.middleRows(j * ns, ns) << derivative.leftCols(ns),
+        derivative.rightCols(nodes.rows()) * nodes;
+  }
 }
 
 }  // namespace pinode

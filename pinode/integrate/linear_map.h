@@ -7,6 +7,8 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/linear_rate.h"
 
 namespace pinode {
 
@@ -16,7 +18,7 @@ namespace pinode {
 //
 // a Runge-Kutta step is a linear map of the state and of the inputs at its
 // nodes, the same one at every step, and so are all steps of an interval
-// together:
+// together, and the exact solution for inputs that are polynomials there:
 //
 //   h(i + 1) = P h(i) + Q w(i),
 //
@@ -26,16 +28,21 @@ namespace pinode {
 //
 //   S_j(i + 1) = P S_j(i) + P_j h(i) + Q_j w(i).
 //
-// These are the discrete steps themselves and their exact derivatives, at the
-// cost of two products of state size for each column and sample, however many
-// steps a sample has.
+// By Runge-Kutta these are the discrete steps themselves and their exact
+// derivatives, at the cost of two products of state size for each column and
+// sample, however many steps a sample has. Exactly they are parts of
+//
+//   exp [hF hG 0 ...; 0 0 I ...; ...],   of h and the inputs' derivatives
+//
+// (C. F. Van Loan, IEEE Trans. Automat. Contr. 23 (1978) 395-404), by its
+// series after as many halvings as make that short; its derivatives are those
+// of the series and of the squarings, whatever the eigenvalues are.
 class LinearMap {
  public:
-  // `step`: of Runge-Kutta, of which `substeps` make an interval. The
-  // derivatives only where they are asked for.
+  // The derivatives only where they are asked for.
   LinearMap(const StructuralDynamics& dynamics,
-            const StructuralDynamics::Prepared& prepared, double step,
-            int substeps, bool with_parameters);
+            const StructuralDynamics::Prepared& prepared,
+            const IntegrationGrid& grid, bool with_parameters);
 
   // Numbers that the tables of derivatives hold: what they need of memory.
   static double TableSize(const StructuralDynamics& dynamics, int substeps);
@@ -55,6 +62,11 @@ class LinearMap {
   const Matrix& derivatives() const { return derivatives_; }
 
  private:
+  // With the rate's map and its derivatives.
+  void ComputeSteps(const ParameterizedMap& rate, double step, int substeps);
+  void ComputeExactly(const ParameterizedMap& rate, double sampling_step,
+                      int substeps);
+
   Matrix rate_;
   std::vector<Matrix> rate_derivatives_;
   Matrix transition_;

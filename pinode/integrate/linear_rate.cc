@@ -1,5 +1,7 @@
 #include "pinode/integrate/linear_rate.h"
 
+#include <cmath>
+
 #include "pinode/base/logging.h"
 
 namespace pinode {
@@ -34,6 +36,21 @@ ParameterizedMap LinearRate(const StructuralDynamics& dynamics,
     }
   }
   return map;
+}
+
+Vector VelocityUnits(const Matrix& state_matrix) {
+  const Eigen::Index n = state_matrix.rows() / 2;
+  const double square =
+      state_matrix.bottomLeftCorner(state_matrix.rows() - n, n)
+          .cwiseAbs()
+          .colwise()
+          .sum()
+          .maxCoeff();
+  Vector units = Vector::Ones(state_matrix.rows());
+  if (square > 0.0 && std::isfinite(square)) {
+    units.head(n).setConstant(std::exp2(std::round(0.5 * std::log2(square))));
+  }
+  return units;
 }
 
 }  // namespace pinode

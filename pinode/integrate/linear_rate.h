@@ -23,6 +23,12 @@ ParameterizedMap LinearRate(const StructuralDynamics& dynamics,
                             const StructuralDynamics::Prepared& prepared,
                             bool with_parameters);
 
+// For each state what it is to be multiplied by to have the unit of a velocity:
+// displacements by a power of two near the highest frequency. In these units
+// |F| is about that frequency, in its own its square, and what rounding does to
+// slow modes is as much less.
+Vector VelocityUnits(const Matrix& state_matrix);
+
 }  // namespace pinode
 
 #endif  // PINODE_INTEGRATE_LINEAR_RATE_H_

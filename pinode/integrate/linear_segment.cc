@@ -32,15 +32,15 @@ void LinearSegment::UpdateMap(const StructuralDynamics::Prepared& prepared,
                               const IntegrationGrid& grid,
                               bool with_parameters) {
   if (map_.has_value() && step_ == grid.step() &&
-      substeps_ == grid.substeps() && theta_ == prepared.theta &&
-      (has_parameters_ || !with_parameters)) {
+      substeps_ == grid.substeps() && integrator_ == grid.integrator() &&
+      theta_ == prepared.theta && (has_parameters_ || !with_parameters)) {
     return;
   }
-  map_.emplace(dynamics_, prepared, grid.step(), grid.substeps(),
-               with_parameters);
+  map_.emplace(dynamics_, prepared, grid, with_parameters);
   theta_ = prepared.theta;
   step_ = grid.step();
   substeps_ = grid.substeps();
+  integrator_ = grid.integrator();
   has_parameters_ = with_parameters;
 }
 

@@ -53,6 +53,7 @@ class LinearSegment {
   Vector theta_;  // of map_
   double step_ = 0.0;
   int substeps_ = 0;
+  Integrator integrator_ = Integrator::kRungeKutta;
   bool has_parameters_ = false;
 
   Matrix states_;   // num_states x samples

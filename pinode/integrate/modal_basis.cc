@@ -6,6 +6,9 @@
 #include <cmath>
 #include <complex>
 
+#include "pinode/integrate/exact_forcing.h"
+#include "pinode/integrate/linear_rate.h"
+
 namespace pinode {
 namespace {
 
@@ -33,31 +36,26 @@ struct ScalarStep {
 
 }  // namespace
 
-bool ModalBasis::Compute(const Matrix& state_matrix, double step,
-                         int substeps) {
+bool ModalBasis::Compute(const Matrix& state_matrix,
+                         const IntegrationGrid& grid) {
   const Eigen::Index ns = state_matrix.rows();
-  const Eigen::EigenSolver<Matrix> solver(state_matrix);
+  const Vector units = VelocityUnits(state_matrix);
+  const Eigen::EigenSolver<Matrix> solver(units.asDiagonal() * state_matrix *
+                                          units.cwiseInverse().asDiagonal());
   if (solver.info() != Eigen::Success) return false;
   eigenvalues_ = solver.eigenvalues();
   modes_ = solver.eigenvectors();
   if (!eigenvalues_.allFinite() || !modes_.allFinite()) return false;
-  const Eigen::PartialPivLU<ComplexMatrix> lu(modes_);
-  inverse_modes_ = lu.inverse();
+  inverse_modes_ = Eigen::PartialPivLU<ComplexMatrix>(modes_).inverse();
   if (!inverse_modes_.allFinite()) return false;
-  // Displacements and velocities in one unit: a mode's own frequency.
-  const double frequency = eigenvalues_.cwiseAbs().maxCoeff();
-  const Eigen::Index n = ns / 2;
-  double sum = 0.0;  // of |V|^2 |V^-1|^2 with modes of length 1
+  double square = 0.0;  // of |V| |V^-1| with modes of length 1
   for (Eigen::Index m = 0; m < ns; ++m) {
-    const double length =
-        std::sqrt(frequency * frequency * modes_.col(m).head(n).squaredNorm() +
-                  modes_.col(m).tail(ns - n).squaredNorm());
-    sum +=
-        static_cast<double>(ns) * length * length *
-        (inverse_modes_.row(m).head(n).squaredNorm() / (frequency * frequency) +
-         inverse_modes_.row(m).tail(ns - n).squaredNorm());
+    square += static_cast<double>(ns) * modes_.col(m).squaredNorm() *
+              inverse_modes_.row(m).squaredNorm();
   }
-  if (!(std::sqrt(sum) < kLargestCondition)) return false;
+  if (!(std::sqrt(square) < kLargestCondition)) return false;
+  modes_ = units.cwiseInverse().asDiagonal() * modes_;
+  inverse_modes_ = inverse_modes_ * units.asDiagonal();
 
   kept_.clear();
   std::vector<double> weights;
@@ -68,17 +66,20 @@ bool ModalBasis::Compute(const Matrix& state_matrix, double step,
   }
   weights_ = Eigen::Map<const Vector>(
       weights.data(), static_cast<Eigen::Index>(weights.size()));
-  ComputeSteps(step, substeps);
+  advance_.resize(num_kept());
+  advance_slope_.resize(num_kept());
+  forcing_.resize(num_kept(), 3 * grid.substeps());
+  forcing_slope_.resize(num_kept(), 3 * grid.substeps());
+  if (grid.integrator() == Integrator::kExact) {
+    ComputeExactly(grid.sampling_step(), grid.substeps());
+  } else {
+    ComputeSteps(grid.step(), grid.substeps());
+  }
   return advance_.allFinite() && forcing_.allFinite();
 }
 
 void ModalBasis::ComputeSteps(double step, int substeps) {
-  const int count = num_kept();
-  advance_.resize(count);
-  advance_slope_.resize(count);
-  forcing_.resize(count, 3 * substeps);
-  forcing_slope_.resize(count, 3 * substeps);
-  for (int m = 0; m < count; ++m) {
+  for (int m = 0; m < num_kept(); ++m) {
     const ScalarStep one(step * eigenvalues_[kept_[static_cast<size_t>(m)]]);
     // R^i and its derivative by x, i the steps behind the one whose inputs
     // these are.
@@ -96,6 +97,18 @@ void ModalBasis::ComputeSteps(double step, int substeps) {
     }
     advance_[m] = power;
     advance_slope_[m] = step * slope;
+  }
+}
+
+void ModalBasis::ComputeExactly(double sampling_step, int substeps) {
+  const Matrix polynomial = NodePolynomial(substeps);
+  for (int m = 0; m < num_kept(); ++m) {
+    const ExactStep exact(eigenvalues_[kept_[static_cast<size_t>(m)]],
+                          sampling_step, polynomial);
+    advance_[m] = exact.advance;
+    advance_slope_[m] = exact.advance_slope;
+    forcing_.row(m) = exact.forcing.transpose();
+    forcing_slope_.row(m) = exact.forcing_slope.transpose();
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/integrate/integration_grid.h"
 
 namespace pinode {
 
@@ -14,22 +15,20 @@ using ComplexMatrix = Eigen::MatrixXcd;
 using ComplexVector = Eigen::VectorXcd;
 
 // The state matrix F of dh/dt = F h + G u as V diag(lambda) W, W = V^-1. In the
-// coordinates W h each mode goes its own way: between two samples the
-// Runge-Kutta steps take the response z of a mode to an input u from sample i
-// to the next one by
+// coordinates W h each mode goes its own way: the response z of a mode to an
+// input u goes from sample i to the next one by
 //
 //   z(i + 1) = rho(lambda) z(i) + sum_k kappa_k(lambda) u_k(i),
 //
 // u_k being the input at the nodes of the interval in the order of
-// IntegrationGrid::AtNode. These are the steps themselves, not the exact
-// solution. Of a pair of conjugate modes one is kept.
+// IntegrationGrid::AtNode. By Runge-Kutta these are the steps themselves, not
+// the exact solution. Of a pair of conjugate modes one is kept.
 class ModalBasis {
  public:
-  // `state_matrix`: F. `step`: of Runge-Kutta, of which `substeps` make an
-  // interval. False where the modes do not span the states to working accuracy,
-  // as those of a rigid body, whose two eigenvalues 0 have one mode.
-  [[nodiscard]] bool Compute(const Matrix& state_matrix, double step,
-                             int substeps);
+  // `state_matrix`: F. False where the modes do not span the states to working
+  // accuracy, as those of a rigid body, whose two eigenvalues 0 have one mode.
+  [[nodiscard]] bool Compute(const Matrix& state_matrix,
+                             const IntegrationGrid& grid);
 
   int num_states() const { return static_cast<int>(eigenvalues_.size()); }
   int num_kept() const { return static_cast<int>(kept_.size()); }
@@ -51,6 +50,7 @@ class ModalBasis {
 
  private:
   void ComputeSteps(double step, int substeps);
+  void ComputeExactly(double sampling_step, int substeps);
 
   ComplexVector eigenvalues_;
   ComplexMatrix modes_;

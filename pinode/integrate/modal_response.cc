@@ -72,7 +72,8 @@ bool ModalResponse::Prepare(const StructuralDynamics& dynamics,
                             const IntegrationGrid& grid, bool with_parameters) {
   const bool same = theta_.size() == prepared.theta.size() &&
                     theta_ == prepared.theta && step_ == grid.step() &&
-                    substeps_ == grid.substeps() && rate_.value.size() > 0;
+                    substeps_ == grid.substeps() &&
+                    integrator_ == grid.integrator() && rate_.value.size() > 0;
   if (same && (has_parameters_ || !with_parameters)) return ok_;
   rate_ = LinearRate(dynamics, prepared, with_parameters);
   has_parameters_ = with_parameters;
@@ -80,9 +81,10 @@ bool ModalResponse::Prepare(const StructuralDynamics& dynamics,
   theta_ = prepared.theta;
   step_ = grid.step();
   substeps_ = grid.substeps();
+  integrator_ = grid.integrator();
   num_inputs_ = dynamics.num_inputs();
   const int ns = dynamics.num_states();
-  ok_ = basis_.Compute(rate_.value.leftCols(ns), step_, substeps_);
+  ok_ = basis_.Compute(rate_.value.leftCols(ns), grid);
   if (!ok_) return false;
   inverse_gaps_ = ComplexMatrix::Zero(ns, ns);
   near_.clear();

@@ -118,6 +118,7 @@ class ModalResponse {
   Vector theta_;
   double step_ = 0.0;
   int substeps_ = 0;
+  Integrator integrator_ = Integrator::kRungeKutta;
   bool has_parameters_ = false;
   bool ok_ = false;
   int num_inputs_ = 0;

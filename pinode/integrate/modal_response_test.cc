@@ -15,7 +15,7 @@
 namespace pinode {
 namespace {
 
-constexpr int kSamples = 90;
+constexpr int kModalSamples = 90;
 
 // Displacement, velocity and both accelerations under two inputs.
 class ModalResponseTest : public ::testing::Test {
@@ -32,39 +32,45 @@ class ModalResponseTest : public ::testing::Test {
          {"v", Quantity::kVelocity, Vector::Unit(n, n - 1)},
          {"a", Quantity::kAbsoluteAcceleration, Vector::Unit(n, n - 1)},
          {"r", Quantity::kRelativeAcceleration, Vector::Unit(n, 0)}});
-    Matrix values(dynamics.num_inputs(), kSamples);
-    for (int i = 0; i < kSamples; ++i) {
+    Matrix values(dynamics.num_inputs(), kModalSamples);
+    for (int i = 0; i < kModalSamples; ++i) {
       for (int k = 0; k < values.rows(); ++k) {
         values(k, i) = std::sin(1.3 * i + k) + 0.5 * std::cos(0.37 * i);
       }
     }
-    grid_ = IntegrationGrid(
-        Excitation(0.2, 0.05, values, Interpolation::kCubic), 3);
+    const Excitation excitation(0.2, 0.05, values, Interpolation::kCubic);
+    grid_ = IntegrationGrid(excitation, 3);
+    exact_grid_ = IntegrationGrid::Exact(excitation);
     start_ = Vector::LinSpaced(dynamics.num_states(), -0.5, 0.6);
   }
 
   // Largest difference from the segment's own, each column by its size.
   double WorstAgainstSegment() {
+    return testing::Worse(WorstAgainstSegment(grid_),
+                          WorstAgainstSegment(exact_grid_));
+  }
+
+  double WorstAgainstSegment(const IntegrationGrid& grid) {
     SegmentPropagator propagator(*dynamics_, DerivativeMethod::kTangents);
     SegmentTangents segment;
-    EXPECT_TRUE(propagator.Propagate(prepared_, observation_, grid_, start_, 0,
-                                     kSamples - 1, true, SegmentColumns::kAll,
-                                     &segment));
+    EXPECT_TRUE(propagator.Propagate(prepared_, observation_, grid, start_, 0,
+                                     kModalSamples - 1, true,
+                                     SegmentColumns::kAll, &segment));
     ModalResponse response;
-    if (!response.Prepare(*dynamics_, prepared_, grid_, true)) return 1e300;
+    if (!response.Prepare(*dynamics_, prepared_, grid, true)) return 1e300;
     const ModalResponse::Contents contents{true, true};
     const Matrix values = response.Values(contents, observation_, start_);
     const std::vector<Matrix> tables =
         response.Derivatives(contents, observation_, start_, true, true);
     const int nc = observation_.num_channels();
-    Matrix channels(nc, kSamples);
-    Matrix jacobian(nc * kSamples, tables[0].cols());
+    Matrix channels(nc, kModalSamples);
+    Matrix jacobian(nc * kModalSamples, tables[0].cols());
     // In pieces of a length that does not divide the whole.
     ModalResponse::State state = response.Begin(contents);
     Matrix histories;
-    for (int first = 0; first < kSamples; first += 40) {
-      const int count = std::min(40, kSamples - first);
-      response.Advance(contents, grid_, first, count, &state, &histories);
+    for (int first = 0; first < kModalSamples; first += 40) {
+      const int count = std::min(40, kModalSamples - first);
+      response.Advance(contents, grid, first, count, &state, &histories);
       channels.middleCols(first, count) = values.transpose() * histories;
       for (int i = 0; i < count; ++i) {
         for (int c = 0; c < nc; ++c) {
@@ -91,7 +97,7 @@ class ModalResponseTest : public ::testing::Test {
   const StructuralDynamics* dynamics_ = nullptr;
   StructuralDynamics::Prepared prepared_;
   ObservationMap observation_;
-  IntegrationGrid grid_;
+  IntegrationGrid grid_, exact_grid_;
   Vector start_;
 };
 

@@ -36,6 +36,10 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
     return Run(prepared, observation, grid, start, first, last, observe_last,
                result);
   }
+  if (grid.integrator() == Integrator::kExact) {
+    return linear_.Propagate(prepared, observation, grid, start, first, last,
+                             observe_last, columns, result);
+  }
   switch (method_) {
     case DerivativeMethod::kTangents:
       if (LinearSegment::Suits(dynamics_, grid.substeps())) {

@@ -20,7 +20,8 @@ namespace pinode {
 enum class DerivativeMethod {
   kTangents,  // TangentStep: laws by narrow Jets, networks by hand;
               // LinearSegment where the dynamics are linear
-  kJets,      // the step on wide Jets through the whole segment
+  kJets,      // the step on wide Jets through the whole segment; the exact
+              // solution has none
 };
 
 // Which derivatives are asked for: num_states columns by the start, then

@@ -8,6 +8,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/record_grid.h"
 #include "pinode/report/console.h"
 #include "pinode/report/figure.h"
 #include "pinode/report/fit_text.h"
@@ -92,7 +93,7 @@ TextTable MakeDataTable(const ReportInput& input) {
                    {"samples", Align::kDecimal},
                    {"step, " + time, Align::kDecimal},
                    {"length, " + time, Align::kDecimal},
-                   {"substeps", Align::kDecimal},
+                   {"integration", Align::kLeft},
                    {"excitation between samples", Align::kLeft},
                    {"start", Align::kLeft},
                    {"filter", Align::kLeft}});
@@ -103,7 +104,9 @@ TextTable MakeDataTable(const ReportInput& input) {
         {record.name, std::to_string(record.num_samples()),
          FormatNumber(record.sampling_step(), 6),
          ReadableNumber((record.num_samples() - 1) * record.sampling_step(), 4),
-         std::to_string(record.substeps),
+         IntegratorOf(*input.problem->dynamics, record) == Integrator::kExact
+             ? "exact"
+             : "RK4, " + std::to_string(record.substeps) + " steps",
          excitation.num_inputs() == 0
              ? "none"
              : InterpolationName(excitation.interpolation()) +

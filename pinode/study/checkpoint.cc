@@ -122,6 +122,9 @@ void Add(const IdentificationRecord& record, Hash* hash) {
   hash->Add(static_cast<std::int64_t>(record.role));
   hash->Add(static_cast<std::int64_t>(record.start));
   hash->Add(static_cast<std::int64_t>(record.substeps));
+  if (record.integrator.has_value()) {
+    hash->Add(IntegratorName(*record.integrator));
+  }
   hash->Add(record.sampling_step());
   hash->Add(record.excitation->samples());
   for (const MeasuredChannel& channel : record.channels) {

@@ -1,6 +1,7 @@
 #include "pinode/study/prepare_problem.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace {
 struct Steps {
   int substeps;
   bool chosen;
+  std::optional<Integrator> integrator;
 };
 
 bool Prepare(IdentificationProblem* problem, std::string* error) {
@@ -51,12 +53,14 @@ bool PrepareProblem(IdentificationProblem* problem, std::string* error) {
   CHECK(error != nullptr);
   std::vector<Steps> before;
   for (const IdentificationRecord& record : problem->records) {
-    before.push_back({record.substeps, record.substeps_chosen});
+    before.push_back(
+        {record.substeps, record.substeps_chosen, record.integrator});
   }
   if (Prepare(problem, error)) return true;
   for (size_t r = 0; r < before.size(); ++r) {
     problem->records[r].substeps = before[r].substeps;
     problem->records[r].substeps_chosen = before[r].chosen;
+    problem->records[r].integrator = before[r].integrator;
   }
   return false;
 }

@@ -1,5 +1,6 @@
 #include "pinode/study/substeps.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/observation.h"
+#include "pinode/estimate/record_grid.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/integration_grid.h"
 
@@ -258,6 +260,48 @@ bool CheckSubsteps(const StructuralDynamics& dynamics,
 
 namespace {
 
+// A model carries the error of the steps with which it was fitted: where a
+// training record has a number of Runge-Kutta's, no record is run exactly.
+void FollowTraining(IdentificationProblem* problem) {
+  bool stepped = false;
+  for (const IdentificationRecord& record : problem->records) {
+    stepped = stepped || (record.role == IdentificationRecord::Role::kTrain &&
+                          record.substeps > 0 && !record.substeps_chosen &&
+                          !record.integrator.has_value());
+  }
+  for (IdentificationRecord& record : problem->records) {
+    if (stepped && !record.integrator.has_value()) {
+      record.integrator = Integrator::kRungeKutta;
+    }
+  }
+}
+
+// What Runge-Kutta would take, for the few that linearise step by step.
+bool StepsBesideTheExactSolution(const StructuralDynamics& dynamics,
+                                 const IdentificationRecord& record,
+                                 SubstepChoice* choice, std::string* error) {
+  StructuralDynamics::Prepared prepared;
+  if (!dynamics.Prepare(dynamics.Parameters(), &prepared, error)) return false;
+  const Matrix state_matrix = StateMatrixAtRest(dynamics, record);
+  const double step = record.sampling_step();
+  const double largest =
+      CheckStability(state_matrix, step, 1).largest_eigenvalue;
+  const double smallest = state_matrix.eigenvalues().cwiseAbs().minCoeff();
+  if (!(smallest * step < kMaxSubsteps)) {
+    *error = "its sampling is too coarse even for the model's lowest mode (" +
+             FormatNumber(smallest, 4) +
+             " rad per unit of time); check the units of the model and of the "
+             "record's time";
+    return false;
+  }
+  choice->error = choice->error_limit = kNaN;
+  choice->substeps =
+      static_cast<int>(std::clamp(std::ceil(largest * step / kLargestPhase),
+                                  1.0, static_cast<double>(kMaxSubsteps)));
+  choice->stability = CheckStability(state_matrix, step, choice->substeps);
+  return true;
+}
+
 void RefineToTraining(IdentificationProblem* problem,
                       std::vector<SubstepChoice>* choices) {
   double finest = kInfinity;
@@ -271,7 +315,7 @@ void RefineToTraining(IdentificationProblem* problem,
     const double needed =
         std::ceil(record.sampling_step() / finest * (1.0 - 1e-9));
     if (!record.substeps_chosen || !(needed > record.substeps) ||
-        needed > kMaxSubsteps) {
+        needed > kMaxSubsteps || choice.integrator == Integrator::kExact) {
       continue;
     }
     record.substeps = choice.substeps = static_cast<int>(needed);
@@ -287,16 +331,29 @@ bool SetSubsteps(IdentificationProblem* problem,
                  std::vector<SubstepChoice>* choices, int* failed,
                  std::string* error) {
   choices->assign(problem->records.size(), SubstepChoice());
+  FollowTraining(problem);
   for (size_t r = 0; r < problem->records.size(); ++r) {
     IdentificationRecord& record = problem->records[r];
     SubstepChoice& choice = (*choices)[r];
     if (record.substeps == 0) record.substeps_chosen = true;
+    const StructuralDynamics& dynamics = *problem->dynamics;
     const IdentificationRecord ideal = problem->AsSeenByIdealSensors(record);
-    const bool good =
-        record.substeps > 0
-            ? CheckSubsteps(*problem->dynamics, ideal, record.substeps, &choice,
-                            error)
-            : ChooseSubsteps(*problem->dynamics, ideal, &choice, error);
+    choice.integrator = IntegratorOf(dynamics, record);
+    bool good = true;
+    if (record.integrator.has_value() &&
+        *record.integrator != choice.integrator) {
+      *error =
+          "integrator = \"exact\" is for models that are linear with constant "
+          "matrices: groups that follow nothing, no elements, networks or "
+          "other terms";
+      good = false;
+    } else if (choice.integrator == Integrator::kExact) {
+      good = StepsBesideTheExactSolution(dynamics, ideal, &choice, error);
+    } else if (record.substeps > 0) {
+      good = CheckSubsteps(dynamics, ideal, record.substeps, &choice, error);
+    } else {
+      good = ChooseSubsteps(dynamics, ideal, &choice, error);
+    }
     if (!good) {
       *failed = static_cast<int>(r);
       return false;
