@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "pinode/case/testing.h"
 #include "pinode/case/toml_value.h"
+#include "pinode/estimate/record_grid.h"
 
 namespace pinode {
 namespace {
@@ -654,6 +655,44 @@ TEST(CaseFileTest, Simulation) {
   EXPECT_TRUE(std::isnan(record.channels[0].values[0]));
   EXPECT_FALSE(c.problem.IsDriven(c.problem.records[0]));
   EXPECT_GE(record.substeps, 1);
+}
+
+// Linear models have no steps unless they are asked for.
+TEST(CaseFileTest, IntegratesLinearModelsExactly) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  const auto with = [&](const std::string& keys, const std::string& more) {
+    return folder.Write("case.toml", Replaced(SmallCase(), "start = \"rest\"",
+                                              "start = \"rest\"\n" + keys) +
+                                         more);
+  };
+  const auto integrator = [](const Case& c) {
+    EXPECT_EQ(c.substeps[0].integrator,
+              IntegratorOf(*c.problem.dynamics, c.problem.records[0]));
+    return c.substeps[0].integrator;
+  };
+  EXPECT_EQ(integrator(ReadOrFail(with("", ""))), Integrator::kExact);
+  EXPECT_EQ(integrator(ReadOrFail(with("integrator = \"auto\"", ""))),
+            Integrator::kExact);
+  EXPECT_EQ(integrator(ReadOrFail(with("integrator = \"rk4\"", ""))),
+            Integrator::kRungeKutta);
+  EXPECT_EQ(integrator(ReadOrFail(with("substeps = 3", ""))),
+            Integrator::kRungeKutta);
+  EXPECT_EQ(
+      integrator(ReadOrFail(with("substeps = 3\nintegrator = \"exact\"", ""))),
+      Integrator::kExact);
+
+  const std::string spring =
+      "[[element]]\nname = \"s\"\ntype = \"cubic\"\n"
+      "between = [\"ground\", \"u1\"]\nparameters = {k3 = {initial = 1.0}}\n";
+  EXPECT_EQ(integrator(ReadOrFail(with("", spring))), Integrator::kRungeKutta);
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(with("integrator = \"exact\"", spring), &c, &error));
+  EXPECT_THAT(error, HasSubstr("integrator = \"exact\" is for models that are "
+                               "linear with constant matrices"));
+  EXPECT_FALSE(ReadCase(with("integrator = \"euler\"", ""), &c, &error));
+  EXPECT_THAT(error, HasSubstr("euler"));
 }
 
 // The hold-out is not integrated more coarsely than the training records.

@@ -20,8 +20,14 @@ namespace pinode {
 //   A  = I + sum_s G_s J_s           B  = sum_s G_s F_s
 //   S(t + dt) = A S(t) + [0 B]
 //
-// which is the derivative of the discrete step itself (pinode/theory.md).
-// After construction nothing allocates. One object per thread.
+// which is the derivative of the discrete step itself (pinode/theory.md). Where
+// S has few columns for its states it is carried through the stages instead,
+//
+//   S_1 = S   S_2 = S + dt/2 K_1   S_3 = S + dt/2 K_2   S_4 = S + dt K_3
+//   K_s = J_s S_s + [0 F_s],   S(t + dt) = S + dt/6 (K_1 + 2 K_2 + 2 K_3 + K_4)
+//
+// which is the same without products of state size. After construction nothing
+// allocates. One object per thread.
 class TangentStep {
  public:
   explicit TangentStep(const StructuralDynamics& dynamics);
@@ -47,6 +53,14 @@ class TangentStep {
                             const Matrix& left, Matrix* result);
 
  private:
+  // next_ from the linearised stages, by the transition A or through the
+  // stages.
+  void AdvanceByTransition(const StructuralDynamics::Prepared& prepared,
+                           double dt, bool with_parameters,
+                           const Matrix& sensitivity);
+  void AdvanceThroughStages(const StructuralDynamics::Prepared& prepared,
+                            double dt, bool with_parameters,
+                            const Matrix& sensitivity);
   // To next_, for the stages and weights of a step.
   void AddParameterColumns(const StructuralDynamics::Prepared& prepared);
 
@@ -57,6 +71,12 @@ class TangentStep {
   StructuralDynamics::TangentScratch observation_scratch_;
   Matrix transition_;  // A
   Matrix next_;        // next sensitivity
+  // Through the stages: S_s, K_s, and F_s but for the rates of displacements.
+  StructuralDynamics::TangentScratch forward_scratch_;
+  Matrix lower_;  // takes the rows of F_s
+  Matrix stage_sensitivity_;
+  Matrix stage_rate_;
+  Matrix parameter_rate_;
   Vector stage_state_;
 };
 
