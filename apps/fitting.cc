@@ -11,8 +11,54 @@
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/profile.h"
 #include "pinode/estimate/progress.h"
+#include "pinode/study/growth.h"
+#include "pinode/study/term_choice.h"
 
 namespace pinode {
+namespace {
+
+// Whether a choice can begin with such a fit: candidates that are nearly the
+// same may keep it from converging.
+bool CanChoose(const IdentificationSummary& summary) {
+  return summary.termination == Termination::kConverged ||
+         summary.termination == Termination::kNoConvergence;
+}
+
+// After a fit of *c, which is `all` without what summary->choice has left out.
+void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
+                       bool show_progress, Case* c,
+                       IdentificationSummary* summary, IdentifiedModel* model) {
+  if (summary->choice.complete) {
+    summary->remarks.push_back(summary->choice.Sentence());
+    return;
+  }
+  if (summary->termination == Termination::kInterrupted) return;
+  std::string error = "the fit with all candidates: " + summary->message;
+  TermChoiceOptions options;
+  options.identification = c->options;
+  options.fit = FitWithProgress(show_progress);
+  bool warned = false;
+  options.on_choice = [&](const Checkpoint& checkpoint) {
+    std::string what;
+    if (!WriteCheckpoint(folder.checkpoint_path(), ProblemIdentity(all.problem),
+                         checkpoint, &what) &&
+        !warned) {
+      std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
+      warned = true;
+    }
+  };
+  TermFit fit{c->problem, *summary, *model};
+  if (!CanChoose(*summary) ||
+      !ChooseTerms(all.problem, all.candidates, options, &fit, &error)) {
+    c->problem.description.remarks.push_back("No model choice: " + error + ".");
+    return;
+  }
+  *summary = std::move(fit.summary);
+  *model = std::move(fit.model);
+  *c = CaseAfterChoice(all, summary->choice.left_out, fit.problem);
+}
+
+}  // namespace
 
 bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
              bool show_progress, Case* c, IdentificationSummary* summary,
@@ -34,11 +80,18 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
       }
     }
   }
+  const Case all = *c;
+  const ModelChoice begun = checkpoint.choice;
+  if (!begun.left_out.empty() && !LeaveOutOfCase(begun.left_out, c, error)) {
+    return false;
+  }
   ProgressLine line(show_progress);
   CheckpointWriter writer(ProblemIdentity(c->problem),
                           folder.checkpoint_path());
+  writer.set_choice(begun);
   bool warned = false;
   IdentificationOptions options = c->options;
+  if (!begun.empty()) BeginNearTheEnd(&options);
   options.callback = [&](const IdentificationProgress& progress) {
     std::string what;
     if (!writer.Update(progress, &what) && !warned) {
@@ -50,6 +103,10 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   };
   Identify(c->problem, options, begin_from, summary, model);
   line.End();
+  summary->choice = begun;
+  if (!all.candidates.empty()) {
+    ChooseTermsOfCase(all, folder, show_progress, c, summary, model);
+  }
   if (RenewsBasis(*c) && summary->usable) {
     RenewCaseUntilSettled(FitWithProgress(show_progress), c, summary, model);
   }
@@ -71,6 +128,7 @@ void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
   checkpoint.iteration = summary->num_iterations;
   checkpoint.cost = summary->final_cost;
   checkpoint.model = model;
+  checkpoint.choice = summary->choice;
   bool warned = false;
   options.callback = [&](const std::vector<ParameterProfile>& done, int of) {
     if (show_progress) {

@@ -18,6 +18,11 @@ namespace pinode {
 // the case's own values). False, with *error, where that checkpoint is of no
 // use: nothing has been done then.
 //
+// Where the case has candidates, those that the training records support are
+// chosen after the fit (study/term_choice.h), with a checkpoint after each step
+// from which the choice goes on; *c is then the case without the others. Where
+// there can be no choice, a remark of the case says why.
+//
 // Where the case renews the basis of its reduction, it is fitted again with
 // that of the values found, and begins in that of a checkpoint's values; *c is
 // then the case with the last one.

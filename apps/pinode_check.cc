@@ -161,6 +161,15 @@ void PrintRecords(const Case& c) {
   }
 }
 
+void PrintCandidates(const Case& c) {
+  if (c.candidates.empty()) return;
+  std::printf("\nCandidates, of which a fit keeps what the records support:");
+  for (const ModelCandidate& candidate : c.candidates) {
+    std::printf(" %s", candidate.name.c_str());
+  }
+  std::printf("\n");
+}
+
 void PrintMeasuredModes(const Case& c) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   std::vector<ModeMatch> matches;
@@ -246,6 +255,7 @@ int main(int argc, char** argv) {
   PrintFiniteElementModel(c);
   PrintModel(c);
   if (!c.problem.records.empty()) PrintRecords(c);
+  PrintCandidates(c);
   PrintMeasuredModes(c);
   for (const std::string& remark : c.problem.description.remarks) {
     std::printf("  %s\n", remark.c_str());

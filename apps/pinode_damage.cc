@@ -21,6 +21,7 @@
 #include "apps/program.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/baseline_folder.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
@@ -84,6 +85,28 @@ bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
     baselines->emplace_back();
     if (!ReadBaseline(folder, c, &baselines->back(), error)) return false;
   }
+  return true;
+}
+
+// A healthy structure and its new state are the same model: candidates that no
+// baseline has are left out, the others stay, and nothing is chosen.
+bool TakeOverChoice(const std::vector<Baseline>& baselines, Case* c,
+                    std::string* error) {
+  if (c->candidates.empty()) return true;
+  std::vector<std::string> left_out;
+  for (const ModelCandidate& candidate : c->candidates) {
+    const bool known = std::any_of(
+        baselines.begin(), baselines.end(), [&](const Baseline& baseline) {
+          return std::count(baseline.parameter_names.begin(),
+                            baseline.parameter_names.end(),
+                            candidate.parameters[0]) > 0;
+        });
+    if (!known) left_out.push_back(candidate.name);
+  }
+  if (!LeaveOutOfCase(left_out, c, error)) return false;
+  c->problem.description.remarks.push_back(
+      "Model choice as in the baseline; left out: " +
+      (left_out.empty() ? std::string("none") : Join(left_out, ", ")) + ".");
   return true;
 }
 
@@ -165,7 +188,8 @@ int main(int argc, char** argv) {
   Case c;
   std::vector<Baseline> baselines;
   if (!ReadChangeFlags(&change, &error) || !ReadCase(&c, &error) ||
-      !ReadBaselines(c, &baselines, &error)) {
+      !ReadBaselines(c, &baselines, &error) ||
+      !TakeOverChoice(baselines, &c, &error)) {
     return Refuse(error);
   }
   IdentifiedModel begin_from = BeginFromBaseline(baselines[0], c.problem);

@@ -83,6 +83,7 @@ bool ReadInput(Case* c, IdentifiedModel* model, std::string* error) {
     return false;
   }
   *model = checkpoint.model;
+  if (!LeaveOutOfCase(checkpoint.choice.left_out, c, error)) return false;
   return !RenewsBasis(*c) || RenewCase(*c, checkpoint.model, c, model, error);
 }
 

@@ -130,6 +130,7 @@ class CaseReader {
     context.model = &model_;
     context.default_seed = c_.options.seed;
     context.remarks = &description_.remarks;
+    context.candidates = &c_.candidates;
     if (!ReadGroups(root_, context, dynamics_.get()) ||
         !ReadElements(root_, context, dynamics_.get()) ||
         !ReadLibraries(root_, context, dynamics_.get()) ||
@@ -188,7 +189,8 @@ class CaseReader {
       return false;
     }
     std::string message;
-    return (c_.problem.IsValid(&message) && c_.options.IsValid(&message)) ||
+    return (c_.problem.IsValid(&message) && c_.options.IsValid(&message) &&
+            AreCandidatesOf(c_.problem, c_.candidates, &message)) ||
            errors_.Fail(0, message);
   }
 

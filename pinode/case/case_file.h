@@ -14,6 +14,7 @@
 #include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/study/model_candidate.h"
 #include "pinode/study/substeps.h"
 
 namespace pinode {
@@ -45,6 +46,10 @@ struct Case {
 
   // [discover]: where pinode_discover looks for equations.
   DiscoveryOptions discover;
+
+  // [[element]] with optional = true and the free terms of [[library]] with
+  // select = true: those of which a fit keeps what the records support.
+  std::vector<ModelCandidate> candidates;
 
   // [profiles]: the parameters whose likelihood is to be profiled, empty for
   // all that are free; none where nobody asks.

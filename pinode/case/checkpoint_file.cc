@@ -1,11 +1,13 @@
 #include "pinode/case/checkpoint_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "pinode/base/file.h"
+#include "pinode/case/choice_json.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -153,10 +155,26 @@ bool ParseCheckpoint(const Json& json, Checkpoint* checkpoint) {
       !FromJson(json["profiles"], &checkpoint->profiles)) {
     return false;
   }
+  if (json.contains("choice") &&
+      !ChoiceFromJson(json["choice"], &checkpoint->choice)) {
+    return false;
+  }
   return FromJson(json["parameters"], &model.parameters) &&
          FromJson(json["sigmas"], &model.sigmas) &&
          FromJson(json["starts"], &model.starts) &&
          FromJson(json["decays"], &model.decays);
+}
+
+// Those that the problem has and `left_out` does not name.
+int NumParametersWithout(const IdentificationProblem& problem,
+                         const std::vector<std::string>& left_out) {
+  const ParameterLayout layout(problem);
+  int count = 0;
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    count += std::find(left_out.begin(), left_out.end(),
+                       layout.parameter(i).name) == left_out.end();
+  }
+  return count;
 }
 
 }  // namespace
@@ -175,6 +193,9 @@ bool WriteCheckpoint(const std::string& path, const std::string& problem_hash,
   json["decays"] = ToJson(checkpoint.model.decays);
   if (!checkpoint.profiles.empty()) {
     json["profiles"] = ToJson(checkpoint.profiles);
+  }
+  if (!checkpoint.choice.empty()) {
+    json["choice"] = ChoiceToJson(checkpoint.choice);
   }
   return WriteFileAtomically(path, json.dump() + "\n", error);
 }
@@ -204,7 +225,8 @@ bool ReadCheckpoint(const std::string& path,
     *error = path + ": a key is missing or holds something else than expected";
     return false;
   }
-  const int expected = ParameterLayout(problem).num_parameters();
+  const int expected =
+      NumParametersWithout(problem, result.choice.left_out_parameters);
   if (result.model.parameters.size() != expected) {
     *error = path + ": holds " +
              std::to_string(result.model.parameters.size()) +
@@ -233,6 +255,7 @@ bool CheckpointWriter::Update(const IdentificationProgress& progress,
   checkpoint.iteration = progress.iteration;
   checkpoint.cost = progress.cost;
   checkpoint.model = *progress.model;
+  checkpoint.choice = choice_;
   return WriteCheckpoint(path_, problem_hash_, checkpoint, error);
 }
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
@@ -15,14 +16,17 @@ namespace pinode {
 // {"schema": "pinode-checkpoint-1", "problem": hash, "iteration", "stage",
 //  "cost", "parameters": [...], "sigmas": [[...]], "starts": [[...]],
 //  "decays": [...]} and, where profiles of the likelihood are done,
-//  "profiles": [{...}], written atomically; numbers are read back bit for bit.
+//  "profiles": [{...}], where terms are chosen, "choice": {...}
+//  (choice_json.h),
+// written atomically; numbers are read back bit for bit.
 [[nodiscard]] bool WriteCheckpoint(const std::string& path,
                                    const std::string& problem_hash,
                                    const Checkpoint& checkpoint,
                                    std::string* error);
 
 // Fails, with *checkpoint untouched, on a file that is not a checkpoint of this
-// problem (by ProblemIdentity). Where the basis of a reduction was renewed, the
+// problem (by ProblemIdentity), with or without what its choice has left out.
+// Where the basis of a reduction was renewed, the
 // starts in it are of a basis near that of the values in it.
 [[nodiscard]] bool ReadCheckpoint(const std::string& path,
                                   const IdentificationProblem& problem,
@@ -37,6 +41,9 @@ class CheckpointWriter {
       std::string problem_hash, std::string path,
       std::chrono::milliseconds interval = std::chrono::milliseconds(1000));
 
+  // What has been chosen when the fit begins.
+  void set_choice(ModelChoice choice) { choice_ = std::move(choice); }
+
   // False, with *error, where the file cannot be written: the fit may go on.
   [[nodiscard]] bool Update(const IdentificationProgress& progress,
                             std::string* error);
@@ -45,6 +52,7 @@ class CheckpointWriter {
   std::string path_;
   std::string problem_hash_;
   std::chrono::milliseconds interval_;
+  ModelChoice choice_;
   bool written_ = false;
   std::chrono::steady_clock::time_point last_;
 };

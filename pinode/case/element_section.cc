@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -53,6 +54,23 @@ bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
          ReadParameterKeys(keys, 1.0, parameter);
 }
 
+// optional: one of what makes its force is free.
+bool AddElementCandidate(const TomlTable& table, const LawTerm& term,
+                         const TermsContext& context) {
+  ModelCandidate candidate = ElementCandidate(term);
+  for (const Parameter& parameter : term.parameters.parameters) {
+    if (parameter.free &&
+        std::count(candidate.amplitudes.begin(), candidate.amplitudes.end(),
+                   parameter.name) > 0) {
+      context.candidates->push_back(std::move(candidate));
+      return true;
+    }
+  }
+  return table.Fail("optional", "none of " + Join(candidate.amplitudes, ", ") +
+                                    " is free, expected one by which it can be "
+                                    "told whether it acts");
+}
+
 }  // namespace
 
 bool ReadElements(const TomlTable& root, const TermsContext& context,
@@ -60,7 +78,8 @@ bool ReadElements(const TomlTable& root, const TermsContext& context,
   const StructuralModel& model = context.model->model;
   std::set<std::string> seen;
   for (TomlTable& table : root.Tables("element")) {
-    if (!table.AllowKeys({"name", "type", "between", "parameters"})) {
+    if (!table.AllowKeys(
+            {"name", "type", "between", "parameters", "optional"})) {
       return false;
     }
     LawTerm term;
@@ -102,6 +121,10 @@ bool ReadElements(const TomlTable& root, const TermsContext& context,
         return false;
       }
       term.parameters.parameters.push_back(parameter);
+    }
+    if (table.Boolean("optional", false) &&
+        !AddElementCandidate(table, term, context)) {
+      return false;
     }
     if (!dynamics->AddLaw(std::move(term), &error)) {
       return table.Fail("name", error);

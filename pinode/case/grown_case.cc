@@ -1,5 +1,6 @@
 #include "pinode/case/grown_case.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -61,6 +62,30 @@ Case CaseInBasis(const Case& c, ReducedProblem renewed) {
   return result;
 }
 
+// [profiles] without the parameters that the problem does not have any more.
+void KeepProfiles(Case* c, TomlValue* tree) {
+  if (!c->profiles.has_value() || c->profiles->empty()) return;
+  const ParameterLayout layout(c->problem);
+  std::vector<std::string> kept;
+  for (const std::string& name : *c->profiles) {
+    if (layout.FreeIndex(name) >= 0) kept.push_back(name);
+  }
+  if (kept.size() == c->profiles->size()) return;
+  c->problem.description.remarks.push_back(
+      "Some of the parameters that [profiles] names were left out of the "
+      "model.");
+  // An empty list would stand for all.
+  if (kept.empty()) {
+    c->profiles.reset();
+    tree->Erase("profiles");
+    return;
+  }
+  TomlValue* section = tree->Find("profiles");
+  CHECK(section != nullptr);
+  section->Set("parameters", TomlValue::Strings(kept));
+  c->profiles = std::move(kept);
+}
+
 }  // namespace
 
 bool CaseWithCandidates(const Case& c,
@@ -86,6 +111,42 @@ bool CaseWithEquations(const Case& c,
   }
   return CaseOf(c, TreeWithEquations(*c.source, equations, substeps), problem,
                 grown, error);
+}
+
+Case CaseAfterChoice(const Case& c, const std::vector<std::string>& left_out,
+                     const IdentificationProblem& problem) {
+  TomlValue tree = TreeAfterChoice(*c.source, *c.problem.dynamics, left_out);
+  Case result = c;
+  result.candidates.clear();
+  result.problem = problem;
+  KeepProfiles(&result, &tree);
+  result.source = std::make_shared<const TomlValue>(std::move(tree));
+  return result;
+}
+
+bool LeaveOutOfCase(const std::vector<std::string>& left_out, Case* c,
+                    std::string* error) {
+  std::vector<ModelCandidate> gone;
+  for (const std::string& name : left_out) {
+    const auto found = std::find_if(c->candidates.begin(), c->candidates.end(),
+                                    [&name](const ModelCandidate& candidate) {
+                                      return candidate.name == name;
+                                    });
+    if (found == c->candidates.end()) {
+      *error = c->path + ": '" + name +
+               "' is no candidate, expected an optional element or a term of a "
+               "library with select = true";
+      return false;
+    }
+    gone.push_back(*found);
+  }
+  IdentificationProblem problem;
+  if (!LeaveOut(c->problem, gone, &problem, error)) {
+    *error = c->path + ": " + *error;
+    return false;
+  }
+  *c = CaseAfterChoice(*c, left_out, problem);
+  return true;
 }
 
 bool RenewsBasis(const Case& c) {

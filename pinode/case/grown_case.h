@@ -30,6 +30,17 @@ namespace pinode {
     const IdentificationProblem& problem, bool given_steps, Case* grown,
     std::string* error);
 
+// The case after a choice among its candidates: without those that were left
+// out, by name, and with `problem`, which is that of `c` without them. Nothing
+// is left to be chosen.
+Case CaseAfterChoice(const Case& c, const std::vector<std::string>& left_out,
+                     const IdentificationProblem& problem);
+
+// The same where the problem has to be made. False, with *error, where a name
+// is none of a candidate.
+[[nodiscard]] bool LeaveOutOfCase(const std::vector<std::string>& left_out,
+                                  Case* c, std::string* error);
+
 // Whether the case asks for a basis that follows the parameters
 // ([model.reduction] renew = true).
 bool RenewsBasis(const Case& c);

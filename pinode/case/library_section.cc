@@ -115,6 +115,20 @@ bool ReadLibraryFunctions(const TomlTable& table, const TermsContext& context,
   return true;
 }
 
+// select: all terms that are free.
+bool AddLibraryCandidates(const TomlTable& table, const LawTerm& term,
+                          const TermsContext& context) {
+  bool any = false;
+  for (int k = 0; k < term.parameters.size(); ++k) {
+    if (!term.parameters.parameters[static_cast<size_t>(k)].free) continue;
+    context.candidates->push_back(LibraryCandidate(term, k));
+    any = true;
+  }
+  return any || table.Fail("select",
+                           "none of its terms is free, expected one that may "
+                           "be left out");
+}
+
 }  // namespace
 
 bool ReadLibraries(const TomlTable& root, const TermsContext& context,
@@ -122,7 +136,8 @@ bool ReadLibraries(const TomlTable& root, const TermsContext& context,
   std::set<std::string> seen;
   for (const LawTerm& law : dynamics->laws()) seen.insert(law.name);
   for (TomlTable& table : root.Tables("library")) {
-    if (!table.AllowKeys({"name", "inputs", "output", "acts_as", "terms"})) {
+    if (!table.AllowKeys(
+            {"name", "inputs", "output", "acts_as", "terms", "select"})) {
       return false;
     }
     LawTerm term;
@@ -150,6 +165,10 @@ bool ReadLibraries(const TomlTable& root, const TermsContext& context,
     std::string error;
     if (!ReadLibraryFunctions(table, context, *dynamics, names, &term))
       return false;
+    if (table.Boolean("select", false) &&
+        !AddLibraryCandidates(table, term, context)) {
+      return false;
+    }
     if (!dynamics->AddLaw(std::move(term), &error)) {
       return table.Fail("name", error);
     }

@@ -198,6 +198,7 @@ class ResultWriter {
     checkpoint.cost = summary_.final_cost;
     checkpoint.model = model_;
     checkpoint.profiles = summary_.profiles;
+    checkpoint.choice = summary_.choice;
     return WriteCheckpoint(Path("checkpoint.json"), ProblemIdentity(problem_),
                            checkpoint, error_);
   }

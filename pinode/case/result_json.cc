@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pinode/base/file.h"
+#include "pinode/case/choice_json.h"
 #include "pinode/case/result_files.h"
 #include "pinode/estimate/record_grid.h"
 #include "pinode/structure/mode_comparison.h"
@@ -189,6 +190,7 @@ bool FormatResultJson(const IdentificationProblem& problem,
   json["records"] = Records(problem, summary);
   json["parameters"] = Parameters(summary);
   if (!summary.profiles.empty()) json["profiles"] = Profiles(summary);
+  if (!summary.choice.empty()) json["choice"] = ChoiceToJson(summary.choice);
   if (!summary.forces.empty()) json["forces"] = Forces(problem, summary);
   json["covariance_method"] = summary.covariance_method;
   json["undetermined"] = summary.undetermined;

@@ -109,6 +109,37 @@ void RenameCurves(const std::vector<DiscoveredEquation>& equations,
   }
 }
 
+bool IsAmong(const std::string& name, const std::vector<std::string>& names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// Puts `tables` in the place of those under `key`; none: no such key.
+void SetTables(const char* key, std::vector<TomlValue> tables,
+               TomlValue* tree) {
+  if (tables.empty()) {
+    tree->Erase(key);
+  } else {
+    tree->Set(key, TomlValue::Array(std::move(tables)));
+  }
+}
+
+// The section of `law` without what was left out of it; false where nothing is
+// left.
+bool KeepOf(const LawTerm& law, const std::vector<std::string>& left_out,
+            TomlValue* table) {
+  table->Erase("optional");
+  table->Erase("select");
+  if (law.type != "library") return !IsAmong(law.name, left_out);
+  std::vector<TomlValue> terms;
+  TomlValue* all = table->Find("terms");
+  for (size_t k = 0; k < all->elements.size(); ++k) {
+    if (IsAmong(law.parameters.parameters[k].name, left_out)) continue;
+    terms.push_back(std::move(all->elements[k]));
+  }
+  all->elements = std::move(terms);
+  return !all->elements.empty();
+}
+
 }  // namespace
 
 TomlValue TreeWithCandidates(TomlValue tree, const StructuralModel& model,
@@ -119,6 +150,37 @@ TomlValue TreeWithCandidates(TomlValue tree, const StructuralModel& model,
     } else {
       AppendTo("library", LibraryTable(candidate, model), &tree);
     }
+  }
+  return tree;
+}
+
+TomlValue TreeAfterChoice(TomlValue tree, const StructuralDynamics& dynamics,
+                          const std::vector<std::string>& left_out) {
+  std::vector<TomlValue> elements;
+  std::vector<TomlValue> libraries;
+  std::vector<std::string> gone;  // whole laws
+  size_t element = 0;
+  size_t library = 0;
+  for (const LawTerm& law : dynamics.laws()) {
+    const bool is_library = law.type == "library";
+    TomlValue table = tree.Find(is_library ? "library" : "element")
+                          ->elements[is_library ? library++ : element++];
+    if (!KeepOf(law, left_out, &table)) {
+      gone.push_back(law.name);
+      continue;
+    }
+    (is_library ? libraries : elements).push_back(std::move(table));
+  }
+  SetTables("element", std::move(elements), &tree);
+  SetTables("library", std::move(libraries), &tree);
+  if (const TomlValue* present = tree.Find("reference_curve")) {
+    std::vector<TomlValue> curves;
+    for (const TomlValue& curve : present->elements) {
+      const TomlValue* term = curve.Find("term");
+      if (term != nullptr && IsAmong(term->text, gone)) continue;
+      curves.push_back(curve);
+    }
+    SetTables("reference_curve", std::move(curves), &tree);
   }
   return tree;
 }

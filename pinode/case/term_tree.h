@@ -3,10 +3,12 @@
 #ifndef PINODE_CASE_TERM_TREE_H_
 #define PINODE_CASE_TERM_TREE_H_
 
+#include <string>
 #include <vector>
 
 #include "pinode/case/toml_value.h"
 #include "pinode/discover/discovery.h"
+#include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/structure/structural_model.h"
 #include "pinode/study/change_candidates.h"
 
@@ -24,6 +26,12 @@ TomlValue TreeWithCandidates(TomlValue tree, const StructuralModel& model,
 TomlValue TreeWithEquations(TomlValue tree,
                             const std::vector<DiscoveredEquation>& equations,
                             const std::vector<int>& substeps);
+
+// The tree of a case with `dynamics` after a choice among its candidates:
+// without the elements and terms of libraries that were left out, by name
+// (ModelCandidate), and whatever speaks of them; nothing is left to be chosen.
+TomlValue TreeAfterChoice(TomlValue tree, const StructuralDynamics& dynamics,
+                          const std::vector<std::string>& left_out);
 
 }  // namespace pinode
 

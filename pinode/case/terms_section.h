@@ -11,6 +11,7 @@
 #include "pinode/case/model_section.h"
 #include "pinode/case/toml_table.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/study/model_candidate.h"
 
 namespace pinode {
 
@@ -21,6 +22,8 @@ struct TermsContext {
   std::uint64_t default_seed = 1;
   // Receives decisions taken for the user.
   std::vector<std::string>* remarks = nullptr;
+  // Receives the terms that may be left out.
+  std::vector<ModelCandidate>* candidates = nullptr;
 };
 
 // Each adds the terms of its sections to *dynamics.

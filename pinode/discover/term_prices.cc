@@ -5,9 +5,15 @@
 
 namespace pinode {
 
+double ExtendedBicPrice(int num_values, int num_parameters,
+                        double num_alternatives) {
+  return num_parameters * std::log(std::max(num_values, 3)) +
+         2.0 * std::log(num_alternatives);
+}
+
 TermPrices::TermPrices(int num_values,
                        const std::vector<DiscoveredEquation>& equations)
-    : of_a_parameter_(std::log(std::max(num_values, 3))) {
+    : of_a_parameter_(ExtendedBicPrice(num_values, 1, 1.0)) {
   std::map<int, int> kinds;
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveryCandidate& candidate : equation.candidates) {
@@ -18,7 +24,7 @@ TermPrices::TermPrices(int num_values,
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveryCandidate& candidate : equation.candidates) {
       prices_[KeyOf(equation, candidate.basis)] =
-          of_a_parameter_ + 2.0 * std::log(num_kinds * kinds[candidate.degree]);
+          ExtendedBicPrice(num_values, 1, num_kinds * kinds[candidate.degree]);
     }
   }
 }

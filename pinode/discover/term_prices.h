@@ -12,10 +12,18 @@
 
 namespace pinode {
 
-// What terms must gain in twice the log-likelihood, by the extended BIC
-// (J. Chen, Z. Chen, Biometrika 95 (2008) 759):
+// What something with so many parameters must gain in twice the log-likelihood,
+// by the extended BIC (J. Chen, Z. Chen, Biometrika 95 (2008) 759):
 //
-//   ln(number of fitted values) + 2 ln(number of kinds * number of the kind).
+//   parameters * ln(number of fitted values) + 2 ln(alternatives).
+double ExtendedBicPrice(int num_values, int num_parameters,
+                        double num_alternatives);
+
+// What terms must gain: of each the price of one parameter among
+//
+//   number of kinds * number of the kind
+//
+// alternatives.
 //
 // The second part is the price of having searched: of many candidates some fit
 // the noise. All monomials of one degree are a kind, and all other functions.

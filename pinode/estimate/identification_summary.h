@@ -11,6 +11,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/measured_mode.h"
+#include "pinode/estimate/model_choice.h"
 #include "pinode/estimate/parameter_profile.h"
 
 namespace pinode {
@@ -134,6 +135,9 @@ struct IdentificationSummary {
   std::string covariance_method;  // as CovarianceEstimate::method
   // Where they were asked for, see profile.h.
   std::vector<ParameterProfile> profiles;
+  // Of a fit whose terms were chosen among candidates, see term_choice.h in
+  // study; else empty.
+  ModelChoice choice;
   // Directions of the named parameters that the data do not determine.
   std::vector<std::string> undetermined;
 

@@ -19,6 +19,9 @@ struct Checkpoint {
   IdentifiedModel model;
   // Those that are done, of a fit that has ended.
   std::vector<ParameterProfile> profiles;
+  // Where terms are chosen: what was by then. `model` is of the problem without
+  // what it has left out.
+  ModelChoice choice;
 };
 
 // 16 hexadecimal digits that stand for a problem: matrices, named unknowns,

@@ -1,5 +1,6 @@
 #include "pinode/study/growth.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "pinode/base/logging.h"
@@ -158,6 +159,15 @@ FitFunction FitOrIdentify(FitFunction fit) {
 
 void BeginNearTheEnd(IdentificationOptions* options) {
   options->shooting = IdentificationOptions::Shooting::kSingle;
+}
+
+void DecideQuickly(IdentificationOptions* options) {
+  constexpr double kTolerance = 1e-7;
+  constexpr int kMaxIterations = 60;
+  options->function_tolerance =
+      std::max(options->function_tolerance, kTolerance);
+  options->max_num_iterations =
+      std::min(options->max_num_iterations, kMaxIterations);
 }
 
 IdentifiedModel BeginFrom(const std::map<std::string, double>& values,

@@ -77,6 +77,10 @@ FitFunction FitOrIdentify(FitFunction fit);
 // for those that begin far away.
 void BeginNearTheEnd(IdentificationOptions* options);
 
+// For a fit that only decides which terms stay: it need not be exact, and wrong
+// terms have long valleys.
+void DecideQuickly(IdentificationOptions* options);
+
 // What a fit of `problem` begins from: `values` where it has parameters of
 // these names, its own initial values elsewhere; noise and starts of `model`, a
 // fit of the same records.

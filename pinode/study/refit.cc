@@ -14,6 +14,7 @@
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/score.h"
 #include "pinode/study/discovered_problem.h"
+#include "pinode/study/growth.h"
 #include "pinode/study/library_term.h"
 #include "pinode/study/term_proposal.h"
 #include "pinode/study/term_worth.h"
@@ -24,10 +25,6 @@ namespace {
 constexpr int kLargestRefitFactor = 32;
 // Each search that is kept lowers the criterion; more than a few are none.
 constexpr int kMaxSearches = 20;
-// Fits of terms that may not stay need not be exact; wrong terms have long
-// valleys.
-constexpr double kSearchTolerance = 1e-7;
-constexpr int kMaxSearchIterations = 60;
 
 // "u1: x[u1]^2": what is in `a` and not in `b`.
 std::vector<std::string> Difference(const std::vector<DiscoveredEquation>& a,
@@ -313,12 +310,7 @@ class Refitter {
   // As given, and whoever asked hears of the equations as they change.
   IdentificationOptions Options() const {
     IdentificationOptions options = identification_;
-    if (!exact_) {
-      options.function_tolerance =
-          std::max(options.function_tolerance, kSearchTolerance);
-      options.max_num_iterations =
-          std::min(options.max_num_iterations, kMaxSearchIterations);
-    }
+    if (!exact_) DecideQuickly(&options);
     if (!options_.on_equations) return options;
     options.callback = [this](const IdentificationProgress& progress) {
       std::vector<DiscoveredEquation> equations = discovery_.equations;

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
-#include "pinode/discover/stepwise.h"
-#include "pinode/estimate/fitted_cost.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/study/discovered_problem.h"
 #include "pinode/study/term_worth.h"
@@ -63,6 +61,17 @@ StepwiseInput MakeStepwiseInput(const std::vector<DiscoveredEquation>& wide,
 
 }  // namespace
 
+std::vector<int> SupportNearFit(const FittedCost& around, double memory,
+                                const Vector& from_zero,
+                                const StepwiseOptions& options,
+                                const std::vector<int>& start) {
+  QuadraticCost cost;
+  cost.hessian = around.system.hessian / memory;
+  cost.gradient = around.system.gradient / memory;
+  cost.gradient -= cost.hessian * from_zero;
+  return SelectStepwise(cost, options, start);
+}
+
 std::vector<DiscoveredEquation> WithAllCandidates(
     std::vector<DiscoveredEquation> equations) {
   for (DiscoveredEquation& equation : equations) {
@@ -104,12 +113,8 @@ bool ProposeTerms(const FittedEquations& fitted,
   const std::map<std::string, int> entries = FreeEntries(layout);
   const StepwiseInput input =
       MakeStepwiseInput(wide, fitted.equations, entries, options, prices, free);
-  QuadraticCost cost;
-  cost.hessian = around.system.hessian / *memory;
-  cost.gradient = around.system.gradient / *memory;
-  cost.gradient -= cost.hessian * input.from_zero;
-  const std::vector<int> support =
-      SelectStepwise(cost, input.options, input.start);
+  const std::vector<int> support = SupportNearFit(
+      around, *memory, input.from_zero, input.options, input.start);
   for (size_t e = 0; e < wide.size(); ++e) {
     std::vector<DiscoveredTerm> terms;
     for (const DiscoveredTerm& term : wide[e].terms) {

@@ -7,11 +7,21 @@
 #include <vector>
 
 #include "pinode/discover/discovery.h"
+#include "pinode/discover/stepwise.h"
 #include "pinode/discover/term_prices.h"
+#include "pinode/estimate/fitted_cost.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
 
 namespace pinode {
+
+// The entries that SelectStepwise asks for where `around` is the cost near a
+// fit, its samples fewer by `memory`; `from_zero` is the fit's value of each
+// entry that counts from 0, and 0 of those that count from where they are.
+std::vector<int> SupportNearFit(const FittedCost& around, double memory,
+                                const Vector& from_zero,
+                                const StepwiseOptions& options,
+                                const std::vector<int>& start);
 
 // Candidates that are no terms yet with a coefficient of 0.
 std::vector<DiscoveredEquation> WithAllCandidates(
