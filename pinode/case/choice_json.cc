@@ -16,7 +16,7 @@ nlohmann::ordered_json ChoiceToJson(const ModelChoice& choice) {
   json["complete"] = choice.complete;
   json["steps"] = nlohmann::ordered_json::array();
   for (const ModelChoice::Step& step : choice.steps) {
-    json["steps"].push_back({{"candidates", step.candidates},
+    json["steps"].push_back({{"left_out", step.left_out},
                              {"taken_in", step.taken_in},
                              {"fitted", step.fitted},
                              {"accepted", step.accepted},
@@ -38,8 +38,8 @@ bool ChoiceFromJson(const nlohmann::ordered_json& json, ModelChoice* choice) {
     result.complete = json.at("complete").get<bool>();
     for (const nlohmann::ordered_json& one : json.at("steps")) {
       ModelChoice::Step step;
-      step.candidates = one.at("candidates").get<Names>();
-      step.taken_in = one.at("taken_in").get<bool>();
+      step.left_out = one.at("left_out").get<Names>();
+      step.taken_in = one.at("taken_in").get<Names>();
       step.fitted = one.at("fitted").get<bool>();
       step.accepted = one.at("accepted").get<bool>();
       step.deviance = one.at("deviance").get<double>();

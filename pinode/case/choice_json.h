@@ -10,8 +10,8 @@
 namespace pinode {
 
 // {"candidates": [...], "left_out": [...], "left_out_parameters": [...],
-//  "memory", "complete", "steps": [{"candidates": [...], "taken_in", "fitted",
-//  "accepted", "deviance", "price", "criterion"}]}
+//  "memory", "complete", "steps": [{"left_out": [...], "taken_in": [...],
+//  "fitted", "accepted", "deviance", "price", "criterion"}]}
 nlohmann::ordered_json ChoiceToJson(const ModelChoice& choice);
 
 // False, with *choice untouched, where a key is missing or of another type.

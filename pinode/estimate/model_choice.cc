@@ -1,26 +1,24 @@
 #include "pinode/estimate/model_choice.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "pinode/base/strings.h"
 
 namespace pinode {
 namespace {
 
-// "a (-3.2), b (-7.1)" of the steps of one kind.
-std::string StepsText(const std::vector<ModelChoice::Step>& steps,
-                      bool taken_in, bool accepted) {
-  std::vector<std::string> parts;
-  for (const ModelChoice::Step& step : steps) {
-    if (step.taken_in != taken_in || step.accepted != accepted) continue;
-    parts.push_back(Join(step.candidates, " and ") + " (" +
-                    (step.fitted ? (step.criterion() > 0.0 ? "+" : "") +
-                                       FormatNumber(step.criterion(), 3)
-                                 : std::string("cannot be fitted without")) +
-                    ")");
+// "without a, b -3.2", of one that was not accepted "without c +7.1 (stays)".
+std::string StepText(const ModelChoice::Step& step) {
+  std::string text;
+  if (!step.left_out.empty()) text += "without " + Join(step.left_out, ", ");
+  if (!step.taken_in.empty()) {
+    text += (text.empty() ? "with " : " and with ") +
+            Join(step.taken_in, ", ") + " again";
   }
-  return Join(parts, ", ");
+  if (!step.fitted) return text + " no fit (not so)";
+  text +=
+      (step.criterion() > 0.0 ? " +" : " ") + FormatNumber(step.criterion(), 3);
+  return step.accepted ? text : text + " (not so)";
 }
 
 }  // namespace
@@ -37,15 +35,11 @@ std::string ModelChoice::Sentence() const {
           std::to_string(kept.size()) + " kept";
   if (!kept.empty()) text += " (" + Join(kept, ", ") + ")";
   text += "; left out: " + (left_out.empty() ? "none" : Join(left_out, ", "));
-  const auto add = [&](const char* what, bool taken_in, bool accepted) {
-    const std::string list = StepsText(steps, taken_in, accepted);
-    if (!list.empty()) text += std::string("; ") + what + ": " + list;
-  };
-  add("change of the criterion by each that was left out", false, true);
-  add("by each that was tried and stayed", false, false);
-  add("by each that was taken in again", true, true);
-  add("by each that was tried again and stayed out", true, false);
-  return text + ".";
+  if (steps.empty()) return text + ".";
+  std::vector<std::string> parts;
+  for (const Step& step : steps) parts.push_back(StepText(step));
+  return text + "; change of the criterion by each step: " + Join(parts, "; ") +
+         ".";
 }
 
 }  // namespace pinode

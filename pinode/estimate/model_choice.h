@@ -11,10 +11,9 @@ namespace pinode {
 struct ModelChoice {
   // One fit that was compared with the one before it.
   struct Step {
-    // Those that it left out or took in, one but where several are taken in
-    // together.
-    std::vector<std::string> candidates;
-    bool taken_in = false;
+    // The candidates that it left out and those that it took in again.
+    std::vector<std::string> left_out;
+    std::vector<std::string> taken_in;
     // The other terms could be fitted, and the criterion became smaller.
     bool fitted = false;
     bool accepted = false;

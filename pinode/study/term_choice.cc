@@ -19,7 +19,7 @@ namespace {
 
 // A Wald value is what the deviance would grow by, but for what is not
 // quadratic in it: beyond this multiple of its price a term is not tried.
-constexpr double kSureOfPrice = 4.0;
+constexpr double kSureOfPrice = 2.0;
 
 bool IsTraining(const IdentificationRecord& record) {
   return record.role == IdentificationRecord::Role::kTrain;
@@ -83,8 +83,9 @@ class Chooser {
     const double seconds_before = fit->summary.seconds;
     choice_ = fit->summary.choice;
     if (!Begin(*fit)) return false;
+    if (!interrupted_) Propose();
     if (!interrupted_) Eliminate();
-    if (!interrupted_) TakeIn();
+    if (!interrupted_) Propose();
     TermFit result;
     if (!Finish(*fit, &result)) return false;
     choice_.complete = !interrupted_;
@@ -96,7 +97,8 @@ class Chooser {
   }
 
  private:
-  // The fit at hand again, as those that are compared with it are done.
+  // The training part of the fit at hand. Where it has corrected its inputs, or
+  // was cut off, it is done again as those that are compared with it.
   bool Begin(const TermFit& fit) {
     for (size_t i = 0; i < candidates_.size(); ++i) {
       out_[i] = std::count(choice_.left_out.begin(), choice_.left_out.end(),
@@ -106,11 +108,22 @@ class Chooser {
     for (const ModelCandidate& candidate : candidates_) {
       choice_.candidates.push_back(candidate.name);
     }
-    TermFit from;
-    from.problem = TrainingPart(fit.problem);
-    from.model = TrainingPart(fit.problem, fit.model);
-    if (!Fit(out_, from, "choice", &fit_)) return false;
-    if (interrupted_) return true;
+    fit_.problem = TrainingPart(fit.problem);
+    fit_.model = TrainingPart(fit.problem, fit.model);
+    fit_.summary = fit.summary;
+    fit_.summary.records.clear();
+    bool again = fit.summary.termination == Termination::kInterrupted;
+    for (size_t r = 0; r < fit.problem.records.size(); ++r) {
+      const IdentificationRecord& record = fit.problem.records[r];
+      if (!IsTraining(record)) continue;
+      fit_.summary.records.push_back(fit.summary.records[r]);
+      again = again || !record.NoisyInputs().empty();
+    }
+    if (again) {
+      const TermFit from = fit_;
+      if (!Fit(out_, from, "all candidates", &fit_)) return false;
+      if (interrupted_) return true;
+    }
     if (!IsGood(fit_)) {
       *error_ = "the fit with all candidates: " + fit_.summary.message;
       return false;
@@ -133,69 +146,84 @@ class Chooser {
       tried[Index(next)] = true;
       std::vector<bool> out = out_;
       out[Index(next)] = true;
-      Try(out, {next}, false);
+      Try(out);
     }
   }
 
-  // What the cost, quadratic near the fit in the coefficients of the terms that
-  // are out, asks for. An element is not among them: without a force nothing
-  // says what its other unknowns are.
-  void TakeIn() {
+  // Leaves out and takes in the terms of libraries that the cost asks for, as
+  // long as the criterion becomes smaller.
+  void Propose() {
+    // Each that is kept makes the criterion smaller; more than a few are none.
+    constexpr int kMaxProposals = 10;
+    for (int proposal = 0; proposal < kMaxProposals; ++proposal) {
+      const std::vector<bool> out = Proposed();
+      if (out == out_ || !Try(out)) return;
+    }
+  }
+
+  // What the cost, quadratic near the fit in the coefficients of all libraries,
+  // asks for. Elements stay as they are: without a force nothing says what
+  // their other unknowns are.
+  std::vector<bool> Proposed() const {
     std::vector<bool> wide = out_;
+    bool any = false;
     for (size_t i = 0; i < candidates_.size(); ++i) {
-      if (candidates_[i].is_library_term && MayBeZero(candidates_[i])) {
-        wide[i] = false;
+      if (!candidates_[i].is_library_term || !MayBeZero(candidates_[i])) {
+        continue;
       }
+      wide[i] = false;
+      any = true;
     }
     TermFit with;
-    if (wide == out_ || !LeaveOutThose(training_, wide, &with.problem)) return;
+    if (!any || !LeaveOutThose(training_, wide, &with.problem)) return out_;
     with.model = ModelOfOther(fit_.problem, fit_.model, with.problem);
     with.summary.records = fit_.summary.records;
     SetNewToZero(fit_.problem, with.problem, &with.model);
-    const ParameterLayout layout(with.problem);
     FittedCost around;
-    if (!Linearize(with, &around)) return;
+    if (!Linearize(with, &around)) return out_;
+    const ParameterLayout layout(with.problem);
+    const Vector free = layout.Free(with.model.parameters);
     StepwiseOptions options;
-    const auto size = static_cast<size_t>(layout.num_free());
     options.prices = Vector::Zero(layout.num_free());
     options.smallest = Vector::Zero(layout.num_free());
-    options.optional.assign(size, false);
-    options.signs.assign(size, 0);
-    std::vector<std::pair<int, int>> entries;  // of candidates that are out
+    options.optional.assign(Index(layout.num_free()), false);
+    options.signs.assign(Index(layout.num_free()), 0);
+    Vector from_zero = Vector::Zero(layout.num_free());
+    std::vector<int> start;
+    std::vector<std::pair<size_t, int>> entries;  // of each term
     for (size_t i = 0; i < candidates_.size(); ++i) {
       const int entry = layout.FreeIndex(candidates_[i].parameters[0]);
-      if (!out_[i] || wide[i] || entry < 0) continue;
-      entries.emplace_back(static_cast<int>(i), entry);
+      if (!candidates_[i].is_library_term || wide[i] || entry < 0) continue;
+      entries.emplace_back(i, entry);
       options.prices[entry] = PriceOf(candidates_[i]);
       options.optional[Index(entry)] = true;
+      from_zero[entry] = free[entry];
+      if (!out_[i]) start.push_back(entry);
     }
-    const std::vector<int> support = SupportNearFit(
-        around, choice_.memory, Vector::Zero(layout.num_free()), options, {});
+    const std::vector<int> support =
+        SupportNearFit(around, choice_.memory, from_zero, options, start);
     std::vector<bool> out = out_;
-    std::vector<int> again;
     for (const auto& [candidate, entry] : entries) {
-      if (!std::binary_search(support.begin(), support.end(), entry)) continue;
-      out[Index(candidate)] = false;
-      again.push_back(candidate);
+      out[candidate] =
+          !std::binary_search(support.begin(), support.end(), entry);
     }
-    if (!again.empty()) Try(out, again, true);
+    return out;
   }
 
-  // Fits without `out`, which differs from what is left now in `changed`, and
-  // keeps that where the criterion becomes smaller.
-  void Try(const std::vector<bool>& out, const std::vector<int>& changed,
-           bool taken_in) {
+  // Fits without `out`, and keeps that where the criterion becomes smaller.
+  bool Try(const std::vector<bool>& out) {
     ModelChoice::Step step;
-    step.taken_in = taken_in;
-    for (const int i : changed) {
-      step.candidates.push_back(candidates_[Index(i)].name);
-      step.price += (taken_in ? 1.0 : -1.0) * PriceOf(candidates_[Index(i)]);
+    for (size_t i = 0; i < candidates_.size(); ++i) {
+      if (out[i] == out_[i]) continue;
+      (out[i] ? step.left_out : step.taken_in).push_back(candidates_[i].name);
+      step.price += (out[i] ? -1.0 : 1.0) * PriceOf(candidates_[i]);
     }
     TermFit trial;
+    const int left =
+        static_cast<int>(std::count(out.begin(), out.end(), false));
     const bool began =
-        Fit(out, fit_, (taken_in ? "with " : "without ") + step.candidates[0],
-            &trial);
-    if (interrupted_) return;
+        Fit(out, fit_, std::to_string(left) + " candidates", &trial);
+    if (interrupted_) return false;
     step.fitted = began && IsGood(trial);
     if (step.fitted) {
       step.deviance = (DevianceOf(trial) - DevianceOf(fit_)) / choice_.memory;
@@ -207,6 +235,11 @@ class Chooser {
       fit_ = std::move(trial);
       NoteLeftOut();
     }
+    Report();
+    return step.accepted;
+  }
+
+  void Report() const {
     if (!options_.on_choice) return;
     Checkpoint checkpoint;
     checkpoint.iteration = fit_.summary.num_iterations;

@@ -34,20 +34,21 @@ struct TermChoiceOptions {
   std::function<void(const Checkpoint& checkpoint)> on_choice;
 };
 
-// Backward elimination by the extended BIC of the training records,
+// Elimination by the extended BIC of the training records,
 //
 //   deviance / memory + sum over the candidates in the model of
 //   (p ln(number of fitted values) + 2 ln(number of candidates)),
 //
 // p the number of a candidate's free unknowns, the deviance that of
 // term_worth.h with the modal residuals, and the memory of the residuals
-// (FittedCost) that of the fit with all candidates. The candidate with the
-// smallest Wald value xi' cov(xi)^-1 xi of its amplitudes is left out,
-// everything else is fitted again from where it is, and it stays out where the
-// criterion becomes smaller; then the next. Terms of libraries whose Wald value
-// is far above their price are not tried. At the end the terms of libraries
-// that are out and that the cost near the fit asks for (SupportNearFit) are
-// tried in once more.
+// (FittedCost) that of the fit with all candidates. First the terms of
+// libraries that the cost near the fit does not ask for (SupportNearFit) are
+// left out together. Then the candidate with the smallest Wald value xi'
+// cov(xi)^-1 xi of its amplitudes is left out, and the next: elements each
+// once, terms of libraries where that value is not far above their price. At
+// the end the terms of libraries that the cost asks for now are taken in again.
+// After each of these everything else is fitted from where it was, and what
+// makes the criterion smaller stays.
 //
 // *fit: a fit of `all` without fit->summary.choice.left_out (which is empty, or
 // of a choice that was cut off); then the fit of what is left, its
