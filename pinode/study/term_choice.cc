@@ -17,10 +17,6 @@
 namespace pinode {
 namespace {
 
-// A Wald value is what the deviance would grow by, but for what is not
-// quadratic in it: beyond this multiple of its price a term is not tried.
-constexpr double kSureOfPrice = 2.0;
-
 bool IsTraining(const IdentificationRecord& record) {
   return record.role == IdentificationRecord::Role::kTrain;
 }
@@ -83,8 +79,10 @@ class Chooser {
     const double seconds_before = fit->summary.seconds;
     choice_ = fit->summary.choice;
     if (!Begin(*fit)) return false;
-    if (!interrupted_) Propose();
-    if (!interrupted_) Eliminate();
+    // Where the cost is as quadratic as it looks, it has left out the terms of
+    // libraries already.
+    const bool settled = interrupted_ || Propose();
+    if (!interrupted_) Eliminate(!settled);
     if (!interrupted_) Propose();
     TermFit result;
     if (!Finish(*fit, &result)) return false;
@@ -139,8 +137,11 @@ class Chooser {
     return true;
   }
 
-  void Eliminate() {
+  void Eliminate(bool library_terms_too) {
     std::vector<bool> tried = out_;
+    for (size_t i = 0; i < candidates_.size() && !library_terms_too; ++i) {
+      tried[i] = tried[i] || candidates_[i].is_library_term;
+    }
     for (int next = Weakest(tried); next >= 0 && !interrupted_;
          next = Weakest(tried)) {
       tried[Index(next)] = true;
@@ -151,14 +152,17 @@ class Chooser {
   }
 
   // Leaves out and takes in the terms of libraries that the cost asks for, as
-  // long as the criterion becomes smaller.
-  void Propose() {
+  // long as the criterion becomes smaller. False where a fit did not confirm
+  // what the cost promised.
+  bool Propose() {
     // Each that is kept makes the criterion smaller; more than a few are none.
     constexpr int kMaxProposals = 10;
     for (int proposal = 0; proposal < kMaxProposals; ++proposal) {
       const std::vector<bool> out = Proposed();
-      if (out == out_ || !Try(out)) return;
+      if (out == out_) return true;
+      if (!Try(out)) return false;
     }
+    return true;
   }
 
   // What the cost, quadratic near the fit in the coefficients of all libraries,
@@ -326,17 +330,13 @@ class Chooser {
   }
 
   // The one of those that were not tried whose Wald value is the smallest; -1
-  // where none is left that may go.
+  // where none is left.
   int Weakest(const std::vector<bool>& tried) const {
     int weakest = -1;
     double smallest = kInfinity;
     for (size_t i = 0; i < candidates_.size(); ++i) {
       if (tried[i]) continue;
       const double wald = WaldValue(candidates_[i]);
-      if (candidates_[i].is_library_term &&
-          wald > kSureOfPrice * PriceOf(candidates_[i])) {
-        continue;
-      }
       if (wald < smallest || weakest < 0) {
         weakest = static_cast<int>(i);
         smallest = wald;

@@ -44,11 +44,11 @@ struct TermChoiceOptions {
 // (FittedCost) that of the fit with all candidates. First the terms of
 // libraries that the cost near the fit does not ask for (SupportNearFit) are
 // left out together. Then the candidate with the smallest Wald value xi'
-// cov(xi)^-1 xi of its amplitudes is left out, and the next: elements each
-// once, terms of libraries where that value is not far above their price. At
-// the end the terms of libraries that the cost asks for now are taken in again.
-// After each of these everything else is fitted from where it was, and what
-// makes the criterion smaller stays.
+// cov(xi)^-1 xi of its amplitudes is left out, and the next, each once:
+// elements, and terms of libraries where a fit did not confirm what the cost
+// promised. At the end the terms of libraries that the cost asks for now are
+// taken in again. After each of these everything else is fitted from where it
+// was, and what makes the criterion smaller stays.
 //
 // *fit: a fit of `all` without fit->summary.choice.left_out (which is empty, or
 // of a choice that was cut off); then the fit of what is left, its
