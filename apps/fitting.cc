@@ -24,6 +24,27 @@ bool CanChoose(const IdentificationSummary& summary) {
          summary.termination == Termination::kNoConvergence;
 }
 
+// Leaves out of *c what the choice in *checkpoint has, and takes the basis of
+// its values where the case renews it; *all is the case with all candidates. A
+// choice that was cut off goes on in the basis in which it was made.
+bool GoOn(Checkpoint* checkpoint, Case* c, Case* all, std::string* error) {
+  const ModelChoice& begun = checkpoint->choice;
+  if (!begun.left_out.empty() && !LeaveOutOfCase(begun.left_out, c, error)) {
+    return false;
+  }
+  if (!RenewsBasis(*c) || (!begun.empty() && !begun.complete)) return true;
+  // In the basis of what was found; where it has none, in that of the export.
+  Case renewed;
+  IdentifiedModel begin;
+  std::string unused;
+  if (RenewCase(*c, checkpoint->model, &renewed, &begin, &unused)) {
+    *c = std::move(renewed);
+    checkpoint->model = std::move(begin);
+    if (begun.empty()) *all = *c;
+  }
+  return true;
+}
+
 // After a fit of *c, which is `all` without what summary->choice has left out.
 void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
                        bool show_progress, Case* c,
@@ -64,27 +85,15 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
              bool show_progress, Case* c, IdentificationSummary* summary,
              IdentifiedModel* model, std::string* error) {
   Checkpoint checkpoint;
+  Case all = *c;
   if (!folder.resume_path().empty()) {
-    if (!ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error)) {
+    if (!ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error) ||
+        !GoOn(&checkpoint, c, &all, error)) {
       return false;
     }
     begin_from = &checkpoint.model;
-    // In the basis of what was found; where it has none, in that of the export.
-    if (RenewsBasis(*c)) {
-      Case renewed;
-      IdentifiedModel begin;
-      std::string unused;
-      if (RenewCase(*c, checkpoint.model, &renewed, &begin, &unused)) {
-        *c = std::move(renewed);
-        checkpoint.model = std::move(begin);
-      }
-    }
   }
-  const Case all = *c;
-  const ModelChoice begun = checkpoint.choice;
-  if (!begun.left_out.empty() && !LeaveOutOfCase(begun.left_out, c, error)) {
-    return false;
-  }
+  const ModelChoice& begun = checkpoint.choice;
   ProgressLine line(show_progress);
   CheckpointWriter writer(ProblemIdentity(c->problem),
                           folder.checkpoint_path());
@@ -108,7 +117,12 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
     ChooseTermsOfCase(all, folder, show_progress, c, summary, model);
   }
   if (RenewsBasis(*c) && summary->usable) {
+    const ModelChoice choice = summary->choice;
     RenewCaseUntilSettled(FitWithProgress(show_progress), c, summary, model);
+    if (summary->choice.empty() && !choice.empty()) {
+      summary->choice = choice;
+      summary->remarks.push_back(choice.Sentence());
+    }
   }
   return true;
 }

@@ -7,7 +7,7 @@
 namespace pinode {
 namespace {
 
-// "without a, b -3.2", of one that was not accepted "without c +7.1 (stays)".
+// "without a, b -3.2", of one that was not accepted "without c +7.1 (refused)".
 std::string StepText(const ModelChoice::Step& step) {
   std::string text;
   if (!step.left_out.empty()) text += "without " + Join(step.left_out, ", ");
@@ -15,10 +15,10 @@ std::string StepText(const ModelChoice::Step& step) {
     text += (text.empty() ? "with " : " and with ") +
             Join(step.taken_in, ", ") + " again";
   }
-  if (!step.fitted) return text + " no fit (not so)";
+  if (!step.fitted) return text + " no fit (refused)";
   text +=
       (step.criterion() > 0.0 ? " +" : " ") + FormatNumber(step.criterion(), 3);
-  return step.accepted ? text : text + " (not so)";
+  return step.accepted ? text : text + " (refused)";
 }
 
 }  // namespace
