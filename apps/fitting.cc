@@ -98,6 +98,7 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   CheckpointWriter writer(ProblemIdentity(c->problem),
                           folder.checkpoint_path());
   writer.set_choice(begun);
+  writer.set_profiles(checkpoint.profiles);
   bool warned = false;
   IdentificationOptions options = c->options;
   if (!begun.empty()) BeginNearTheEnd(&options);
@@ -113,6 +114,13 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   Identify(c->problem, options, begin_from, summary, model);
   line.End();
   summary->choice = begun;
+  if (summary->termination == Termination::kInterrupted &&
+      !checkpoint.profiles.empty()) {
+    summary->profiles = checkpoint.profiles;
+    summary->remarks.push_back(
+        "The profiles are those of the fit that this one went on from; it was "
+        "interrupted before its own.");
+  }
   if (!all.candidates.empty()) {
     ChooseTermsOfCase(all, folder, show_progress, c, summary, model);
   }

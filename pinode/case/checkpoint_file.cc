@@ -256,6 +256,7 @@ bool CheckpointWriter::Update(const IdentificationProgress& progress,
   checkpoint.cost = progress.cost;
   checkpoint.model = *progress.model;
   checkpoint.choice = choice_;
+  checkpoint.profiles = profiles_;
   return WriteCheckpoint(path_, problem_hash_, checkpoint, error);
 }
 

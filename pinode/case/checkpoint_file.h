@@ -6,9 +6,11 @@
 #include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/parameter_profile.h"
 #include "pinode/study/checkpoint.h"
 
 namespace pinode {
@@ -43,6 +45,11 @@ class CheckpointWriter {
 
   // What has been chosen when the fit begins.
   void set_choice(ModelChoice choice) { choice_ = std::move(choice); }
+  // Profiles of the fit that this one goes on from: they are not lost if it is
+  // cut off before its own.
+  void set_profiles(std::vector<ParameterProfile> profiles) {
+    profiles_ = std::move(profiles);
+  }
 
   // False, with *error, where the file cannot be written: the fit may go on.
   [[nodiscard]] bool Update(const IdentificationProgress& progress,
@@ -53,6 +60,7 @@ class CheckpointWriter {
   std::string problem_hash_;
   std::chrono::milliseconds interval_;
   ModelChoice choice_;
+  std::vector<ParameterProfile> profiles_;
   bool written_ = false;
   std::chrono::steady_clock::time_point last_;
 };

@@ -563,6 +563,16 @@ TEST(CheckpointTest, WriterIsThrottled) {
   ASSERT_TRUE(eager.Update(progress, &error));
   ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
   EXPECT_EQ(read.model.parameters[0], model.parameters[0]);
+  EXPECT_TRUE(read.profiles.empty());
+
+  // What a fit goes on from is not lost while it runs.
+  ParameterProfile profile;
+  profile.name = "k1";
+  eager.set_profiles({profile});
+  ASSERT_TRUE(eager.Update(progress, &error)) << error;
+  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
+  ASSERT_EQ(read.profiles.size(), 1u);
+  EXPECT_EQ(read.profiles[0].name, "k1");
 }
 
 }  // namespace
