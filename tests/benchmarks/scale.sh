@@ -7,14 +7,14 @@
 #
 # CASE is one of 20, 100, 100long, 100wide, 10long. Generator and reference are
 # those of PINODE_SCALE (default: ../shared/scale beside the project; NumPy and
-# SciPy); without them there is nothing to do.
+# SciPy, of PYTHON, default python3); without them there is nothing to do.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
 cd -- "$root"
 scale=${PINODE_SCALE:-$root/../shared/scale}
 if [[ ! -f $scale/generate.py ]] ||
-  ! python3 -c 'import numpy, scipy' 2>/dev/null; then
+  ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
   echo "skipped: no generator in $scale (PINODE_SCALE), or no SciPy"
   exit 0
 fi
@@ -44,7 +44,7 @@ printf '%-9s %9s %9s %9s %7s  %s\n' case pinode reference ratio MB verdict
 run() {
   local name=$1 ours theirs memory=-
   shift
-  python3 "$scale/generate.py" "$@" --output "$work/$name" >/dev/null
+  "${PYTHON:-python3}" "$scale/generate.py" "$@" --output "$work/$name" >/dev/null
   local update=("$build/apps/pinode_update" --case="$work/$name/case.toml"
     --output_dir="$work/out" --overwrite --progress=false --threads=1)
   ours=$(cpu "$work/ours" "${update[@]}")
