@@ -25,9 +25,6 @@ constexpr double kWrongSign = -0.4;
 // Of the mean amplitude: what is less at a frequency is not told from nothing.
 constexpr double kSmallAmplitude = 1e-2;
 
-using ComplexVector = Eigen::VectorXcd;
-using ComplexMatrix = Eigen::MatrixXcd;
-
 bool HasOpenSign(const Parameter& parameter) {
   return parameter.free && !parameter.HasPrior() && parameter.lower < 0.0 &&
          parameter.upper > 0.0;
@@ -35,12 +32,12 @@ bool HasOpenSign(const Parameter& parameter) {
 
 // Of deviations from the mean, for an offset says nothing of a sign, without
 // the frequency zero. Zeros behind the samples make its length a power of two.
-ComplexVector Spectrum(const Vector& deviations) {
+Eigen::VectorXcd Spectrum(const Vector& deviations) {
   Eigen::Index size = 2;
   while (size < deviations.size()) size *= 2;
   Vector padded = Vector::Zero(size);
   padded.head(deviations.size()) = deviations;
-  ComplexVector spectrum;
+  Eigen::VectorXcd spectrum;
   Eigen::FFT<double> fft;
   fft.fwd(spectrum, padded);
   return spectrum.segment(1, size / 2);
@@ -51,7 +48,7 @@ struct Agreement {
   double product = 0.0;
   double weight = 0.0;
 
-  void Add(const ComplexVector& measured, const ComplexVector& response) {
+  void Add(const Eigen::VectorXcd& measured, const Eigen::VectorXcd& response) {
     for (Eigen::Index f = 0; f < measured.size(); ++f) {
       const double w = std::sqrt(std::abs(measured[f]) * std::abs(response[f]));
       if (!(w > 0.0)) continue;
@@ -67,10 +64,10 @@ struct Agreement {
 struct SeenChannel {
   int record = -1;
   int channel = -1;
-  ComplexVector measured;
+  Eigen::VectorXcd measured;
   // Frequencies x (1 + open scales): by the ground and the known forces, then
   // by those of each open scale at scale 1.
-  ComplexMatrix responses;
+  Eigen::MatrixXcd responses;
 };
 
 // The damped response at the values given, and what the records say to it.
@@ -127,12 +124,12 @@ class Responses {
     const auto count = static_cast<Eigen::Index>(open_scales_.size());
     Matrix normal = Matrix::Zero(count, count);
     Vector right = Vector::Zero(count);
-    ForKnownSigns([&](const SeenChannel& seen, const ComplexMatrix& by_scale,
-                      const ComplexVector& rest) {
+    ForKnownSigns([&](const SeenChannel& seen, const Eigen::MatrixXcd& by_scale,
+                      const Eigen::VectorXcd& rest) {
       const Eigen::ArrayXd amplitude = seen.measured.cwiseAbs().array();
       const Vector weights =
           amplitude.max(kSmallAmplitude * amplitude.mean()).inverse().matrix();
-      const ComplexMatrix weighted = weights.asDiagonal() * by_scale;
+      const Eigen::MatrixXcd weighted = weights.asDiagonal() * by_scale;
       normal += (weighted.adjoint() * by_scale).real();
       right += (weighted.adjoint() * rest).real();
     });
@@ -140,8 +137,8 @@ class Responses {
     for (Eigen::Index k = 0; k < count; ++k) {
       Agreement agreement;
       ForKnownSigns([&](const SeenChannel& /*seen*/,
-                        const ComplexMatrix& by_scale,
-                        const ComplexVector& rest) {
+                        const Eigen::MatrixXcd& by_scale,
+                        const Eigen::VectorXcd& rest) {
         Vector others = found;
         others[k] = 0.0;
         agreement.Add(rest - by_scale * others, by_scale.col(k));
@@ -307,9 +304,10 @@ class Responses {
       const MeasuredChannel& channel = ChannelOf(seen);
       if (!channel.fit || HasOpenGain(channel.gain)) continue;
       const double gain = GainOf(channel);
-      const ComplexMatrix by_scale =
+      const Eigen::MatrixXcd by_scale =
           gain * seen.responses.rightCols(seen.responses.cols() - 1);
-      const ComplexVector rest = seen.measured - gain * seen.responses.col(0);
+      const Eigen::VectorXcd rest =
+          seen.measured - gain * seen.responses.col(0);
       visit(seen, by_scale, rest);
     }
   }
