@@ -224,12 +224,13 @@ void LinearRecord::Condense(const Tables& tables, const Sums& sums,
       response_.States(tables.contents, tables.start).transpose() * sums.end;
   equations->gradient = Vector::Zero(tables.columns);
   equations->hessian = sums.hessian;
+  if (tables.columns == 0) return;
   Matrix product;
   for (size_t p = 0; p < patterns_.size(); ++p) {
     for (const int c : patterns_[p].channels) {
       const Matrix& table = tables.derivatives[static_cast<size_t>(c)];
       equations->gradient.noalias() += table.transpose() * sums.products.col(c);
-      if (tables.by_rows || tables.columns == 0) continue;
+      if (tables.by_rows) continue;
       product.noalias() = sums.grams[p].selfadjointView<Eigen::Lower>() * table;
       equations->hessian.noalias() += table.transpose() * product;
     }
