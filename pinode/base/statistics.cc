@@ -2,10 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <unsupported/Eigen/FFT>
 
 namespace pinode {
 namespace {
+
+constexpr Eigen::Index kLagsOneByOne = 64;
+
+// values.head(n - k).dot(values.tail(n - k)) of the lags k = 0 ... count - 1,
+// as a convolution by Fourier transforms.
+Vector LaggedProducts(const Vector& values, Eigen::Index count) {
+  Eigen::Index size = 2;
+  while (size < values.size() + count) size *= 2;
+  Vector padded = Vector::Zero(size);
+  padded.head(values.size()) = values;
+  Eigen::FFT<double> fft;
+  Eigen::VectorXcd spectrum;
+  fft.fwd(spectrum, padded);
+  spectrum = spectrum.cwiseAbs2().cast<std::complex<double>>();
+  fft.inv(padded, spectrum);
+  return padded.head(count);
+}
 
 // Mean over the present samples of function(x).
 template <typename Function>
@@ -56,13 +75,18 @@ double LjungBoxExcess(const Vector& residuals, int num_lags) {
 }
 
 double AutocorrelationTime(const Vector& residuals) {
-  const int n = static_cast<int>(residuals.size());
+  const Eigen::Index n = residuals.size();
   const double variance = residuals.squaredNorm();
-  if (!(variance > 0.0)) return 1.0;
+  if (!(variance > 0.0) || !std::isfinite(variance)) return 1.0;
   double time = 1.0;
-  for (int k = 1; k < n / 2; ++k) {
-    const double rho =
-        residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
+  Vector products;
+  for (Eigen::Index k = 1; k < n / 2; ++k) {
+    // One by one they would be as many operations as the record's square.
+    if (k == kLagsOneByOne) products = LaggedProducts(residuals, n / 2);
+    const double product =
+        k < kLagsOneByOne ? residuals.head(n - k).dot(residuals.tail(n - k))
+                          : products[k];
+    const double rho = product / variance;
     if (rho < 0.05) break;
     time += 2.0 * rho;
   }

@@ -73,6 +73,23 @@ TEST(AutocorrelationTime, OfAutoregressiveNoise) {
   EXPECT_EQ(AutocorrelationTime(Vector::Zero(10)), 1.0);
 }
 
+// Of a memory of a thousand samples every lag is needed.
+TEST(AutocorrelationTime, OfALongMemory) {
+  const Vector values = Autoregressive(0.995, 30000, 3);
+  const Eigen::Index n = values.size();
+  double expected = 1.0;
+  Eigen::Index lags = 0;
+  for (Eigen::Index k = 1; k < n / 2; ++k) {
+    const double rho =
+        values.head(n - k).dot(values.tail(n - k)) / values.squaredNorm();
+    if (rho < 0.05) break;
+    expected += 2.0 * rho;
+    lags = k;
+  }
+  ASSERT_GT(lags, 200);
+  EXPECT_NEAR(AutocorrelationTime(values), expected, 1e-10 * expected);
+}
+
 TEST(MemorylessMeanSquare, TellsNoiseFromASmoothSignal) {
   Vector values = 0.5 * Autoregressive(0.0, 20000, 3);
   // Of 20000 values the estimate has a relative standard deviation of 0.9 %.

@@ -78,7 +78,8 @@ TEST_F(CandidatesTest, AreReadFromElementsAndLibraries) {
   ASSERT_TRUE(Read(kCandidates, &c)) << error_;
   EXPECT_THAT(Names(c), ElementsAre("slip", "nl.x[u1]^3", "nl.v[u1]^3"));
   EXPECT_THAT(c.candidates[0].parameters,
-              ElementsAre("slip.k", "slip.a", "slip.b", "slip.g", "slip.n"));
+              ElementsAre("slip.k", "slip.a", "slip.b", "slip.g", "slip.n",
+                          "slip.beta"));
   EXPECT_THAT(c.candidates[0].amplitudes, ElementsAre("slip.k"));
 }
 
@@ -107,7 +108,7 @@ TEST_F(CandidatesTest, WhatIsLeftOutIsNotInTheModelCase) {
   EXPECT_THAT(*c.profiles, ElementsAre("k1"));
   IdentifiedModel model;
   model.parameters = ParameterLayout(c.problem).InitialValues();
-  EXPECT_EQ(model.parameters.size(), before - 6);
+  EXPECT_EQ(model.parameters.size(), before - 7);
   TemporaryFolder out;
   ASSERT_TRUE(WriteModelCase(c, model, out.Path(""), out.Path(""), &error_))
       << error_;

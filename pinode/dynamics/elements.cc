@@ -94,8 +94,8 @@ struct BoucWen {
     // |z|^(n-1) z = sign(z) |z|^n
     const T signed_power = z[0] < T(0.0) ? T(-power) : power;
     result[0] = p[0] * z[0];
-    result[1] =
-        p[1] * w - p[2] * Magnitude(w) * signed_power - p[3] * w * power;
+    result[1] = p[1] * w -
+                p[5] * (p[2] * Magnitude(w) * signed_power + p[3] * w * power);
   }
 };
 
@@ -153,12 +153,13 @@ const std::vector<ElementType>& Catalogue() {
        {{"c", 1, 0, 0, -kInfinity, kInfinity, 0.0},
         {"p", 0, 0, 0, 0.05, 5.0, 1.0}}},
       {"bouc_wen",
-       &Create<BoucWen, 1, 5>,
+       &Create<BoucWen, 1, 6>,
        {{"k", 1, -1, 0, -kInfinity, kInfinity, kRequired},
         {"a", 0, 0, 0, -kInfinity, kInfinity, 1.0},
         {"b", 0, 0, 0, -kInfinity, kInfinity, kRequired},
         {"g", 0, 0, 0, -kInfinity, kInfinity, kRequired},
-        {"n", 0, 0, 0, 1.0, 10.0, 1.0}}},
+        {"n", 0, 0, 0, 1.0, 10.0, 1.0},
+        {"beta", 0, 0, 0, -kInfinity, kInfinity, 1.0}}},
       {"backlash_friction",
        &Create<BacklashFriction, 1, 4>,
        {{"k", 1, -1, 0, 1e-12, kInfinity, kRequired},
@@ -221,8 +222,11 @@ bool MakeElement(const std::string& name, const std::string& type, int num_dofs,
     return false;
   }
   const std::vector<ElementParameterInfo> infos = ElementParameters(type);
-  if (values.size() != infos.size()) {
+  size_t least = infos.size();
+  while (least > 1 && !std::isnan(infos[least - 1].default_value)) --least;
+  if (values.size() < least || values.size() > infos.size()) {
     *error = prefix + std::to_string(values.size()) + " values, expected " +
+             (least < infos.size() ? std::to_string(least) + " to " : "") +
              std::to_string(infos.size());
     return false;
   }
@@ -234,7 +238,8 @@ bool MakeElement(const std::string& name, const std::string& type, int num_dofs,
   for (size_t i = 0; i < infos.size(); ++i) {
     Parameter parameter;
     parameter.name = name + "." + infos[i].name;
-    parameter.value = values[i];
+    parameter.free = i < values.size();
+    parameter.value = parameter.free ? values[i] : infos[i].default_value;
     parameter.lower = infos[i].lower;
     parameter.upper = infos[i].upper;
     made.parameters.parameters.push_back(parameter);

@@ -38,7 +38,8 @@ struct ElementParameterInfo {
 //   bilinear             k (d - clamp(d, -gap, gap)), k of either sign
 //   coulomb              f tanh(w / v0)
 //   power_damper         c |w|^p sign(w)
-//   bouc_wen             k z,  dz/dt = a w - b |w| |z|^(n-1) z - g w |z|^n
+//   bouc_wen             k z,  dz/dt = a w - beta (b |w| |z|^(n-1) z
+//                                                  + g w |z|^n)
 //                        (Wen 1976, without the elastic share)
 //   backlash_friction    k (z - clamp(z, -gap, gap)), a slider behind a spring
 //                        and a play of 2 gap: dz/dt = w while |z| grows no
@@ -56,8 +57,10 @@ std::vector<ElementParameterInfo> ElementParameters(const std::string& type);
 // a structure with num_dofs DOFs, ready for StructuralDynamics::AddLaw: its
 // force resists d = x[to] - x[from] at both ends. `values` has one number per
 // entry of ElementParameters(type); the parameters "<name>.<entry's name>" are
-// free within the element's physical limits. False with a sentence in *error
-// where type, points or values do not fit; *term is untouched then.
+// free within the element's physical limits. Last entries that have a default
+// value may be left out but for the first, and are held there. False with a
+// sentence in *error where type, points or values do not fit; *term is
+// untouched then.
 [[nodiscard]] bool MakeElement(const std::string& name, const std::string& type,
                                int num_dofs, int from, int to,
                                const std::vector<double>& values, LawTerm* term,

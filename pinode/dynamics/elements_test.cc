@@ -54,12 +54,13 @@ TEST(Elements, BoucWenFollowsItsEvolutionLaw) {
   ASSERT_NE(law, nullptr) << error;
   const double features[] = {0.0, -2.0};
   const double internal[] = {0.5};
-  const double parameters[] = {10.0, 1.0, 0.6, 0.4, 2.0};
+  const double parameters[] = {10.0, 1.0, 0.6, 0.4, 2.0, 3.0};
   double result[2];
   law->Evaluate(features, internal, parameters, result);
   EXPECT_NEAR(result[0], 5.0, 1e-14);
-  // a w - b |w| |z|^(n-1) z - g w |z|^n = -2 - 0.6*2*0.25 + 0.4*2*0.25
-  EXPECT_NEAR(result[1], -2.1, 1e-14);
+  // a w - beta (b |w| |z|^(n-1) z + g w |z|^n)
+  // = -2 - 3 (0.6*2*0.25 - 0.4*2*0.25)
+  EXPECT_NEAR(result[1], -2.3, 1e-14);
 }
 
 TEST(Elements, BacklashFrictionFollowsItsEvolutionLaw) {
@@ -195,6 +196,18 @@ TEST(MakeElement, ResistsAtBothEndsAndRefusesWhatIsNone) {
   EXPECT_THAT(refused("cubic", 0, 1, {}), HasSubstr("0 values, expected 1"));
   EXPECT_THAT(refused("bouc_wen", 0, 1, {1.0, 1.0, 1.0, 1.0, -1.0}),
               HasSubstr("bad."));
+  EXPECT_THAT(refused("bouc_wen", 0, 1, {1.0, 1.0, 1.0}),
+              HasSubstr("3 values, expected 4 to 6"));
+
+  LawTerm slip;
+  ASSERT_TRUE(MakeElement("slip", "bouc_wen", 2, 0, 1, {1.0, 1.0, 2.0, 3.0},
+                          &slip, &error))
+      << error;
+  ASSERT_EQ(slip.parameters.parameters.size(), 6u);
+  EXPECT_TRUE(slip.parameters.parameters[3].free);
+  EXPECT_FALSE(slip.parameters.parameters[4].free);
+  EXPECT_FALSE(slip.parameters.parameters[5].free);
+  EXPECT_EQ(slip.parameters.parameters[5].value, 1.0);
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ TEST(ParameterLayout, MapsFreeAndFixed) {
   const StructuralDynamics& dynamics = *fit.problem.dynamics;
   ASSERT_EQ(layout.num_dynamics(), dynamics.num_parameters());
   ASSERT_EQ(layout.num_parameters(), dynamics.num_parameters() + 3);
-  // The mass group and the exponent are fixed.
-  EXPECT_EQ(layout.num_free(), layout.num_parameters() - 2);
-  EXPECT_EQ(layout.num_free_dynamics(), layout.num_dynamics() - 2);
+  // The mass group, the exponent and the factor of the shape are fixed.
+  EXPECT_EQ(layout.num_free(), layout.num_parameters() - 3);
+  EXPECT_EQ(layout.num_free_dynamics(), layout.num_dynamics() - 3);
   std::set<std::string> fixed;
   int expected = 0;
   for (int i = 0; i < layout.num_parameters(); ++i) {
@@ -35,7 +35,7 @@ TEST(ParameterLayout, MapsFreeAndFixed) {
     EXPECT_EQ(layout.IsNamed(i),
               layout.parameter(i).name.substr(0, 4) != "net[");
   }
-  EXPECT_EQ(fixed, (std::set<std::string>{"m2", "slip.n"}));
+  EXPECT_EQ(fixed, (std::set<std::string>{"m2", "slip.n", "slip.beta"}));
   // Each tangent column belongs to its free parameter.
   ASSERT_EQ(layout.num_free_dynamics(), dynamics.num_tangent_columns());
   for (int j = 0; j < layout.num_free_dynamics(); ++j) {

@@ -40,9 +40,10 @@ std::string PowerText(const std::string& name, double power) {
 // "a * b^2" where log b against log a has a slope that is a simple power; empty
 // otherwise.
 std::string ProductText(const std::string& along, const std::string& other,
-                        double slope) {
+                        double slope, bool only_first_power) {
   constexpr double kTolerance = 0.02;
   for (const double power : {1.0, 2.0, 0.5, 3.0}) {
+    if (only_first_power && power != 1.0) break;
     if (std::abs(std::abs(slope) - power) > kTolerance * power) continue;
     // b ~ a^slope: b / a^slope stays.
     const std::string of_along = power < 1.0 ? along : PowerText(along, power);
@@ -72,11 +73,13 @@ std::vector<std::string> DescribeCombinations(
     const std::string& other = names[static_cast<size_t>(j)];
     std::string text;
     const Line sum = FitLine(a, b);
-    if (HasOneSign(a) && HasOneSign(b)) {
+    // Where both change their sign together, a product or quotient may stay,
+    // but no power of one.
+    if (HasOneSign(a.cwiseProduct(b))) {
       const Line power = FitLine(a.cwiseAbs().array().log().matrix(),
                                  b.cwiseAbs().array().log().matrix());
       if (power.misfit < kStraight && power.misfit <= sum.misfit) {
-        text = ProductText(name, other, power.slope);
+        text = ProductText(name, other, power.slope, !HasOneSign(a));
       }
     }
     if (text.empty() && sum.misfit < kStraight) {

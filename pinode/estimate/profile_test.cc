@@ -124,12 +124,27 @@ TEST(ProfileParameters, NamesTheProductThatAloneIsDetermined) {
   auto dynamics = OnASpring();
   AddFree("d", "bouc_wen", {2.0, 20.0, 8.0, 3.0, 1.0}, {"k", "a"},
           dynamics.get());
-  Profiled fit(dynamics, (Vector(5) << 2.0, 24.0, 8.0, 3.0, 1.0).finished(),
-               0.01);
+  Profiled fit(dynamics,
+               (Vector(6) << 2.0, 24.0, 8.0, 3.0, 1.0, 1.0).finished(), 0.01);
   ASSERT_TRUE(fit.Run({"d.k"})) << fit.error;
   ASSERT_EQ(fit.profiles.size(), 1);
   EXPECT_EQ(fit.Of("d.k").determination, Determination::kNotAtAll);
   EXPECT_THAT(fit.Of("d.k").combinations, ElementsAre("d.k * d.a"));
+}
+
+// The literature's four parameters of the shape are three; and along the way
+// the factor may change its sign with the others'.
+TEST(ProfileParameters, NamesTheTwoProductsOfBoucWensShape) {
+  auto dynamics = OnASpring();
+  AddFree("d", "bouc_wen", {20.0, 1.0, 7.0, 2.5, 1.3, 1.2},
+          {"b", "g", "n", "beta"}, dynamics.get());
+  Profiled fit(dynamics,
+               (Vector(6) << 20.0, 1.0, 8.0, 3.0, 1.5, 1.0).finished(), 0.01);
+  ASSERT_TRUE(fit.Run()) << fit.error;
+  EXPECT_EQ(fit.Of("d.beta").determination, Determination::kNotAtAll);
+  EXPECT_THAT(fit.Of("d.beta").combinations,
+              ElementsAre("d.beta * d.b", "d.beta * d.g"));
+  EXPECT_EQ(fit.Of("d.n").determination, Determination::kDetermined);
 }
 
 // A gap that was never closed could be wider, but not narrower.

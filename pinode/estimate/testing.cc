@@ -78,7 +78,7 @@ std::shared_ptr<StructuralDynamics> MakeSmallNonlinear() {
   // k, a, b, g, n.
   LawTerm hysteresis =
       MakeElement("slip", "bouc_wen", 2, 0, 1, {3.0, 1.0, 0.8, 0.4, 2.0});
-  hysteresis.parameters.parameters.back().free = false;
+  hysteresis.parameters.parameters[4].free = false;
   CHECK(dynamics->AddLaw(std::move(hysteresis), &error)) << error;
 
   NetworkArchitecture architecture;
@@ -230,9 +230,17 @@ SmallFit::SmallFit(IdentificationRecord::Start start) {
     scales.push_back(Vector::LinSpaced(ns, 0.1, 0.4));
     problem.records.push_back(std::move(record));
   }
+  // All but the factor of the hysteresis' shape.
   Vector theta = truth;
-  for (int i = 0; i < theta.size(); ++i) {
-    theta[i] *= 1.0 + 0.05 * std::cos(2.3 * i);
+  int index = 0;
+  int moved = 0;
+  for (const ParameterBlock& block : dynamics->blocks()) {
+    for (const Parameter& parameter : block.parameters) {
+      if (parameter.name != "slip.beta") {
+        theta[index] *= 1.0 + 0.05 * std::cos(2.3 * moved++);
+      }
+      ++index;
+    }
   }
   dynamics->SetParameters(theta);
   problem.dynamics = dynamics;

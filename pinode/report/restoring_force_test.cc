@@ -60,7 +60,7 @@ TEST(RestoringForce, FollowsTheLawsAlongTheStates) {
   for (int i = 0; i < network_states.cols(); i += 7) {
     const double q[] = {network_states(2, i), network_states(5, i)};
     double y;
-    term.network->Evaluate(q, theta.data() + 10, &y, &workspace);
+    term.network->Evaluate(q, theta.data() + 11, &y, &workspace);
     EXPECT_NEAR(network.force(i), y, 1e-15);
     largest = std::max(largest, std::abs(y));
   }

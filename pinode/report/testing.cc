@@ -22,9 +22,9 @@ constexpr double kStep = 0.01;
 constexpr double kMass = 2000.0;
 constexpr double kStiffness = 3.0e6;
 
-// The truth: k1, k2, k3, c, cubic, Bouc-Wen k, a, b, g, n.
+// The truth: k1, k2, k3, c, cubic, Bouc-Wen k, a, b, g, n, beta.
 std::vector<double> TrueNamedParameters() {
-  return {0.2, -0.15, 0.1, 0.05, 6.0e9, 2.0e5, 1.0, 400.0, 400.0, 1.0};
+  return {0.2, -0.15, 0.1, 0.05, 6.0e9, 2.0e5, 1.0, 400.0, 400.0, 1.0, 1.0};
 }
 
 void AddGroup(const std::string& name, MatrixGroup::Target target,
@@ -109,8 +109,8 @@ std::shared_ptr<StructuralDynamics> MakeDynamics() {
   AddGroup("c", MatrixGroup::Target::kDamping, 1e-3 * stiffness,
            dynamics.get());
   AddLaw("spring1", "cubic", -1, 0, {0.0}, {"N/m^3"}, dynamics.get());
-  AddLaw("slip2", "bouc_wen", 0, 1, {1.0e5, 1.0, 400.0, 400.0, 1.0},
-         {"N/m", "1", "1/m", "1/m", "1"}, dynamics.get());
+  AddLaw("slip2", "bouc_wen", 0, 1, {1.0e5, 1.0, 400.0, 400.0, 1.0, 1.0},
+         {"N/m", "1", "1/m", "1/m", "1", "1"}, dynamics.get());
   AddNetwork(dynamics.get());
   return dynamics;
 }
