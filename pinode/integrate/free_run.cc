@@ -5,6 +5,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/integrate/exponential_step.h"
 #include "pinode/integrate/linear_map.h"
 #include "pinode/integrate/modal_response.h"
 #include "pinode/integrate/rk4.h"
@@ -36,6 +37,10 @@ class Stepper {
          samples > kSamplesForAMap * dynamics.num_states())) {
       map_.emplace(dynamics, prepared, grid, false);
     }
+    if (grid.integrator() == Integrator::kExponential) {
+      exponential_.emplace(dynamics);
+      exponential_->Prepare(prepared, grid.step(), false);
+    }
   }
 
   void RateAtSample(int sample, const double* state, double* rate) {
@@ -53,6 +58,10 @@ class Stepper {
       return;
     }
     for (int s = 0; s < grid_.substeps(); ++s) {
+      if (exponential_.has_value()) {
+        exponential_->Advance(prepared_, grid_, interval, s, state);
+        continue;
+      }
       Rk4Step(
           [&](int node, double time, const double* h, double* rate) {
             dynamics_.Rate(prepared_, time, grid_.AtNode(interval, s, node), h,
@@ -70,6 +79,7 @@ class Stepper {
   StructuralDynamics::Linearization stage_;
   Rk4Scratch<double> scratch_;
   std::optional<LinearMap> map_;
+  std::optional<ExponentialStep> exponential_;
   Vector next_;
 };
 

@@ -5,7 +5,15 @@
 namespace pinode {
 
 const char* IntegratorName(Integrator integrator) {
-  return integrator == Integrator::kExact ? "exact" : "rk4";
+  switch (integrator) {
+    case Integrator::kExact:
+      return "exact";
+    case Integrator::kExponential:
+      return "exponential";
+    case Integrator::kRungeKutta:
+      break;
+  }
+  return "rk4";
 }
 
 IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,

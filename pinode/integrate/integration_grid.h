@@ -13,13 +13,15 @@ enum class Integrator {
   kRungeKutta,  // classical steps of fourth order
   kExact,  // linear dynamics with constant matrices: no error but that of a
            // polynomial for the inputs between two samples
+  kExponential,  // exact for the linear part of dynamics with laws at a few
+                 // DOFs, see ExponentialStep
 };
 
-// "rk4" or "exact".
+// "rk4", "exact" or "exponential".
 const char* IntegratorName(Integrator integrator);
 
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
-// `substeps` Runge-Kutta steps of equal length in every interval. The inputs
+// `substeps` steps of equal length in every interval. The inputs
 // are tabulated once: every integration of the record reads the same values.
 // The exact solution has steps too, which are but where its inputs are
 // tabulated. A periodic excitation has one interval more, from the last sample

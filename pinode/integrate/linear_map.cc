@@ -6,6 +6,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/integrate/exact_forcing.h"
+#include "pinode/integrate/forced_exponential.h"
 
 namespace pinode {
 namespace {
@@ -68,17 +69,6 @@ Map Columns(const Map& map, Eigen::Index first, Eigen::Index count) {
   return columns;
 }
 
-Map Product(const Map& left, const Map& right) {
-  Map product;
-  product.value.noalias() = left.value * right.value;
-  for (size_t j = 0; j < left.derivatives.size(); ++j) {
-    Matrix derivative = left.derivatives[j] * right.value;
-    derivative.noalias() += left.value * right.derivatives[j];
-    product.derivatives.push_back(std::move(derivative));
-  }
-  return product;
-}
-
 // By squares: as many products as `exponent` (at least 1) has binary digits,
 // twice at most.
 Map Power(Map base, int exponent) {
@@ -92,56 +82,6 @@ Map Power(Map base, int exponent) {
     if (exponent % 2 == 1) power = Product(base, power);
   }
   return power;
-}
-
-// The first rows of exp [hF hG 0 ...; 0 0 I 0 ...; ...], those of the states:
-// of the state and the first `terms` derivatives of the inputs by the share of
-// the interval h.
-Map ExponentialOfSeries(const Map& rate, double duration, Eigen::Index terms) {
-  constexpr double kSmall = 0.5;  // |A| at which so many terms are enough
-  constexpr int kExponentialTerms = 14;
-  const Eigen::Index ns = rate.value.rows();
-  const Eigen::Index ni = rate.value.cols() - ns;
-  const Eigen::Index size = ns + terms * ni;
-  const Vector unit = VelocityUnits(rate.value.leftCols(ns));
-  const auto augmented = [&](const Matrix& own) {
-    Matrix a = Matrix::Zero(size, size);
-    a.topLeftCorner(ns, ns) = duration * unit.asDiagonal() * own.leftCols(ns) *
-                              unit.cwiseInverse().asDiagonal();
-    a.block(0, ns, ns, ni) = duration * unit.asDiagonal() * own.rightCols(ni);
-    return a;
-  };
-  Map a{augmented(rate.value), {}};
-  for (const Matrix& derivative : rate.derivatives) {
-    a.derivatives.push_back(augmented(derivative));
-  }
-  a.value.block(ns, ns + ni, (terms - 1) * ni, (terms - 1) * ni).setIdentity();
-  const double norm = a.value.cwiseAbs().colwise().sum().maxCoeff();
-  const int squarings =
-      std::max(0, static_cast<int>(std::ceil(std::log2(norm / kSmall))));
-  const double share = std::exp2(-squarings);
-  a.value *= share;
-  for (Matrix& derivative : a.derivatives) derivative *= share;
-  Map sum;
-  sum.value = Matrix::Identity(size, size);
-  sum.derivatives.assign(a.derivatives.size(), Matrix::Zero(size, size));
-  for (int k = kExponentialTerms; k >= 1; --k) {
-    sum = Product(a, sum);
-    sum.value /= k;
-    sum.value.diagonal().array() += 1.0;
-    for (Matrix& derivative : sum.derivatives) derivative /= k;
-  }
-  for (int s = 0; s < squarings; ++s) sum = Product(sum, sum);
-  const auto own = [&](const Matrix& whole) {
-    Matrix rows = unit.cwiseInverse().asDiagonal() * whole.topRows(ns);
-    rows.leftCols(ns) = rows.leftCols(ns) * unit.asDiagonal();
-    return rows;
-  };
-  Map result{own(sum.value), {}};
-  for (const Matrix& derivative : sum.derivatives) {
-    result.derivatives.push_back(own(derivative));
-  }
-  return result;
 }
 
 }  // namespace
@@ -212,7 +152,7 @@ void LinearMap::ComputeExactly(const Map& rate, double sampling_step,
     }
   }
   const Map exponential =
-      ExponentialOfSeries(rate, sampling_step, polynomial.rows());
+      ForcedExponential(rate, sampling_step, polynomial.rows());
   transition_ = exponential.value.leftCols(ns);
   forcing_ = exponential.value.rightCols(nodes.rows()) * nodes;
   derivatives_.resize(ns * np, ns + forcing_.cols());

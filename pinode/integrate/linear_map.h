@@ -30,13 +30,8 @@ namespace pinode {
 //
 // By Runge-Kutta these are the discrete steps themselves and their exact
 // derivatives, at the cost of two products of state size for each column and
-// sample, however many steps a sample has. Exactly they are parts of
-//
-//   exp [hF hG 0 ...; 0 0 I ...; ...],   of h and the inputs' derivatives
-//
-// (C. F. Van Loan, IEEE Trans. Automat. Contr. 23 (1978) 395-404), by its
-// series after as many halvings as make that short; its derivatives are those
-// of the series and of the squarings, whatever the eigenvalues are.
+// sample, however many steps a sample has. Exactly they are those of
+// ForcedExponential.
 class LinearMap {
  public:
   // The derivatives only where they are asked for.

@@ -32,6 +32,12 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
   CHECK_LT(first, last);
   CHECK_LE(last, grid.num_intervals());
   CHECK_EQ(start.size(), dynamics_.num_states());
+  if (grid.integrator() == Integrator::kExponential) {
+    if (!exponential_.has_value()) exponential_.emplace(dynamics_);
+    exponential_->Prepare(prepared, grid.step(), HasParameters(columns));
+    return PropagateTangents(prepared, observation, grid, start, first, last,
+                             observe_last, columns, result);
+  }
   if (columns == SegmentColumns::kNone) {
     return Run(prepared, observation, grid, start, first, last, observe_last,
                result);
@@ -85,6 +91,7 @@ bool SegmentPropagator::PropagateTangents(
   const int by_start = HasStart(columns) ? ns : 0;
   const int channels = observation.num_channels();
   const int samples = last - first + (observe_last ? 1 : 0);
+  const bool exponentially = grid.integrator() == Integrator::kExponential;
   result->failed_sample = -1;
   result->failed_state = -1;
   result->channels.resize(channels, samples);
@@ -129,6 +136,15 @@ bool SegmentPropagator::PropagateTangents(
     }
     if (i == last) break;
     for (int s = 0; s < grid.substeps(); ++s) {
+      if (exponentially && sensitivity_.cols() == 0) {
+        exponential_->Advance(prepared, grid, i, s, &state_);
+        continue;
+      }
+      if (exponentially) {
+        exponential_->Step(prepared, grid, i, s, with_parameters, &state_,
+                           &sensitivity_);
+        continue;
+      }
       step_.Step(prepared, grid, i, s, observed && s == 0, with_parameters,
                  &state_, &sensitivity_);
     }

@@ -5,10 +5,12 @@
 #define PINODE_INTEGRATE_SEGMENT_H_
 
 #include <memory>
+#include <optional>
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/integrate/exponential_step.h"
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/linear_segment.h"
 #include "pinode/integrate/tangent_step.h"
@@ -20,8 +22,8 @@ namespace pinode {
 enum class DerivativeMethod {
   kTangents,  // TangentStep: laws by narrow Jets, networks by hand;
               // LinearSegment where the dynamics are linear
-  kJets,      // the step on wide Jets through the whole segment; the exact
-              // solution has none
+  kJets,      // the step on wide Jets through the whole segment; only
+              // Runge-Kutta has it
 };
 
 // Which derivatives are asked for: num_states columns by the start, then
@@ -79,6 +81,7 @@ class SegmentPropagator {
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;
   LinearSegment linear_;
+  std::optional<ExponentialStep> exponential_;  // made where it is asked for
   TangentStep step_;
   Vector state_;
   Matrix sensitivity_;
