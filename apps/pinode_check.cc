@@ -143,6 +143,12 @@ void PrintRecords(const Case& c) {
     if (choice.integrator == Integrator::kExact) {
       std::printf("    integrated exactly; fastest mode %.4g rad/s",
                   choice.stability.largest_eigenvalue);
+    } else if (choice.integrator == Integrator::kExponential) {
+      std::printf(
+          "    %d exponential steps a sample%s; fastest mode %.4g rad/s",
+          record.exponential_steps,
+          record.substeps_chosen ? " (chosen)" : " (given)",
+          choice.stability.largest_eigenvalue);
     } else {
       std::printf(
           "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, "

@@ -78,10 +78,13 @@ class RecordReader {
       if (!FileExists(table_, section_->file)) return false;
     }
     section_->substeps = table_.Integer("substeps", 0, 0);
-    const std::string integrator =
-        table_.Choice("integrator", {"auto", "rk4", "exact"}, "auto");
+    const std::string integrator = table_.Choice(
+        "integrator", {"auto", "rk4", "exact", "exponential"}, "auto");
     if (integrator == "rk4") section_->integrator = Integrator::kRungeKutta;
     if (integrator == "exact") section_->integrator = Integrator::kExact;
+    if (integrator == "exponential") {
+      section_->integrator = Integrator::kExponential;
+    }
     return table_.errors()->ok();
   }
 

@@ -34,6 +34,8 @@ Json Records(const IdentificationProblem& problem,
     record["integrator"] = IntegratorName(integrator);
     if (integrator == Integrator::kRungeKutta) {
       record["substeps"] = problem.records[r].substeps;
+    } else if (integrator == Integrator::kExponential) {
+      record["substeps"] = problem.records[r].exponential_steps;
     }
     record["channels"] = Json::array();
     for (size_t i = 0; i < score.channels.size(); ++i) {

@@ -66,6 +66,9 @@ struct IdentificationRecord {
   bool substeps_chosen = false;
   // How it is integrated; not given: see IntegratorOf.
   std::optional<Integrator> integrator;
+  // Steps of ExponentialStep per sample, by PrepareProblem; 0: these are not
+  // taken.
+  int exponential_steps = 0;
   RecordDescription description;
 
   // Indices of the inputs that have noise.

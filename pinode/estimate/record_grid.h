@@ -11,7 +11,8 @@
 namespace pinode {
 
 // How the record is integrated with these dynamics: exactly where they are
-// linear, unless it asks for Runge-Kutta or for a number of its steps.
+// linear, and by exponential steps where it has some and they suit, unless it
+// asks for Runge-Kutta or for a number of its steps.
 Integrator IntegratorOf(const StructuralDynamics& dynamics,
                         const IdentificationRecord& record);
 

@@ -86,6 +86,20 @@ std::string StartText(const IdentificationRecord& record) {
   return "";
 }
 
+std::string IntegrationText(const StructuralDynamics& dynamics,
+                            const IdentificationRecord& record) {
+  switch (IntegratorOf(dynamics, record)) {
+    case Integrator::kExact:
+      return "exact";
+    case Integrator::kExponential:
+      return "exponential, " + std::to_string(record.exponential_steps) +
+             " steps";
+    case Integrator::kRungeKutta:
+      break;
+  }
+  return "RK4, " + std::to_string(record.substeps) + " steps";
+}
+
 // How each record entered the fit.
 TextTable MakeDataTable(const ReportInput& input) {
   const std::string& time = input.problem->description.units.time;
@@ -104,9 +118,7 @@ TextTable MakeDataTable(const ReportInput& input) {
         {record.name, std::to_string(record.num_samples()),
          FormatNumber(record.sampling_step(), 6),
          ReadableNumber((record.num_samples() - 1) * record.sampling_step(), 4),
-         IntegratorOf(*input.problem->dynamics, record) == Integrator::kExact
-             ? "exact"
-             : "RK4, " + std::to_string(record.substeps) + " steps",
+         IntegrationText(*input.problem->dynamics, record),
          excitation.num_inputs() == 0
              ? "none"
              : InterpolationName(excitation.interpolation()) +

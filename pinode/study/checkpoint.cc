@@ -125,6 +125,9 @@ void Add(const IdentificationRecord& record, Hash* hash) {
   if (record.integrator.has_value()) {
     hash->Add(IntegratorName(*record.integrator));
   }
+  if (record.exponential_steps > 0) {
+    hash->Add(static_cast<std::int64_t>(record.exponential_steps));
+  }
   hash->Add(record.sampling_step());
   hash->Add(record.excitation->samples());
   for (const MeasuredChannel& channel : record.channels) {

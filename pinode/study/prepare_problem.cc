@@ -18,6 +18,7 @@ struct Steps {
   int substeps;
   bool chosen;
   std::optional<Integrator> integrator;
+  int exponential_steps;
 };
 
 bool Prepare(IdentificationProblem* problem, std::string* error) {
@@ -53,14 +54,15 @@ bool PrepareProblem(IdentificationProblem* problem, std::string* error) {
   CHECK(error != nullptr);
   std::vector<Steps> before;
   for (const IdentificationRecord& record : problem->records) {
-    before.push_back(
-        {record.substeps, record.substeps_chosen, record.integrator});
+    before.push_back({record.substeps, record.substeps_chosen,
+                      record.integrator, record.exponential_steps});
   }
   if (Prepare(problem, error)) return true;
   for (size_t r = 0; r < before.size(); ++r) {
     problem->records[r].substeps = before[r].substeps;
     problem->records[r].substeps_chosen = before[r].chosen;
     problem->records[r].integrator = before[r].integrator;
+    problem->records[r].exponential_steps = before[r].exponential_steps;
   }
   return false;
 }

@@ -11,6 +11,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/estimate/record_grid.h"
+#include "pinode/integrate/exponential_step.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/integration_grid.h"
 
@@ -23,6 +24,9 @@ constexpr double kRmsShare = 1e-4;
 // A free run that six halvings do not bring to its limit is chaotic, or grows
 // without bound: the step is not what it lacks.
 constexpr int kLargestRefinement = 64;
+// States from which on a product of state size costs more than all else of a
+// step.
+constexpr int kManyStates = 16;
 
 // The state at the first sample, as far as a free run needs one. False where
 // the record does not say.
@@ -85,9 +89,10 @@ class Prior {
   }
 
   // Channels x samples; false where the run does not stay finite.
-  bool Run(int substeps, Matrix* channels) const {
+  bool Run(int substeps, Matrix* channels,
+           Integrator integrator = Integrator::kRungeKutta) const {
     Trajectory trajectory;
-    const IntegrationGrid grid(*record_->excitation, substeps);
+    const IntegrationGrid grid(*record_->excitation, substeps, integrator);
     if (!FreeRun(*dynamics_, *prepared_, observation_, grid, start_, 0,
                  record_->num_samples() - 1, &trajectory)) {
       return false;
@@ -276,6 +281,114 @@ void FollowTraining(IdentificationProblem* problem) {
   }
 }
 
+// Exponential steps a sample, of the prior's free run as ChooseSubsteps has it,
+// at most `most`; 0 where it does not say.
+int ChooseExponentialSteps(const StructuralDynamics& dynamics,
+                           const IdentificationRecord& record, int most,
+                           SubstepChoice* choice) {
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  Prior prior;
+  Matrix coarse;
+  Matrix fine;
+  if (!dynamics.Prepare(dynamics.Parameters(), &prepared, &error) ||
+      !prior.Init(dynamics, prepared, record)) {
+    return 0;
+  }
+  const auto run = [&prior](int steps, Matrix* channels) {
+    return prior.Run(steps, channels, Integrator::kExponential);
+  };
+  bool have_coarse = most >= 1 && run(1, &coarse);
+  for (int steps = 1; steps <= most; steps *= 2) {
+    if (!run(2 * steps, &fine)) return 0;
+    if (have_coarse && CompareChannels(record, coarse, fine, choice)) {
+      return steps;
+    }
+    std::swap(coarse, fine);
+    have_coarse = true;
+  }
+  return 0;
+}
+
+// Sets the record's exponential steps, where they are asked for, or where they
+// suit and are worth their while: half as many as Runge-Kutta needs to be
+// stable, or as many where there are many states.
+bool SetExponentialSteps(const StructuralDynamics& dynamics,
+                         const IdentificationRecord& ideal,
+                         IdentificationRecord* record, SubstepChoice* choice,
+                         std::string* error) {
+  const bool asked = record->integrator == Integrator::kExponential;
+  const bool suits = ExponentialStep::Suits(dynamics);
+  const int given = record->substeps_chosen         ? 0
+                    : record->exponential_steps > 0 ? record->exponential_steps
+                                                    : record->substeps;
+  record->exponential_steps = 0;
+  if (asked && !suits) {
+    *error =
+        "integrator = \"exponential\" is for models of groups that follow "
+        "nothing, and elements or libraries; without these it is exact, with "
+        "other terms there is rk4";
+    return false;
+  }
+  if (!suits || (!asked && (given > 0 || record->integrator.has_value()))) {
+    return true;
+  }
+  SubstepChoice found;
+  if (given > 0) {
+    record->exponential_steps = given;
+    found.error = found.error_limit = kNaN;
+  } else {
+    const Matrix state_matrix = StateMatrixAtRest(dynamics, ideal);
+    const double step = ideal.sampling_step();
+    const double phase =
+        CheckStability(state_matrix, step, 1).largest_eigenvalue * step;
+    const int stable = phase < kMaxSubsteps ? StableSubsteps(state_matrix, step)
+                                            : kMaxSubsteps;
+    const int most = asked                                  ? kMaxSubsteps
+                     : dynamics.num_states() >= kManyStates ? stable
+                                                            : stable / 2;
+    record->exponential_steps =
+        ChooseExponentialSteps(dynamics, ideal, most, &found);
+    if (asked && record->exponential_steps == 0) {
+      *error =
+          "no free run of the model as it is says how many exponential steps "
+          "a sample need; give substeps";
+      return false;
+    }
+  }
+  if (record->exponential_steps > 0) *choice = found;
+  return true;
+}
+
+// A model carries the error of its steps: exponential ones are taken in all
+// records or in none, and none is integrated more coarsely than the finest
+// training record.
+void MatchExponentialSteps(IdentificationProblem* problem) {
+  double finest = kInfinity;
+  bool all = true;
+  for (const IdentificationRecord& record : problem->records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    if (record.exponential_steps == 0) {
+      all = false;
+      break;
+    }
+    finest =
+        std::min(finest, record.sampling_step() / record.exponential_steps);
+  }
+  for (IdentificationRecord& record : problem->records) {
+    const bool asked = record.integrator == Integrator::kExponential;
+    if (!all && !asked) record.exponential_steps = 0;
+    if (!all || finest == kInfinity || !record.substeps_chosen ||
+        record.integrator.has_value()) {
+      continue;
+    }
+    record.exponential_steps =
+        std::max(record.exponential_steps,
+                 static_cast<int>(std::ceil(record.sampling_step() / finest *
+                                            (1.0 - 1e-9))));
+  }
+}
+
 // What Runge-Kutta would take, for the few that linearise step by step.
 bool StepsBesideTheExactSolution(const StructuralDynamics& dynamics,
                                  const IdentificationRecord& record,
@@ -294,7 +407,6 @@ bool StepsBesideTheExactSolution(const StructuralDynamics& dynamics,
              "record's time";
     return false;
   }
-  choice->error = choice->error_limit = kNaN;
   choice->substeps =
       static_cast<int>(std::clamp(std::ceil(largest * step / kLargestPhase),
                                   1.0, static_cast<double>(kMaxSubsteps)));
@@ -315,7 +427,7 @@ void RefineToTraining(IdentificationProblem* problem,
     const double needed =
         std::ceil(record.sampling_step() / finest * (1.0 - 1e-9));
     if (!record.substeps_chosen || !(needed > record.substeps) ||
-        needed > kMaxSubsteps || choice.integrator == Integrator::kExact) {
+        needed > kMaxSubsteps || choice.integrator != Integrator::kRungeKutta) {
       continue;
     }
     record.substeps = choice.substeps = static_cast<int>(needed);
@@ -332,16 +444,33 @@ bool SetSubsteps(IdentificationProblem* problem,
                  std::string* error) {
   choices->assign(problem->records.size(), SubstepChoice());
   FollowTraining(problem);
+  const StructuralDynamics& dynamics = *problem->dynamics;
+  for (size_t r = 0; r < problem->records.size(); ++r) {
+    IdentificationRecord& record = problem->records[r];
+    if (record.substeps == 0) record.substeps_chosen = true;
+    if (dynamics.IsLinear()) {
+      record.exponential_steps = 0;
+    } else if (!SetExponentialSteps(dynamics,
+                                    problem->AsSeenByIdealSensors(record),
+                                    &record, &(*choices)[r], error)) {
+      *failed = static_cast<int>(r);
+      return false;
+    }
+  }
+  MatchExponentialSteps(problem);
   for (size_t r = 0; r < problem->records.size(); ++r) {
     IdentificationRecord& record = problem->records[r];
     SubstepChoice& choice = (*choices)[r];
-    if (record.substeps == 0) record.substeps_chosen = true;
-    const StructuralDynamics& dynamics = *problem->dynamics;
     const IdentificationRecord ideal = problem->AsSeenByIdealSensors(record);
     choice.integrator = IntegratorOf(dynamics, record);
     bool good = true;
-    if (record.integrator.has_value() &&
-        *record.integrator != choice.integrator) {
+    if (choice.integrator == Integrator::kExponential) {
+      SubstepChoice beside;
+      good = StepsBesideTheExactSolution(dynamics, ideal, &beside, error);
+      choice.substeps = beside.substeps;
+      choice.stability = beside.stability;
+    } else if (record.integrator == Integrator::kExact &&
+               choice.integrator != Integrator::kExact) {
       *error =
           "integrator = \"exact\" is for models that are linear with constant "
           "matrices: groups that follow nothing, no elements, networks or "
@@ -349,6 +478,7 @@ bool SetSubsteps(IdentificationProblem* problem,
       good = false;
     } else if (choice.integrator == Integrator::kExact) {
       good = StepsBesideTheExactSolution(dynamics, ideal, &choice, error);
+      choice.error = choice.error_limit = kNaN;
     } else if (record.substeps > 0) {
       good = CheckSubsteps(dynamics, ideal, record.substeps, &choice, error);
     } else {

@@ -19,7 +19,8 @@ inline constexpr int kMaxSubsteps = 1000;
 
 struct SubstepChoice {
   Integrator integrator = Integrator::kRungeKutta;
-  // Of Runge-Kutta; where the solution is exact, what it would take about.
+  // Of Runge-Kutta; where the solution is exact, or by exponential steps, what
+  // it would take about.
   int substeps = 1;
   StabilityReport stability;
   // Largest change of a fitted channel when the step is halved (RMS over the
@@ -62,12 +63,14 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
 
 // Sets the steps of all records: zeros are chosen, and marked so; the others
 // are checked. Where the solution is exact (see IntegratorOf) it takes none; if
-// steps are given for a training record, the others take steps too. False
-// where a record asks for the exact
-// solution of dynamics that are not linear. A model carries the error of the
-// steps with which it was fitted, so where they are chosen no record is
-// integrated more coarsely than the finest training record. On failure *failed
-// is the record that *error speaks of.
+// steps are given for a training record, the others take steps too. Exponential
+// steps are chosen where they suit and at most half as many do as Runge-Kutta
+// needs to be stable, or no more where there are 16 states, in all records or
+// in none. False where a record asks for the exact solution of dynamics that
+// are not linear, or for exponential steps where they do not suit. A model
+// carries the error of the steps with which it was fitted, so where they are
+// chosen no record is integrated more coarsely than the finest training record.
+// On failure *failed is the record that *error speaks of.
 [[nodiscard]] bool SetSubsteps(IdentificationProblem* problem,
                                std::vector<SubstepChoice>* choices, int* failed,
                                std::string* error);
