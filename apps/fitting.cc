@@ -12,6 +12,7 @@
 #include "pinode/estimate/profile.h"
 #include "pinode/estimate/progress.h"
 #include "pinode/study/growth.h"
+#include "pinode/study/step_check.h"
 #include "pinode/study/term_choice.h"
 
 namespace pinode {
@@ -79,6 +80,37 @@ void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
   *c = CaseAfterChoice(all, summary->choice.left_out, fit.problem);
 }
 
+// Finer steps where they would move what was found, and a fit that goes on with
+// them; says what is left.
+void SettleSteps(bool show_progress, Case* c, IdentificationSummary* summary,
+                 IdentifiedModel* model) {
+  constexpr int kMostRounds = 2;
+  constexpr double kTooFar = 2.0;  // deviations
+  constexpr double kNotable = 0.5;
+  StepCheck check;
+  for (int round = 0;; ++round) {
+    if (summary->termination != Termination::kConverged ||
+        !CheckStepsAtFit(c->problem, *summary, *model, c->options.num_threads,
+                         &check)) {
+      return;
+    }
+    if (round == kMostRounds || !RefineSteps(check, &c->problem)) break;
+    IdentificationOptions options = c->options;
+    BeginNearTheEnd(&options);
+    const ModelChoice choice = summary->choice;
+    const IdentifiedModel begin = *model;
+    FitWithProgress(show_progress)("finer steps", c->problem, options, &begin,
+                                   summary, model);
+    summary->choice = choice;
+  }
+  if (check.shift > kTooFar && check.is_large && summary->usable) {
+    summary->usable = false;
+    summary->message = "the steps are too long: " + check.Sentence();
+  } else if (check.shift > kNotable) {
+    summary->remarks.push_back(check.Sentence());
+  }
+}
+
 }  // namespace
 
 bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
@@ -132,6 +164,7 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
       summary->remarks.push_back(choice.Sentence());
     }
   }
+  SettleSteps(show_progress, c, summary, model);
   return true;
 }
 

@@ -1,0 +1,124 @@
+#include "pinode/study/step_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/strings.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/fitted_cost.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/record_grid.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kShift = 0.1;  // deviations
+constexpr int kMostSteps = 64;
+constexpr double kLargeShare = 0.01;
+
+bool TakesSteps(const IdentificationProblem& problem) {
+  return std::any_of(
+      problem.records.begin(), problem.records.end(),
+      [&problem](const IdentificationRecord& record) {
+        return record.role == IdentificationRecord::Role::kTrain &&
+               IntegratorOf(*problem.dynamics, record) != Integrator::kExact;
+      });
+}
+
+IdentificationProblem WithHalvedSteps(IdentificationProblem problem) {
+  for (IdentificationRecord& record : problem.records) {
+    record.substeps *= 2;
+    record.exponential_steps *= 2;
+  }
+  return problem;
+}
+
+// H^-1 g; empty where H has none.
+Vector Solve(const Matrix& hessian, const Vector& gradient) {
+  Vector scale(gradient.size());
+  for (Eigen::Index j = 0; j < scale.size(); ++j) {
+    scale[j] = hessian(j, j) > 0.0 ? 1.0 / std::sqrt(hessian(j, j)) : 1.0;
+  }
+  Matrix lower;
+  if (!FactorizeInformation(scale.asDiagonal() * hessian * scale.asDiagonal(),
+                            &lower)) {
+    return Vector();
+  }
+  Vector step = scale.cwiseProduct(gradient);
+  lower.triangularView<Eigen::Lower>().solveInPlace(step);
+  lower.transpose().triangularView<Eigen::Upper>().solveInPlace(step);
+  return scale.cwiseProduct(step);
+}
+
+}  // namespace
+
+std::string StepCheck::Sentence() const {
+  return "Integrated with two steps in place of each, '" + parameter +
+         "' would move by " + FormatNumber(change, 3) + ", " +
+         FormatNumber(shift, 2) +
+         " of its standard deviation; substeps asks for more.";
+}
+
+bool CheckStepsAtFit(const IdentificationProblem& problem,
+                     const IdentificationSummary& summary,
+                     const IdentifiedModel& model, int num_threads,
+                     StepCheck* check) {
+  *check = StepCheck();
+  if (!TakesSteps(problem) || !problem.dynamics->networks().empty() ||
+      !problem.dynamics->unknown_forces().empty()) {
+    return false;
+  }
+  const ParameterLayout layout(problem);
+  const IdentificationProblem halved = WithHalvedSteps(problem);
+  const ParameterLayout halved_layout(halved);
+  FittedCost coarse, fine;
+  if (!LinearizeAtFit(problem, layout, model, summary.records, num_threads,
+                      &coarse) ||
+      !LinearizeAtFit(halved, halved_layout, model, summary.records,
+                      num_threads, &fine)) {
+    return false;
+  }
+  const Vector step =
+      Solve(fine.system.hessian, coarse.system.gradient - fine.system.gradient);
+  if (step.size() == 0 || !step.allFinite()) return false;
+  bool seen = false;
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    const int j = layout.FreeIndex(estimate.name);
+    if (j < 0 || !(estimate.sigma > 0.0) || !std::isfinite(estimate.sigma) ||
+        estimate.at_bound) {
+      continue;
+    }
+    seen = true;
+    const double shift = std::abs(step[j]) / estimate.sigma;
+    if (!(shift > check->shift)) continue;
+    const bool is_factor = layout.free()[static_cast<size_t>(j)] <
+                           static_cast<int>(problem.dynamics->groups().size());
+    check->parameter = estimate.name;
+    check->shift = shift;
+    check->change = step[j];
+    check->is_large =
+        std::abs(step[j]) >
+        kLargeShare * (is_factor ? 1.0 : std::abs(estimate.value));
+  }
+  return seen;
+}
+
+bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
+  if (!(check.shift > kShift)) return false;
+  const double factor = std::sqrt(std::sqrt(2.0 * check.shift / kShift));
+  bool changed = false;
+  for (IdentificationRecord& record : problem->records) {
+    if (!record.substeps_chosen ||
+        IntegratorOf(*problem->dynamics, record) != Integrator::kExponential) {
+      continue;
+    }
+    const int steps = std::min(
+        kMostSteps,
+        static_cast<int>(std::ceil(factor * record.exponential_steps)));
+    changed = changed || steps > record.exponential_steps;
+    record.exponential_steps = std::max(record.exponential_steps, steps);
+  }
+  return changed;
+}
+
+}  // namespace pinode

@@ -1,0 +1,101 @@
+#include "pinode/study/step_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "pinode/dynamics/elements.h"
+#include "pinode/estimate/record_grid.h"
+#include "pinode/study/substeps.h"
+#include "pinode/study/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A chain of three with a stiff top, and a spring that hardens, which is not
+// known to be there before the fit.
+IdentificationProblem Hardening(double sigma) {
+  auto dynamics = testing::MakeGroupedChain(3, 100.0, 0.5);
+  std::string error;
+  EXPECT_TRUE(
+      dynamics->AddElement("hard", "cubic", Feature::kGround, 0, {0.0}, &error))
+      << error;
+  IdentificationProblem problem;
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, 400, 0.05);
+  record.start = IdentificationRecord::Start::kRest;
+  for (int i = 0; i < 3; ++i) {
+    record.channels.push_back(testing::MakeChannel(
+        "x" + std::to_string(i + 1), Quantity::kDisplacement, 3, i));
+  }
+  Vector truth = Vector::Zero(4);
+  truth[3] = 4000.0;
+  record.substeps = 64;
+  testing::Simulate(*dynamics, truth, Vector::Zero(6), sigma, 5, &record);
+  record.substeps = 0;
+  record.integrator = Integrator::kExponential;
+  problem.dynamics = dynamics;
+  problem.records.push_back(std::move(record));
+  ChooseStepsOrFail(&problem);
+  return problem;
+}
+
+TEST(StepCheck, SeesTheStepsWhereTheyCount) {
+  TestFit fit;
+  fit.problem = Hardening(1e-3);
+  IdentificationRecord& record = fit.problem.records[0];
+  // Nothing hardens yet.
+  EXPECT_EQ(record.exponential_steps, 1);
+  const auto identify = [&fit] {
+    Identify(fit.problem, IdentificationOptions(), nullptr, &fit.summary,
+             &fit.model);
+    ASSERT_EQ(fit.summary.termination, Termination::kConverged)
+        << fit.summary.message;
+  };
+  identify();
+  StepCheck check;
+  ASSERT_TRUE(CheckStepsAtFit(fit.problem, fit.summary, fit.model, 1, &check));
+  EXPECT_GT(check.shift, 0.1);
+  EXPECT_THAT(check.Sentence(), HasSubstr("'" + check.parameter + "'"));
+  // What it promises is what a fit with so many steps comes to.
+  const double before =
+      fit.model.parameters
+          [ParameterLayout(fit.problem)
+               .free()[static_cast<size_t>(
+                   ParameterLayout(fit.problem).FreeIndex(check.parameter))]];
+  TestFit fine = fit;
+  fine.problem.records[0].exponential_steps *= 2;
+  Identify(fine.problem, IdentificationOptions(), nullptr, &fine.summary,
+           &fine.model);
+  const double after =
+      fine.model.parameters
+          [ParameterLayout(fit.problem)
+               .free()[static_cast<size_t>(
+                   ParameterLayout(fit.problem).FreeIndex(check.parameter))]];
+  EXPECT_NEAR(after - before, check.change, 0.2 * std::abs(check.change));
+
+  // As asked for, with steps that are chosen.
+  EXPECT_TRUE(record.substeps_chosen);
+  ASSERT_TRUE(RefineSteps(check, &fit.problem));
+  EXPECT_GT(record.exponential_steps, 1);
+  identify();
+  ASSERT_TRUE(CheckStepsAtFit(fit.problem, fit.summary, fit.model, 1, &check));
+  EXPECT_LT(check.shift, 0.1);
+  EXPECT_FALSE(RefineSteps(check, &fit.problem));
+}
+
+TEST(StepCheck, HasNothingToSayOfTheExactSolution) {
+  const IdentificationProblem problem =
+      MeasuredChain(2, *ChainAt(Eigen::Vector2d(0.1, -0.1)), 3);
+  const TestFit fit = FitOf(problem);
+  StepCheck check;
+  EXPECT_FALSE(CheckStepsAtFit(fit.problem, fit.summary, fit.model, 1, &check));
+}
+
+}  // namespace
+}  // namespace pinode
