@@ -265,11 +265,11 @@ void ExponentialStep::Step(const StructuralDynamics::Prepared& prepared,
   // What the groups do within the step, to `sum`.
   const auto add_groups = [&](const Matrix& table, Stage stage, auto&& sum) {
     if (by_groups == 0) return;
-    const Vector changes = table * arguments_[stage];
+    changes_.noalias() = table * arguments_[stage];
     sum.middleCols(first_group, by_groups) += Eigen::Map<const Matrix>(
-        changes.data(), changes.size() / by_groups, by_groups);
+        changes_.data(), changes_.size() / by_groups, by_groups);
   };
-  const auto columns = [&](const Matrix& response, int k) {
+  const auto columns = [&](const auto& response, int k) {
     return response.middleCols(ResultColumn(k), no);
   };
   local_ = (*sensitivity)(laws_.states(), Eigen::all);

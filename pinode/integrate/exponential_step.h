@@ -60,11 +60,14 @@ class ExponentialStep {
             bool with_parameters, Vector* state, Matrix* sensitivity);
 
  private:
+  using RowMajorMatrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   // The response over half a step or a whole one, y = e^(TF) y + sum_k W_k d_k
   // with the derivatives d_0, d_1, d_2 of [u; r] by the share of T.
   struct Response {
-    Matrix all;    // 2n x (2n + 3 (inputs + outputs))
-    Matrix local;  // the rows of it that laws look at
+    Matrix all;            // 2n x (2n + 3 (inputs + outputs))
+    RowMajorMatrix local;  // the rows of it that laws look at
     // Their derivatives by the groups' parameters, one below the other.
     Matrix all_table;
     Matrix local_table;
@@ -115,7 +118,8 @@ class ExponentialStep {
   std::array<Vector, 4> results_;
   std::array<Matrix, 4> slopes_;
   std::array<Matrix, 4> rates_;
-  Vector point_;  // a stage, of which only what laws look at is set
+  Vector changes_;  // of a response by the groups
+  Vector point_;    // a stage, of which only what laws look at is set
   Matrix next_;
   Matrix local_half_, local_whole_, local_, internal_;
 };

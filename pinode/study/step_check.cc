@@ -6,6 +6,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/fitted_cost.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/record_grid.h"
 
@@ -31,6 +32,18 @@ IdentificationProblem WithHalvedSteps(IdentificationProblem problem) {
     record.exponential_steps *= 2;
   }
   return problem;
+}
+
+bool Linearize(const IdentificationProblem& problem,
+               const IdentificationSummary& summary,
+               const IdentifiedModel& model, int num_threads,
+               CondensedSystem* system) {
+  const ParameterLayout layout(problem);
+  MultipleShooting::Options options;
+  options.num_threads = num_threads;
+  Objective objective(problem, layout, options);
+  return PlaceAtFit(problem, layout, model, summary.records, &objective) &&
+         objective.Linearize(layout.Free(model.parameters), system);
 }
 
 // H^-1 g; empty where H has none.

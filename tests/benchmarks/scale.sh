@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# Linear structures of any size: pinode_update, sensors to report, beside a
-# program that was written for these shear buildings alone and does nothing but
-# their fit. CPU seconds of one thread, peak memory, and the ratio.
+# Structures of any size: pinode_update, sensors to report, beside a program
+# that was written for these linear shear buildings alone and does nothing but
+# their fit; with cubic springs (20cubic) beside itself by Runge-Kutta with half
+# the steps that it would choose. CPU seconds of one thread, peak memory, and
+# the ratio.
 #
 #   tests/benchmarks/scale.sh [CASE ...]
 #
-# CASE is one of 20, 100, 100long, 100wide, 10long. Generator and reference are
+# CASE is one of 20, 20cubic, 100, 100long, 100wide, 10long. Generator and reference are
 # those of PINODE_SCALE (default: ../shared/scale beside the project; NumPy and
 # SciPy, of PYTHON, default python3); without them there is nothing to do.
 set -euo pipefail
@@ -48,7 +50,13 @@ run() {
   local update=("$build/apps/pinode_update" --case="$work/$name/case.toml"
     --output_dir="$work/out" --overwrite --progress=false --threads=1)
   ours=$(cpu "$work/ours" "${update[@]}")
-  theirs=$(cpu "$work/theirs" "$work/linear_limit" "$work/$name")
+  if [[ $* == *--cubic* ]]; then
+    sed 's/^\[\[record\]\]/[[record]]\nintegrator = "rk4"\nsubsteps = 8/' \
+      "$work/$name/case.toml" >"$work/$name/rk4.toml"
+    theirs=$(cpu "$work/theirs" "${update[@]/case.toml/rk4.toml}")
+  else
+    theirs=$(cpu "$work/theirs" "$work/linear_limit" "$work/$name")
+  fi
   if [[ -x /usr/bin/time ]]; then
     /usr/bin/time -f %M -o "$work/memory" "${update[@]}" >/dev/null 2>&1
     memory=$(awk '{printf "%.0f", $1 / 1024}' "$work/memory")
@@ -59,11 +67,12 @@ run() {
   rm -rf -- "${work:?}/$name" "$work/out"
 }
 
-all="20 100 100long 100wide 10long"
+all="20 20cubic 100 100long 100wide 10long"
 for each in "${@:-$all}"; do
   for name in $each; do
     case $name in
       20) run 20 --storeys 20 --samples 6000 ;;
+      20cubic) run 20cubic --storeys 20 --samples 6000 --cubic 3,9,15 ;;
       100) run 100 --storeys 100 --samples 20000 --sensors 20 --groups 20 \
         --spread 0.1 ;;
       100long) run 100long --storeys 100 --samples 100000 --sensors 20 \
