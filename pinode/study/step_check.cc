@@ -82,17 +82,13 @@ bool CheckStepsAtFit(const IdentificationProblem& problem,
     return false;
   }
   const ParameterLayout layout(problem);
-  const IdentificationProblem halved = WithHalvedSteps(problem);
-  const ParameterLayout halved_layout(halved);
-  FittedCost coarse, fine;
-  if (!LinearizeAtFit(problem, layout, model, summary.records, num_threads,
-                      &coarse) ||
-      !LinearizeAtFit(halved, halved_layout, model, summary.records,
-                      num_threads, &fine)) {
+  CondensedSystem coarse, fine;
+  if (!Linearize(problem, summary, model, num_threads, &coarse) ||
+      !Linearize(WithHalvedSteps(problem), summary, model, num_threads,
+                 &fine)) {
     return false;
   }
-  const Vector step =
-      Solve(fine.system.hessian, coarse.system.gradient - fine.system.gradient);
+  const Vector step = Solve(fine.hessian, coarse.gradient - fine.gradient);
   if (step.size() == 0 || !step.allFinite()) return false;
   bool seen = false;
   for (const ParameterEstimate& estimate : summary.parameters) {

@@ -7,7 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
+#include "pinode/dynamics/testing.h"
 #include "pinode/estimate/record_grid.h"
 #include "pinode/study/substeps.h"
 #include "pinode/study/testing.h"
@@ -87,6 +89,48 @@ TEST(StepCheck, SeesTheStepsWhereTheyCount) {
   ASSERT_TRUE(CheckStepsAtFit(fit.problem, fit.summary, fit.model, 1, &check));
   EXPECT_LT(check.shift, 0.1);
   EXPECT_FALSE(RefineSteps(check, &fit.problem));
+}
+
+// A chain with a stop that is hit, perhaps with a mode at 5 kHz.
+int StepsWithAStop(bool stiff, bool with_stop) {
+  StructuralModel model = testing::MakeChain(3, 100.0, 0.5);
+  if (stiff) {
+    const double square = std::pow(2.0 * 3.14159265358979 * 5000.0, 2);
+    model.stiffness(2, 2) += square;
+    model.damping(2, 2) += 0.02 * std::sqrt(square);
+  }
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      model, std::vector<InputSpec>{
+                 {InputSpec::Kind::kGroundAcceleration, 0, "ground"}});
+  std::string error;
+  EXPECT_TRUE(with_stop
+                  ? dynamics->AddElement("stop", "bilinear", Feature::kGround,
+                                         0, {200.0, 0.01}, &error)
+                  : dynamics->AddElement("hard", "cubic", Feature::kGround, 0,
+                                         {500.0}, &error))
+      << error;
+  IdentificationProblem problem;
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, 400, 0.02);
+  record.start = IdentificationRecord::Start::kRest;
+  record.channels.push_back(
+      testing::MakeChannel("x1", Quantity::kDisplacement, 3, 0));
+  record.substeps = stiff ? 1600 : 16;
+  testing::Simulate(*dynamics, dynamics->Parameters(), Vector::Zero(6), 0.0, 1,
+                    &record);
+  record.channels[0].sigma =
+      0.01 * StandardDeviationOfPresent(record.channels[0].values);
+  record.substeps = 0;
+  record.integrator = Integrator::kExponential;
+  problem.dynamics = dynamics;
+  problem.records.push_back(std::move(record));
+  ChooseStepsOrFail(&problem);
+  return problem.records[0].exponential_steps;
+}
+
+TEST(ExponentialSteps, AreNotMoreForAModeAtFiveKilohertz) {
+  EXPECT_LE(StepsWithAStop(true, false), StepsWithAStop(false, false));
+  EXPECT_LE(StepsWithAStop(true, true), 2 * StepsWithAStop(false, true));
 }
 
 TEST(StepCheck, HasNothingToSayOfTheExactSolution) {
