@@ -1,6 +1,7 @@
 #include "pinode/estimate/multiple_shooting.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -15,12 +16,23 @@ struct MultipleShooting::Thread {
   Thread(const IdentificationProblem& problem, const ParameterLayout& layout,
          const Options& options)
       : propagator(*problem.dynamics, options.derivatives),
-        rows(problem, layout, options.loss, options.loss_scale),
+        works{Work(problem, layout, options), Work(problem, layout, options)},
         sum{Matrix::Zero(layout.num_free(), layout.num_free()),
             Vector::Zero(layout.num_free())} {}
+
+  struct Work {
+    Work(const IdentificationProblem& problem, const ParameterLayout& layout,
+         const Options& options)
+        : rows(problem, layout, options.loss, options.loss_scale) {}
+    SegmentTangents tangents;
+    ResidualRows rows;
+  };
+  // Those with derivatives are large, and would be given back and asked for
+  // again where costs alone lie between them.
+  Work& work(bool with_parameters) { return works[with_parameters ? 1 : 0]; }
+
   SegmentPropagator propagator;
-  SegmentTangents tangents;
-  ResidualRows rows;
+  std::array<Work, 2> works;
   FreeEquations sum;  // over the thread's segments
 };
 
@@ -117,26 +129,27 @@ bool MultipleShooting::EvaluateSegment(ShootingRecord* record, int segment,
   const int first = record->first_sample(segment);
   const bool with_start = record->HasFreeStarts();
   const SegmentColumns columns = ColumnsOf(*record, with_parameters);
-  const SegmentTangents& tangents = thread->tangents;
+  Thread::Work& work = thread->work(with_parameters);
+  const SegmentTangents& tangents = work.tangents;
   SegmentResult& result = record->result(segment);
   result.ok = thread->propagator.Propagate(
       prepared_, record->observation(), record->grid(), starts.col(segment),
       first, record->last_sample(segment),
-      segment + 1 == record->num_segments(), columns, &thread->tangents);
+      segment + 1 == record->num_segments(), columns, &work.tangents);
   if (!result.ok) {
     result.failed_sample = tangents.failed_sample;
     result.failed_state = tangents.failed_state;
     return false;
   }
-  thread->rows.Compute(record->data(), record->sigmas(), parameters_, first,
-                       record->num_segments() == 1, columns, tangents);
-  const Vector& residuals = thread->rows.residuals();
-  result.cost = thread->rows.cost();
+  work.rows.Compute(record->data(), record->sigmas(), parameters_, first,
+                    record->num_segments() == 1, columns, tangents);
+  const Vector& residuals = work.rows.residuals();
+  result.cost = work.rows.cost();
   record->ends().col(segment) = tangents.end_state;
-  const auto by_parameters = thread->rows.jacobian().rightCols(
-      with_parameters ? layout_.num_free() : 0);
+  const auto by_parameters =
+      work.rows.jacobian().rightCols(with_parameters ? layout_.num_free() : 0);
   if (with_start) {
-    const auto by_start = thread->rows.jacobian().leftCols(ns);
+    const auto by_start = work.rows.jacobian().leftCols(ns);
     result.start_hessian.noalias() = by_start.transpose() * by_start;
     result.start_gradient.noalias() = by_start.transpose() * residuals;
     if (with_parameters) {
@@ -474,8 +487,9 @@ bool MultipleShooting::VisitSegment(size_t r, int segment, bool with_jacobian,
   const int ns = problem_.dynamics->num_states();
   const int nc = record.observation().num_channels();
   const int nf = layout_.num_free();
-  const Vector& values = thread.rows.residuals();
-  const Matrix& rows = thread.rows.jacobian();
+  const ResidualRows& own = thread.work(with_jacobian).rows;
+  const Vector& values = own.residuals();
+  const Matrix& rows = own.jacobian();
   Matrix jacobian(rows.rows(), 0);
   if (with_jacobian) {
     jacobian = rows.rightCols(nf);

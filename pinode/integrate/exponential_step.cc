@@ -239,19 +239,47 @@ void ExponentialStep::Advance(const StructuralDynamics::Prepared& prepared,
   EndState(state);
 }
 
-void ExponentialStep::LinearizeResults(int stage, int law_columns,
-                                       const Matrix& q, const Matrix& z) {
-  const auto s = static_cast<size_t>(stage);
-  const Matrix& slopes = slopes_[s];
-  rates_[s].noalias() = slopes.leftCols(q.rows()) * q;
-  rates_[s].noalias() += slopes.middleCols(q.rows(), z.rows()) * z;
-  rates_[s].rightCols(law_columns) += slopes.rightCols(law_columns);
+void ExponentialStep::RunBlock(const StructuralDynamics::Prepared& prepared,
+                               const IntegrationGrid& grid, int interval,
+                               int count, bool with_parameters,
+                               const Vector& state) {
+  states_.resize(state.size(), count + 1);
+  block_slopes_.resize(4 * static_cast<size_t>(count));
+  for (size_t s = 0; s < 4; ++s) {
+    block_arguments_[s].resize(arguments_[s].size(), count);
+  }
+  Vector moved = state;
+  states_.col(0) = moved;
+  for (int k = 0; k < count; ++k) {
+    EvaluateStages(prepared, grid, interval + k / grid.substeps(),
+                   k % grid.substeps(), true, moved);
+    EndState(&moved);
+    states_.col(k + 1) = moved;
+    for (size_t s = 0; s < 4; ++s) {
+      block_arguments_[s].col(k) = arguments_[s];
+      block_slopes_[4 * static_cast<size_t>(k) + s] = slopes_[s];
+    }
+  }
+  if (!with_parameters || linear_.num_tangent_columns() == 0) return;
+  const Matrix* tables[] = {&half_.local_table, &half_.local_table,
+                            &whole_.local_table, &whole_.all_table};
+  for (size_t s = 0; s < 4; ++s) {
+    changes_[s].resize(tables[s]->rows(), count);
+    changes_[s].noalias() = *tables[s] * block_arguments_[s];
+  }
 }
 
-void ExponentialStep::Step(const StructuralDynamics::Prepared& prepared,
-                           const IntegrationGrid& grid, int interval,
-                           int substep, bool with_parameters, Vector* state,
-                           Matrix* sensitivity) {
+void ExponentialStep::LinearizeResults(int stage, const Matrix& slopes,
+                                       int law_columns, const Matrix& q,
+                                       const Matrix& z) {
+  Matrix& rates = rates_[static_cast<size_t>(stage)];
+  rates.noalias() = slopes.leftCols(q.rows()) * q;
+  rates.noalias() += slopes.middleCols(q.rows(), z.rows()) * z;
+  rates.rightCols(law_columns) += slopes.rightCols(law_columns);
+}
+
+void ExponentialStep::StepSensitivity(int k, bool with_parameters,
+                                      Matrix* sensitivity) {
   const int ny = 2 * dynamics_.num_dofs();
   const int no = laws_.num_outputs();
   const int nz = laws_.num_internal();
@@ -260,43 +288,43 @@ void ExponentialStep::Step(const StructuralDynamics::Prepared& prepared,
   const Eigen::Index first_group = sensitivity->cols() - by_laws - by_groups;
   const auto y = sensitivity->topRows(ny);
   const auto z = sensitivity->bottomRows(nz);
-  EvaluateStages(prepared, grid, interval, substep, true, *state);
+  const Matrix* slopes = &block_slopes_[4 * static_cast<size_t>(k)];
 
   // What the groups do within the step, to `sum`.
-  const auto add_groups = [&](const Matrix& table, Stage stage, auto&& sum) {
+  const auto add_groups = [&](Stage stage, auto&& sum) {
     if (by_groups == 0) return;
-    changes_.noalias() = table * arguments_[stage];
+    const Matrix& changes = changes_[stage];
     sum.middleCols(first_group, by_groups) += Eigen::Map<const Matrix>(
-        changes_.data(), changes_.size() / by_groups, by_groups);
+        changes.col(k).data(), changes.rows() / by_groups, by_groups);
   };
-  const auto columns = [&](const auto& response, int k) {
-    return response.middleCols(ResultColumn(k), no);
+  const auto columns = [&](const auto& response, int term) {
+    return response.middleCols(ResultColumn(term), no);
   };
   local_ = (*sensitivity)(laws_.states(), Eigen::all);
   internal_ = z;
-  LinearizeResults(0, by_laws, local_, internal_);
+  LinearizeResults(0, slopes[0], by_laws, local_, internal_);
   const auto r1 = rates_[0].topRows(no);
 
   local_half_.noalias() = half_.local.leftCols(ny) * y;
   local_half_.noalias() += columns(half_.local, 0) * r1;
   local_ = local_half_;
-  add_groups(half_.local_table, kSecond, local_);
+  add_groups(kSecond, local_);
   internal_ = z + 0.5 * step_ * rates_[0].bottomRows(nz);
-  LinearizeResults(1, by_laws, local_, internal_);
+  LinearizeResults(1, slopes[1], by_laws, local_, internal_);
   const auto r2 = rates_[1].topRows(no);
 
   local_ = local_half_ + columns(half_.local, 1) * (2.0 * (r2 - r1));
-  add_groups(half_.local_table, kThird, local_);
+  add_groups(kThird, local_);
   internal_ = z + 0.5 * step_ * rates_[1].bottomRows(nz);
-  LinearizeResults(2, by_laws, local_, internal_);
+  LinearizeResults(2, slopes[2], by_laws, local_, internal_);
   const auto r3 = rates_[2].topRows(no);
 
   local_.noalias() = whole_.local.leftCols(ny) * y;
   local_ += columns(whole_.local, 0) * r1 +
             columns(whole_.local, 1) * (2.0 * (r3 - r1));
-  add_groups(whole_.local_table, kFourth, local_);
+  add_groups(kFourth, local_);
   internal_ = z + step_ * rates_[2].bottomRows(nz);
-  LinearizeResults(3, by_laws, local_, internal_);
+  LinearizeResults(3, slopes[3], by_laws, local_, internal_);
   const auto r4 = rates_[3].topRows(no);
 
   next_.resize(sensitivity->rows(), sensitivity->cols());
@@ -306,13 +334,12 @@ void ExponentialStep::Step(const StructuralDynamics::Prepared& prepared,
   next_y.noalias() +=
       columns(whole_.all, 1) * (-3.0 * r1 + 2.0 * (r2 + r3) - r4);
   next_y.noalias() += columns(whole_.all, 2) * (4.0 * (r1 - r2 - r3 + r4));
-  add_groups(whole_.all_table, kEnd, next_y);
+  add_groups(kEnd, next_y);
   next_.bottomRows(nz) =
       z + step_ / 6.0 *
               (rates_[0].bottomRows(nz) + 2.0 * rates_[1].bottomRows(nz) +
                2.0 * rates_[2].bottomRows(nz) + rates_[3].bottomRows(nz));
   sensitivity->swap(next_);
-  EndState(state);
 }
 
 }  // namespace pinode

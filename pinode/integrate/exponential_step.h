@@ -52,12 +52,19 @@ class ExponentialStep {
                const IntegrationGrid& grid, int interval, int substep,
                Vector* state);
 
-  // The same, with the sensitivities S = d h / d (start, theta), num_states x
-  // columns; `with_parameters`: whether the last num_tangent_columns of them
-  // are those of the parameters, which needs to have been prepared.
-  void Step(const StructuralDynamics::Prepared& prepared,
-            const IntegrationGrid& grid, int interval, int substep,
-            bool with_parameters, Vector* state, Matrix* sensitivity);
+  // `count` steps from *state at the beginning of an interval; keeps what
+  // sensitivities need of them. states() has the state before the first and
+  // after each of them.
+  void RunBlock(const StructuralDynamics::Prepared& prepared,
+                const IntegrationGrid& grid, int interval, int count,
+                bool with_parameters, const Vector& state);
+  const Matrix& states() const { return states_; }
+
+  // Step k of the block for the sensitivities S = d h / d (start, theta) before
+  // it, num_states x columns; `with_parameters`, as in the block: whether the
+  // last num_tangent_columns of them are those of the parameters, which needs
+  // to have been prepared.
+  void StepSensitivity(int k, bool with_parameters, Matrix* sensitivity);
 
  private:
   using RowMajorMatrix =
@@ -99,8 +106,8 @@ class ExponentialStep {
                  double duration);
   void EndState(Vector* state) const;
   // rates_[stage] = d [r; dz/dt] by all columns, at d q and d z of the stage.
-  void LinearizeResults(int stage, int law_columns, const Matrix& q,
-                        const Matrix& z);
+  void LinearizeResults(int stage, const Matrix& slopes, int law_columns,
+                        const Matrix& q, const Matrix& z);
 
   const StructuralDynamics& dynamics_;
   LocalLaws laws_;
@@ -118,8 +125,13 @@ class ExponentialStep {
   std::array<Vector, 4> results_;
   std::array<Matrix, 4> slopes_;
   std::array<Matrix, 4> rates_;
-  Vector changes_;  // of a response by the groups
-  Vector point_;    // a stage, of which only what laws look at is set
+  Vector point_;  // a stage, of which only what laws look at is set
+  // Of a block: states; arguments (a column a step), and what the groups change
+  // of their responses; slopes, four a step.
+  Matrix states_;
+  std::array<Matrix, 4> block_arguments_;
+  std::array<Matrix, 4> changes_;
+  std::vector<Matrix> block_slopes_;
   Matrix next_;
   Matrix local_half_, local_whole_, local_, internal_;
 };

@@ -1,11 +1,18 @@
 #include "pinode/integrate/segment.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pinode/base/logging.h"
 #include "pinode/integrate/free_run.h"
 
 namespace pinode {
+namespace {
+
+// Samples whose exponential steps are taken before their sensitivities.
+constexpr int kStepBlock = 32;
+
+}  // namespace
 
 int FirstNotFinite(const Vector& state) {
   constexpr double kLargest = 1e100;
@@ -107,7 +114,19 @@ bool SegmentPropagator::PropagateTangents(
   sensitivity_.leftCols(by_start).setIdentity();
   dynamics_.Prescribe(grid.AtSample(first), state_.data());
   dynamics_.PrescribeSensitivity(&sensitivity_);
+  int block = first;  // the sample at which the last block of steps begins
   for (int i = first; i <= last; ++i) {
+    if (exponentially && sensitivity_.cols() > 0) {
+      if (i > first) {
+        state_ = exponential_->states().col((i - block) * grid.substeps());
+      }
+      if (i < last && (i - first) % kStepBlock == 0) {
+        block = i;
+        exponential_->RunBlock(prepared, grid, i,
+                               std::min(kStepBlock, last - i) * grid.substeps(),
+                               with_parameters, state_);
+      }
+    }
     const int failed = FirstNotFinite(state_);
     if (failed >= 0) {
       result->failed_sample = i;
@@ -141,8 +160,8 @@ bool SegmentPropagator::PropagateTangents(
         continue;
       }
       if (exponentially) {
-        exponential_->Step(prepared, grid, i, s, with_parameters, &state_,
-                           &sensitivity_);
+        exponential_->StepSensitivity((i - block) * grid.substeps() + s,
+                                      with_parameters, &sensitivity_);
         continue;
       }
       step_.Step(prepared, grid, i, s, observed && s == 0, with_parameters,
