@@ -105,9 +105,15 @@ bool AssessProblem(const IdentificationProblem& problem,
   point.sigmas = sigmas;
   const int segment_samples =
       FirstSegmentSamples(problem, options.tuning.stages);
-  if (!InitialTrajectories(problem, segment_samples, point.free,
-                           options.tuning.stages, &shooting,
-                           &point.trajectories)) {
+  const auto find_trajectories = [&](int samples) {
+    return InitialTrajectories(problem, samples, point.free,
+                               options.tuning.stages, &shooting,
+                               &point.trajectories);
+  };
+  // Linear dynamics need no segments to stay near the record, and are solved
+  // for at once in one piece.
+  if (!(problem.dynamics->IsLinear() && find_trajectories(0)) &&
+      !find_trajectories(segment_samples)) {
     return fail();
   }
   const auto plain = [&]() {
