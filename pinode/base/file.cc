@@ -191,6 +191,19 @@ bool ReadTextFile(const std::string& path, std::string* content,
 
 bool WriteFileAtomically(const std::string& path, const std::string& content,
                          std::string* error) {
+  bool done = false;
+  return WriteFileAtomically(
+      path,
+      [&](std::string* chunk) {
+        if (!done) *chunk = content;
+        done = true;
+      },
+      error);
+}
+
+bool WriteFileAtomically(const std::string& path,
+                         const std::function<void(std::string*)>& next,
+                         std::string* error) {
   CHECK(error != nullptr);
   CHECK(!path.empty()) << "the path of the file to write is empty";
   struct stat status;
@@ -205,9 +218,18 @@ bool WriteFileAtomically(const std::string& path, const std::string& content,
     *error = path + ": cannot write the file: " + ErrorText(errno);
     return false;
   }
-  if (fchmod(file.get(), PermissionsFor(path)) != 0 ||
-      !WriteAll(file.get(), content) || fsync(file.get()) != 0 ||
-      !file.Close() || rename(temporary.c_str(), path.c_str()) != 0) {
+  const auto write_chunks = [&]() {
+    std::string chunk;
+    for (;;) {
+      chunk.clear();
+      next(&chunk);
+      if (chunk.empty()) return true;
+      if (!WriteAll(file.get(), chunk)) return false;
+    }
+  };
+  if (fchmod(file.get(), PermissionsFor(path)) != 0 || !write_chunks() ||
+      fsync(file.get()) != 0 || !file.Close() ||
+      rename(temporary.c_str(), path.c_str()) != 0) {
     *error = path + ": cannot write the file: " + ErrorText(errno);
     unlink(temporary.c_str());
     return false;

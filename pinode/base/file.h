@@ -3,6 +3,7 @@
 #ifndef PINODE_BASE_FILE_H_
 #define PINODE_BASE_FILE_H_
 
+#include <functional>
 #include <string>
 
 namespace pinode {
@@ -31,6 +32,12 @@ std::string WithoutGz(const std::string& path);
 [[nodiscard]] bool WriteFileAtomically(const std::string& path,
                                        const std::string& content,
                                        std::string* error);
+
+// The same for what is not to be held as a whole: `next` is called until it
+// leaves its chunk, which is empty before, empty.
+[[nodiscard]] bool WriteFileAtomically(
+    const std::string& path, const std::function<void(std::string*)>& next,
+    std::string* error);
 
 // Offset of the first byte of `text` that is not part of a valid UTF-8
 // sequence (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF), or

@@ -1,12 +1,19 @@
 #include "pinode/case/csv_file.h"
 
 #include <cmath>
+#include <utility>
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {
+namespace {
+
+// Bytes that are written at a time.
+constexpr size_t kChunk = 1 << 20;
+
+}  // namespace
 
 std::string CsvCell(const std::string& text) {
   if (text.find_first_of(",;\t\"\n\r") == std::string::npos) return text;
@@ -22,21 +29,26 @@ std::string CsvCell(double value) {
 bool WriteCsv(const std::string& path, const std::vector<CsvColumn>& columns,
               std::string* error) {
   CHECK(!columns.empty());
-  std::string text;
+  std::string header;
   for (size_t j = 0; j < columns.size(); ++j) {
     CHECK_EQ(columns[j].values.size(), columns[0].values.size())
         << "column '" << columns[j].name << "' differs in length";
-    text += (j > 0 ? "," : "") + CsvCell(columns[j].name);
+    header += (j > 0 ? "," : "") + CsvCell(columns[j].name);
   }
-  text += "\n";
-  for (Eigen::Index i = 0; i < columns[0].values.size(); ++i) {
-    for (size_t j = 0; j < columns.size(); ++j) {
-      if (j > 0) text += ",";
-      text += CsvCell(columns[j].values[i]);
+  header += "\n";
+  Eigen::Index row = 0;
+  const auto next = [&](std::string* chunk) {
+    std::swap(*chunk, header);
+    while (row < columns[0].values.size() && chunk->size() < kChunk) {
+      for (size_t j = 0; j < columns.size(); ++j) {
+        if (j > 0) *chunk += ",";
+        *chunk += CsvCell(columns[j].values[row]);
+      }
+      *chunk += "\n";
+      ++row;
     }
-    text += "\n";
-  }
-  return WriteFileAtomically(path, text, error);
+  };
+  return WriteFileAtomically(path, next, error);
 }
 
 }  // namespace pinode
