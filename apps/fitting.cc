@@ -81,7 +81,7 @@ void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
 }
 
 // Finer steps where they would move what was found, and a fit that goes on with
-// them; says what is left.
+// them; says what is left. A fit that is not usable has its reason already.
 void SettleSteps(bool show_progress, Case* c, IdentificationSummary* summary,
                  IdentifiedModel* model) {
   constexpr int kMostRounds = 2;
@@ -89,21 +89,27 @@ void SettleSteps(bool show_progress, Case* c, IdentificationSummary* summary,
   constexpr double kNotable = 0.5;
   StepCheck check;
   for (int round = 0;; ++round) {
-    if (summary->termination != Termination::kConverged ||
-        !CheckStepsAtFit(c->problem, *summary, *model, c->options.num_threads,
-                         &check)) {
+    if (!summary->usable || !CheckStepsAtFit(c->problem, *summary, *model,
+                                             c->options.num_threads, &check)) {
       return;
     }
     if (round == kMostRounds || !RefineSteps(check, &c->problem)) break;
     IdentificationOptions options = c->options;
     BeginNearTheEnd(&options);
     const ModelChoice choice = summary->choice;
+    const std::string way = summary->way;
+    const double linear_error = summary->linear_error;
+    const double seconds = summary->seconds;
     const IdentifiedModel begin = *model;
     FitWithProgress(show_progress)("finer steps", c->problem, options, &begin,
                                    summary, model);
+    summary->way = way;
+    summary->linear_error = linear_error;
+    summary->seconds += seconds;
     summary->choice = choice;
+    if (!choice.empty()) summary->remarks.push_back(choice.Sentence());
   }
-  if (check.shift > kTooFar && check.is_large && summary->usable) {
+  if (check.shift > kTooFar && check.is_large) {
     summary->usable = false;
     summary->message = "the steps are too long: " + check.Sentence();
   } else if (check.shift > kNotable) {

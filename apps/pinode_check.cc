@@ -145,13 +145,13 @@ void PrintRecords(const Case& c) {
                   choice.stability.largest_eigenvalue);
     } else if (choice.integrator == Integrator::kExponential) {
       std::printf(
-          "    %d exponential steps a sample%s; fastest mode %.4g rad/s",
+          "    exponential steps, %d a sample%s; fastest mode %.4g rad/s",
           record.exponential_steps,
           record.substeps_chosen ? " (chosen)" : " (given)",
           choice.stability.largest_eigenvalue);
     } else {
       std::printf(
-          "    %d Runge-Kutta steps a sample%s; fastest mode %.4g rad/s, "
+          "    Runge-Kutta steps, %d a sample%s; fastest mode %.4g rad/s, "
           "growth %.6f",
           record.substeps, record.substeps_chosen ? " (chosen)" : " (given)",
           choice.stability.largest_eigenvalue, choice.stability.growth);

@@ -239,6 +239,23 @@ bool FactorizeInformation(const Matrix& information, Matrix* lower) {
   return false;
 }
 
+Vector SolveInformation(const Matrix& information, const Vector& right) {
+  Vector scale(right.size());
+  for (Eigen::Index j = 0; j < scale.size(); ++j) {
+    scale[j] =
+        information(j, j) > 0.0 ? 1.0 / std::sqrt(information(j, j)) : 1.0;
+  }
+  Matrix lower;
+  if (!FactorizeInformation(
+          scale.asDiagonal() * information * scale.asDiagonal(), &lower)) {
+    return Vector();
+  }
+  Vector solution = scale.cwiseProduct(right);
+  lower.triangularView<Eigen::Lower>().solveInPlace(solution);
+  lower.transpose().triangularView<Eigen::Upper>().solveInPlace(solution);
+  return scale.cwiseProduct(solution);
+}
+
 bool InvertInformation(const Matrix& information, Matrix* inverse_root,
                        Matrix* null_space) {
   const int n = static_cast<int>(information.rows());

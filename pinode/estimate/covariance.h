@@ -70,6 +70,10 @@ struct CovarianceEstimate {
 [[nodiscard]] bool FactorizeInformation(const Matrix& information,
                                         Matrix* lower);
 
+// H^-1 g by FactorizeInformation of H (n x n, symmetric, any units), scaled to
+// a unit diagonal; empty where there is none.
+Vector SolveInformation(const Matrix& information, const Vector& right);
+
 }  // namespace pinode
 
 #endif  // PINODE_ESTIMATE_COVARIANCE_H_

@@ -33,26 +33,15 @@ constexpr double kFar = 100.0;
 
 // d free / d (free[held]) along the minima, by the Hessian at one of them.
 Vector PathDirection(const CondensedSystem& system, int held) {
-  const Eigen::Index n = system.hessian.rows();
-  Vector direction = Vector::Zero(n);
-  Vector scale(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    scale[j] = system.hessian(j, j) > 0.0
-                   ? 1.0 / std::sqrt(system.hessian(j, j))
-                   : 1.0;
-  }
-  Matrix scaled = scale.asDiagonal() * system.hessian * scale.asDiagonal();
-  Vector right = -scaled.col(held);
-  scaled.row(held).setZero();
-  scaled.col(held).setZero();
-  scaled(held, held) = 1.0;
+  // The held one has a row of its own, which the others do not see.
+  Matrix hessian = system.hessian;
+  Vector right = -hessian.col(held);
   right[held] = 0.0;
-  Matrix lower;
-  if (FactorizeInformation(scaled, &lower)) {
-    lower.triangularView<Eigen::Lower>().solveInPlace(right);
-    lower.transpose().triangularView<Eigen::Upper>().solveInPlace(right);
-    direction = scale.cwiseProduct(right) / scale[held];
-  }
+  hessian.row(held).setZero();
+  hessian.col(held).setZero();
+  hessian(held, held) = 1.0;
+  Vector direction = SolveInformation(hessian, right);
+  if (direction.size() == 0) direction = Vector::Zero(right.size());
   direction[held] = 1.0;
   return direction;
 }

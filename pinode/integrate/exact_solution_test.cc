@@ -12,8 +12,8 @@
 #include "pinode/base/figure_testing.h"
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/testing.h"
-#include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
+#include "pinode/integrate/testing.h"
 
 namespace pinode {
 namespace {
@@ -28,23 +28,9 @@ Excitation Wave(int samples, Interpolation interpolation) {
 }
 
 std::unique_ptr<StructuralDynamics> WithGroups(const StructuralModel& model) {
-  auto dynamics = std::make_unique<StructuralDynamics>(
-      model, std::vector<InputSpec>{
-                 {InputSpec::Kind::kGroundAcceleration, 0, "ground"},
-                 {InputSpec::Kind::kForce, 1, "force"}});
-  std::string error;
-  for (const auto target :
-       {MatrixGroup::Target::kStiffness, MatrixGroup::Target::kDamping,
-        MatrixGroup::Target::kMass}) {
-    GroupTerm group;
-    group.alpha.name = group.group.name =
-        "g" + std::to_string(dynamics->groups().size());
-    group.group.target = target;
-    group.group.matrix = SpringMatrix(3, 0, 1);
-    group.alpha.value = 0.1;
-    group.alpha.free = true;
-    CHECK(dynamics->AddGroup(group, &error)) << error;
-  }
+  auto dynamics =
+      std::make_unique<StructuralDynamics>(model, testing::GroundAndForce());
+  testing::AddGroupsOfAllKinds(SpringMatrix(3, 0, 1), dynamics.get());
   return dynamics;
 }
 
@@ -64,29 +50,6 @@ std::vector<StructuralModel> Structures() {
   return models;
 }
 
-struct Runner {
-  explicit Runner(const StructuralDynamics& d)
-      : dynamics(d),
-        observation(
-            d, {{"x", Quantity::kDisplacement, Vector::Unit(3, 0)},
-                {"v", Quantity::kVelocity, Vector::Unit(3, 1)},
-                {"a", Quantity::kAbsoluteAcceleration, Vector::Unit(3, 2)}}) {}
-
-  Matrix Run(const Vector& theta, const Vector& start,
-             const IntegrationGrid& grid) const {
-    StructuralDynamics::Prepared prepared;
-    std::string error;
-    CHECK(dynamics.Prepare(theta, &prepared, &error)) << error;
-    Trajectory trajectory;
-    CHECK(FreeRun(dynamics, prepared, observation, grid, start, 0,
-                  grid.num_intervals(), &trajectory));
-    return trajectory.channels;
-  }
-
-  const StructuralDynamics& dynamics;
-  ObservationMap observation;
-};
-
 class ExactSolution : public ::testing::TestWithParam<Interpolation> {};
 
 TEST_P(ExactSolution, IsWhatRungeKuttaComesTo) {
@@ -95,7 +58,7 @@ TEST_P(ExactSolution, IsWhatRungeKuttaComesTo) {
     const Excitation wave = Wave(samples, GetParam());
     for (const StructuralModel& model : Structures()) {
       const auto dynamics = WithGroups(model);
-      const Runner runner(*dynamics);
+      const testing::ChannelRunner runner(*dynamics);
       const Vector theta = dynamics->Parameters();
       const Vector start = Vector::LinSpaced(6, -0.5, 0.6);
       const Matrix exact =
@@ -120,7 +83,7 @@ TEST_P(ExactSolution, HasItsOwnDerivatives) {
       IntegrationGrid::Exact(Wave(kSamples, GetParam()));
   for (const StructuralModel& model : Structures()) {
     const auto dynamics = WithGroups(model);
-    const Runner runner(*dynamics);
+    const testing::ChannelRunner runner(*dynamics);
     const Vector theta = dynamics->Parameters();
     const Vector start = Vector::LinSpaced(6, -0.5, 0.6);
     StructuralDynamics::Prepared prepared;
@@ -173,7 +136,7 @@ TEST(ExactSolutionOfStiffModels, CostsNoSteps) {
   model.stiffness(2, 2) += stiff;
   model.damping(2, 2) += 0.02 * std::sqrt(stiff);
   const auto dynamics = WithGroups(model);
-  const Runner runner(*dynamics);
+  const testing::ChannelRunner runner(*dynamics);
   const Excitation wave = Wave(400, Interpolation::kLinear);
   const IntegrationGrid grid = IntegrationGrid::Exact(wave);
   EXPECT_EQ(grid.substeps(), 1);

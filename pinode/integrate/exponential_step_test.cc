@@ -13,8 +13,8 @@
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/testing.h"
-#include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
+#include "pinode/integrate/testing.h"
 
 namespace pinode {
 namespace {
@@ -34,23 +34,11 @@ Excitation Quake(int samples, Interpolation interpolation) {
 // A chain with groups of all kinds, a spring that hardens between two masses,
 // hysteresis to the ground, and something that acts as an acceleration.
 std::unique_ptr<StructuralDynamics> WithLaws(const StructuralModel& model) {
-  auto dynamics = std::make_unique<StructuralDynamics>(
-      model, std::vector<InputSpec>{
-                 {InputSpec::Kind::kGroundAcceleration, 0, "ground"},
-                 {InputSpec::Kind::kForce, 1, "force"}});
+  auto dynamics =
+      std::make_unique<StructuralDynamics>(model, testing::GroundAndForce());
   std::string error;
-  for (const auto target :
-       {MatrixGroup::Target::kStiffness, MatrixGroup::Target::kDamping,
-        MatrixGroup::Target::kMass}) {
-    GroupTerm group;
-    group.alpha.name = group.group.name =
-        "g" + std::to_string(dynamics->groups().size());
-    group.group.target = target;
-    group.group.matrix = SpringMatrix(3, 0, 1);
-    group.alpha.value = 0.1;
-    group.alpha.free = target != MatrixGroup::Target::kDamping;
-    CHECK(dynamics->AddGroup(group, &error)) << error;
-  }
+  testing::AddGroupsOfAllKinds(SpringMatrix(3, 0, 1), dynamics.get(),
+                               /*free_damping=*/false);
   CHECK(dynamics->AddElement("hard", "cubic", 0, 1, {4.0}, &error)) << error;
   // Without |w|, which has a kink.
   CHECK(dynamics->AddElement("slip", "bouc_wen", Feature::kGround, 1,
@@ -66,47 +54,38 @@ std::unique_ptr<StructuralDynamics> WithLaws(const StructuralModel& model) {
   return dynamics;
 }
 
-struct LocalRunner {
-  explicit LocalRunner(const StructuralDynamics& d)
-      : dynamics(d),
-        observation(
-            d, {{"x", Quantity::kDisplacement, Vector::Unit(3, 0)},
-                {"v", Quantity::kVelocity, Vector::Unit(3, 1)},
-                {"a", Quantity::kAbsoluteAcceleration, Vector::Unit(3, 2)},
-                {"e", Quantity::kStrain, Eigen::Vector3d(-1.0, 1.0, 0.0)}}) {}
-
-  Matrix Run(const Vector& theta, const Vector& start,
-             const IntegrationGrid& grid) const {
-    StructuralDynamics::Prepared prepared;
-    std::string error;
-    CHECK(dynamics.Prepare(theta, &prepared, &error)) << error;
-    Trajectory trajectory;
-    CHECK(FreeRun(dynamics, prepared, observation, grid, start, 0,
-                  grid.num_intervals(), &trajectory));
-    return trajectory.channels;
-  }
-
-  const StructuralDynamics& dynamics;
-  ObservationMap observation;
-};
-
 TEST(ExponentialStep, SuitsGroupsAndLaws) {
   const StructuralModel model = testing::MakeChain(3, 10.0, 0.5);
   auto dynamics = WithLaws(model);
   EXPECT_TRUE(ExponentialStep::Suits(*dynamics));
   EXPECT_FALSE(ExponentialStep::Suits(
       StructuralDynamics(model, std::vector<InputSpec>{})));
-  const StructuralDynamics moved(
+  std::string error;
+  StructuralDynamics moved(
       model, std::vector<InputSpec>{
                  {InputSpec::Kind::kPrescribedDisplacement, 2, "x"},
                  {InputSpec::Kind::kPrescribedVelocity, 2, "v"},
                  {InputSpec::Kind::kPrescribedAcceleration, 2, "a"}});
+  ASSERT_TRUE(moved.AddElement("hard", "cubic", 0, 1, {4.0}, &error)) << error;
   EXPECT_FALSE(ExponentialStep::Suits(moved));
+  StructuralDynamics following(
+      model,
+      std::vector<InputSpec>{{InputSpec::Kind::kCovariate, 0, "warmth"}});
+  ASSERT_TRUE(following.AddElement("hard", "cubic", 0, 1, {4.0}, &error))
+      << error;
+  EXPECT_TRUE(ExponentialStep::Suits(following));
+  GroupTerm group;
+  group.alpha.name = group.group.name = "soil";
+  group.group.matrix = SpringMatrix(3, 0, 1);
+  group.follows = GroupTerm::Follows::kCovariate;
+  group.input = 0;
+  ASSERT_TRUE(following.AddGroup(group, &error)) << error;
+  EXPECT_FALSE(ExponentialStep::Suits(following));
 }
 
 TEST(ExponentialStep, IsOfFourthOrder) {
   const auto dynamics = WithLaws(testing::MakeChain(3, 10.0, 0.5));
-  const LocalRunner runner(*dynamics);
+  const testing::ChannelRunner runner(*dynamics);
   const Vector theta = dynamics->Parameters();
   Vector start = Vector::Zero(7);
   start.head(6) = Vector::LinSpaced(6, -0.5, 0.6);
@@ -134,7 +113,7 @@ class ExponentialDerivatives : public ::testing::TestWithParam<Interpolation> {
 
 TEST_P(ExponentialDerivatives, AreThoseOfItsSteps) {
   const auto dynamics = WithLaws(testing::MakeChain(3, 10.0, 0.5));
-  const LocalRunner runner(*dynamics);
+  const testing::ChannelRunner runner(*dynamics);
   const Vector theta = dynamics->Parameters();
   Vector start = Vector::Zero(7);
   start.head(6) = Vector::LinSpaced(6, -0.5, 0.6);
@@ -198,7 +177,7 @@ TEST(ExponentialStep, DoesNotFollowTheHighestMode) {
   model.damping(2, 2) += 0.02 * std::sqrt(stiff);
   const auto dynamics = WithLaws(model);
   const Excitation quake = Quake(100, Interpolation::kLinear);
-  const LocalRunner runner(*dynamics);
+  const testing::ChannelRunner runner(*dynamics);
   const Vector theta = dynamics->Parameters();
   const Vector start = Vector::Zero(7);
   const Matrix fine = runner.Run(theta, start, IntegrationGrid(quake, 4000));
@@ -208,7 +187,7 @@ TEST(ExponentialStep, DoesNotFollowTheHighestMode) {
     EXPECT_LT((steps.row(c) - fine.row(c)).norm(), 1e-6 * fine.row(c).norm())
         << c;
   }
-  const LocalRunner soft_runner(*soft);
+  const testing::ChannelRunner soft_runner(*soft);
   const Matrix soft_fine =
       soft_runner.Run(theta, start, IntegrationGrid(quake, 256));
   const Matrix soft_steps = soft_runner.Run(

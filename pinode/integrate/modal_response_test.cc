@@ -11,6 +11,7 @@
 #include "pinode/base/figure_testing.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/integrate/segment.h"
+#include "pinode/integrate/testing.h"
 
 namespace pinode {
 namespace {
@@ -101,37 +102,13 @@ class ModalResponseTest : public ::testing::Test {
   Vector start_;
 };
 
-// `matrix` on the stiffness, damping and mass of `dynamics` as three groups.
-void AddGroups(const Matrix& matrix, StructuralDynamics* dynamics) {
-  std::string error;
-  for (const auto target :
-       {MatrixGroup::Target::kStiffness, MatrixGroup::Target::kDamping,
-        MatrixGroup::Target::kMass}) {
-    GroupTerm group;
-    group.alpha.name = group.group.name =
-        "g" + std::to_string(dynamics->groups().size());
-    group.group.target = target;
-    group.group.matrix = matrix;
-    group.alpha.value = 0.1;
-    group.alpha.free = true;
-    ASSERT_TRUE(dynamics->AddGroup(group, &error)) << error;
-  }
-}
-
-const std::vector<InputSpec>& GroundAndForce() {
-  static const auto& inputs = *new std::vector<InputSpec>{
-      {InputSpec::Kind::kGroundAcceleration, 0, "ground"},
-      {InputSpec::Kind::kForce, 1, "force"}};
-  return inputs;
-}
-
 TEST_F(ModalResponseTest, EqualsTheSegmentForDampingOfAnyKind) {
   StructuralModel model = testing::MakeChain(4, 10.0, 0.5);
   model.mass(0, 1) = model.mass(1, 0) = 0.1;
   model.support_mass_coupling(0, 0) = 0.2;
-  StructuralDynamics dynamics(model, GroundAndForce());
-  AddGroups(SpringMatrix(4, 0, 1), &dynamics);
-  AddGroups(SpringMatrix(4, -1, 3), &dynamics);
+  StructuralDynamics dynamics(model, testing::GroundAndForce());
+  testing::AddGroupsOfAllKinds(SpringMatrix(4, 0, 1), &dynamics);
+  testing::AddGroupsOfAllKinds(SpringMatrix(4, -1, 3), &dynamics);
   Use(dynamics);
   const double worst = WorstAgainstSegment();
   testing::ReportFigure("modal response against the steps, any damping",
@@ -141,12 +118,13 @@ TEST_F(ModalResponseTest, EqualsTheSegmentForDampingOfAnyKind) {
 
 TEST_F(ModalResponseTest, HoldsWithoutDampingAndWithModesThatDoNotSwing) {
   StructuralDynamics undamped(testing::MakeChain(3, 10.0, 0.0),
-                              GroundAndForce());
-  AddGroups(SpringMatrix(3, 0, 1), &undamped);
+                              testing::GroundAndForce());
+  testing::AddGroupsOfAllKinds(SpringMatrix(3, 0, 1), &undamped);
   Use(undamped);
   EXPECT_LT(WorstAgainstSegment(), 1e-10);
-  StructuralDynamics heavy(testing::MakeChain(3, 10.0, 9.0), GroundAndForce());
-  AddGroups(SpringMatrix(3, 0, 1), &heavy);
+  StructuralDynamics heavy(testing::MakeChain(3, 10.0, 9.0),
+                           testing::GroundAndForce());
+  testing::AddGroupsOfAllKinds(SpringMatrix(3, 0, 1), &heavy);
   Use(heavy);
   EXPECT_LT(WorstAgainstSegment(), 1e-10);
 }
@@ -160,8 +138,8 @@ TEST_F(ModalResponseTest, HoldsWhereFrequenciesAreEqual) {
     model.stiffness =
         Vector(Eigen::Vector3d(40.0, 40.0, 40.0 * (1.0 + apart))).asDiagonal();
     model.damping = 0.02 * model.stiffness;
-    StructuralDynamics dynamics(model, GroundAndForce());
-    AddGroups(SpringMatrix(3, 0, 2), &dynamics);
+    StructuralDynamics dynamics(model, testing::GroundAndForce());
+    testing::AddGroupsOfAllKinds(SpringMatrix(3, 0, 2), &dynamics);
     for (const double alpha : {0.0, 0.1}) {
       dynamics.SetParameters(Vector::Constant(3, alpha));
       Use(dynamics);
@@ -174,7 +152,7 @@ TEST_F(ModalResponseTest, HoldsWhereFrequenciesAreEqual) {
 TEST_F(ModalResponseTest, SaysWhereModesDoNotSpanTheStates) {
   StructuralModel model = testing::MakeChain(3, 10.0, 0.0);
   model.stiffness(0, 0) = 10.0;
-  const StructuralDynamics dynamics(model, GroundAndForce());
+  const StructuralDynamics dynamics(model, testing::GroundAndForce());
   Use(dynamics);
   EXPECT_NEAR(model.stiffness.rowwise().sum().norm(), 0.0, 1e-12);
   ModalResponse response;

@@ -125,7 +125,8 @@ void Add(const IdentificationRecord& record, Hash* hash) {
   if (record.integrator.has_value()) {
     hash->Add(IntegratorName(*record.integrator));
   }
-  if (record.exponential_steps > 0) {
+  // Those that were chosen are chosen again, and refined at the fit.
+  if (record.exponential_steps > 0 && !record.substeps_chosen) {
     hash->Add(static_cast<std::int64_t>(record.exponential_steps));
   }
   hash->Add(record.sampling_step());

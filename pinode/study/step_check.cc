@@ -46,23 +46,6 @@ bool Linearize(const IdentificationProblem& problem,
          objective.Linearize(layout.Free(model.parameters), system);
 }
 
-// H^-1 g; empty where H has none.
-Vector Solve(const Matrix& hessian, const Vector& gradient) {
-  Vector scale(gradient.size());
-  for (Eigen::Index j = 0; j < scale.size(); ++j) {
-    scale[j] = hessian(j, j) > 0.0 ? 1.0 / std::sqrt(hessian(j, j)) : 1.0;
-  }
-  Matrix lower;
-  if (!FactorizeInformation(scale.asDiagonal() * hessian * scale.asDiagonal(),
-                            &lower)) {
-    return Vector();
-  }
-  Vector step = scale.cwiseProduct(gradient);
-  lower.triangularView<Eigen::Lower>().solveInPlace(step);
-  lower.transpose().triangularView<Eigen::Upper>().solveInPlace(step);
-  return scale.cwiseProduct(step);
-}
-
 }  // namespace
 
 std::string StepCheck::Sentence() const {
@@ -88,7 +71,8 @@ bool CheckStepsAtFit(const IdentificationProblem& problem,
                  &fine)) {
     return false;
   }
-  const Vector step = Solve(fine.hessian, coarse.gradient - fine.gradient);
+  const Vector step =
+      SolveInformation(fine.hessian, coarse.gradient - fine.gradient);
   if (step.size() == 0 || !step.allFinite()) return false;
   bool seen = false;
   for (const ParameterEstimate& estimate : summary.parameters) {

@@ -5,12 +5,14 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/testing.h"
 #include "pinode/estimate/record_grid.h"
+#include "pinode/study/checkpoint.h"
 #include "pinode/study/substeps.h"
 #include "pinode/study/testing.h"
 
@@ -83,7 +85,10 @@ TEST(StepCheck, SeesTheStepsWhereTheyCount) {
 
   // As asked for, with steps that are chosen.
   EXPECT_TRUE(record.substeps_chosen);
+  const std::string identity = ProblemIdentity(fit.problem);
   ASSERT_TRUE(RefineSteps(check, &fit.problem));
+  // A checkpoint stays one of this problem.
+  EXPECT_EQ(ProblemIdentity(fit.problem), identity);
   EXPECT_GT(record.exponential_steps, 1);
   identify();
   ASSERT_TRUE(CheckStepsAtFit(fit.problem, fit.summary, fit.model, 1, &check));
@@ -92,7 +97,8 @@ TEST(StepCheck, SeesTheStepsWhereTheyCount) {
 }
 
 // A chain with a stop that is hit, perhaps with a mode at 5 kHz.
-int StepsWithAStop(bool stiff, bool with_stop) {
+IdentificationProblem WithAStop(bool stiff, bool with_stop,
+                                std::optional<Integrator> integrator) {
   StructuralModel model = testing::MakeChain(3, 100.0, 0.5);
   if (stiff) {
     const double square = std::pow(2.0 * 3.14159265358979 * 5000.0, 2);
@@ -119,18 +125,36 @@ int StepsWithAStop(bool stiff, bool with_stop) {
   testing::Simulate(*dynamics, dynamics->Parameters(), Vector::Zero(6), 0.0, 1,
                     &record);
   record.channels[0].sigma =
-      0.01 * StandardDeviationOfPresent(record.channels[0].values);
+      1e-4 * StandardDeviationOfPresent(record.channels[0].values);
   record.substeps = 0;
-  record.integrator = Integrator::kExponential;
+  record.integrator = integrator;
   problem.dynamics = dynamics;
   problem.records.push_back(std::move(record));
   ChooseStepsOrFail(&problem);
-  return problem.records[0].exponential_steps;
+  return problem;
+}
+
+int StepsWithAStop(bool stiff, bool with_stop) {
+  return WithAStop(stiff, with_stop, Integrator::kExponential)
+      .records[0]
+      .exponential_steps;
 }
 
 TEST(ExponentialSteps, AreNotMoreForAModeAtFiveKilohertz) {
   EXPECT_LE(StepsWithAStop(true, false), StepsWithAStop(false, false));
-  EXPECT_LE(StepsWithAStop(true, true), 2 * StepsWithAStop(false, true));
+  const int with_a_stop = StepsWithAStop(false, true);
+  EXPECT_GT(with_a_stop, 1);
+  EXPECT_LE(StepsWithAStop(true, true), 2 * with_a_stop);
+}
+
+TEST(ExponentialSteps, AreChosenWhereRungeKuttaNeedsMore) {
+  const auto chosen = [](bool stiff, std::optional<Integrator> integrator) {
+    const IdentificationProblem problem = WithAStop(stiff, false, integrator);
+    return IntegratorOf(*problem.dynamics, problem.records[0]);
+  };
+  EXPECT_EQ(chosen(true, std::nullopt), Integrator::kExponential);
+  EXPECT_EQ(chosen(false, std::nullopt), Integrator::kRungeKutta);
+  EXPECT_EQ(chosen(true, Integrator::kRungeKutta), Integrator::kRungeKutta);
 }
 
 TEST(StepCheck, HasNothingToSayOfTheExactSolution) {

@@ -474,7 +474,7 @@ bool SetSubsteps(IdentificationProblem* problem,
       *error =
           "integrator = \"exact\" is for models that are linear with constant "
           "matrices: groups that follow nothing, no elements, networks or "
-          "other terms";
+          "other terms; with elements \"exponential\" is exact for the rest";
       good = false;
     } else if (choice.integrator == Integrator::kExact) {
       good = StepsBesideTheExactSolution(dynamics, ideal, &choice, error);
