@@ -8,6 +8,7 @@
 
 #include "pinode/estimate/bounded_cost.h"
 #include "pinode/estimate/condensed_cost.h"
+#include "pinode/estimate/optimality.h"
 
 namespace pinode {
 namespace {
@@ -80,32 +81,70 @@ void Solve(const BoundedCost& bounded, const CondensedCost& cost, int held,
   *converged = summary.termination_type == ceres::CONVERGENCE;
 }
 
+// Steps of the quadratic model from `minimum`, which has been linearised, while
+// they bring a fair part of what they promise. Levenberg-Marquardt cuts its
+// steps at bounds and then creeps along them.
+void StepWithinBounds(const ParameterLayout& layout, int held, double tolerance,
+                      int max_iterations, const std::function<bool()>& stop,
+                      CostPart* cost, HeldMinimum* minimum) {
+  constexpr double kLeastShare = 0.25;
+  for (int i = 0; i < max_iterations && !(stop && stop()); ++i) {
+    Vector step;
+    double promise = 0.0;
+    if (!BestStep(layout, minimum->free, minimum->system, held, &step,
+                  &promise)) {
+      return;
+    }
+    minimum->converged = promise < tolerance;
+    if (minimum->converged) return;
+    const Vector next = minimum->free + step;
+    CondensedSystem system;
+    if (!cost->Evaluate(next, &system.cost) ||
+        minimum->system.cost - system.cost < kLeastShare * promise ||
+        !cost->Linearize(next, &system)) {
+      return;
+    }
+    minimum->free = next;
+    minimum->system = system;
+  }
+}
+
+// What is left for Ceres.
+bool FinishByCeres(const ParameterLayout& layout, int held, double tolerance,
+                   int max_iterations, const std::function<bool()>& stop,
+                   CostPart* cost, HeldMinimum* minimum) {
+  BoundedCost bounded(layout, minimum->free, cost);
+  if (!bounded.IsValid()) return false;
+  Vector scaled = bounded.Scaled(minimum->free);
+  const CondensedCost residuals(&bounded, layout.num_free());
+  StopCallback callback(stop);
+  const double held_value = held >= 0 ? minimum->free[held] : 0.0;
+  // Ceres takes it as a share of the cost.
+  Solve(bounded, residuals, held,
+        std::max(1e-14, tolerance / std::max(minimum->system.cost, 1e-300)),
+        max_iterations, &callback, &scaled, &minimum->converged);
+  minimum->free = bounded.Unscaled(scaled);
+  if (held >= 0) minimum->free[held] = held_value;
+  return cost->Linearize(minimum->free, &minimum->system);
+}
+
 }  // namespace
 
 bool MinimizeHolding(const ParameterLayout& layout, int held,
                      const Vector& start, double tolerance, int max_iterations,
                      const std::function<bool()>& stop, CostPart* cost,
                      HeldMinimum* minimum) {
-  const int n = layout.num_free();
   CountedCost counted(cost);
-  BoundedCost bounded(layout, start, &counted);
-  if (!bounded.IsValid()) return false;
-  double first = 0.0;
-  if (!bounded.Evaluate(bounded.Scaled(start), &first)) return false;
   minimum->free = start;
-  minimum->converged = true;
-  if (n > (held >= 0 ? 1 : 0)) {
-    Vector scaled = bounded.Scaled(start);
-    const CondensedCost residuals(&bounded, n);
-    StopCallback callback(stop);
-    // Ceres takes it as a share of the cost.
-    Solve(bounded, residuals, held,
-          std::max(1e-14, tolerance / std::max(first, 1e-300)), max_iterations,
-          &callback, &scaled, &minimum->converged);
-    minimum->free = bounded.Unscaled(scaled);
-    if (held >= 0) minimum->free[held] = start[held];
+  minimum->converged = false;
+  if (!counted.Linearize(start, &minimum->system)) return false;
+  StepWithinBounds(layout, held, tolerance, max_iterations, stop, &counted,
+                   minimum);
+  if (!minimum->converged && !(stop && stop()) &&
+      !FinishByCeres(layout, held, tolerance, max_iterations, stop, &counted,
+                     minimum)) {
+    return false;
   }
-  if (!counted.Linearize(minimum->free, &minimum->system)) return false;
   minimum->linearizations = counted.linearizations();
   return true;
 }

@@ -18,10 +18,11 @@ struct HeldMinimum {
   bool converged = false;
 };
 
-// Levenberg-Marquardt by Ceres from `start`, within the bounds, over all free
-// parameters but `held` (-1: none is), until the cost changes by less than
-// `tolerance` (absolute) or so many iterations are done. `stop` (may be empty)
-// is asked after each. False where the cost cannot be had at `start`.
+// From `start`, within the bounds, over all free parameters but `held` (-1:
+// none is): Gauss-Newton steps with active sets while they do what they
+// promise, or else Levenberg-Marquardt by Ceres, until the cost would fall by
+// less than `tolerance` (absolute) or so many iterations are done. `stop` (may
+// be empty) is asked after each. False where the cost cannot be had at `start`.
 [[nodiscard]] bool MinimizeHolding(const ParameterLayout& layout, int held,
                                    const Vector& start, double tolerance,
                                    int max_iterations,

@@ -283,12 +283,12 @@ Matrix MultipleShooting::PredictStarts(size_t r, const Vector& free) const {
   return starts;
 }
 
-bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
+bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
+                                   double* cost) {
   std::vector<StartSearch> searches;
   for (size_t r = 0; r < records_.size(); ++r) {
     searches.emplace_back(
-        options_.starts, records_[r].get(), gap_penalty_,
-        PredictStarts(r, free),
+        options_.starts, records_[r].get(), gap_penalty_, from[r],
         linearized_free_.size() == 0 ? nullptr : &linearized_starts_[r]);
   }
   divergence_ = Divergence();
@@ -320,6 +320,28 @@ bool MultipleShooting::SolveStarts(const Vector& free, double* cost) {
   return std::isfinite(*cost);
 }
 
+bool MultipleShooting::SolveStartsFor(const Vector& free, double* cost) {
+  std::vector<Matrix> predicted;
+  for (size_t r = 0; r < records_.size(); ++r) {
+    predicted.push_back(PredictStarts(r, free));
+  }
+  const bool found = SolveStarts(predicted, cost);
+  if (!IsSingleShooting() ||
+      (found && !(*cost > options_.starts.stray_cost * linearized_cost_)) ||
+      std::isinf(options_.starts.stray_cost)) {
+    return found;
+  }
+  const std::vector<Matrix> starts = starts_;
+  double other_cost = 0.0;
+  if (!SolveStarts(linearized_starts_, &other_cost) ||
+      (found && other_cost >= *cost)) {
+    starts_ = starts;
+    return found;
+  }
+  *cost = other_cost;
+  return true;
+}
+
 bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
   if (last_free_.size() == free.size() && free == last_free_) {
     *cost = last_cost_;
@@ -327,7 +349,7 @@ bool MultipleShooting::Evaluate(const Vector& free, double* cost) {
   }
   last_free_.resize(0);
   is_linearized_ = false;
-  failed_ = !PrepareDynamics(free) || !SolveStarts(free, cost);
+  failed_ = !PrepareDynamics(free) || !SolveStartsFor(free, cost);
   if (failed_) return false;
   last_free_ = free;
   last_cost_ = *cost;

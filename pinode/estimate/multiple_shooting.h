@@ -177,7 +177,9 @@ class MultipleShooting final : public CostPart {
   }
   // Where the last linearisation's tangent leads.
   Matrix PredictStarts(size_t record, const Vector& free) const;
-  bool SolveStarts(const Vector& free, double* cost);
+  // From these starts, one matrix for each record.
+  bool SolveStarts(const std::vector<Matrix>& from, double* cost);
+  bool SolveStartsFor(const Vector& free, double* cost);
 
   const IdentificationProblem& problem_;
   const ParameterLayout& layout_;

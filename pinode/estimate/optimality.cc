@@ -20,19 +20,33 @@ bool Optimality::IsStalled(double cost, double first_cost) const {
   return promise > kMostPromise && promise * cost > kRounding * first_cost;
 }
 
+bool BestStep(const ParameterLayout& layout, const Vector& free,
+              const CondensedSystem& system, int held, Vector* step,
+              double* promise) {
+  const int n = layout.num_free();
+  Vector lower(n), upper(n);
+  for (int j = 0; j < n; ++j) {
+    const Parameter& parameter = layout.free_parameter(j);
+    lower[j] = j == held ? 0.0 : std::min(0.0, parameter.lower - free[j]);
+    upper[j] = j == held ? 0.0 : std::max(0.0, parameter.upper - free[j]);
+  }
+  if (!BoundedStep(system.hessian, system.gradient, lower, upper, step)) {
+    return false;
+  }
+  *promise = std::max(0.0, -step->dot(system.gradient) -
+                               0.5 * step->dot(system.hessian * *step));
+  return true;
+}
+
 Optimality MeasureOptimality(const ParameterLayout& layout, const Vector& free,
                              const CondensedSystem& system) {
   Optimality optimality;
   const int n = layout.num_free();
   if (!(system.cost > 0.0) || n == 0) return optimality;
-  Vector lower(n), upper(n);
   for (int j = 0; j < n; ++j) {
-    const Parameter& parameter = layout.free_parameter(j);
-    lower[j] = std::min(0.0, parameter.lower - free[j]);
-    upper[j] = std::max(0.0, parameter.upper - free[j]);
     const double slope = system.gradient[j];
     if (!(system.hessian(j, j) > 0.0) ||
-        IsHeldAtBound(parameter, free[j], slope)) {
+        IsHeldAtBound(layout.free_parameter(j), free[j], slope)) {
       continue;
     }
     optimality.cosine = std::max(
@@ -40,12 +54,10 @@ Optimality MeasureOptimality(const ParameterLayout& layout, const Vector& free,
         std::abs(slope) / std::sqrt(2.0 * system.cost * system.hessian(j, j)));
   }
   Vector step;
-  optimality.promise = kInfinity;
-  if (BoundedStep(system.hessian, system.gradient, lower, upper, &step)) {
-    const double saved =
-        -step.dot(system.gradient) - 0.5 * step.dot(system.hessian * step);
-    optimality.promise = std::max(0.0, saved) / system.cost;
-  }
+  double saved = 0.0;
+  optimality.promise = BestStep(layout, free, system, -1, &step, &saved)
+                           ? saved / system.cost
+                           : kInfinity;
   return optimality;
 }
 

@@ -13,6 +13,13 @@ namespace pinode {
 // beyond it.
 bool IsHeldAtBound(const Parameter& parameter, double value, double slope);
 
+// The best step from `free` on its quadratic model, within the bounds and with
+// `held` (-1: none) where it is, and by how much it promises to lower the cost.
+// False where the model has none.
+[[nodiscard]] bool BestStep(const ParameterLayout& layout, const Vector& free,
+                            const CondensedSystem& system, int held,
+                            Vector* step, double* promise);
+
 // How far from a minimum within the bounds a point is, free of units.
 struct Optimality {
   // The largest cosine of the angle between the residuals and a column of their

@@ -147,6 +147,24 @@ TEST(ProfileParameters, NamesTheTwoProductsOfBoucWensShape) {
   EXPECT_EQ(fit.Of("d.n").determination, Determination::kDetermined);
 }
 
+// One linearisation says that the valley's floor is level, with the start among
+// the unknowns and an exponent at its bound too.
+TEST(ProfileParameters, WalksAlongAValleyAtLittleCost) {
+  auto dynamics = OnASpring();
+  AddFree("d", "bouc_wen", {20.0, 1.0, 7.0, 2.5, 1.1, 1.2},
+          {"b", "g", "n", "beta"}, dynamics.get());
+  Profiled fit(dynamics,
+               (Vector(6) << 20.0, 1.0, 8.0, 3.0, 1.0, 1.0).finished(), 0.01);
+  fit.problem.records[0].start = IdentificationRecord::Start::kFree;
+  ASSERT_TRUE(fit.Run()) << fit.error;
+  for (const char* name : {"d.b", "d.g", "d.beta"}) {
+    EXPECT_EQ(fit.Of(name).determination, Determination::kNotAtAll) << name;
+    EXPECT_LE(fit.Of(name).linearizations, 16) << name;
+  }
+  EXPECT_LE(fit.Of("d.n").linearizations, 20);
+  EXPECT_TRUE(std::isfinite(fit.Of("d.n").upper95));
+}
+
 // A gap that was never closed could be wider, but not narrower.
 TEST(ProfileParameters, HasOneEndWhereTheDataSeeOne) {
   auto dynamics = OnASpring();

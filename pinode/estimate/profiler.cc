@@ -27,6 +27,12 @@ constexpr int kMostPoints = 20;  // to one side
 constexpr int kMostJumps = 6;
 constexpr double kMostPower = 5.0;  // of a product along the way
 constexpr int kMostIterations = 50;
+// Starts are looked for twice where they cost more than this multiple of the
+// last minimum.
+constexpr double kStrayCost = 2.0;
+// From where the root of the ratio is larger than this multiple of the last
+// threshold's no minimum is looked for, while steps can be shortened.
+constexpr double kHopeless = 10.0;
 // A way to one side ends where the parameter has moved by so many times its
 // value, or its size.
 constexpr double kFar = 100.0;
@@ -49,6 +55,7 @@ Vector PathDirection(const CondensedSystem& system, int held) {
 MultipleShooting::Options OneThread(const IdentificationOptions& options) {
   MultipleShooting::Options one = ShootingOptions(options);
   one.num_threads = 1;
+  one.starts.stray_cost = kStrayCost;
   return one;
 }
 
@@ -168,12 +175,11 @@ bool Profiler::IsFlatFor(double root, double value) const {
          (times <= kFlatTenth || times >= 1.0 / kFlatTenth);
 }
 
-// From a minimum to that at another value, along the valley or straight,
-// whichever looks better.
-bool Profiler::Step(const Point& from, const CondensedSystem& system,
-                    double value, HeldMinimum* minimum) {
+// From a minimum towards that at another value, along the valley or straight,
+// whichever looks better; how good it looks.
+double Profiler::Guess(const Point& from, const CondensedSystem& system,
+                       double value, Vector* best) {
   const Vector direction = PathDirection(system, j_);
-  Vector best;
   double least = kInfinity;
   for (Vector start :
        {from.free, Vector(from.free + (value - from.value) * direction),
@@ -182,10 +188,10 @@ bool Profiler::Step(const Point& from, const CondensedSystem& system,
     start[j_] = value;
     double cost = 0.0;
     if (!objective_.Evaluate(start, &cost) || !(cost < least)) continue;
-    best = start;
+    *best = start;
     least = cost;
   }
-  return best.size() > 0 && Minimize(best, j_, minimum);
+  return least;
 }
 
 // A valley in which products and quotients stay is straight in logarithms.
@@ -223,7 +229,12 @@ bool Profiler::Walk(double side, std::vector<Point>* path) {
     if (side * (value - bound) > 0.0) value = bound;
     way = std::abs(value - last.value);
     HeldMinimum minimum;
-    const bool solved = Step(last, system, value, &minimum);
+    Vector start;
+    const bool is_hopeless =
+        RootOf(Guess(last, system, value, &start)) > kHopeless * aims[1];
+    const bool solved = start.size() > 0 &&
+                        !(is_hopeless && jumps < kMostJumps) &&
+                        Minimize(start, j_, &minimum);
     if (stop_ && stop_()) return false;
     const double new_root = solved ? RootOf(minimum.system.cost) : kInfinity;
     // Far too much at once: a wall, or a valley that is bent. Shorter steps

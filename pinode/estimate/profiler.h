@@ -61,8 +61,8 @@ class Profiler {
   double Size() const;
   bool IsFar(double value) const;
   bool IsFlatFor(double root, double value) const;
-  bool Step(const Point& from, const CondensedSystem& system, double value,
-            HeldMinimum* minimum);
+  double Guess(const Point& from, const CondensedSystem& system, double value,
+               Vector* best);
   Vector AlongProducts(const Point& from, const Vector& direction,
                        double value) const;
   bool Walk(double side, std::vector<Point>* path);

@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_TUNING_H_
 #define PINODE_ESTIMATE_TUNING_H_
 
+#include <limits>
 #include <string>
 #include <variant>
 #include <vector>
@@ -48,6 +49,11 @@ struct StartTuning {
   int hopeless_iterations = 4;
   double hopeless_cost = 3.0;
   double hopeless_promises = 4.0;
+  // Whole records: where the starts that the sensitivities predict come to more
+  // than this multiple of the last linearisation's cost, the last starts are
+  // tried as well. Steps of a fit are better made shorter; along a valley that
+  // is bent the starts hardly move, and the sensitivities do not know.
+  double stray_cost = std::numeric_limits<double>::infinity();
   // Precision, in units of 1 / D^2, of the prior that keeps a free first start
   // from drifting where no channel sees it.
   double prior_precision = 1e-4;
