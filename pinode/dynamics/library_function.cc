@@ -4,21 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace pinode {
 namespace {
 
 double Sign(double x) { return static_cast<double>((x > 0.0) - (x < 0.0)); }
-
-double IntegerPower(double x, int exponent) {
-  double result = 1.0;
-  double square = x;
-  for (int n = std::abs(exponent); n > 0; n /= 2) {
-    if (n % 2 == 1) result *= square;
-    square *= square;
-  }
-  return exponent < 0 ? 1.0 / result : result;
-}
 
 }  // namespace
 
@@ -118,7 +109,43 @@ double LibraryFunction::Forward(const double* q, double* values) const {
   return values[count - 1];
 }
 
+void LibraryFunction::FindMonomial() {
+  monomial_.reset();
+  std::vector<Monomial> found;
+  for (const Operation& operation : operations_) {
+    const auto operand = [&](int index) {
+      return found[static_cast<size_t>(index)];
+    };
+    Monomial next = operation.first < 0 ? Monomial::Number(operation.number)
+                                        : operand(operation.first);
+    switch (operation.code) {
+      case Code::kNumber:
+        break;
+      case Code::kFeature:
+        next = Monomial::Feature(operation.index);
+        break;
+      case Code::kNegate:
+        next.Negate();
+        break;
+      case Code::kAbs:
+        next.TakeAbsolute();
+        break;
+      case Code::kMultiply:
+        if (!next.Multiply(operand(operation.second))) return;
+        break;
+      case Code::kIntegerPower:
+        if (!next.Raise(operation.index)) return;
+        break;
+      default:
+        return;
+    }
+    found.push_back(std::move(next));
+  }
+  monomial_ = std::move(found.back());
+}
+
 double LibraryFunction::Evaluate(const double* q) const {
+  if (monomial_.has_value()) return monomial_->Evaluate(q);
   std::array<double, kMaxOperations> values;
   return Forward(q, values.data());
 }
@@ -225,12 +252,13 @@ bool LibraryFunction::Differentiate(const Operation& operation, double a,
 }
 
 double LibraryFunction::Linearize(const double* q, double* gradient) const {
+  std::fill(gradient, gradient + num_features_, 0.0);
+  if (monomial_.has_value()) return monomial_->Linearize(q, gradient);
   std::array<double, kMaxOperations> values;
   std::array<double, kMaxOperations> adjoints;
   const double result = Forward(q, values.data());
   const size_t count = operations_.size();
   std::fill(adjoints.begin(), adjoints.begin() + static_cast<long>(count), 0.0);
-  std::fill(gradient, gradient + num_features_, 0.0);
   adjoints[count - 1] = 1.0;
   for (size_t i = count; i-- > 0;) {
     const Operation& operation = operations_[i];

@@ -3,8 +3,11 @@
 #ifndef PINODE_DYNAMICS_LIBRARY_FUNCTION_H_
 #define PINODE_DYNAMICS_LIBRARY_FUNCTION_H_
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "pinode/dynamics/monomial.h"
 
 namespace pinode {
 
@@ -118,12 +121,16 @@ class LibraryFunction {
   // False where it has none, or is flat wherever it has one.
   static bool Differentiate(const Operation& operation, double a, double b,
                             double value, double* by_first, double* by_second);
+  // Sets monomial_ where the operations are one.
+  void FindMonomial();
   // Fills `values`, one an operation, and returns the last.
   double Forward(const double* q, double* values) const;
 
   std::string text_ = "0";
   int num_features_ = 0;
   std::vector<Operation> operations_ = {Operation()};
+  // The same without a list of operations to go through, where there is one.
+  std::optional<Monomial> monomial_;
 };
 
 }  // namespace pinode

@@ -447,6 +447,7 @@ bool LibraryFunctionBuilder::Build(LibraryFunction* function,
   function->text_ = canonical_;
   function->num_features_ = static_cast<int>(feature_names_.size());
   function->operations_ = std::move(operations_);
+  function->FindMonomial();
   return true;
 }
 

@@ -67,6 +67,9 @@ struct IdentificationOptions {
   // Hessian. The others are of the fit that takes the excitation as exact.
   Covariance covariance = Covariance::kAuto;
 
+  // Whether predictions get bands. Fits that are only compared need none.
+  bool prediction_bands = true;
+
   // Number of starts for multistart; the first is the given one, the others
   // are drawn within bounds and priors, networks from other seeds.
   int num_starts = 1;

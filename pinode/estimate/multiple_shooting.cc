@@ -39,7 +39,11 @@ struct MultipleShooting::Thread {
 MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
                                    const ParameterLayout& layout,
                                    const Options& options)
-    : problem_(problem), layout_(layout), options_(options) {
+    : problem_(problem),
+      layout_(layout),
+      options_(options),
+      parallel_(*problem.dynamics, options.derivatives,
+                std::max(1, options.num_threads)) {
   for (size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.records[r].role != IdentificationRecord::Role::kTrain) continue;
     train_records_.push_back(static_cast<int>(r));
@@ -123,19 +127,26 @@ SegmentColumns MultipleShooting::ColumnsOf(const ShootingRecord& record,
 
 bool MultipleShooting::EvaluateSegment(ShootingRecord* record, int segment,
                                        const Matrix& starts,
-                                       bool with_parameters,
-                                       Thread* thread) const {
+                                       bool with_parameters, bool alone,
+                                       Thread* thread) {
   const int ns = problem_.dynamics->num_states();
   const int first = record->first_sample(segment);
+  const int last = record->last_sample(segment);
   const bool with_start = record->HasFreeStarts();
   const SegmentColumns columns = ColumnsOf(*record, with_parameters);
   Thread::Work& work = thread->work(with_parameters);
   const SegmentTangents& tangents = work.tangents;
   SegmentResult& result = record->result(segment);
-  result.ok = thread->propagator.Propagate(
-      prepared_, record->observation(), record->grid(), starts.col(segment),
-      first, record->last_sample(segment),
-      segment + 1 == record->num_segments(), columns, &work.tangents);
+  const bool is_last = segment + 1 == record->num_segments();
+  const auto propagate = [&](auto* propagator) {
+    return propagator->Propagate(prepared_, record->observation(),
+                                 record->grid(), starts.col(segment), first,
+                                 last, is_last, columns, &work.tangents);
+  };
+  result.ok =
+      alone && parallel_.IsWorthwhile(record->grid(), first, last, columns)
+          ? propagate(&parallel_)
+          : propagate(&thread->propagator);
   if (!result.ok) {
     result.failed_sample = tangents.failed_sample;
     result.failed_state = tangents.failed_state;
@@ -209,14 +220,17 @@ void MultipleShooting::EvaluateSegments(
                                   side_by_side ? 1 : num_threads,
                                   &threads_[static_cast<size_t>(thread)]->sum);
               });
-  ParallelFor(
-      static_cast<int>(tasks.size()), num_threads, [&](int t, int thread) {
-        if (done[static_cast<size_t>(t)] != 0) return;
-        const auto& [record, segment] = tasks[static_cast<size_t>(t)];
-        const size_t r = static_cast<size_t>(record);
-        EvaluateSegment(records_[r].get(), segment, *starts[r], with_parameters,
-                        threads_[static_cast<size_t>(thread)].get());
-      });
+  const bool alone =
+      std::count(done.begin(), done.end(), char{0}) < num_threads;
+  ParallelFor(static_cast<int>(tasks.size()), alone ? 1 : num_threads,
+              [&](int t, int thread) {
+                if (done[static_cast<size_t>(t)] != 0) return;
+                const auto& [record, segment] = tasks[static_cast<size_t>(t)];
+                const size_t r = static_cast<size_t>(record);
+                EvaluateSegment(records_[r].get(), segment, *starts[r],
+                                with_parameters, alone,
+                                threads_[static_cast<size_t>(thread)].get());
+              });
 }
 
 bool MultipleShooting::IsWholeAndLinear(size_t record) const {
@@ -283,6 +297,23 @@ Matrix MultipleShooting::PredictStarts(size_t r, const Vector& free) const {
   return starts;
 }
 
+bool MultipleShooting::LooksAhead() const {
+  // A linearisation of the laws takes about as long as so many columns.
+  constexpr int kLinearization = 10;
+  return options_.looks_ahead &&
+         std::any_of(records_.begin(), records_.end(),
+                     [](const auto& r) { return r->HasFreeStarts(); }) &&
+         layout_.num_free() <=
+             2 * (kLinearization + problem_.dynamics->num_states());
+}
+
+void MultipleShooting::ClearSums() {
+  for (auto& thread : threads_) {
+    thread->sum.hessian.setZero();
+    thread->sum.gradient.setZero();
+  }
+}
+
 bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
                                    double* cost) {
   std::vector<StartSearch> searches;
@@ -292,6 +323,7 @@ bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
         linearized_free_.size() == 0 ? nullptr : &linearized_starts_[r]);
   }
   divergence_ = Divergence();
+  has_columns_ = false;
   for (int i = 0; i < options_.starts.max_iterations; ++i) {
     std::vector<bool> searching;
     std::vector<const Matrix*> trials;
@@ -301,7 +333,9 @@ bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
     }
     const std::vector<Task> tasks = SegmentsOf(searching);
     if (tasks.empty()) break;
-    EvaluateSegments(tasks, trials, false);
+    has_columns_ = i == 0 && LooksAhead();
+    if (has_columns_) ClearSums();
+    EvaluateSegments(tasks, trials, has_columns_);
     for (size_t r = 0; r < records_.size(); ++r) {
       if (searching[r] &&
           !searches[r].Advance(AllFinite(*records_[r]), linearized_cost_)) {
@@ -336,6 +370,7 @@ bool MultipleShooting::SolveStartsFor(const Vector& free, double* cost) {
   if (!SolveStarts(linearized_starts_, &other_cost) ||
       (found && other_cost >= *cost)) {
     starts_ = starts;
+    has_columns_ = false;
     return found;
   }
   *cost = other_cost;
@@ -365,14 +400,14 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   if (!Evaluate(free, &system->cost)) return false;
   failed_ = true;
   if (!PrepareDynamics(free)) return false;
-  for (auto& thread : threads_) {
-    thread->sum.hessian.setZero();
-    thread->sum.gradient.setZero();
+  if (!has_columns_) {
+    ClearSums();
+    std::vector<const Matrix*> starts;
+    for (const Matrix& record : starts_) starts.push_back(&record);
+    EvaluateSegments(SegmentsOf(std::vector<bool>(records_.size(), true)),
+                     starts, true);
   }
-  std::vector<const Matrix*> starts;
-  for (const Matrix& record : starts_) starts.push_back(&record);
-  EvaluateSegments(SegmentsOf(std::vector<bool>(records_.size(), true)), starts,
-                   true);
+  has_columns_ = false;
   int num_segments = 0;
   for (const auto& record : records_) {
     if (!AllFinite(*record)) return false;
@@ -468,6 +503,7 @@ bool MultipleShooting::VisitWeightedResiduals(const Vector& free,
                                               bool with_jacobian,
                                               const Visitor& visitor) {
   is_linearized_ = false;
+  has_columns_ = false;
   if (!PrepareDynamics(free)) return false;
   for (size_t r = 0; r < records_.size(); ++r) {
     if (IsWholeAndLinear(r) && VisitWhole(r, with_jacobian, visitor)) continue;
@@ -503,7 +539,8 @@ bool MultipleShooting::VisitSegment(size_t r, int segment, bool with_jacobian,
                                     const Visitor& visitor) {
   ShootingRecord& record = *records_[r];
   Thread& thread = *threads_[0];
-  if (!EvaluateSegment(&record, segment, starts_[r], with_jacobian, &thread)) {
+  if (!EvaluateSegment(&record, segment, starts_[r], with_jacobian,
+                       /*alone=*/true, &thread)) {
     return false;
   }
   const int ns = problem_.dynamics->num_states();

@@ -20,6 +20,7 @@
 #include "pinode/estimate/shooting_record.h"
 #include "pinode/estimate/start_search.h"
 #include "pinode/estimate/tuning.h"
+#include "pinode/integrate/parallel_segment.h"
 #include "pinode/integrate/segment.h"
 
 namespace pinode {
@@ -61,6 +62,9 @@ class MultipleShooting final : public CostPart {
     double loss_scale = 3.0;  // in units of sigma
     StartTuning starts;
     int num_threads = 1;
+    // Whether most points that are evaluated will be linearised: derivatives
+    // are found along with the cost where that saves time.
+    bool looks_ahead = true;
   };
 
   // `problem` (valid) and `layout` must outlive this object.
@@ -146,10 +150,11 @@ class MultipleShooting final : public CostPart {
   using Task = std::pair<int, int>;
 
   [[nodiscard]] bool PrepareDynamics(const Vector& free);
-  // Propagates a segment from `start` and weighs its residuals.
+  // Propagates a segment from `start` and weighs its residuals; `alone`: with
+  // all threads, where that is worth while.
   bool EvaluateSegment(ShootingRecord* record, int segment,
-                       const Matrix& starts, bool with_parameters,
-                       Thread* thread) const;
+                       const Matrix& starts, bool with_parameters, bool alone,
+                       Thread* thread);
   // The same for a record in one piece, where LinearRecord can have it.
   bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
                      int num_threads, FreeEquations* sum);
@@ -172,11 +177,15 @@ class MultipleShooting final : public CostPart {
   bool AllFinite(const ShootingRecord& record);
   void CostHasChanged() {
     last_free_.resize(0);
+    has_columns_ = false;
     is_linearized_ = false;
     linearized_cost_ = std::numeric_limits<double>::infinity();
   }
   // Where the last linearisation's tangent leads.
   Matrix PredictStarts(size_t record, const Vector& free) const;
+  // Whether derivatives by the parameters go along with first trials.
+  bool LooksAhead() const;
+  void ClearSums();
   // From these starts, one matrix for each record.
   bool SolveStarts(const std::vector<Matrix>& from, double* cost);
   bool SolveStartsFor(const Vector& free, double* cost);
@@ -188,6 +197,7 @@ class MultipleShooting final : public CostPart {
   std::vector<std::unique_ptr<ShootingRecord>> records_;
   std::vector<std::unique_ptr<LinearRecord>> linear_;  // nullptr: not linear
   std::vector<std::unique_ptr<Thread>> threads_;
+  ParallelSegment parallel_;
   double gap_penalty_ = 1.0;
   double data_curvature_ = 0.0;
   int64_t work_ = 0;
@@ -201,6 +211,8 @@ class MultipleShooting final : public CostPart {
   double last_cost_ = 0.0;
   // Whether the last evaluation was this linearisation, at linearized_free_.
   bool is_linearized_ = false;
+  // Whether the last evaluation has found the derivatives at its starts.
+  bool has_columns_ = false;
   CondensedSystem linearized_;
   bool failed_ = false;
   Divergence divergence_;

@@ -135,7 +135,7 @@ void BandPredictions(const IdentificationProblem& problem,
                      const IdentificationOptions& options,
                      const Certainty& certainty, const IdentifiedModel& model,
                      IdentificationSummary* summary) {
-  if (!certainty.known) return;
+  if (!certainty.known || !options.prediction_bands) return;
   const CovarianceEstimate& covariance = certainty.covariance;
   for (size_t r = 0; r < summary->records.size(); ++r) {
     RecordScore& score = summary->records[r];

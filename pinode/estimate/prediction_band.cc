@@ -38,6 +38,7 @@ Matrix ParameterRows(const IdentificationProblem& problem, int record,
   }
   alone.modal = ModalData();
   const ParameterLayout layout(alone);
+  // A start that is known follows nothing, so nothing is linearised before.
   MultipleShooting::Options options;
   options.num_threads = num_threads;
   MultipleShooting shooting(alone, layout, options);
@@ -45,10 +46,8 @@ Matrix ParameterRows(const IdentificationProblem& problem, int record,
   shooting.SetStateScales({StateScales(alone, score.states)});
   shooting.SetSegments(0, {score.states});
   std::vector<Matrix> residuals, jacobians;
-  CondensedSystem system;
-  const Vector free = layout.Free(parameters);
-  if (!shooting.Linearize(free, &system) ||
-      !shooting.WeightedResiduals(free, true, &residuals, &jacobians)) {
+  if (!shooting.WeightedResiduals(layout.Free(parameters), true, &residuals,
+                                  &jacobians)) {
     return Matrix();
   }
   return jacobians[0];

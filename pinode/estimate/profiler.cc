@@ -56,6 +56,7 @@ MultipleShooting::Options OneThread(const IdentificationOptions& options) {
   MultipleShooting::Options one = ShootingOptions(options);
   one.num_threads = 1;
   one.starts.stray_cost = kStrayCost;
+  one.looks_ahead = false;
   return one;
 }
 

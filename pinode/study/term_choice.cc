@@ -295,6 +295,7 @@ class Chooser {
     // Wald values are to be those of the fit that takes inputs as exact, and of
     // residuals with whatever memory they have.
     options.covariance = IdentificationOptions::Covariance::kSandwich;
+    options.prediction_bands = false;
     fit_function_(what, result->problem, options, &begin, &result->summary,
                   &result->model);
     interrupted_ = interrupted_ ||

@@ -1,0 +1,54 @@
+// A long segment on several threads.
+
+#ifndef PINODE_INTEGRATE_PARALLEL_SEGMENT_H_
+#define PINODE_INTEGRATE_PARALLEL_SEGMENT_H_
+
+#include <memory>
+#include <vector>
+
+#include "pinode/integrate/segment.h"
+
+namespace pinode {
+
+// States go first, alone and in order, which takes no derivatives. Pieces of
+// the segment then find their derivatives side by side, by their own starts as
+// well, and are chained: d/ds_0 = (d/ds_p) (ds_p/ds_0). Up to rounding it is
+// what SegmentPropagator has.
+class ParallelSegment {
+ public:
+  ParallelSegment(const StructuralDynamics& dynamics, DerivativeMethod method,
+                  int num_threads);
+
+  // Whether threads would save time: long segments with derivatives, to which
+  // those by the starts of pieces do not add too much.
+  bool IsWorthwhile(const IntegrationGrid& grid, int first, int last,
+                    SegmentColumns columns) const;
+
+  // As SegmentPropagator::Propagate.
+  bool Propagate(const StructuralDynamics::Prepared& prepared,
+                 const ObservationMap& observation, const IntegrationGrid& grid,
+                 const Vector& start, int first, int last, bool observe_last,
+                 SegmentColumns columns, SegmentTangents* result);
+
+ private:
+  struct Piece {
+    explicit Piece(const StructuralDynamics& dynamics, DerivativeMethod method)
+        : propagator(dynamics, method) {}
+    SegmentPropagator propagator;
+    SegmentTangents tangents;
+    int first = 0;
+    int last = 0;
+    bool ok = false;
+  };
+
+  void Chain(const ObservationMap& observation, int first, int samples,
+             SegmentColumns columns, SegmentTangents* result);
+
+  const StructuralDynamics& dynamics_;
+  DerivativeMethod method_;
+  std::vector<std::unique_ptr<Piece>> pieces_;  // one for each thread
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_INTEGRATE_PARALLEL_SEGMENT_H_
