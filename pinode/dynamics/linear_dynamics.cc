@@ -3,9 +3,11 @@
 #include <ceres/jet.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/power_of_two.h"
 #include "pinode/dynamics/prescribed_motion.h"
 #include "pinode/dynamics/products.h"
 
@@ -93,12 +95,15 @@ bool LinearDynamics::Prepare(const Vector& theta, LinearSystem* system,
     *TargetMatrix(change.group->target, system) +=
         theta[change.parameter] * change.group->matrix;
   }
-  const Eigen::LLT<Matrix> factor(system->mass);
+  // The roots of the same numbers in whatever unit masses are.
+  const double unit =
+      n > 0 ? PowerOfTwoBelow(system->mass.diagonal().maxCoeff()) : 1.0;
+  const Eigen::LLT<Matrix> factor(system->mass / unit);
   if (!system->mass.allFinite() || factor.info() != Eigen::Success) {
     *error = "the corrected mass matrix is not positive definite";
     return false;
   }
-  system->mass_inverse = factor.solve(Matrix::Identity(n, n));
+  system->mass_inverse = factor.solve(Matrix::Identity(n, n)) / unit;
 
   Matrix force = Matrix::Zero(n, num_inputs());  // per unit input
   for (int i = 0; i < num_inputs(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pinode/base/power_of_two.h"
 #include "pinode/estimate/optimality.h"
 
 namespace pinode {
@@ -25,7 +26,7 @@ BoundedCost::BoundedCost(const ParameterLayout& layout, const Vector& start,
     const bool named = layout.IsNamed(layout.free()[static_cast<size_t>(j)]);
     if (valid_ && named && system_.hessian(j, j) > 0.0) {
       const double norm = std::sqrt(system_.hessian(j, j));
-      scale_[j] = std::ldexp(1.0, std::ilogb(kColumnNorm / norm));
+      scale_[j] = PowerOfTwoBelow(kColumnNorm / norm);
     }
     lower_[j] = layout.free_parameter(j).lower / scale_[j];
     upper_[j] = layout.free_parameter(j).upper / scale_[j];

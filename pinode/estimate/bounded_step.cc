@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/power_of_two.h"
+
 namespace pinode {
 namespace {
 
@@ -132,7 +134,7 @@ bool BoundedStep(const Matrix& hessian, const Vector& gradient,
   Vector scale(n);
   for (Eigen::Index j = 0; j < n; ++j) {
     scale[j] = hessian(j, j) > 0.0
-                   ? std::ldexp(1.0, -std::ilogb(std::sqrt(hessian(j, j))))
+                   ? 1.0 / PowerOfTwoBelow(std::sqrt(hessian(j, j)))
                    : 1.0;
   }
   Matrix scaled = scale.asDiagonal() * hessian * scale.asDiagonal();

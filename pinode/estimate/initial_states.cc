@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/power_of_two.h"
 #include "pinode/base/statistics.h"
 
 namespace pinode {
@@ -65,11 +66,17 @@ std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
   if (!dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) {
     return frequencies;
   }
+  const Matrix& mass = prepared.linear.mass;
+  const Matrix& stiffness = prepared.linear.stiffness;
+  const double unit = PowerOfTwoBelow(mass.diagonal().maxCoeff());
+  const double other = PowerOfTwoBelow(stiffness.diagonal().maxCoeff());
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
-      prepared.linear.stiffness, prepared.linear.mass, Eigen::EigenvaluesOnly);
+      stiffness / other, mass / unit, Eigen::EigenvaluesOnly);
   const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
   for (double value : solver.eigenvalues()) {
-    if (value > 1e-12 * largest) frequencies.push_back(std::sqrt(value));
+    if (value > 1e-12 * largest) {
+      frequencies.push_back(std::sqrt(value * (other / unit)));
+    }
   }
   return frequencies;
 }

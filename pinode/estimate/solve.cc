@@ -10,6 +10,7 @@
 #include "pinode/estimate/bounded_cost.h"
 #include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/force_bands.h"
+#include "pinode/estimate/optimality.h"
 
 namespace pinode {
 namespace {
@@ -169,6 +170,42 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
             << state->cost << ", cosine " << state->optimality.cosine
             << ", promise " << state->optimality.promise;
   }
+  return true;
+}
+
+bool Solver::Polish(FitState* state) {
+  constexpr int kMostSteps = 2;
+  // Of the cost: what is less than this cannot be seen.
+  constexpr double kLeastPromise = 1e-12;
+  // Keeps what nothing determines where it is.
+  constexpr double kDamping = 1e-6;
+  Objective& objective = context_.objective;
+  const auto fail = [&]() {
+    context_.summary.message = objective.Failure();
+    return false;
+  };
+  CondensedSystem system;
+  if (!objective.Linearize(state->free, &system)) return fail();
+  for (int i = 0; i < kMostSteps; ++i) {
+    CondensedSystem damped = system;
+    damped.hessian.diagonal() *= 1.0 + kDamping;
+    Vector step;
+    double promise = 0.0;
+    if (!BestStep(context_.layout, state->free, damped, -1, &step, &promise) ||
+        !(promise > kLeastPromise * system.cost)) {
+      break;
+    }
+    const Vector next = state->free + step;
+    double cost = 0.0;
+    if (!objective.Evaluate(next, &cost) || !(cost < system.cost) ||
+        !objective.Linearize(next, &system)) {
+      if (!objective.Linearize(state->free, &system)) return fail();
+      break;
+    }
+    state->free = next;
+  }
+  state->cost = system.cost;
+  state->optimality = MeasureOptimality(context_.layout, state->free, system);
   return true;
 }
 

@@ -27,6 +27,11 @@ class Solver {
   [[nodiscard]] bool Solve(int max_iterations, double function_tolerance,
                            FitState* state, bool* converged);
 
+  // From a converged point: full steps of the quadratic model, while each does
+  // lower the cost. An iteration that hardly changes the cost leaves the
+  // unknowns off by the root of that. False as Solve.
+  [[nodiscard]] bool Polish(FitState* state);
+
  private:
   class Callback;
 

@@ -102,7 +102,7 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
     evidence_rounds += outcome.noise_is_quiet ? 1 : 0;
     if (fine && converged) {
       *settled = true;
-      if (quiet && !networks) break;
+      if (quiet && !networks) return solver_->Polish(state);
     }
     fine = fine || quiet || evidence_rounds >= evidence.rounds ||
            round + 1 >= solve.max_rounds / 2;
