@@ -41,13 +41,15 @@ class BoundedCost final : public CostPart {
   [[nodiscard]] bool Linearize(const Vector& scaled,
                                CondensedSystem* system) override;
   std::string Failure() const override { return part_->Failure(); }
+  // The newest linearisation of the part itself, not scaled.
+  const CondensedSystem& system() const { return system_; }
 
  private:
   const ParameterLayout& layout_;
   CostPart* part_;
   bool valid_ = false;
   Vector scale_, lower_, upper_;
-  // The newest linearisation, of `part_`, and where.
+  // Of `part_`, and where.
   Vector at_;
   CondensedSystem system_;
 };

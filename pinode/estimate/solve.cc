@@ -69,14 +69,15 @@ ceres::Solver::Options SolverOptions(const FitContext& context,
 
 class Solver::Callback final : public ceres::IterationCallback {
  public:
-  Callback(const FitContext& context, const BoundedCost& bounded,
-           const Vector& scaled, Progress* progress, double* radius)
-      : context_(context),
+  Callback(const Solver& solver, const BoundedCost& bounded,
+           const Vector& scaled, double tolerance, double* radius)
+      : solver_(solver),
+        context_(solver.context_),
         bounded_(bounded),
         scaled_(scaled),
-        progress_(progress),
+        tolerance_(tolerance),
         radius_(radius),
-        first_iteration_(context.summary.num_iterations) {}
+        first_iteration_(context_.summary.num_iterations) {}
 
   ceres::CallbackReturnType operator()(
       const ceres::IterationSummary& iteration) override {
@@ -93,16 +94,20 @@ class Solver::Callback final : public ceres::IterationCallback {
       if (!iteration.step_is_successful) ++context_.summary.rejected_steps;
     }
     *radius_ = iteration.trust_region_radius;
-    return progress_->Note(record, bounded_.Unscaled(scaled_))
-               ? ceres::SOLVER_CONTINUE
-               : ceres::SOLVER_ABORT;
+    const Vector free = bounded_.Unscaled(scaled_);
+    if (!solver_.progress_->Note(record, free)) return ceres::SOLVER_ABORT;
+    return iteration.step_is_successful &&
+                   solver_.IsSettled(free, bounded_.system(), tolerance_)
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
   }
 
  private:
+  const Solver& solver_;
   const FitContext& context_;
   const BoundedCost& bounded_;
   const Vector& scaled_;
-  Progress* progress_;
+  double tolerance_;
   double* radius_;
   int first_iteration_;
 };
@@ -113,6 +118,25 @@ Solver::Solver(const FitContext& context, Progress* progress)
 }
 
 void Solver::ResetRadius() { radius_ = FirstRadius(context_); }
+
+bool Solver::IsSettled(const Vector& free, const CondensedSystem& system,
+                       double tolerance) const {
+  return !context_.HasNetworks() &&
+         MeasureOptimality(context_.layout, free, system).promise < tolerance;
+}
+
+void Solver::Settle(const CondensedSystem& system, double gradient_norm,
+                    FitState* state) {
+  IterationRecord record;
+  record.iteration = context_.summary.num_iterations;
+  record.cost = state->cost = system.cost;
+  record.gradient_norm = gradient_norm;
+  record.trust_region_radius = radius_;
+  record.largest_gap = context_.objective.shooting().LargestGap();
+  record.accepted = true;
+  progress_->Note(record, state->free);
+  state->optimality = MeasureOptimality(context_.layout, state->free, system);
+}
 
 bool Solver::Solve(int max_iterations, double function_tolerance,
                    FitState* state, bool* converged) {
@@ -135,6 +159,13 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
     return false;
   }
   Vector scaled = bounded.Scaled(state->free);
+  if (IsSettled(state->free, bounded.system(), function_tolerance)) {
+    *converged = true;
+    CondensedSystem steps;
+    if (!bounded.Linearize(scaled, &steps)) return false;
+    Settle(bounded.system(), steps.gradient.norm(), state);
+    return true;
+  }
   CondensedCost cost(&bounded, n);
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -142,7 +173,7 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
   problem.AddResidualBlock(&cost, nullptr, scaled.data());
   SetBounds(bounded, scaled.data(), &problem);
 
-  Callback callback(context_, bounded, scaled, progress_, &radius_);
+  Callback callback(*this, bounded, scaled, function_tolerance, &radius_);
   options.callbacks.push_back(&callback);
 
   ceres::Solver::Summary ceres_summary;
@@ -157,7 +188,8 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
     return false;
   }
   state->free = bounded.Unscaled(scaled);
-  *converged = ceres_summary.termination_type == ceres::CONVERGENCE;
+  *converged = ceres_summary.termination_type == ceres::CONVERGENCE ||
+               ceres_summary.termination_type == ceres::USER_SUCCESS;
   CondensedSystem system;
   if (!objective.Linearize(state->free, &system)) {
     summary.message = objective.Failure();

@@ -20,10 +20,10 @@ class Solver {
   void ResetRadius();
 
   // From state->free, until an iteration changes the cost by less than the
-  // share `function_tolerance` of it (*converged), or the iterations are used
-  // up, those that the options grant in all included. Leaves the objective
-  // linearised at the solution. False, with the summary's message, where the
-  // cost cannot be had at the point of departure.
+  // share `function_tolerance` of it, or none promises to (*converged), or the
+  // iterations are used up, those that the options grant in all included.
+  // Leaves the objective linearised at the solution. False, with the summary's
+  // message, where the cost cannot be had at the point of departure.
   [[nodiscard]] bool Solve(int max_iterations, double function_tolerance,
                            FitState* state, bool* converged);
 
@@ -34,6 +34,15 @@ class Solver {
 
  private:
   class Callback;
+
+  // Whether the best step within the bounds promises less than the share
+  // `tolerance` of the cost. Ceres finds that out by another evaluation, and
+  // takes no step then. Networks go on: what they are promised is little.
+  bool IsSettled(const Vector& free, const CondensedSystem& system,
+                 double tolerance) const;
+  // Notes a point at which there is nothing to do.
+  void Settle(const CondensedSystem& system, double gradient_norm,
+              FitState* state);
 
   const FitContext& context_;
   Progress* progress_;
