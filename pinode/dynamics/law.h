@@ -25,6 +25,9 @@ class Law {
   virtual int num_internal() const = 0;
   virtual int num_parameters() const = 0;
   virtual int num_outputs() const = 0;
+  // Whether it is known to give no force, and has no states, whatever its
+  // parameters are.
+  virtual bool IsIdle() const { return false; }
   int num_results() const { return num_outputs() + num_internal(); }
   int num_arguments() const {
     return num_features() + num_internal() + num_parameters();

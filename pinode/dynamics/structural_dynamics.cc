@@ -217,8 +217,15 @@ void StructuralDynamics::Layout() {
 }
 
 bool StructuralDynamics::IsLinear() const {
-  if (num_terms() > 1 || !prescribed_.empty()) return false;
-  if (num_terms() == 1 && term(0).kind() != TermKind::kGroups) return false;
+  if (!prescribed_.empty()) return false;
+  for (const auto& term : terms_) {
+    if (term->kind() != TermKind::kGroups && term->kind() != TermKind::kLaw) {
+      return false;
+    }
+  }
+  for (const LawTerm& law : laws()) {
+    if (!law.law->IsIdle()) return false;
+  }
   return std::all_of(groups().begin(), groups().end(),
                      [](const GroupTerm& group) {
                        return group.follows == GroupTerm::Follows::kNothing;

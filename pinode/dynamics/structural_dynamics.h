@@ -111,7 +111,7 @@ class StructuralDynamics {
   const Term& term(int term) const { return *terms_[Index(term)]; }
 
   // Whether dh/dt = F h + G u with constant F and G: nothing but groups that
-  // follow nothing, and no prescribed motion.
+  // follow nothing and laws that are idle, and no prescribed motion.
   bool IsLinear() const;
 
   int num_dofs() const { return linear_.num_dofs(); }

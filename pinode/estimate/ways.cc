@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/dynamics/elements.h"
 #include "pinode/estimate/score.h"
 
 namespace pinode {
@@ -53,6 +55,7 @@ class NoForce final : public Law {
   int num_internal() const override { return 0; }
   int num_parameters() const override { return num_parameters_; }
   int num_outputs() const override { return num_outputs_; }
+  bool IsIdle() const override { return true; }
   void Evaluate(const double* /*features*/, const double* /*internal*/,
                 const double* /*parameters*/, double* result) const override {
     std::fill_n(result, num_outputs_, 0.0);
@@ -72,8 +75,23 @@ class NoForce final : public Law {
   int num_features_, num_parameters_, num_outputs_;
 };
 
+// Laws are linear in what has the dimension of a force, or is a coefficient.
 bool IsWithoutForce(const LawTerm& term) {
-  return term.type == "library" && term.parameters.Values().isZero(0.0);
+  const Vector values = term.parameters.Values();
+  if (term.type == "library") return values.isZero(0.0);
+  std::string unused;
+  if (term.law->num_internal() > 0 ||
+      CreateElement(term.type, &unused) == nullptr) {
+    return false;
+  }
+  const std::vector<ElementParameterInfo> infos = ElementParameters(term.type);
+  for (size_t k = 0; k < infos.size(); ++k) {
+    if (infos[k].force_power != 0.0 &&
+        values[static_cast<Eigen::Index>(k)] != 0.0) {
+      return false;
+    }
+  }
+  return true;
 }
 
 // nullptr where a term cannot be had without its free parameters.

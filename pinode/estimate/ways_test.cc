@@ -72,6 +72,14 @@ TEST_F(WaysTest, LinearPartHasTheSameParametersAndFewerFreeOnes) {
   EXPECT_EQ(less.num_free(), 2);
   EXPECT_EQ(all.num_free(), 3);
   EXPECT_EQ(LinearPart(*linear), nullptr) << "that is the problem itself";
+  // A spring that begins at zero does nothing, and all is solved as a linear
+  // model is; one that does not is there, and stays.
+  EXPECT_TRUE(linear->dynamics->IsLinear());
+  IdentificationProblem stiff = problem;
+  auto dynamics = std::make_shared<StructuralDynamics>(*dynamics_);
+  dynamics->SetParameters(truth);
+  stiff.dynamics = dynamics;
+  EXPECT_FALSE(LinearPart(stiff)->dynamics->IsLinear());
 }
 
 TEST_F(WaysTest, EndsWhereOnlyNoiseIsLeft) {
