@@ -95,7 +95,8 @@ void ScoreRecords(const IdentificationProblem& problem,
     RecordScore prior, score;
     Vector start;
     int first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
-    ScoreRecord(problem, index, prior_parameters, start, first, &prior);
+    ScoreRecord(problem, index, prior_parameters, start, first, &prior,
+                Keep::kChannels);
     if (problem.records[r].role == IdentificationRecord::Role::kTrain) {
       start = starts[t++].col(0);
       first = 0;

@@ -64,7 +64,7 @@ Matrix StartRows(const IdentificationProblem& problem, int record,
     start[k] += kStartStep * scales[k];
     RecordScore moved;
     ScoreRecord(problem, record, parameters, start, score.first_scored_sample,
-                &moved);
+                &moved, Keep::kChannels);
     if (!moved.finite) return Matrix();
     const Matrix slope = sigmas.cwiseInverse().asDiagonal() *
                          (moved.prediction - score.prediction) / kStartStep;

@@ -134,12 +134,12 @@ class Scanner {
                                ? record.known_start
                                : Vector::Zero(problem_.dynamics->num_states());
       RecordScore score;
-      ScoreRecord(problem_, r, parameters, start, 0, &score);
+      ScoreRecord(problem_, r, parameters, start, 0, &score, Keep::kChannels);
       if (!score.finite) {
         // The steps may be too long for the structure.
         IdentificationRecord& coarse = problem_.records[static_cast<size_t>(r)];
         coarse.substeps = substeps_[static_cast<size_t>(r)];
-        ScoreRecord(problem_, r, parameters, start, 0, &score);
+        ScoreRecord(problem_, r, parameters, start, 0, &score, Keep::kChannels);
         if (!score.finite) return false;
       }
       predictions->push_back(score.prediction);

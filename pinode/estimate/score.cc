@@ -10,7 +10,6 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/record_grid.h"
 #include "pinode/estimate/sensor.h"
-#include "pinode/integrate/free_run.h"
 
 namespace pinode {
 namespace {
@@ -39,7 +38,7 @@ void ScoreDivergence(const IdentificationRecord& data,
 
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
-                 int first_scored_sample, RecordScore* score) {
+                 int first_scored_sample, RecordScore* score, Keep keep) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   const StructuralDynamics& dynamics = *problem.dynamics;
@@ -64,13 +63,13 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                                &prepared, &error)) {
     const IntegrationGrid grid = GridOf(dynamics, data);
     score->finite = FreeRun(dynamics, prepared, observation, grid, start, 0,
-                            samples - 1, &trajectory);
+                            samples - 1, &trajectory, keep);
   }
   if (!score->finite) {
     ScoreDivergence(data, trajectory, score);
     return;
   }
-  score->states = std::move(trajectory.states);
+  if (keep == Keep::kAll) score->states = std::move(trajectory.states);
   Vector prediction = Eigen::Map<const Vector>(trajectory.channels.data(),
                                                trajectory.channels.size());
   trajectory.channels.resize(0, 0);
@@ -122,7 +121,7 @@ double FreeRunError(const IdentificationProblem& problem,
   for (size_t t = 0; t < train.size(); ++t) {
     RecordScore score;
     ScoreRecord(problem, train[t], parameters, shooting.starts()[t].col(0), 0,
-                &score);
+                &score, Keep::kChannels);
     if (!score.finite) return kInfinity;
     sum += score.nrmse * score.nrmse;
   }

@@ -10,16 +10,18 @@
 #include "pinode/estimate/identification_summary.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/integrate/free_run.h"
 
 namespace pinode {
 
 // Runs the record from `start` and compares every channel with what was
 // measured: sensors and filter applied. Fills *score but for its prior_nrmse.
 // `parameters`: all of the problem's. A run that is not finite has infinite
-// errors.
+// errors. The states of one that is are kept where `keep` says so.
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
-                 int first_scored_sample, RecordScore* score);
+                 int first_scored_sample, RecordScore* score,
+                 Keep keep = Keep::kAll);
 
 // Root mean square over the training records of their errors, each run freely
 // from its first start in `shooting`; infinite where one is not finite, 0 where

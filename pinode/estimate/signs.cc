@@ -254,7 +254,7 @@ class Responses {
       Trajectory trajectory;
       if (!FreeRun(linear, prepared, observation, grid,
                    Vector::Zero(linear.num_states()), 0, samples - 1,
-                   &trajectory)) {
+                   &trajectory, Keep::kChannels)) {
         return false;
       }
       Matrix history = trajectory.channels.transpose();

@@ -85,7 +85,7 @@ class Stepper {
 
 // Notes the first state that is not finite; what follows it is NaN.
 bool EndWhereNotFinite(Trajectory* trajectory) {
-  for (int i = 0; i < trajectory->num_samples(); ++i) {
+  for (int i = 0; i < static_cast<int>(trajectory->states.cols()); ++i) {
     trajectory->failed_state = FirstNotFinite(trajectory->states.col(i));
     if (trajectory->failed_state < 0) continue;
     const int rest = trajectory->num_samples() - i;
@@ -102,7 +102,8 @@ bool EndWhereNotFinite(Trajectory* trajectory) {
 bool RunByModes(const StructuralDynamics& dynamics,
                 const StructuralDynamics::Prepared& prepared,
                 const ObservationMap& observation, const IntegrationGrid& grid,
-                const Vector& start, int first, Trajectory* trajectory) {
+                const Vector& start, int first, Keep keep,
+                Trajectory* trajectory) {
   ModalResponse response;
   if (!response.Prepare(dynamics, prepared, grid, false)) return false;
   ModalResponse::Contents contents;
@@ -111,12 +112,17 @@ bool RunByModes(const StructuralDynamics& dynamics,
   const Matrix values = response.Values(contents, observation, start);
   ModalResponse::State state = response.Begin(contents);
   Matrix histories;
-  const int samples = static_cast<int>(trajectory->states.cols());
+  const int samples = trajectory->num_samples();
   for (int begin = 0; begin < samples; begin += kSamplesAtATime) {
     const int count = std::min(kSamplesAtATime, samples - begin);
     response.Advance(contents, grid, first + begin, count, &state, &histories);
-    trajectory->states.middleCols(begin, count).noalias() =
-        states.transpose() * histories;
+    if (keep == Keep::kAll) {
+      trajectory->states.middleCols(begin, count).noalias() =
+          states.transpose() * histories;
+    } else if (begin + count == samples) {
+      trajectory->states.noalias() =
+          states.transpose() * histories.rightCols(1);
+    }
     trajectory->channels.middleCols(begin, count).noalias() =
         values.transpose() * histories;
   }
@@ -129,7 +135,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,
              const Vector& start, int first_sample, int last_sample,
-             Trajectory* trajectory) {
+             Trajectory* trajectory, Keep keep) {
   const int ns = dynamics.num_states();
   CHECK_EQ(start.size(), ns) << "the start needs one value per state";
   CHECK_LE(0, first_sample);
@@ -139,14 +145,23 @@ bool FreeRun(const StructuralDynamics& dynamics,
   trajectory->first_sample = first_sample;
   trajectory->failed_sample = -1;
   trajectory->failed_state = -1;
-  trajectory->states = Matrix::Constant(ns, samples, kNaN);
+  trajectory->states =
+      Matrix::Constant(ns, keep == Keep::kAll ? samples : 1, kNaN);
   trajectory->channels =
       Matrix::Constant(observation.num_channels(), samples, kNaN);
 
+  // Where and what did not stay finite takes all states.
+  const auto again = [&]() {
+    return FreeRun(dynamics, prepared, observation, grid, start, first_sample,
+                   last_sample, trajectory, Keep::kAll);
+  };
   if (dynamics.IsLinear() && samples > kSamplesForModes * ns &&
       RunByModes(dynamics, prepared, observation, grid, start, first_sample,
-                 trajectory)) {
-    return EndWhereNotFinite(trajectory);
+                 keep, trajectory)) {
+    if (keep == Keep::kAll) return EndWhereNotFinite(trajectory);
+    return (FirstNotFinite(trajectory->states.col(0)) < 0 &&
+            trajectory->channels.allFinite()) ||
+           again();
   }
   Stepper stepper(dynamics, prepared, grid, samples);
   Vector state = start;
@@ -156,10 +171,10 @@ bool FreeRun(const StructuralDynamics& dynamics,
     trajectory->failed_state = FirstNotFinite(state);
     if (trajectory->failed_state >= 0) {
       trajectory->failed_sample = i;
-      return false;
+      return keep == Keep::kAll ? false : again();
     }
     const int column = i - first_sample;
-    trajectory->states.col(column) = state;
+    trajectory->states.col(keep == Keep::kAll ? column : 0) = state;
     stepper.RateAtSample(i, state.data(), rate.data());
     observation.Observe(state.data(), rate.data(), grid.AtSample(i),
                         trajectory->channels.col(column).data());

@@ -12,10 +12,14 @@
 
 namespace pinode {
 
+// What is kept of a run. States are most of its memory, and where modes are
+// summed most of its work.
+enum class Keep { kAll, kChannels };
+
 // States and channels at the samples [first, first + num_samples()).
 struct Trajectory {
   int first_sample = 0;
-  Matrix states;    // num_states x samples
+  Matrix states;    // num_states x samples, or the last one alone
   Matrix channels;  // num_channels x samples
   // Where a state stopped being finite: sample and index of the state; -1 if
   // nowhere.
@@ -23,18 +27,18 @@ struct Trajectory {
   int failed_state = -1;
 
   bool IsFinite() const { return failed_sample < 0; }
-  int num_samples() const { return static_cast<int>(states.cols()); }
+  int num_samples() const { return static_cast<int>(channels.cols()); }
 };
 
 // Integrates from `start` (num_states) at first_sample to last_sample, both
 // included and at most grid.num_intervals(). A state beyond 1e100 counts as not
 // finite. Returns trajectory->IsFinite(); the samples from the failure on are
-// NaN.
+// NaN. A run that fails keeps all.
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,
              const Vector& start, int first_sample, int last_sample,
-             Trajectory* trajectory);
+             Trajectory* trajectory, Keep keep = Keep::kAll);
 
 }  // namespace pinode
 

@@ -83,6 +83,17 @@ TEST(FreeRun, LongRunsEqualShortOnesOneAfterTheOther) {
     Trajectory whole;
     ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0,
                         kSamples - 1, &whole));
+    // The same by modes and by steps, whatever is kept.
+    for (const int last : {kSamples - 1, 20}) {
+      Trajectory channels;
+      ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0, last,
+                          &channels, Keep::kChannels));
+      EXPECT_EQ(channels.num_samples(), last + 1);
+      EXPECT_LT((channels.channels - whole.channels.leftCols(last + 1)).norm(),
+                1e-11);
+      EXPECT_EQ(channels.states.cols(), 1);
+      EXPECT_LT((channels.states - whole.states.col(last)).norm(), 1e-11);
+    }
     for (int first = 0; first < kSamples - 1; first += 10) {
       Trajectory part;
       ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, first,
@@ -121,6 +132,11 @@ TEST(FreeRun, LongRunsEndWhereTheyRunAway) {
   EXPECT_TRUE(trajectory.states.rightCols(2000 - failed).array().isNaN().all());
   EXPECT_TRUE(
       trajectory.channels.rightCols(2000 - failed).array().isNaN().all());
+  Trajectory channels;
+  EXPECT_FALSE(FreeRun(dynamics, prepared, observation, grid, Vector::Ones(4),
+                       0, 1999, &channels, Keep::kChannels));
+  EXPECT_EQ(channels.failed_sample, failed);
+  EXPECT_EQ(channels.failed_state, trajectory.failed_state);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ bool SegmentPropagator::Run(const StructuralDynamics::Prepared& prepared,
                             SegmentTangents* result) {
   Trajectory trajectory;
   const bool finite = FreeRun(dynamics_, prepared, observation, grid, start,
-                              first, last, &trajectory);
+                              first, last, &trajectory, Keep::kChannels);
   result->failed_sample = trajectory.failed_sample;
   result->failed_state = trajectory.failed_state;
   if (!finite) return false;

@@ -21,7 +21,7 @@ Matrix PriorPrediction(const IdentificationProblem& problem, int r,
   Vector start;
   const int first = FreeRunStart(problem, r, prior, sigmas, &start);
   RecordScore score;
-  ScoreRecord(problem, r, prior, start, first, &score);
+  ScoreRecord(problem, r, prior, start, first, &score, Keep::kChannels);
   return score.finite ? std::move(score.prediction) : Matrix();
 }
 

@@ -94,7 +94,7 @@ class Prior {
     Trajectory trajectory;
     const IntegrationGrid grid(*record_->excitation, substeps, integrator);
     if (!FreeRun(*dynamics_, *prepared_, observation_, grid, start_, 0,
-                 record_->num_samples() - 1, &trajectory)) {
+                 record_->num_samples() - 1, &trajectory, Keep::kChannels)) {
       return false;
     }
     *channels = std::move(trajectory.channels);
