@@ -1,6 +1,7 @@
 #include "pinode/estimate/fit.h"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -80,12 +81,15 @@ bool Fit::Prepare(const Vector& parameters, int segment_samples,
   solver_.ResetRadius();
   objective_.shooting().SetSigmas(current_.sigmas);
   objective_.priors().SetDecays(current_.decays);
+  std::vector<Matrix> states;
   if (!InitialTrajectories(context_.problem, segment_samples, current_.free,
                            context_.tuning().stages, &objective_.shooting(),
-                           &current_.trajectories)) {
+                           &states)) {
     summary_.message = objective_.Failure();
     return false;
   }
+  current_.trajectories =
+      std::make_shared<const std::vector<Matrix>>(std::move(states));
   best_ = current_;
   return true;
 }
@@ -181,7 +185,7 @@ void Fit::FitInputNoise() {
   InputNoiseFit fit;
   fit.free = best_.free;
   fit.sigmas = best_.sigmas;
-  fit.trajectories = best_.trajectories;
+  fit.trajectories = *best_.trajectories;
   std::string error;
   const double largest_gap = objective_.shooting().LargestGap();
   if (FitWithInputNoise(
@@ -192,7 +196,8 @@ void Fit::FitInputNoise() {
           &fit, &error)) {
     best_.free = fit.free;
     best_.sigmas = fit.sigmas;
-    best_.trajectories = fit.trajectories;
+    best_.trajectories =
+        std::make_shared<const std::vector<Matrix>>(fit.trajectories);
     best_.cost = fit.cost;
     input_noise_ = std::move(fit);
   } else if (!interrupted()) {

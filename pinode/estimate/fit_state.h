@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_FIT_STATE_H_
 #define PINODE_ESTIMATE_FIT_STATE_H_
 
+#include <memory>
 #include <vector>
 
 #include "pinode/base/constants.h"
@@ -21,7 +22,10 @@ struct FitState {
   Vector free;
   std::vector<Vector> sigmas;  // per training record
   Vector decays;
-  std::vector<Matrix> trajectories;  // per training record
+  // Per training record; states of the same fit share them, for they are most
+  // of the memory of a long record.
+  std::shared_ptr<const std::vector<Matrix>> trajectories =
+      std::make_shared<const std::vector<Matrix>>();
   double free_run_error = kInfinity;
   // Of the samples, what the fit has not used up.
   double share_left = 1.0;

@@ -478,18 +478,24 @@ bool MultipleShooting::Trajectories(const Vector& free,
                                     std::vector<Matrix>* states) {
   if (!PrepareDynamics(free)) return false;
   states->clear();
+  const ObservationMap nothing(*problem_.dynamics, {});
   for (size_t r = 0; r < records_.size(); ++r) {
     const ShootingRecord& record = *records_[r];
-    Matrix whole(problem_.dynamics->num_states(), record.grid().num_samples());
+    Matrix whole;
     for (int k = 0; k < record.num_segments(); ++k) {
       Trajectory trajectory;
       const int first = record.first_sample(k);
       const int last = record.last_sample(k);
-      if (!FreeRun(*problem_.dynamics, prepared_, record.observation(),
-                   record.grid(), starts_[r].col(k), first, last,
-                   &trajectory)) {
+      if (!FreeRun(*problem_.dynamics, prepared_, nothing, record.grid(),
+                   starts_[r].col(k), first, last, &trajectory)) {
         return false;
       }
+      if (record.num_segments() == 1) {
+        whole = std::move(trajectory.states);
+        break;
+      }
+      whole.resize(problem_.dynamics->num_states(),
+                   record.grid().num_samples());
       const bool final = k + 1 == record.num_segments();
       const int count = last - first + (final ? 1 : 0);
       whole.middleCols(first, count) = trajectory.states.leftCols(count);

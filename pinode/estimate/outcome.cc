@@ -58,7 +58,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   objective.priors().SetDecays(best.decays);
   shooting.SetSegments(
       summary.single_shooting ? 0 : summary.stages.back().segment_samples,
-      best.trajectories);
+      *best.trajectories);
   const Vector band_decays = BandDecays(problem, fit->layout(), best.decays,
                                         options.tuning.force_bands);
   Certainty certainty;

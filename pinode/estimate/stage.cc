@@ -114,17 +114,17 @@ bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
                 bool* settled) {
   *settled = false;
   MultipleShooting& shooting = context_.objective.shooting();
-  shooting.SetSegments(samples, state->trajectories);
+  shooting.SetSegments(samples, *state->trajectories);
   shooting.SetSigmas(state->sigmas);
   context_.objective.priors().SetDecays(state->decays);
   std::vector<Vector> scales;
-  for (const Matrix& states : state->trajectories) {
+  for (const Matrix& states : *state->trajectories) {
     scales.push_back(StateScales(context_.problem, states));
   }
   shooting.SetStateScales(scales);
 
   record->segment_samples = samples;
-  for (size_t t = 0; t < state->trajectories.size(); ++t) {
+  for (size_t t = 0; t < state->trajectories->size(); ++t) {
     record->num_segments += shooting.num_segments(static_cast<int>(t));
   }
   const int iterations_before = context_.summary.num_iterations;
@@ -151,7 +151,8 @@ bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
   record->free_run_error = state->free_run_error = measure();
   std::vector<Matrix> trajectories;
   if (shooting.Trajectories(state->free, &trajectories)) {
-    state->trajectories = std::move(trajectories);
+    state->trajectories =
+        std::make_shared<const std::vector<Matrix>>(std::move(trajectories));
   }
   context_.summary.largest_gap = record->largest_gap;
   context_.summary.single_shooting = single;

@@ -190,7 +190,7 @@ double LeastNoiseShare(const IdentificationProblem& problem, const Fit& fit) {
     if (record.role != IdentificationRecord::Role::kTrain) continue;
     RecordScore score;
     ScoreRecord(problem, static_cast<int>(r), fit.BestParameters(),
-                fit.best().trajectories[t++].col(0), 0, &score,
+                (*fit.best().trajectories)[t++].col(0), 0, &score,
                 Keep::kChannels);
     if (!score.finite) return 0.0;
     for (size_t c = 0; c < record.channels.size(); ++c) {
