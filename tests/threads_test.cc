@@ -81,6 +81,52 @@ TEST(Threads, SegmentsOfOneProblem) {
             1e-12 * one.gradient.norm());
 }
 
+// A record that nothing but all threads together make quicker, with a law, and
+// derivatives that come along with the first trial of its start or do not.
+TEST(Threads, PiecesOfOneLongRecord) {
+  constexpr int kSamples = 3200;
+  auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.5);
+  std::string error;
+  ASSERT_TRUE(dynamics->AddElement("hard", "cubic", 0, 1, {300.0}, &error))
+      << error;
+  IdentificationProblem problem;
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, kSamples, 0.02);
+  record.channels.push_back(
+      testing::MakeChannel("a2", Quantity::kAbsoluteAcceleration, 3, 1));
+  const Vector truth = dynamics->Parameters();
+  testing::Simulate(*dynamics, truth, Vector::Zero(6), 0.01, 1, &record);
+  record.start = IdentificationRecord::Start::kFree;
+  problem.records.push_back(record);
+  problem.dynamics = dynamics;
+  const ParameterLayout layout(problem);
+  const Vector free = layout.Free(layout.InitialValues()).array() + 0.02;
+  const auto solve = [&](int threads, bool looks_ahead) {
+    MultipleShooting::Options options;
+    options.num_threads = threads;
+    options.looks_ahead = looks_ahead;
+    MultipleShooting shooting(problem, layout, options);
+    shooting.SetSigmas({Vector::Constant(1, 0.05)});
+    shooting.SetSegments(0, {Matrix::Constant(6, kSamples, 0.01)});
+    CondensedSystem system;
+    double cost = 0.0;
+    EXPECT_TRUE(shooting.Evaluate(free, &cost));
+    EXPECT_TRUE(shooting.Linearize(free, &system));
+    EXPECT_EQ(cost, system.cost);
+    // Near it one trial is enough.
+    EXPECT_TRUE(shooting.Linearize(1.0001 * free, &system));
+    return system;
+  };
+  const CondensedSystem one = solve(1, false);
+  for (const int threads : {1, 3}) {
+    const CondensedSystem other = solve(threads, true);
+    EXPECT_NEAR(other.cost, one.cost, 1e-9 * one.cost);
+    EXPECT_LT((other.gradient - one.gradient).norm(),
+              1e-9 * one.gradient.norm());
+    EXPECT_LT((other.hessian - one.hessian).norm(), 1e-9 * one.hessian.norm());
+  }
+}
+
 // The dynamics, its laws, networks and expressions are shared by all.
 TEST(Threads, FitsOfOneProblemSideBySide) {
   const IdentificationProblem problem = ChainProblem();

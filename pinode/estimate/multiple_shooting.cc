@@ -220,8 +220,21 @@ void MultipleShooting::EvaluateSegments(
                                   side_by_side ? 1 : num_threads,
                                   &threads_[static_cast<size_t>(thread)]->sum);
               });
+  // Fewer than there are threads go one after the other, where each is long
+  // enough for all threads.
+  std::vector<size_t> left;
+  for (size_t t = 0; t < tasks.size(); ++t) {
+    if (done[t] == 0) left.push_back(t);
+  }
   const bool alone =
-      std::count(done.begin(), done.end(), char{0}) < num_threads;
+      left.size() < threads_.size() &&
+      std::all_of(left.begin(), left.end(), [&](size_t t) {
+        const ShootingRecord& of =
+            *records_[static_cast<size_t>(tasks[t].first)];
+        return parallel_.IsWorthwhile(
+            of.grid(), of.first_sample(tasks[t].second),
+            of.last_sample(tasks[t].second), ColumnsOf(of, with_parameters));
+      });
   ParallelFor(static_cast<int>(tasks.size()), alone ? 1 : num_threads,
               [&](int t, int thread) {
                 if (done[static_cast<size_t>(t)] != 0) return;

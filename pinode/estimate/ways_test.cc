@@ -90,6 +90,8 @@ TEST_F(WaysTest, EndsWhereOnlyNoiseIsLeft) {
   IdentifiedModel model;
   Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
   EXPECT_TRUE(summary.usable) << summary.message;
+  // What no step promises to lower has been found, and not only been neared.
+  EXPECT_LT(summary.promised_share, 1e-12);
   EXPECT_EQ(summary.way, "linear terms first, then all on whole records");
   EXPECT_LT((model.parameters - truth).cwiseQuotient(truth).norm(), 0.05);
   // The cubic spring is worth having.
