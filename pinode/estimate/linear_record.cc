@@ -12,8 +12,29 @@ namespace {
 constexpr int kBlockSamples = 128;
 // Blocks that one thread sums before another may go on behind them.
 constexpr int kBlocksOfAPiece = 64;
+constexpr int kPieceSamples = kBlockSamples * kBlocksOfAPiece;
 // Each has a Gram matrix of its own.
 constexpr size_t kMostPatterns = 4;
+
+// Adds up the ranks' equations. False where a rank does not answer.
+bool AddRanks(Communicator* ranks, LinearRecord::Equations* equations) {
+  if (ranks->size() == 1) return true;
+  Vector numbers(1 + equations->end_state.size() + equations->gradient.size() +
+                 equations->hessian.size());
+  numbers << equations->cost, equations->end_state, equations->gradient,
+      equations->hessian.reshaped();
+  if (!ranks->Sum(&numbers)) return false;
+  Eigen::Index at = 1;
+  const auto take = [&](Eigen::Index count) {
+    at += count;
+    return numbers.segment(at - count, count);
+  };
+  equations->cost = numbers[0];
+  equations->end_state = take(equations->end_state.size());
+  equations->gradient = take(equations->gradient.size());
+  equations->hessian.reshaped() = take(equations->hessian.size());
+  return true;
+}
 
 }  // namespace
 
@@ -36,7 +57,7 @@ struct LinearRecord::Sums {
   std::vector<Matrix> grams;  // of each pattern, lower triangles; R x R
   Matrix products;            // Z r_c, R x channels
   Matrix hessian;             // where the Jacobian's rows are summed
-  Vector end;                 // the last histories
+  Vector end;  // the last histories, zero where they are others' to sum
   bool finite = true;
 
   void Add(const Sums& other) {
@@ -44,7 +65,7 @@ struct LinearRecord::Sums {
     for (size_t p = 0; p < grams.size(); ++p) grams[p] += other.grams[p];
     products += other.products;
     hessian += other.hessian;
-    if (other.end.size() > 0) end = other.end;
+    end += other.end;
     finite = finite && other.finite;
   }
 };
@@ -240,12 +261,12 @@ void LinearRecord::Condense(const Tables& tables, const Sums& sums,
   }
 }
 
-bool LinearRecord::Evaluate(const Point& point, int num_threads,
-                            Equations* equations) {
-  Tables tables;
-  if (!Tabulate(point, &tables)) return false;
+LinearRecord::Sums LinearRecord::SumPieces(
+    const Tables& tables, int pieces, int num_threads,
+    const Communicator& communicator) const {
   const Eigen::Index rows = tables.predictions.rows();
   Sums zero;
+  zero.end = Vector::Zero(rows);
   if (tables.columns > 0) {
     zero.products = Matrix::Zero(rows, tables.predictions.cols());
     if (!tables.by_rows) {
@@ -255,14 +276,18 @@ bool LinearRecord::Evaluate(const Point& point, int num_threads,
   zero.hessian = Matrix::Zero(tables.columns, tables.columns);
 
   const int samples = record_.num_samples();
-  const int piece = kBlockSamples * kBlocksOfAPiece;
-  const int pieces = (samples + piece - 1) / piece;
-  const int threads = std::max(1, std::min(num_threads, pieces));
+  const auto bound = [&](int rank) {
+    return static_cast<int>(static_cast<int64_t>(pieces) * rank /
+                            communicator.size());
+  };
+  const int begin = bound(communicator.rank());
+  const int end = bound(communicator.rank() + 1);
+  const int threads = std::max(1, std::min(num_threads, end - begin));
   std::vector<Sums> sums(static_cast<size_t>(threads), zero);
   const auto sum_piece = [&](int k, ModalResponse::State* state, Sums* into) {
     Matrix histories;
-    const int last = std::min(samples, (k + 1) * piece);
-    for (int first = k * piece; first < last; first += kBlockSamples) {
+    const int last = std::min(samples, (k + 1) * kPieceSamples);
+    for (int first = k * kPieceSamples; first < last; first += kBlockSamples) {
       response_.Advance(tables.contents, grid_, first,
                         std::min(kBlockSamples, last - first), state,
                         &histories);
@@ -270,29 +295,46 @@ bool LinearRecord::Evaluate(const Point& point, int num_threads,
     }
     if (last == samples) into->end = histories.rightCols(1);
   };
+  // Where each piece begins; what a mode does costs little beside the sums.
   ModalResponse::State state = response_.Begin(tables.contents);
-  if (threads == 1) {
-    for (int k = 0; k < pieces; ++k) sum_piece(k, &state, &sums[0]);
-  } else {
-    // Where each piece begins; what a mode does costs little beside the sums.
-    std::vector<ModalResponse::State> begins;
-    Matrix unused;
-    for (int k = 0; k < pieces; ++k) {
-      begins.push_back(state);
-      for (int b = 0; b < kBlocksOfAPiece && k + 1 < pieces; ++b) {
-        response_.Advance(tables.contents, grid_, k * piece + b * kBlockSamples,
-                          kBlockSamples, &state, &unused);
-      }
+  Matrix unused;
+  const auto skip_piece = [&](int k) {
+    for (int b = 0; b < kBlocksOfAPiece; ++b) {
+      response_.Advance(tables.contents, grid_,
+                        k * kPieceSamples + b * kBlockSamples, kBlockSamples,
+                        &state, &unused);
     }
-    ParallelFor(pieces, threads, [&](int k, int thread) {
-      sum_piece(k, &begins[static_cast<size_t>(k)],
-                &sums[static_cast<size_t>(thread)]);
-    });
+  };
+  for (int k = 0; k < begin; ++k) skip_piece(k);
+  if (threads == 1) {
+    for (int k = begin; k < end; ++k) sum_piece(k, &state, &sums[0]);
+    return sums[0];
   }
+  std::vector<ModalResponse::State> begins;
+  for (int k = begin; k < end; ++k) {
+    begins.push_back(state);
+    if (k + 1 < end) skip_piece(k);
+  }
+  ParallelFor(end - begin, threads, [&](int k, int thread) {
+    sum_piece(begin + k, &begins[static_cast<size_t>(k)],
+              &sums[static_cast<size_t>(thread)]);
+  });
   for (int t = 1; t < threads; ++t) sums[0].Add(sums[static_cast<size_t>(t)]);
-  if (!sums[0].finite) return false;
-  Condense(tables, sums[0], equations);
-  return equations->end_state.allFinite();
+  return sums[0];
+}
+
+bool LinearRecord::Evaluate(const Point& point, int num_threads,
+                            Communicator* communicator, Equations* equations) {
+  Tables tables;
+  if (!Tabulate(point, &tables)) return false;
+  Communicator& ranks = CommunicatorOrSingle(communicator);
+  const int pieces =
+      (record_.num_samples() + kPieceSamples - 1) / kPieceSamples;
+  const Sums sums = SumPieces(tables, pieces, num_threads, ranks);
+  if (ranks.size() == 1 && !sums.finite) return false;
+  Condense(tables, sums, equations);
+  return AddRanks(&ranks, equations) && std::isfinite(equations->cost) &&
+         equations->end_state.allFinite();
 }
 
 bool LinearRecord::Visit(const Point& point, const Visitor& visitor) {

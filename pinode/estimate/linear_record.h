@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/estimate/identification_problem.h"
@@ -58,10 +59,11 @@ class LinearRecord {
     Vector end_state;
   };
 
-  // False where the modes do not span the states or the run is not finite:
-  // such a record is to be propagated step by step.
+  // With a communicator (nullptr: without) its ranks share the pieces. False
+  // where the modes do not span the states or the run is not finite: such a
+  // record is to be propagated step by step.
   [[nodiscard]] bool Evaluate(const Point& point, int num_threads,
-                              Equations* equations);
+                              Communicator* communicator, Equations* equations);
 
   // Residuals r, channels x count, and their Jacobian, (channels * count) x
   // columns, channels fastest, of consecutive samples from `first` on; zero
@@ -94,6 +96,9 @@ class LinearRecord {
                 Sums* sums) const;
   void Condense(const Tables& tables, const Sums& sums,
                 Equations* equations) const;
+  // Of this rank's pieces of `pieces`.
+  Sums SumPieces(const Tables& tables, int pieces, int num_threads,
+                 const Communicator& communicator) const;
 
   const IdentificationProblem& problem_;
   const ParameterLayout& layout_;

@@ -11,16 +11,16 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/linear_record.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/robust_loss.h"
+#include "pinode/estimate/segment_sweep.h"
 #include "pinode/estimate/shooting_record.h"
 #include "pinode/estimate/start_search.h"
 #include "pinode/estimate/tuning.h"
-#include "pinode/integrate/parallel_segment.h"
 #include "pinode/integrate/segment.h"
 
 namespace pinode {
@@ -65,6 +65,9 @@ class MultipleShooting final : public CostPart {
     // Whether most points that are evaluated will be linearised: derivatives
     // are found along with the cost where that saves time.
     bool looks_ahead = true;
+    // Ranks that share the work of evaluations, all at the same points;
+    // nullptr: a single process.
+    Communicator* communicator = nullptr;
   };
 
   // `problem` (valid) and `layout` must outlive this object.
@@ -128,51 +131,20 @@ class MultipleShooting final : public CostPart {
   bool WeightedResiduals(const Vector& free, bool with_jacobian,
                          std::vector<Matrix>* residuals,
                          std::vector<Matrix>* jacobians);
-  // The same piece by piece, for what does not need all of it at once: of
-  // consecutive samples of a training record, from `first` on, residuals
-  // (channels x count) and their derivative ((channels * count) x num_free, no
-  // columns without `with_jacobian`).
-  using Visitor =
-      std::function<void(size_t train_record, int first,
-                         const Matrix& residuals, const Matrix& jacobian)>;
+  // The same piece by piece, for what does not need all of it at once.
+  using Visitor = SegmentSweep::Visitor;
   bool VisitWeightedResiduals(const Vector& free, bool with_jacobian,
                               const Visitor& visitor);
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
   double DataCurvature() const { return data_curvature_; }
   // Samples propagated so far, each times the tangents that went along.
-  int64_t work() const { return work_; }
+  int64_t work() const { return sweep_.work(); }
 
  private:
-  struct Thread;
-
-  // Of one record and segment.
-  using Task = std::pair<int, int>;
+  using Task = SegmentSweep::Task;
 
   [[nodiscard]] bool PrepareDynamics(const Vector& free);
-  // Propagates a segment from `start` and weighs its residuals; `alone`: with
-  // all threads, where that is worth while.
-  bool EvaluateSegment(ShootingRecord* record, int segment,
-                       const Matrix& starts, bool with_parameters, bool alone,
-                       Thread* thread);
-  // The same for a record in one piece, where LinearRecord can have it.
-  bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
-                     int num_threads, FreeEquations* sum);
-  bool VisitWhole(size_t record, bool with_jacobian, const Visitor& visitor);
-  bool VisitSegment(size_t record, int segment, bool with_jacobian,
-                    const Visitor& visitor);
-  // Whether LinearRecord is to be asked.
-  bool IsWholeAndLinear(size_t record) const;
-  LinearRecord::Point PointOf(size_t record, const Matrix& starts,
-                              SegmentColumns columns) const;
-  SegmentColumns ColumnsOf(const ShootingRecord& record,
-                           bool with_parameters) const;
-  // The same for segments side by side.
-  void EvaluateSegments(const std::vector<Task>& tasks,
-                        const std::vector<const Matrix*>& starts,
-                        bool with_parameters);
-  // All segments of the records for which it is true.
-  std::vector<Task> SegmentsOf(const std::vector<bool>& wanted) const;
   // Whether all of them are finite; where not, notes the first one.
   bool AllFinite(const ShootingRecord& record);
   void CostHasChanged() {
@@ -185,7 +157,6 @@ class MultipleShooting final : public CostPart {
   Matrix PredictStarts(size_t record, const Vector& free) const;
   // Whether derivatives by the parameters go along with first trials.
   bool LooksAhead() const;
-  void ClearSums();
   // From these starts, one matrix for each record.
   bool SolveStarts(const std::vector<Matrix>& from, double* cost);
   bool SolveStartsFor(const Vector& free, double* cost);
@@ -194,13 +165,10 @@ class MultipleShooting final : public CostPart {
   const ParameterLayout& layout_;
   Options options_;
   std::vector<int> train_records_;
-  std::vector<std::unique_ptr<ShootingRecord>> records_;
-  std::vector<std::unique_ptr<LinearRecord>> linear_;  // nullptr: not linear
-  std::vector<std::unique_ptr<Thread>> threads_;
-  ParallelSegment parallel_;
+  SegmentSweep::Records records_;
+  SegmentSweep sweep_;
   double gap_penalty_ = 1.0;
   double data_curvature_ = 0.0;
-  int64_t work_ = 0;
 
   StructuralDynamics::Prepared prepared_;
   Vector parameters_;  // of prepared_, all

@@ -1,0 +1,118 @@
+#include "pinode/estimate/segment_exchange.h"
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+namespace {
+
+// Reads from or writes to consecutive numbers: one order for both.
+class Stream {
+ public:
+  Stream(double* at, bool writes) : at_(at), writes_(writes) {}
+
+  template <typename Number>
+  void Pass(Number* value) {
+    if (writes_) {
+      *at_ = static_cast<double>(*value);
+    } else {
+      *value = static_cast<Number>(*at_);
+    }
+    ++at_;
+  }
+  void Pass(Eigen::Index rows, Eigen::Index columns, Matrix* values) {
+    const Eigen::Map<Matrix> there(at_, rows, columns);
+    if (writes_) {
+      CHECK_EQ(values->rows(), rows);
+      CHECK_EQ(values->cols(), columns);
+      Eigen::Map<Matrix>(at_, rows, columns) = *values;
+    } else {
+      *values = there;
+    }
+    at_ += rows * columns;
+  }
+  void Pass(Eigen::Ref<Vector> values) {
+    if (writes_) {
+      Eigen::Map<Vector>(at_, values.size()) = values;
+    } else {
+      values = Eigen::Map<const Vector>(at_, values.size());
+    }
+    at_ += values.size();
+  }
+
+ private:
+  double* at_;
+  bool writes_;
+};
+
+// Sizes of one record's results.
+struct Shape {
+  Eigen::Index states = 0;
+  Eigen::Index cross = 0;  // columns
+  Eigen::Index end = 0;    // columns of the end's sensitivity
+  Eigen::Index size() const { return 5 + states * (2 + states + cross + end); }
+};
+
+Shape ShapeOf(const ShootingRecord& record, int num_free) {
+  Shape shape;
+  shape.states = record.scales().size();
+  if (record.HasFreeStarts()) shape.cross = num_free;
+  if (record.num_segments() > 1) shape.end = shape.states + num_free;
+  return shape;
+}
+
+void Pass(const Shape& shape, int segment, ShootingRecord* record, char* done,
+          Stream* stream) {
+  SegmentResult& result = record->result(segment);
+  stream->Pass(done);
+  stream->Pass(&result.ok);
+  stream->Pass(&result.cost);
+  stream->Pass(&result.failed_sample);
+  stream->Pass(&result.failed_state);
+  if (*done == 0 || !result.ok) return;
+  stream->Pass(record->ends().col(segment));
+  result.start_gradient.resize(shape.states);
+  stream->Pass(result.start_gradient);
+  stream->Pass(shape.states, shape.states, &result.start_hessian);
+  if (shape.cross > 0) stream->Pass(shape.states, shape.cross, &result.cross);
+  if (shape.end > 0) {
+    stream->Pass(shape.states, shape.end, &result.end_sensitivity);
+  }
+}
+
+}  // namespace
+
+bool ExchangeSegments(
+    const std::vector<std::unique_ptr<ShootingRecord>>& records,
+    const std::vector<std::pair<int, int>>& segments,
+    const std::vector<char>& is_own, int num_free, Communicator* communicator,
+    std::vector<char>* done) {
+  if (communicator->size() == 1) return true;
+  std::vector<Shape> shapes;
+  for (const auto& record : records) {
+    shapes.push_back(ShapeOf(*record, num_free));
+  }
+  Eigen::Index size = 0;
+  for (const auto& [r, k] : segments) {
+    size += shapes[static_cast<size_t>(r)].size();
+  }
+  // Each number is one rank's and zero elsewhere.
+  Vector numbers = Vector::Zero(size);
+  const auto pass = [&](bool writes) {
+    Eigen::Index at = 0;
+    for (size_t t = 0; t < segments.size(); ++t) {
+      const auto r = static_cast<size_t>(segments[t].first);
+      if (!writes || is_own[t] != 0) {
+        Stream stream(numbers.data() + at, writes);
+        Pass(shapes[r], segments[t].second, records[r].get(), &(*done)[t],
+             &stream);
+      }
+      at += shapes[r].size();
+    }
+  };
+  pass(true);
+  if (!communicator->Sum(&numbers)) return false;
+  pass(false);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,359 @@
+#include "pinode/estimate/segment_sweep.h"
+
+#include <algorithm>
+#include <array>
+
+#include "pinode/base/parallel_for.h"
+#include "pinode/estimate/residual_rows.h"
+#include "pinode/estimate/segment_exchange.h"
+
+namespace pinode {
+
+struct SegmentSweep::Thread {
+  Thread(const IdentificationProblem& problem, const ParameterLayout& layout,
+         const Options& options)
+      : propagator(*problem.dynamics, options.derivatives),
+        works{Work(problem, layout, options), Work(problem, layout, options)},
+        sum{Matrix::Zero(layout.num_free(), layout.num_free()),
+            Vector::Zero(layout.num_free())} {}
+
+  struct Work {
+    Work(const IdentificationProblem& problem, const ParameterLayout& layout,
+         const Options& options)
+        : rows(problem, layout, options.loss, options.loss_scale) {}
+    SegmentTangents tangents;
+    ResidualRows rows;
+  };
+  // Those with derivatives are large, and would be given back and asked for
+  // again where costs alone lie between them.
+  Work& work(bool with_parameters) { return works[with_parameters ? 1 : 0]; }
+
+  SegmentPropagator propagator;
+  std::array<Work, 2> works;
+  FreeEquations sum;  // over the thread's segments
+};
+
+SegmentSweep::SegmentSweep(const IdentificationProblem& problem,
+                           const ParameterLayout& layout,
+                           const Options& options, const Records& records)
+    : problem_(problem),
+      layout_(layout),
+      options_(options),
+      records_(records),
+      communicator_(CommunicatorOrSingle(options.communicator)),
+      parallel_(*problem.dynamics, options.derivatives,
+                std::max(1, options.num_threads)),
+      sum_{Matrix::Zero(layout.num_free(), layout.num_free()),
+           Vector::Zero(layout.num_free())} {
+  for (const auto& record : records_) {
+    linear_.push_back(options.derivatives == DerivativeMethod::kTangents
+                          ? LinearRecord::Create(
+                                problem, layout, record->data(), record->grid(),
+                                record->observation(), options.loss)
+                          : nullptr);
+  }
+  for (int t = 0; t < std::max(1, options.num_threads); ++t) {
+    threads_.push_back(std::make_unique<Thread>(problem, layout, options));
+  }
+}
+
+SegmentSweep::~SegmentSweep() = default;
+
+SegmentColumns SegmentSweep::ColumnsOf(const ShootingRecord& record,
+                                       bool with_parameters) const {
+  // A start that is known needs no derivatives.
+  if (record.HasFreeStarts()) {
+    return with_parameters ? SegmentColumns::kAll : SegmentColumns::kStart;
+  }
+  return with_parameters ? SegmentColumns::kParameters : SegmentColumns::kNone;
+}
+
+std::vector<SegmentSweep::Task> SegmentSweep::SegmentsOf(
+    const std::vector<bool>& wanted) const {
+  std::vector<Task> tasks;
+  for (size_t r = 0; r < records_.size(); ++r) {
+    for (int k = 0; wanted[r] && k < records_[r]->num_segments(); ++k) {
+      tasks.emplace_back(static_cast<int>(r), k);
+    }
+  }
+  return tasks;
+}
+
+bool SegmentSweep::IsWholeAndLinear(size_t record) const {
+  return linear_[record] != nullptr && records_[record]->num_segments() == 1;
+}
+
+LinearRecord::Point SegmentSweep::PointOf(size_t record, const Matrix& starts,
+                                          SegmentColumns columns) const {
+  return {prepared_, parameters_, &records_[record]->sigmas(), starts.col(0),
+          columns};
+}
+
+bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
+                                 bool with_parameters, int num_threads,
+                                 bool together, FreeEquations* sum) {
+  ShootingRecord& record = *records_[r];
+  const SegmentColumns columns = ColumnsOf(record, with_parameters);
+  LinearRecord::Equations equations;
+  if (!linear_[r]->Evaluate(PointOf(r, starts, columns), num_threads,
+                            together ? options_.communicator : nullptr,
+                            &equations)) {
+    return false;
+  }
+  const int ns = problem_.dynamics->num_states();
+  const int by_start = HasStart(columns) ? ns : 0;
+  const int nf = with_parameters ? layout_.num_free() : 0;
+  SegmentResult& result = record.result(0);
+  result.ok = true;
+  result.cost = equations.cost;
+  record.ends().col(0) = equations.end_state;
+  result.start_hessian = Matrix::Zero(ns, ns);
+  result.start_gradient = Vector::Zero(ns);
+  if (by_start > 0) {
+    result.start_hessian = equations.hessian.topLeftCorner(ns, ns);
+    result.start_gradient = equations.gradient.head(ns);
+    result.cross = equations.hessian.topRightCorner(ns, nf);
+  }
+  // What all have found together is added up once.
+  if (!with_parameters || (together && communicator_.rank() > 0)) return true;
+  sum->hessian += equations.hessian.bottomRightCorner(nf, nf);
+  sum->gradient += equations.gradient.tail(nf);
+  return true;
+}
+
+bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
+                                   bool with_parameters, bool alone,
+                                   Thread* thread) {
+  ShootingRecord* record = records_[r].get();
+  const int ns = problem_.dynamics->num_states();
+  const int first = record->first_sample(segment);
+  const int last = record->last_sample(segment);
+  const bool with_start = record->HasFreeStarts();
+  const SegmentColumns columns = ColumnsOf(*record, with_parameters);
+  Thread::Work& work = thread->work(with_parameters);
+  const SegmentTangents& tangents = work.tangents;
+  SegmentResult& result = record->result(segment);
+  const bool is_last = segment + 1 == record->num_segments();
+  const auto propagate = [&](auto* propagator) {
+    return propagator->Propagate(*prepared_, record->observation(),
+                                 record->grid(), starts.col(segment), first,
+                                 last, is_last, columns, &work.tangents);
+  };
+  result.ok =
+      alone && parallel_.IsWorthwhile(record->grid(), first, last, columns)
+          ? propagate(&parallel_)
+          : propagate(&thread->propagator);
+  if (!result.ok) {
+    result.failed_sample = tangents.failed_sample;
+    result.failed_state = tangents.failed_state;
+    return false;
+  }
+  work.rows.Compute(record->data(), record->sigmas(), *parameters_, first,
+                    record->num_segments() == 1, columns, tangents);
+  const Vector& residuals = work.rows.residuals();
+  result.cost = work.rows.cost();
+  record->ends().col(segment) = tangents.end_state;
+  const auto by_parameters =
+      work.rows.jacobian().rightCols(with_parameters ? layout_.num_free() : 0);
+  if (with_start) {
+    const auto by_start = work.rows.jacobian().leftCols(ns);
+    result.start_hessian.noalias() = by_start.transpose() * by_start;
+    result.start_gradient.noalias() = by_start.transpose() * residuals;
+    if (with_parameters) {
+      result.cross.noalias() = by_start.transpose() * by_parameters;
+    }
+    AddSensorColumns(layout_, ns, columns, tangents.end_sensitivity,
+                     &result.end_sensitivity);
+  } else {
+    result.start_hessian = Matrix::Zero(ns, ns);
+    result.start_gradient = Vector::Zero(ns);
+  }
+  if (!with_parameters) return true;
+
+  thread->sum.hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+      by_parameters.transpose());
+  thread->sum.gradient.noalias() += by_parameters.transpose() * residuals;
+  return true;
+}
+
+std::vector<char> SegmentSweep::EvaluateLinear(
+    const std::vector<Task>& tasks, const std::vector<const Matrix*>& starts,
+    bool with_parameters) {
+  std::vector<int> whole;
+  for (size_t t = 0; t < tasks.size(); ++t) {
+    if (IsWholeAndLinear(static_cast<size_t>(tasks[t].first))) {
+      whole.push_back(static_cast<int>(t));
+    }
+  }
+  // Ranks and threads share records where there are enough of them; each record
+  // has all of them to itself where there are not.
+  const int count = static_cast<int>(whole.size());
+  const bool together =
+      communicator_.size() > 1 && count < communicator_.size();
+  std::vector<char> done(tasks.size(), 0);
+  std::vector<char> is_own(tasks.size(), 0);
+  std::vector<int> own;
+  for (int i = 0; i < count; ++i) {
+    const int t = whole[static_cast<size_t>(i)];
+    if (!together && i % communicator_.size() != communicator_.rank()) continue;
+    is_own[static_cast<size_t>(t)] = 1;
+    own.push_back(t);
+  }
+  const int num_threads = static_cast<int>(threads_.size());
+  const bool side_by_side =
+      !together && static_cast<int>(own.size()) >= num_threads;
+  ParallelFor(static_cast<int>(own.size()), side_by_side ? num_threads : 1,
+              [&](int i, int thread) {
+                const auto t = static_cast<size_t>(own[static_cast<size_t>(i)]);
+                const auto r = static_cast<size_t>(tasks[t].first);
+                done[t] =
+                    EvaluateWhole(r, *starts[r], with_parameters,
+                                  side_by_side ? 1 : num_threads, together,
+                                  &threads_[static_cast<size_t>(thread)]->sum);
+              });
+  if (together || whole.empty()) return done;
+  if (!ExchangeSegments(records_, tasks, is_own,
+                        with_parameters ? layout_.num_free() : 0,
+                        &communicator_, &done)) {
+    answered_ = false;
+  }
+  return done;
+}
+
+void SegmentSweep::EvaluateSteps(const std::vector<Task>& tasks,
+                                 const std::vector<const Matrix*>& starts,
+                                 bool with_parameters) {
+  std::vector<char> is_own(tasks.size(), 0);
+  std::vector<char> done(tasks.size(), 1);
+  std::vector<Task> own;
+  for (size_t t = 0; t < tasks.size(); ++t) {
+    if (static_cast<int>(t) % communicator_.size() != communicator_.rank()) {
+      continue;
+    }
+    is_own[t] = 1;
+    own.push_back(tasks[t]);
+  }
+  // Fewer than there are threads go one after the other, where each is long
+  // enough for all threads.
+  const bool alone =
+      own.size() < threads_.size() &&
+      std::all_of(own.begin(), own.end(), [&](const Task& task) {
+        const ShootingRecord& of = *records_[static_cast<size_t>(task.first)];
+        return parallel_.IsWorthwhile(of.grid(), of.first_sample(task.second),
+                                      of.last_sample(task.second),
+                                      ColumnsOf(of, with_parameters));
+      });
+  ParallelFor(static_cast<int>(own.size()),
+              alone ? 1 : static_cast<int>(threads_.size()),
+              [&](int t, int thread) {
+                const auto& [record, segment] = own[static_cast<size_t>(t)];
+                const auto r = static_cast<size_t>(record);
+                EvaluateSegment(r, segment, *starts[r], with_parameters, alone,
+                                threads_[static_cast<size_t>(thread)].get());
+              });
+  if (!ExchangeSegments(records_, tasks, is_own,
+                        with_parameters ? layout_.num_free() : 0,
+                        &communicator_, &done)) {
+    answered_ = false;
+  }
+}
+
+bool SegmentSweep::SumThreadsAndRanks() {
+  sum_ = threads_[0]->sum;
+  for (size_t t = 1; t < threads_.size(); ++t) {
+    sum_.hessian += threads_[t]->sum.hessian;
+    sum_.gradient += threads_[t]->sum.gradient;
+  }
+  return communicator_.Sum(sum_.hessian.data(), sum_.hessian.size()) &&
+         communicator_.Sum(sum_.gradient.data(), sum_.gradient.size());
+}
+
+bool SegmentSweep::Evaluate(const std::vector<Task>& tasks,
+                            const std::vector<const Matrix*>& starts,
+                            bool with_parameters) {
+  const int columns = problem_.dynamics->num_states() +
+                      (with_parameters ? layout_.num_free() : 0);
+  for (const auto& [record, segment] : tasks) {
+    const ShootingRecord& of = *records_[static_cast<size_t>(record)];
+    work_ += static_cast<int64_t>(columns) *
+             (of.last_sample(segment) - of.first_sample(segment));
+  }
+  if (with_parameters) {
+    for (auto& thread : threads_) {
+      thread->sum.hessian.setZero();
+      thread->sum.gradient.setZero();
+    }
+  }
+  answered_ = true;
+  const std::vector<char> done = EvaluateLinear(tasks, starts, with_parameters);
+  std::vector<Task> left;
+  for (size_t t = 0; t < tasks.size(); ++t) {
+    if (done[t] == 0) left.push_back(tasks[t]);
+  }
+  if (!left.empty()) EvaluateSteps(left, starts, with_parameters);
+  if (with_parameters && !SumThreadsAndRanks()) answered_ = false;
+  return answered_;
+}
+
+bool SegmentSweep::Visit(size_t r, const Matrix& starts, bool with_jacobian,
+                         const Visitor& visitor) {
+  if (IsWholeAndLinear(r) && VisitWhole(r, starts, with_jacobian, visitor)) {
+    return true;
+  }
+  for (int k = 0; k < records_[r]->num_segments(); ++k) {
+    if (!VisitSegment(r, k, starts, with_jacobian, visitor)) return false;
+  }
+  return true;
+}
+
+bool SegmentSweep::VisitWhole(size_t r, const Matrix& starts,
+                              bool with_jacobian, const Visitor& visitor) {
+  const ShootingRecord& record = *records_[r];
+  const SegmentColumns columns =
+      with_jacobian ? ColumnsOf(record, true) : SegmentColumns::kNone;
+  const int nf = layout_.num_free();
+  return linear_[r]->Visit(
+      PointOf(r, starts, columns),
+      [&](int first, const Matrix& residuals, const Matrix& rows) {
+        if (!HasStart(columns)) {
+          visitor(r, first, residuals,
+                  with_jacobian ? rows : Matrix(rows.rows(), 0));
+          return;
+        }
+        Matrix jacobian = rows.rightCols(nf);
+        jacobian.noalias() +=
+            rows.leftCols(rows.cols() - nf) * record.start_sensitivity();
+        visitor(r, first, residuals, jacobian);
+      });
+}
+
+bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,
+                                bool with_jacobian, const Visitor& visitor) {
+  const ShootingRecord& record = *records_[r];
+  Thread& thread = *threads_[0];
+  if (!EvaluateSegment(r, segment, starts, with_jacobian,
+                       /*alone=*/true, &thread)) {
+    return false;
+  }
+  const int ns = problem_.dynamics->num_states();
+  const int nc = record.observation().num_channels();
+  const int nf = layout_.num_free();
+  const ResidualRows& own = thread.work(with_jacobian).rows;
+  const Vector& values = own.residuals();
+  const Matrix& rows = own.jacobian();
+  Matrix jacobian(rows.rows(), 0);
+  if (with_jacobian) {
+    jacobian = rows.rightCols(nf);
+    if (record.HasFreeStarts()) {
+      jacobian.noalias() +=
+          rows.leftCols(ns) *
+          record.start_sensitivity().middleRows(segment * ns, ns);
+    }
+  }
+  visitor(r, record.first_sample(segment),
+          Eigen::Map<const Matrix>(values.data(), nc, values.size() / nc),
+          jacobian);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,128 @@
+// All segments of a problem's training records at one point.
+
+#ifndef PINODE_ESTIMATE_SEGMENT_SWEEP_H_
+#define PINODE_ESTIMATE_SEGMENT_SWEEP_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/communicator.h"
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/linear_record.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/robust_loss.h"
+#include "pinode/estimate/shooting_record.h"
+#include "pinode/integrate/parallel_segment.h"
+#include "pinode/integrate/segment.h"
+
+namespace pinode {
+
+// Propagates segments from given starts, weighs their residuals and sums their
+// normal equations: on several threads, and on the ranks of a communicator.
+// Where records are linear and in one piece, LinearRecord has them; the rest
+// goes step by step.
+class SegmentSweep {
+ public:
+  struct Options {
+    DerivativeMethod derivatives = DerivativeMethod::kTangents;
+    RobustLoss loss = RobustLoss::kNone;
+    double loss_scale = 3.0;  // in units of sigma
+    int num_threads = 1;
+    Communicator* communicator = nullptr;  // nullptr: a single process
+  };
+  using Records = std::vector<std::unique_ptr<ShootingRecord>>;
+  // Of one record and segment, as indices into the records.
+  using Task = std::pair<int, int>;
+
+  // All must outlive this object.
+  SegmentSweep(const IdentificationProblem& problem,
+               const ParameterLayout& layout, const Options& options,
+               const Records& records);
+  ~SegmentSweep();
+
+  // Where segments are looked at from now on; both must outlive what follows.
+  void SetPoint(const StructuralDynamics::Prepared* prepared,
+                const Vector* parameters) {
+    prepared_ = prepared;
+    parameters_ = parameters;
+  }
+
+  // All segments of the records for which it is true.
+  std::vector<Task> SegmentsOf(const std::vector<bool>& wanted) const;
+
+  // From `starts`, one matrix for each record: fills results and ends of the
+  // segments' records, and sum() with `with_parameters`. The ranks share the
+  // segments, and pieces of linear records where these are fewer; afterwards
+  // each has all results. False where a rank does not answer.
+  [[nodiscard]] bool Evaluate(const std::vector<Task>& tasks,
+                              const std::vector<const Matrix*>& starts,
+                              bool with_parameters);
+  // Of the last evaluation with parameters: lower triangle and gradient.
+  const FreeEquations& sum() const { return sum_; }
+
+  // Weighted residuals of consecutive samples of a record, from `first` on,
+  // channels x count, and their derivative by the free parameters with the
+  // starts following as the record's start_sensitivity() says, (channels *
+  // count) x num_free; no columns without `with_jacobian`.
+  using Visitor =
+      std::function<void(size_t record, int first, const Matrix& residuals,
+                         const Matrix& jacobian)>;
+  // All of a record, piece by piece, in this process. False where a trajectory
+  // is not finite.
+  [[nodiscard]] bool Visit(size_t record, const Matrix& starts,
+                           bool with_jacobian, const Visitor& visitor);
+
+  // Samples propagated so far, each times the tangents that went along.
+  int64_t work() const { return work_; }
+
+ private:
+  struct Thread;
+
+  SegmentColumns ColumnsOf(const ShootingRecord& record,
+                           bool with_parameters) const;
+  // Whether LinearRecord is to be asked.
+  bool IsWholeAndLinear(size_t record) const;
+  LinearRecord::Point PointOf(size_t record, const Matrix& starts,
+                              SegmentColumns columns) const;
+  // A record in one piece, where LinearRecord can have it; `together` with the
+  // other ranks.
+  bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
+                     int num_threads, bool together, FreeEquations* sum);
+  // Step by step; `alone`: with all threads, where that is worth while.
+  bool EvaluateSegment(size_t record, int segment, const Matrix& starts,
+                       bool with_parameters, bool alone, Thread* thread);
+  // Which of the tasks LinearRecord has done; then the others.
+  std::vector<char> EvaluateLinear(const std::vector<Task>& tasks,
+                                   const std::vector<const Matrix*>& starts,
+                                   bool with_parameters);
+  void EvaluateSteps(const std::vector<Task>& tasks,
+                     const std::vector<const Matrix*>& starts,
+                     bool with_parameters);
+  [[nodiscard]] bool SumThreadsAndRanks();
+  bool VisitWhole(size_t record, const Matrix& starts, bool with_jacobian,
+                  const Visitor& visitor);
+  bool VisitSegment(size_t record, int segment, const Matrix& starts,
+                    bool with_jacobian, const Visitor& visitor);
+
+  const IdentificationProblem& problem_;
+  const ParameterLayout& layout_;
+  const Options options_;
+  const Records& records_;
+  Communicator& communicator_;
+  std::vector<std::unique_ptr<LinearRecord>> linear_;  // nullptr: not linear
+  std::vector<std::unique_ptr<Thread>> threads_;
+  ParallelSegment parallel_;
+  const StructuralDynamics::Prepared* prepared_ = nullptr;
+  const Vector* parameters_ = nullptr;
+  FreeEquations sum_;
+  bool answered_ = true;  // by all ranks
+  int64_t work_ = 0;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_SEGMENT_SWEEP_H_
