@@ -61,6 +61,7 @@ void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
   options.fit = FitWithProgress(show_progress);
   bool warned = false;
   options.on_choice = [&](const Checkpoint& checkpoint) {
+    if (!folder.writes()) return;
     std::string what;
     if (!WriteCheckpoint(folder.checkpoint_path(), ProblemIdentity(all.problem),
                          checkpoint, &what) &&
@@ -125,8 +126,12 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   Checkpoint checkpoint;
   Case all = *c;
   if (!folder.resume_path().empty()) {
-    if (!ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error) ||
-        !GoOn(&checkpoint, c, &all, error)) {
+    const bool ok =
+        ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error) &&
+        GoOn(&checkpoint, c, &all, error);
+    // All ranks have read it before it is written anew.
+    if (!CommunicatorOrSingle(c->options.communicator).AllTrue(ok)) {
+      if (ok) *error = folder.resume_path() + ": not all ranks can read it";
       return false;
     }
     begin_from = &checkpoint.model;
@@ -142,7 +147,7 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
   if (!begun.empty()) BeginNearTheEnd(&options);
   options.callback = [&](const IdentificationProgress& progress) {
     std::string what;
-    if (!writer.Update(progress, &what) && !warned) {
+    if (folder.writes() && !writer.Update(progress, &what) && !warned) {
       std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
       warned = true;
     }
@@ -196,6 +201,7 @@ void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
       std::fprintf(stderr, "profiles: %zu of %d\n", done.size(), of);
     }
     checkpoint.profiles = done;
+    if (!folder.writes()) return true;
     std::string what;
     if (!WriteCheckpoint(folder.checkpoint_path(), ProblemIdentity(c->problem),
                          checkpoint, &what) &&

@@ -6,6 +6,7 @@
 // Sample runs:
 //   pinode_update --case=data/three_storey/three_storey.toml --output_dir=out
 //   pinode_update --case=... --output_dir=out --resume
+//   mpirun -n 8 pinode_update --case=... --output_dir=out
 
 #include <gflags/gflags.h>
 
@@ -16,6 +17,7 @@
 #include "apps/fit_flags.h"
 #include "apps/fitting.h"
 #include "apps/program.h"
+#include "apps/ranks.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
@@ -42,12 +44,15 @@ int main(int argc, char** argv) {
   // 1. Everything that can be wrong with the input, before any work.
   std::string error;
   Case c;
-  if (!ReadFitFlags(&c, &error)) return Refuse(error);
+  CatchInterrupts();
+  Ranks ranks;
+  if (!ranks.Agree(ReadFitFlags(&c, &error), c, &error)) return Refuse(error);
+  ranks.ShareWork(&c.options);
 
   // 2. A folder that nobody sees until it is complete, even if interrupted.
-  CatchInterrupts();
   ResultFolder folder;
-  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error)) {
+  if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
+                  &error)) {
     return Refuse(error);
   }
 
@@ -59,11 +64,16 @@ int main(int argc, char** argv) {
   }
 
   const bool profiles = FLAGS_profiles || c.profiles.has_value();
-  if (profiles && !Interrupted()) {
+  if (profiles && !ranks.Interrupted()) {
     ProfileCase(folder, FLAGS_progress, &c, model, &summary);
   }
   const bool cut_off = summary.termination == Termination::kInterrupted ||
-                       (profiles && Interrupted());
+                       (profiles && ranks.Interrupted());
+
+  const int status_of_fit = cut_off          ? kExitInterrupted
+                            : summary.usable ? kExitDone
+                                             : kExitNotUsable;
+  if (!ranks.is_first()) return status_of_fit;
 
   // 4. Results and report.
   const double seconds =
@@ -86,7 +96,6 @@ int main(int argc, char** argv) {
                  "interrupted; what was found so far is in %s, continue with "
                  "--resume\n",
                  folder.final_path().c_str());
-    return kExitInterrupted;
   }
-  return summary.usable ? kExitDone : kExitNotUsable;
+  return status_of_fit;
 }

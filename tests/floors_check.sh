@@ -6,7 +6,8 @@
 # A folder of pinode/ includes itself and folders on lower floors; folders on
 # the same floor do not see each other. Includes of the project are written
 # from its root, so that none escapes this check. Third parties that have one
-# door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case.
+# door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case,
+# MPI in pinode/mpi.
 #
 # Prints `file:line: what, and what was expected` for each violation and exits
 # 1 if there is one; exits 2 if there is nothing to check.
@@ -41,10 +42,10 @@ awk '
     floor["estimate"] = 4
     floor["discover"] = floor["damage"] = 5
     floor["study"] = 6
-    floor["case"] = floor["report"] = 7
+    floor["case"] = floor["report"] = floor["mpi"] = 7
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics integrate " \
-                  "estimate discover damage study case report", folders, " ")
+                  "estimate discover damage study case report mpi", folders, " ")
   }
 
   function Fail(message) {
@@ -72,6 +73,9 @@ awk '
     }
     if (header ~ /^toml(\+\+)?[.\/]/ && FILENAME !~ /^pinode\/case\//) {
       Fail("includes " header ", expected toml++ in pinode/case only")
+    }
+    if (header == "mpi.h" && FILENAME !~ /^pinode\/mpi\//) {
+      Fail("includes " header ", expected pinode/base/communicator.h")
     }
   }
 

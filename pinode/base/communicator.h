@@ -26,6 +26,9 @@ class Communicator {
 
   // Adds up `count` numbers over the ranks, in place.
   [[nodiscard]] virtual bool Sum(double* values, int64_t count) = 0;
+  // Until all ranks have come so far, however long that takes: after work that
+  // each does alone.
+  [[nodiscard]] virtual bool Await() = 0;
   // All ranks receive `count` bytes of rank `root`.
   [[nodiscard]] virtual bool Broadcast(int root, void* bytes,
                                        int64_t count) = 0;
@@ -45,6 +48,7 @@ class SingleProcess final : public Communicator {
   int rank() const override { return 0; }
   int size() const override { return 1; }
   bool Sum(double*, int64_t) override { return true; }
+  bool Await() override { return true; }
   bool Broadcast(int, void*, int64_t) override { return true; }
 };
 

@@ -33,6 +33,12 @@ class ResultFolder {
   [[nodiscard]] bool Open(const std::string& path, bool overwrite, bool resume,
                           std::string* error);
 
+  // For a process that reads what another one, which writes, has opened: with
+  // a checkpoint to resume from, or "".
+  void Follow(const std::string& resume_path) { resume_path_ = resume_path; }
+  // Whether this process is the one that writes.
+  bool writes() const { return !working_.empty(); }
+
   // Where to write now, and where it will be after Commit (absolute).
   const std::string& working_path() const { return working_; }
   const std::string& final_path() const { return final_; }

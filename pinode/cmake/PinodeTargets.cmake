@@ -1,11 +1,11 @@
-# pinode_add_floor(<folder> SOURCES ... [TESTS ...] [SLOW_TESTS ...]
+# pinode_add_floor(<folder> [APART] SOURCES ... [TESTS ...] [SLOW_TESTS ...]
 #                  [PUBLIC ...] [PRIVATE ...])
 #
 # One static library target pinode_<folder>, exported as pinode::<folder>, and
 # one test program pinode_<folder>_test of the *_test.cc files beside it, whose
 # tests carry the folder's name as their label. SLOW_TESTS become a program of
 # their own, pinode_<folder>_slow_test, labelled `slow`, which the sanitizer run
-# leaves out (PINODE_BUILD_SLOW_TESTS).
+# leaves out (PINODE_BUILD_SLOW_TESTS). APART: pinode::pinode does not link it.
 #
 # pinode_install_package() adds the umbrella target pinode::pinode and
 # everything that find_package(pinode) needs.
@@ -57,7 +57,7 @@ function(pinode_add_unit_test name folder label libraries)
 endfunction()
 
 function(pinode_add_floor folder)
-  cmake_parse_arguments(FLOOR "" "" "SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE"
+  cmake_parse_arguments(FLOOR "APART" "" "SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE"
     ${ARGN})
   set(target pinode_${folder})
   add_library(${target} STATIC ${FLOOR_SOURCES})
@@ -82,7 +82,9 @@ function(pinode_add_floor folder)
   if(PINODE_UNITY_LIBRARY)
     pinode_unity_build(${target})
   endif()
-  set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
+  if(NOT FLOOR_APART)
+    set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
+  endif()
   install(TARGETS ${target} EXPORT pinodeTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/

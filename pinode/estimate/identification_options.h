@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/robust_loss.h"
 #include "pinode/estimate/tuning.h"
@@ -76,6 +77,11 @@ struct IdentificationOptions {
   uint64_t seed = 1;
 
   int num_threads = 1;
+
+  // Ranks that solve the problem together, each of which calls Identify with
+  // the same problem and options and has the same outcome; nullptr: a single
+  // process.
+  Communicator* communicator = nullptr;
 
   // For studies; what a user needs is an option above.
   Tuning tuning;

@@ -14,12 +14,23 @@
 namespace pinode {
 namespace {
 
+// What a start has come to.
+struct StartResult {
+  bool done = false;
+  double cost = 0.0;
+  double expected_error = 0.0;
+
+  static StartResult Of(const FitState& state) {
+    return {true, state.cost, state.ExpectedError()};
+  }
+};
+
 // By what predicts, or, without records, by the cost.
-bool IsBetter(const IdentificationProblem& problem, const FitState& one,
-              const FitState& other) {
+bool IsBetter(const IdentificationProblem& problem, const StartResult& one,
+              const StartResult& other) {
   return problem.num_train_records() == 0
              ? one.cost < other.cost
-             : one.ExpectedError() < other.ExpectedError();
+             : one.expected_error < other.expected_error;
 }
 
 }  // namespace
@@ -59,36 +70,112 @@ Vector DrawStart(const IdentificationProblem& problem,
   return values;
 }
 
+namespace {
+
+// Fits from one start after another.
+class Starts {
+ public:
+  Starts(const IdentificationProblem& problem,
+         const IdentificationOptions& options, const IdentifiedModel* initial)
+      : problem_(problem),
+        options_(options),
+        initial_(initial),
+        layout_(problem) {}
+
+  // nullptr, with a message in *outcome, where nothing finite came out.
+  std::unique_ptr<Fit> Run(int start, Communicator* communicator,
+                           IdentificationSummary* outcome) const {
+    Vector parameters = layout_.InitialValues();
+    if (start > 0) {
+      parameters = DrawStart(problem_, layout_, options_.tuning.multistart,
+                             options_.seed + static_cast<uint64_t>(start));
+    } else if (initial_ != nullptr) {
+      parameters = initial_->parameters;
+    } else {
+      FindSigns(problem_, &parameters);
+      ScanPulses(problem_, &parameters);
+    }
+    IdentificationOptions options = options_;
+    options.communicator = communicator;
+    return RunWays(problem_, options, parameters,
+                   start == 0 ? initial_ : nullptr, outcome);
+  }
+
+ private:
+  const IdentificationProblem& problem_;
+  const IdentificationOptions& options_;
+  const IdentifiedModel* initial_;
+  const ParameterLayout layout_;
+};
+
+// The ranks run the starts side by side, each for itself. False where one does
+// not answer.
+bool RunApart(const Starts& starts, Communicator* ranks,
+              std::vector<StartResult>* results) {
+  constexpr int kNumbers = 3;
+  Matrix numbers =
+      Matrix::Zero(kNumbers, static_cast<Eigen::Index>(results->size()));
+  for (int s = ranks->rank(); s < numbers.cols(); s += ranks->size()) {
+    IdentificationSummary unused;
+    const std::unique_ptr<Fit> fit = starts.Run(s, nullptr, &unused);
+    if (fit == nullptr) continue;
+    const StartResult result = StartResult::Of(fit->best());
+    numbers.col(s) << 1.0, result.cost, result.expected_error;
+    if (fit->interrupted()) break;
+  }
+  if (!ranks->Await() || !ranks->Sum(numbers.data(), numbers.size())) {
+    return false;
+  }
+  for (size_t s = 0; s < results->size(); ++s) {
+    const Vector column = numbers.col(static_cast<Eigen::Index>(s));
+    (*results)[s] = {column[0] > 0.0, column[1], column[2]};
+  }
+  return true;
+}
+
+}  // namespace
+
 std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const IdentifiedModel* initial,
                                IdentificationSummary* summary) {
-  const MultistartTuning& tuning = options.tuning.multistart;
-  const ParameterLayout layout(problem);
+  const Starts starts(problem, options, initial);
+  Communicator& ranks = CommunicatorOrSingle(options.communicator);
+  std::vector<StartResult> results(
+      static_cast<size_t>(std::max(1, options.num_starts)));
   std::unique_ptr<Fit> best;
   int num_starts = 0;
-  std::vector<double> costs;  // of the starts that came to an end
-  for (int start = 0; start < std::max(1, options.num_starts); ++start) {
-    ++num_starts;
-    Vector parameters = layout.InitialValues();
-    if (start > 0) {
-      parameters = DrawStart(problem, layout, tuning,
-                             options.seed + static_cast<uint64_t>(start));
-    } else if (initial != nullptr) {
-      parameters = initial->parameters;
-    } else {
-      FindSigns(problem, &parameters);
-      ScanPulses(problem, &parameters);
+  const bool apart = ranks.size() > 1 && results.size() > 1;
+  if (apart) {
+    if (!RunApart(starts, &ranks, &results)) {
+      summary->message = "a rank does not answer";
+      return nullptr;
     }
+    num_starts = static_cast<int>(results.size());
+    // The best one is run again, by all of them, who have its fit then.
+    int at = 0;
+    for (size_t s = 0; s < results.size(); ++s) {
+      const StartResult& chosen = results[static_cast<size_t>(at)];
+      if (results[s].done &&
+          (!chosen.done || IsBetter(problem, results[s], chosen))) {
+        at = static_cast<int>(s);
+      }
+    }
+    best = starts.Run(at, options.communicator, summary);
+  }
+  for (int start = 0; !apart && start < static_cast<int>(results.size());
+       ++start) {
+    ++num_starts;
     IdentificationSummary outcome;
-    std::unique_ptr<Fit> fit = RunWays(
-        problem, options, parameters, start == 0 ? initial : nullptr, &outcome);
+    std::unique_ptr<Fit> fit =
+        starts.Run(start, options.communicator, &outcome);
     const bool interrupted = fit != nullptr && fit->interrupted();
-    if (fit != nullptr) costs.push_back(fit->best().cost);
+    StartResult& result = results[static_cast<size_t>(start)];
+    if (fit != nullptr) result = StartResult::Of(fit->best());
     if (fit == nullptr) {
       if (best == nullptr) *summary = outcome;
     } else if (best == nullptr ||
-               IsBetter(problem, fit->best(), best->best())) {
+               IsBetter(problem, result, StartResult::Of(best->best()))) {
       best = std::move(fit);
       *summary = outcome;
     }
@@ -96,11 +183,12 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
   }
   if (best == nullptr) return nullptr;
   summary->num_starts = num_starts;
-  const double same =
-      best->best().cost + tuning.same_cost * std::abs(best->best().cost);
-  summary->num_starts_at_best = static_cast<int>(
-      std::count_if(costs.begin(), costs.end(),
-                    [same](double cost) { return cost <= same; }));
+  const double same = best->best().cost + options.tuning.multistart.same_cost *
+                                              std::abs(best->best().cost);
+  summary->num_starts_at_best = static_cast<int>(std::count_if(
+      results.begin(), results.end(), [same](const StartResult& result) {
+        return result.done && result.cost <= same;
+      }));
   return best;
 }
 

@@ -9,6 +9,7 @@ MultipleShooting::Options ShootingOptions(
   shooting.loss = options.loss;
   shooting.loss_scale = options.loss_scale;
   shooting.num_threads = options.num_threads;
+  shooting.communicator = options.communicator;
   shooting.starts = options.tuning.starts;
   return shooting;
 }

@@ -11,6 +11,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/profile_exchange.h"
 #include "pinode/estimate/profiler.h"
 
 namespace pinode {
@@ -111,6 +112,10 @@ bool ProfileParameters(const IdentificationProblem& problem,
     return false;
   }
   const Vector fit = layout.Free(model.parameters);
+  Communicator& ranks = CommunicatorOrSingle(options.communicator);
+  const auto owner = [&ranks](size_t k) {
+    return static_cast<int>(k) % ranks.size();
+  };
   const int threads =
       std::clamp(options.num_threads, 1, static_cast<int>(columns.size()));
   std::atomic<bool> stopped{false};
@@ -141,6 +146,7 @@ bool ProfileParameters(const IdentificationProblem& problem,
   ParallelFor(
       static_cast<int>(columns.size()), threads, [&](int i, int thread) {
         const size_t k = static_cast<size_t>(i);
+        if (owner(k) != ranks.rank()) return;
         const Parameter& parameter = layout.free_parameter(columns[k]);
         const LinearInterval linear = LinearIntervalOf(summary, parameter.name);
         const ParameterProfile* known =
@@ -169,7 +175,15 @@ bool ProfileParameters(const IdentificationProblem& problem,
           stopped = true;
         }
       });
+  if (!ranks.Await()) {
+    *error = "a rank does not answer";
+    return false;
+  }
   for (size_t k = 0; k < all.size(); ++k) {
+    if (!BroadcastProfile(owner(k), &ranks, &done[k], &all[k])) {
+      *error = "a rank does not answer";
+      return false;
+    }
     if (done[k] != 0) profiles->push_back(std::move(all[k]));
   }
   return true;

@@ -55,6 +55,7 @@ Vector PathDirection(const CondensedSystem& system, int held) {
 MultipleShooting::Options OneThread(const IdentificationOptions& options) {
   MultipleShooting::Options one = ShootingOptions(options);
   one.num_threads = 1;
+  one.communicator = nullptr;
   one.starts.stray_cost = kStrayCost;
   one.looks_ahead = false;
   return one;

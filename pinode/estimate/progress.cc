@@ -56,7 +56,9 @@ bool Progress::GoOn(const Vector& free, double cost, double largest_gap) {
                                 options_.max_num_iterations /
                                 progress.iteration;
   }
-  interrupted_ = interrupted_ || !options_.callback(progress);
+  // Ranks go on together or not at all.
+  interrupted_ = !CommunicatorOrSingle(options_.communicator)
+                      .AllTrue(!interrupted_ && options_.callback(progress));
   return !interrupted_;
 }
 
