@@ -10,11 +10,28 @@ namespace {
 
 // Samples whose histories are at hand at a time.
 constexpr int kBlockSamples = 128;
-// Blocks that one thread sums before another may go on behind them.
-constexpr int kBlocksOfAPiece = 64;
+// Blocks that are never parted between threads or ranks.
+constexpr int kBlocksOfAPiece = 16;
 constexpr int kPieceSamples = kBlockSamples * kBlocksOfAPiece;
 // Each has a Gram matrix of its own.
 constexpr size_t kMostPatterns = 4;
+
+// What finding a later state costs beside summing a piece.
+constexpr double kSkipShare = 0.08;
+
+// Where share `index` of `count` begins in pieces begin ... end, so that all
+// are done at the same time although each first passes what lies before its
+// own.
+int FairBound(int begin, int end, int index, int count) {
+  if (index == 0) return begin;
+  if (index == count) return end;
+  // From share to share what is left to a moving target shrinks by kSkipShare.
+  const double all = std::pow(1.0 - kSkipShare, count);
+  const double target = (end - begin * all) / (1.0 - all);
+  const double bound =
+      target - (target - begin) * std::pow(1.0 - kSkipShare, index);
+  return std::clamp(static_cast<int>(std::lround(bound)), begin, end);
+}
 
 // Adds up the ranks' equations. False where a rank does not answer.
 bool AddRanks(Communicator* ranks, LinearRecord::Equations* equations) {
@@ -276,12 +293,9 @@ LinearRecord::Sums LinearRecord::SumPieces(
   zero.hessian = Matrix::Zero(tables.columns, tables.columns);
 
   const int samples = record_.num_samples();
-  const auto bound = [&](int rank) {
-    return static_cast<int>(static_cast<int64_t>(pieces) * rank /
-                            communicator.size());
-  };
-  const int begin = bound(communicator.rank());
-  const int end = bound(communicator.rank() + 1);
+  const int ranks = communicator.size();
+  const int begin = FairBound(0, pieces, communicator.rank(), ranks);
+  const int end = FairBound(0, pieces, communicator.rank() + 1, ranks);
   const int threads = std::max(1, std::min(num_threads, end - begin));
   std::vector<Sums> sums(static_cast<size_t>(threads), zero);
   const auto sum_piece = [&](int k, ModalResponse::State* state, Sums* into) {
@@ -295,29 +309,19 @@ LinearRecord::Sums LinearRecord::SumPieces(
     }
     if (last == samples) into->end = histories.rightCols(1);
   };
-  // Where each piece begins; what a mode does costs little beside the sums.
-  ModalResponse::State state = response_.Begin(tables.contents);
-  Matrix unused;
-  const auto skip_piece = [&](int k) {
-    for (int b = 0; b < kBlocksOfAPiece; ++b) {
-      response_.Advance(tables.contents, grid_,
-                        k * kPieceSamples + b * kBlockSamples, kBlockSamples,
-                        &state, &unused);
+  // Each thread finds for itself where its pieces begin.
+  ParallelFor(threads, threads, [&](int t, int) {
+    ModalResponse::State state = response_.Begin(tables.contents);
+    const int from = FairBound(begin, end, t, threads);
+    const int to = FairBound(begin, end, t + 1, threads);
+    if (from == to) return;
+    for (int first = 0; first < from * kPieceSamples; first += kBlockSamples) {
+      response_.Advance(tables.contents, grid_, first, kBlockSamples, &state,
+                        nullptr);
     }
-  };
-  for (int k = 0; k < begin; ++k) skip_piece(k);
-  if (threads == 1) {
-    for (int k = begin; k < end; ++k) sum_piece(k, &state, &sums[0]);
-    return sums[0];
-  }
-  std::vector<ModalResponse::State> begins;
-  for (int k = begin; k < end; ++k) {
-    begins.push_back(state);
-    if (k + 1 < end) skip_piece(k);
-  }
-  ParallelFor(end - begin, threads, [&](int k, int thread) {
-    sum_piece(begin + k, &begins[static_cast<size_t>(k)],
-              &sums[static_cast<size_t>(thread)]);
+    for (int k = from; k < to; ++k) {
+      sum_piece(k, &state, &sums[static_cast<size_t>(t)]);
+    }
   });
   for (int t = 1; t < threads; ++t) sums[0].Add(sums[static_cast<size_t>(t)]);
   return sums[0];

@@ -124,9 +124,10 @@ void ModalResponse::Advance(const Contents& contents,
   const Eigen::Index kept = basis_.num_kept();
   const Eigen::Index rows = rows_per_source(contents);
   const int steps = std::min(count, grid.num_intervals() - first);
-  histories->resize(NumRows(contents), count);
+  if (histories != nullptr) histories->resize(NumRows(contents), count);
   const auto put = [&](int source, int i, const ComplexVector& z,
                        const ComplexVector& p) {
+    if (histories == nullptr) return;
     auto column = histories->col(i).segment(source * rows, rows);
     column.head(kept) = z.real();
     column.segment(kept, kept) = z.imag();
@@ -169,6 +170,7 @@ void ModalResponse::Advance(const Contents& contents,
     state->z.col(source) = z;
     if (contents.with_slopes) state->p.col(source) = p;
   }
+  if (histories == nullptr) return;
   histories->middleRows(first_input_row(contents), num_inputs_) =
       Eigen::Map<const Matrix>(grid.AtSample(first), num_inputs_, count);
   histories->row(ConstantRow(contents)).setOnes();

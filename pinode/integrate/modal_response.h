@@ -68,7 +68,8 @@ class ModalResponse {
   State Begin(const Contents& contents) const;
   // The histories at samples first ... first + count - 1, R x count, from the
   // state at sample `first`; leaves the state at sample first + count, or at
-  // the grid's last sample where that is behind it.
+  // the grid's last sample where that is behind it. nullptr: the state alone,
+  // which takes a fraction of the work.
   void Advance(const Contents& contents, const IntegrationGrid& grid, int first,
                int count, State* state, Matrix* histories) const;
 
