@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/program.h"
+#include "apps/ranks.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/estimate/assessment.h"
@@ -251,6 +252,9 @@ int main(int argc, char** argv) {
                   "modes, steps, sizes and\nwhat the sensors cannot see.",
                   &status)) {
     return status;
+  }
+  if (NumLaunchedRanks() > 1) {
+    return Refuse("pinode_check runs in one process, expected no launcher");
   }
   if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
   Case c;

@@ -19,6 +19,7 @@
 #include "apps/fit_flags.h"
 #include "apps/fitting.h"
 #include "apps/program.h"
+#include "apps/ranks.h"
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/strings.h"
@@ -187,11 +188,15 @@ int main(int argc, char** argv) {
   ChangeOptions change;
   Case c;
   std::vector<Baseline> baselines;
-  if (!ReadChangeFlags(&change, &error) || !ReadCase(&c, &error) ||
-      !ReadBaselines(c, &baselines, &error) ||
-      !TakeOverChoice(baselines, &c, &error)) {
+  CatchInterrupts();
+  Ranks ranks;
+  if (!ranks.Agree(ReadChangeFlags(&change, &error) && ReadCase(&c, &error) &&
+                       ReadBaselines(c, &baselines, &error) &&
+                       TakeOverChoice(baselines, &c, &error),
+                   c, &error)) {
     return Refuse(error);
   }
+  ranks.ShareWork(&c.options);
   IdentifiedModel begin_from = BeginFromBaseline(baselines[0], c.problem);
   if (RenewsBasis(c) && !RenewCase(c, begin_from, &c, &begin_from, &error)) {
     return Refuse(error);
@@ -201,7 +206,8 @@ int main(int argc, char** argv) {
   ResultFolder folder;
   IdentificationSummary summary;
   IdentifiedModel model;
-  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error) ||
+  if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
+                  &error) ||
       !FitCase(folder, &begin_from, FLAGS_progress, &c, &summary, &model,
                &error)) {
     return Refuse(error);
@@ -215,6 +221,12 @@ int main(int argc, char** argv) {
     summary = result.summary;
     model = result.model;
   }
+
+  const int status_of_fit = judgement.interrupted ? kExitInterrupted
+                            : summary.usable && judgement.judged
+                                ? kExitDone
+                                : kExitNotUsable;
+  if (!ranks.is_first()) return status_of_fit;
 
   // 4. Results and report.
   const double seconds =
@@ -235,7 +247,6 @@ int main(int argc, char** argv) {
               folder.final_path().c_str());
   if (judgement.interrupted) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
-    return kExitInterrupted;
   }
-  return summary.usable && judgement.judged ? kExitDone : kExitNotUsable;
+  return status_of_fit;
 }

@@ -22,6 +22,7 @@
 #include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/progress_line.h"
+#include "apps/ranks.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
@@ -248,6 +249,9 @@ int main(int argc, char** argv) {
                   "identified model.",
                   &status)) {
     return status;
+  }
+  if (NumLaunchedRanks() > 1) {
+    return Refuse("pinode_discover runs in one process, expected no launcher");
   }
 
   // 1. Everything that can be wrong with the input, before any work.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "apps/program.h"
+#include "apps/ranks.h"
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/case/case_file.h"
@@ -160,6 +161,9 @@ int main(int argc, char** argv) {
                   "excitation, response_<record>.csv.",
                   &status)) {
     return status;
+  }
+  if (NumLaunchedRanks() > 1) {
+    return Refuse("pinode_simulate runs in one process, expected no launcher");
   }
 
   // 1. Everything that can be wrong with the input, before any work.

@@ -21,6 +21,15 @@ DEFINE_double(rank_timeout, 300.0,
 
 namespace pinode {
 
+int NumLaunchedRanks() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE"}) {
+    int size = 1;
+    const char* value = std::getenv(name);
+    if (value != nullptr && ParseInt(value, &size) && size > 1) return size;
+  }
+  return 1;
+}
+
 #ifdef PINODE_MPI
 
 struct Ranks::Mpi {
@@ -28,7 +37,7 @@ struct Ranks::Mpi {
 };
 
 Ranks::Ranks() {
-  if (!IsOneOfSeveralRanks()) return;
+  if (NumLaunchedRanks() == 1) return;
   mpi_ = std::make_unique<Mpi>();
   MpiCommunicator::Options options;
   options.timeout_seconds = FLAGS_rank_timeout;
@@ -66,13 +75,9 @@ void Ranks::ShareWork(IdentificationOptions* options) {
 struct Ranks::Mpi {};
 
 Ranks::Ranks() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
-    int size = 1;
-    const char* value = std::getenv(name);
-    if (value == nullptr || !ParseInt(value, &size) || size < 2) continue;
-    std::exit(Refuse("started as one of " + std::to_string(size) +
-                     " ranks, but built without MPI (PINODE_MPI)"));
-  }
+  if (NumLaunchedRanks() == 1) return;
+  std::exit(Refuse("started as one of " + std::to_string(NumLaunchedRanks()) +
+                   " ranks, but built without MPI (PINODE_MPI)"));
 }
 
 Communicator* Ranks::communicator() const { return nullptr; }

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
@@ -40,11 +41,25 @@ bool HasMarker(const fs::path& folder) {
   return false;
 }
 
+// A process that has ended stays known until its parent asks for its status.
+bool HasEnded(int process) {
+  std::string text, unused;
+  if (!ReadTextFile("/proc/" + std::to_string(process) + "/stat", &text,
+                    &unused)) {
+    return false;
+  }
+  // The state follows the name, which is in parentheses and may hold any.
+  const size_t name_end = text.rfind(')');
+  return name_end != std::string::npos && name_end + 2 < text.size() &&
+         (text[name_end + 2] == 'Z' || text[name_end + 2] == 'X');
+}
+
 struct Leftover {
   fs::path path;
   int process = 0;
   bool IsAlive() const {
-    return process != ::getpid() && (::kill(process, 0) == 0 || errno == EPERM);
+    return process != ::getpid() &&
+           (::kill(process, 0) == 0 || errno == EPERM) && !HasEnded(process);
   }
 };
 

@@ -131,13 +131,4 @@ void MpiCommunicator::Abort(int status) {
   std::_Exit(status);
 }
 
-bool IsOneOfSeveralRanks() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE",
-                           "SLURM_STEP_NUM_TASKS"}) {
-    const char* value = std::getenv(name);
-    if (value != nullptr && std::atoi(value) > 1) return true;
-  }
-  return false;
-}
-
 }  // namespace pinode

@@ -64,9 +64,6 @@ class MpiCommunicator final : public Communicator {
   bool failed_ = false;
 };
 
-// Whether an MPI launcher has started this process as one of several.
-bool IsOneOfSeveralRanks();
-
 }  // namespace pinode
 
 #endif  // PINODE_MPI_MPI_COMMUNICATOR_H_
