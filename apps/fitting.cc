@@ -124,7 +124,9 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
              bool show_progress, Case* c, IdentificationSummary* summary,
              IdentifiedModel* model, std::string* error) {
   Checkpoint checkpoint;
-  Case all = *c;
+  // Records are most of it.
+  Case all;
+  if (!c->candidates.empty()) all = *c;
   if (!folder.resume_path().empty()) {
     const bool ok =
         ReadCheckpoint(folder.resume_path(), c->problem, &checkpoint, error) &&

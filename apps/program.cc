@@ -4,6 +4,9 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -25,6 +28,24 @@ void OnInterrupt(int signal) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
+}
+
+// What nobody can go on from. Memory that is not there is no fault of the
+// program: a sentence, and what has been written stays.
+[[noreturn]] void OnTerminate() {
+  try {
+    if (std::current_exception() != nullptr) {
+      std::rethrow_exception(std::current_exception());
+    }
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr,
+                 "out of memory; fewer samples, sensors or threads take less. "
+                 "If there is a checkpoint, --resume goes on from it\n");
+    std::fflush(nullptr);
+    std::_Exit(kExitNotUsable);
+  } catch (...) {
+  }
+  std::abort();
 }
 
 bool IsOwn(const gflags::CommandLineFlagInfo& flag) {
@@ -74,6 +95,7 @@ std::string FlagName(const std::string& argument, std::string* value,
 
 bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
   *status = kExitBadInput;
+  std::set_terminate(OnTerminate);
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.size() < 2 || argument[0] != '-') {

@@ -134,7 +134,8 @@ bool ReadBinaryFile(const std::string& path, std::string* content,
     return false;
   }
   std::string text;
-  text.resize(static_cast<size_t>(status.st_size));
+  // One more than expected, to see the end without asking for more memory.
+  text.resize(static_cast<size_t>(status.st_size) + 1);
   size_t done = 0;
   // The size may be out of date (or 0, under /proc): read up to the end.
   for (;;) {

@@ -26,12 +26,24 @@ std::string CsvCell(double value) {
   return std::isfinite(value) ? FormatNumber(value) : "";
 }
 
+CsvColumn::CsvColumn(std::string column_name, Vector values)
+    : name(std::move(column_name)),
+      size(values.size()),
+      value(
+          [held = std::move(values)](Eigen::Index row) { return held[row]; }) {}
+
+CsvColumn::CsvColumn(std::string column_name, Eigen::Index num_rows,
+                     std::function<double(Eigen::Index row)> value_of)
+    : name(std::move(column_name)),
+      size(num_rows),
+      value(std::move(value_of)) {}
+
 bool WriteCsv(const std::string& path, const std::vector<CsvColumn>& columns,
               std::string* error) {
   CHECK(!columns.empty());
   std::string header;
   for (size_t j = 0; j < columns.size(); ++j) {
-    CHECK_EQ(columns[j].values.size(), columns[0].values.size())
+    CHECK_EQ(columns[j].size, columns[0].size)
         << "column '" << columns[j].name << "' differs in length";
     header += (j > 0 ? "," : "") + CsvCell(columns[j].name);
   }
@@ -39,10 +51,10 @@ bool WriteCsv(const std::string& path, const std::vector<CsvColumn>& columns,
   Eigen::Index row = 0;
   const auto next = [&](std::string* chunk) {
     std::swap(*chunk, header);
-    while (row < columns[0].values.size() && chunk->size() < kChunk) {
+    while (row < columns[0].size && chunk->size() < kChunk) {
       for (size_t j = 0; j < columns.size(); ++j) {
         if (j > 0) *chunk += ",";
-        *chunk += CsvCell(columns[j].values[row]);
+        *chunk += CsvCell(columns[j].value(row));
       }
       *chunk += "\n";
       ++row;

@@ -3,6 +3,7 @@
 #ifndef PINODE_CASE_CSV_FILE_H_
 #define PINODE_CASE_CSV_FILE_H_
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,14 @@ namespace pinode {
 
 // One column of a CSV file; NaN is written as an empty cell.
 struct CsvColumn {
+  CsvColumn(std::string column_name, Vector values);
+  // Of long tables, which are written as they are asked for.
+  CsvColumn(std::string column_name, Eigen::Index num_rows,
+            std::function<double(Eigen::Index row)> value_of);
+
   std::string name;
-  Vector values;
+  Eigen::Index size = 0;
+  std::function<double(Eigen::Index row)> value;
 };
 
 // Columns of equal length under a header line.

@@ -57,7 +57,7 @@ bool WriteResponses(const Case& c, const IdentificationSummary& summary,
       const auto dof = static_cast<size_t>(structure.expanded_dofs[i]);
       columns.push_back(
           {structure.exported.dof_names[dof],
-           response.row(static_cast<Eigen::Index>(i)).transpose()});
+           Vector(response.row(static_cast<Eigen::Index>(i)).transpose())});
     }
     const std::filesystem::path file = std::filesystem::path(folder) /
                                        ("response_full_" + score.name + ".csv");

@@ -120,6 +120,16 @@ class ResultWriter {
     return text;
   }
 
+  // Row `i` of `values`, which must outlive it, in the file's unit.
+  static CsvColumn RowOf(const Matrix& values, size_t i, double factor,
+                         std::string name) {
+    const auto row = static_cast<Eigen::Index>(i);
+    return {std::move(name), values.cols(),
+            [&values, row, factor](Eigen::Index sample) {
+              return values(row, sample) / factor;
+            }};
+  }
+
   // Behind the predictions, for those who read these by their place.
   static void AddDeviations(const IdentificationRecord& record,
                             const RecordScore& score,
@@ -127,10 +137,9 @@ class ResultWriter {
     if (score.deviations.size() != score.prediction.size()) return;
     for (size_t i = 0; i < record.channels.size(); ++i) {
       const MeasuredChannel& channel = record.channels[i];
-      columns->push_back(
-          {channel.observation.name + "_deviation",
-           score.deviations.row(static_cast<Eigen::Index>(i)).transpose() /
-               std::abs(channel.description.factor)});
+      columns->push_back(RowOf(score.deviations, i,
+                               std::abs(channel.description.factor),
+                               channel.observation.name + "_deviation"));
     }
   }
 
@@ -145,11 +154,12 @@ class ResultWriter {
         const MeasuredChannel& channel = record.channels[i];
         const std::string& name = channel.observation.name;
         const double factor = channel.description.factor;
-        columns.push_back({name + "_measured", channel.values / factor});
+        columns.push_back({name + "_measured", channel.values.size(),
+                           [&channel, factor](Eigen::Index sample) {
+                             return channel.values[sample] / factor;
+                           }});
         columns.push_back(
-            {name + "_predicted",
-             score.prediction.row(static_cast<Eigen::Index>(i)).transpose() /
-                 factor});
+            RowOf(score.prediction, i, factor, name + "_predicted"));
       }
       AddDeviations(record, score, &columns);
       if (!WriteCsv(Path("prediction_" + record.name + ".csv"), columns,

@@ -176,6 +176,12 @@ bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
   return true;
 }
 
+void Fit::ForgetTrajectories() {
+  const auto none = std::make_shared<const std::vector<Matrix>>();
+  best_.trajectories = none;
+  current_.trajectories = none;
+}
+
 void Fit::FitInputNoise() {
   if (!summary_.single_shooting ||
       options_.covariance != IdentificationOptions::Covariance::kAuto ||

@@ -59,6 +59,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   shooting.SetSegments(
       summary.single_shooting ? 0 : summary.stages.back().segment_samples,
       *best.trajectories);
+  fit->ForgetTrajectories();
   const Vector band_decays = BandDecays(problem, fit->layout(), best.decays,
                                         options.tuning.force_bands);
   Certainty certainty;

@@ -62,7 +62,7 @@ void ResidualRows::Compute(const IdentificationRecord& record,
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                tangents.channels.size());
   std::vector<bool> valid(static_cast<size_t>(nc * samples), true);
-  ApplySensors(layout_, parameters, record, HasParameters(columns), &prediction,
+  ApplySensors(layout_, parameters, record, HasParameters(columns), prediction,
                &jacobian_, &valid);
   if (record.filter != nullptr && whole) {
     FilterHistories(*record.filter, nc, &prediction, &jacobian_);

@@ -70,13 +70,13 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     return;
   }
   if (keep == Keep::kAll) score->states = std::move(trajectory.states);
-  Vector prediction = Eigen::Map<const Vector>(trajectory.channels.data(),
-                                               trajectory.channels.size());
-  trajectory.channels.resize(0, 0);
-  Matrix no_rows(prediction.size(), 0);
-  std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
-  ApplySensors(layout, parameters, data, false, &prediction, &no_rows, &valid);
-  score->prediction = Eigen::Map<const Matrix>(prediction.data(), nc, samples);
+  score->prediction = std::move(trajectory.channels);
+  Matrix no_rows(score->prediction.size(), 0);
+  std::vector<bool> valid(static_cast<size_t>(score->prediction.size()), true);
+  ApplySensors(
+      layout, parameters, data, false,
+      Eigen::Map<Vector>(score->prediction.data(), score->prediction.size()),
+      &no_rows, &valid);
   if (data.filter != nullptr) {
     Matrix history = score->prediction.transpose();
     data.filter->Apply(&history);

@@ -26,13 +26,13 @@ void CubicWeights(double u, double* weight, double* slope) {
 
 // Delays one channel; rows and derivative as in ApplySensors.
 void DelayChannel(int channel, int channels, double delay, double dt,
-                  int delay_column, Vector* prediction, Matrix* rows,
+                  int delay_column, Eigen::Ref<Vector> prediction, Matrix* rows,
                   std::vector<bool>* valid) {
-  const int samples = static_cast<int>(prediction->size()) / channels;
+  const int samples = static_cast<int>(prediction.size()) / channels;
   Vector before(samples);
   Matrix rows_before(samples, rows->cols());
   for (int i = 0; i < samples; ++i) {
-    before[i] = (*prediction)[i * channels + channel];
+    before[i] = prediction[i * channels + channel];
     rows_before.row(i) = rows->row(i * channels + channel);
   }
   for (int i = 0; i < samples; ++i) {
@@ -54,7 +54,7 @@ void DelayChannel(int channel, int channels, double delay, double dt,
       rate += slope[a] * before[first + a];
       rows->row(row) += weight[a] * rows_before.row(first + a);
     }
-    (*prediction)[row] = value;
+    prediction[row] = value;
     if (delay_column >= 0) (*rows)(row, delay_column) = -rate / dt;
   }
 }
@@ -63,9 +63,10 @@ void DelayChannel(int channel, int channels, double delay, double dt,
 
 void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   const IdentificationRecord& record, bool with_parameters,
-                  Vector* prediction, Matrix* rows, std::vector<bool>* valid) {
+                  Eigen::Ref<Vector> prediction, Matrix* rows,
+                  std::vector<bool>* valid) {
   const int channels = static_cast<int>(record.channels.size());
-  const int samples = static_cast<int>(prediction->size()) / channels;
+  const int samples = static_cast<int>(prediction.size()) / channels;
   const int first_free = static_cast<int>(rows->cols()) - layout.num_free();
   // Column of a sensor parameter, -1 where fixed or not asked for.
   const auto column = [&](int sensor) {
@@ -88,15 +89,15 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
         const int row = i * channels + c;
         rows->row(row) *= gain;
         if (column(channel.gain) >= 0) {
-          (*rows)(row, column(channel.gain)) = (*prediction)[row];
+          (*rows)(row, column(channel.gain)) = prediction[row];
         }
-        (*prediction)[row] *= gain;
+        prediction[row] *= gain;
       }
     }
     if (channel.offset >= 0) {
       for (int i = 0; i < samples; ++i) {
         const int row = i * channels + c;
-        (*prediction)[row] += value(channel.offset);
+        prediction[row] += value(channel.offset);
         if (column(channel.offset) >= 0) {
           (*rows)(row, column(channel.offset)) = 1.0;
         }

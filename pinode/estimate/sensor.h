@@ -25,7 +25,8 @@ namespace pinode {
 // parameters: the full vector of `layout`.
 void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   const IdentificationRecord& record, bool with_parameters,
-                  Vector* prediction, Matrix* rows, std::vector<bool>* valid);
+                  Eigen::Ref<Vector> prediction, Matrix* rows,
+                  std::vector<bool>* valid);
 
 }  // namespace pinode
 

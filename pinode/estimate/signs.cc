@@ -24,6 +24,8 @@ constexpr double kClearSign = 0.25;
 constexpr double kWrongSign = -0.4;
 // Of the mean amplitude: what is less at a frequency is not told from nothing.
 constexpr double kSmallAmplitude = 1e-2;
+// A sign shows in so many samples, or in none.
+constexpr int kMostSamples = 1 << 17;
 
 bool HasOpenSign(const Parameter& parameter) {
   return parameter.free && !parameter.HasPrior() && parameter.lower < 0.0 &&
@@ -241,20 +243,43 @@ class Responses {
                       record.excitation->periodic());
   }
 
+  // The first of the samples that are looked at: of a long record those where
+  // the channels move most.
+  int FirstSample(const IdentificationRecord& record) const {
+    const int samples = record.num_samples();
+    if (samples <= kMostSamples) return 0;
+    // Squares of half a window at a time, each channel in its own unit.
+    constexpr int kHalf = kMostSamples / 2;
+    Vector squares = Vector::Zero(samples / kHalf);
+    for (const MeasuredChannel& channel : record.channels) {
+      Vector own = Vector::Zero(squares.size());
+      for (Eigen::Index h = 0; h < own.size(); ++h) {
+        const auto part = channel.values.segment(h * kHalf, kHalf).array();
+        own[h] = part.isFinite().select(part.square(), 0.0).sum();
+      }
+      if (own.sum() > 0.0) squares += own / own.sum();
+    }
+    Eigen::Index best = 0;
+    (squares.head(squares.size() - 1) + squares.tail(squares.size() - 1))
+        .maxCoeff(&best);
+    return static_cast<int>(best) * kHalf;
+  }
+
   bool RunRecord(const StructuralDynamics& linear,
                  const StructuralDynamics::Prepared& prepared, int index) {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(index)];
     const ObservationMap observation(linear, record.Observations());
-    const int samples = record.num_samples();
+    const int first = FirstSample(record);
+    const int last = std::min(record.num_samples(), first + kMostSamples) - 1;
     std::vector<Matrix> histories;  // samples x channels
     for (int k = -1; k < static_cast<int>(open_scales_.size()); ++k) {
       const Excitation excitation = ExcitationBy(record, k);
       const IntegrationGrid grid = GridOf(linear, record, excitation);
       Trajectory trajectory;
       if (!FreeRun(linear, prepared, observation, grid,
-                   Vector::Zero(linear.num_states()), 0, samples - 1,
-                   &trajectory, Keep::kChannels)) {
+                   Vector::Zero(linear.num_states()), first, last, &trajectory,
+                   Keep::kChannels)) {
         return false;
       }
       Matrix history = trajectory.channels.transpose();
@@ -262,18 +287,21 @@ class Responses {
       histories.push_back(std::move(history));
     }
     for (size_t c = 0; c < record.channels.size(); ++c) {
-      See(index, static_cast<int>(c), histories);
+      See(index, static_cast<int>(c), first, histories);
     }
     return true;
   }
 
-  void See(int record, int channel, const std::vector<Matrix>& histories) {
+  // histories: from sample `first` on.
+  void See(int record, int channel, int first,
+           const std::vector<Matrix>& histories) {
     SeenChannel seen;
     seen.record = record;
     seen.channel = channel;
     // What a device resists with is not the linear model's to say.
     if (ChannelOf(seen).observation.quantity == Quantity::kForce) return;
-    const Vector& values = ChannelOf(seen).values;
+    const Vector values =
+        ChannelOf(seen).values.segment(first, histories[0].rows());
     std::vector<Eigen::Index> present;
     for (Eigen::Index i = 0; i < values.size(); ++i) {
       if (std::isfinite(values[i])) present.push_back(i);

@@ -214,15 +214,14 @@ bool ReadCsvTable(const std::string& path,
                   std::string* error) {
   std::string text;
   return ReadTextFile(path, &text, error) &&
-         ParseCsvTable(text, path, wanted, table, error);
+         ParseCsvTable(std::move(text), path, wanted, table, error);
 }
 
-bool ParseCsvTable(const std::string& original, const std::string& path,
+bool ParseCsvTable(std::string text, const std::string& path,
                    const std::vector<std::string>& wanted, Table* table,
                    std::string* error) {
   CHECK(table != nullptr);
   CHECK(error != nullptr);
-  std::string text = original;
   if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
   // Carriage returns alone end the lines of some old instruments.
   if (text.find('\n') == std::string::npos) {
@@ -263,7 +262,12 @@ bool ParseCsvTable(const std::string& original, const std::string& path,
     return false;
   }
 
-  std::vector<double> values;
+  // Long records are read where they are to stay.
+  const Eigen::Index lines = std::count(text.begin(), text.end(), '\n') +
+                             (text.back() == '\n' ? 0 : 1);
+  result.values.resize(lines - header_line,
+                       static_cast<Eigen::Index>(positions.size()));
+  Eigen::Index row = 0;
   while (rows.Next(&malformed)) {
     const std::string where =
         path + ":" + std::to_string(rows.line_number()) + ": ";
@@ -284,8 +288,9 @@ bool ParseCsvTable(const std::string& original, const std::string& path,
                  "' is not finite";
         return false;
       }
-      values.push_back(value);
+      result.values(row, static_cast<Eigen::Index>(j)) = value;
     }
+    ++row;
     result.line_numbers.push_back(rows.line_number());
   }
   if (!malformed.empty()) {
@@ -297,11 +302,9 @@ bool ParseCsvTable(const std::string& original, const std::string& path,
              ": no rows of numbers below the header line";
     return false;
   }
-  using RowMajor =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  result.values = Eigen::Map<const RowMajor>(
-      values.data(), static_cast<Eigen::Index>(result.line_numbers.size()),
-      static_cast<Eigen::Index>(positions.size()));
+  if (row < result.values.rows()) {
+    result.values.conservativeResize(row, Eigen::NoChange);
+  }
   *table = std::move(result);
   return true;
 }

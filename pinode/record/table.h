@@ -45,8 +45,7 @@ struct Table {
                                 Table* table, std::string* error);
 
 // As ReadCsvTable, of a text in memory; `path` serves messages only.
-[[nodiscard]] bool ParseCsvTable(const std::string& text,
-                                 const std::string& path,
+[[nodiscard]] bool ParseCsvTable(std::string text, const std::string& path,
                                  const std::vector<std::string>& wanted,
                                  Table* table, std::string* error);
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/power_of_two.h"
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/initial_states.h"
 
@@ -67,8 +68,11 @@ MotionSizes SizesOf(const IdentificationProblem& problem) {
 // The lowest mode that deforms the model, its largest entry one; ones where the
 // matrices have none.
 Vector LowestMode(const StructuralModel& model) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(model.stiffness,
-                                                                model.mass);
+  // Roots are taken of the mass.
+  const double unit = PowerOfTwoBelow(model.mass.diagonal().maxCoeff());
+  const double other = PowerOfTwoBelow(model.stiffness.diagonal().maxCoeff());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
+      model.stiffness / other, model.mass / unit);
   const Vector& values = solver.eigenvalues();
   const double largest = values.cwiseAbs().maxCoeff();
   for (int i = 0; solver.info() == Eigen::Success && i < values.size(); ++i) {
