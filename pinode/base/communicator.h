@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "pinode/base/types.h"
 
@@ -26,6 +27,10 @@ class Communicator {
 
   // Adds up `count` numbers over the ranks, in place.
   [[nodiscard]] virtual bool Sum(double* values, int64_t count) = 0;
+  // `all` holds the ranks' numbers one after the other, sizes[r] of rank r, of
+  // which each has filled in its own; afterwards all of them.
+  [[nodiscard]] virtual bool Gather(const std::vector<int64_t>& sizes,
+                                    double* all) = 0;
   // Until all ranks have come so far, however long that takes: after work that
   // each does alone.
   [[nodiscard]] virtual bool Await() = 0;
@@ -48,6 +53,7 @@ class SingleProcess final : public Communicator {
   int rank() const override { return 0; }
   int size() const override { return 1; }
   bool Sum(double*, int64_t) override { return true; }
+  bool Gather(const std::vector<int64_t>&, double*) override { return true; }
   bool Await() override { return true; }
   bool Broadcast(int, void*, int64_t) override { return true; }
 };

@@ -3,6 +3,7 @@
 #ifndef PINODE_BASE_RANKS_TESTING_H_
 #define PINODE_BASE_RANKS_TESTING_H_
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstring>
 #include <functional>
@@ -52,6 +53,21 @@ class ThreadRanks {
       }
       if (count > 0) std::memcpy(values, all_->sum_.data(), bytes);
       all_->Meet();
+      return true;
+    }
+    bool Gather(const std::vector<int64_t>& sizes, double* all) override {
+      int64_t total = 0;
+      int64_t own = 0;
+      for (int r = 0; r < size(); ++r) {
+        if (r == rank_) own = total;
+        total += sizes[static_cast<size_t>(r)];
+      }
+      // What is another's may hold anything.
+      std::vector<double> numbers(static_cast<size_t>(total), 0.0);
+      std::copy_n(all + own, sizes[static_cast<size_t>(rank_)],
+                  numbers.begin() + own);
+      if (!Sum(numbers.data(), total)) return false;
+      std::copy(numbers.begin(), numbers.end(), all);
       return true;
     }
     bool Await() override {

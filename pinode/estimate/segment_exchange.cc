@@ -84,33 +84,42 @@ void Pass(const Shape& shape, int segment, ShootingRecord* record, char* done,
 bool ExchangeSegments(
     const std::vector<std::unique_ptr<ShootingRecord>>& records,
     const std::vector<std::pair<int, int>>& segments,
-    const std::vector<char>& is_own, int num_free, Communicator* communicator,
+    const std::vector<int>& owners, int num_free, Communicator* communicator,
     std::vector<char>* done) {
   if (communicator->size() == 1) return true;
   std::vector<Shape> shapes;
   for (const auto& record : records) {
     shapes.push_back(ShapeOf(*record, num_free));
   }
-  Eigen::Index size = 0;
-  for (const auto& [r, k] : segments) {
-    size += shapes[static_cast<size_t>(r)].size();
+  const auto shape_of = [&](size_t t) -> const Shape& {
+    return shapes[static_cast<size_t>(segments[t].first)];
+  };
+  // The numbers of rank after rank.
+  const auto ranks = static_cast<size_t>(communicator->size());
+  std::vector<int64_t> sizes(ranks, 0);
+  for (size_t t = 0; t < segments.size(); ++t) {
+    if (owners[t] < 0) continue;
+    sizes[static_cast<size_t>(owners[t])] += shape_of(t).size();
   }
-  // Each number is one rank's and zero elsewhere.
-  Vector numbers = Vector::Zero(size);
+  std::vector<int64_t> begins(ranks, 0);
+  for (size_t r = 1; r < ranks; ++r) begins[r] = begins[r - 1] + sizes[r - 1];
+  Vector numbers = Vector::Zero(begins.back() + sizes.back());
   const auto pass = [&](bool writes) {
-    Eigen::Index at = 0;
+    std::vector<int64_t> at = begins;
     for (size_t t = 0; t < segments.size(); ++t) {
-      const auto r = static_cast<size_t>(segments[t].first);
-      if (!writes || is_own[t] != 0) {
-        Stream stream(numbers.data() + at, writes);
-        Pass(shapes[r], segments[t].second, records[r].get(), &(*done)[t],
+      if (owners[t] < 0) continue;
+      int64_t& here = at[static_cast<size_t>(owners[t])];
+      if (writes == (owners[t] == communicator->rank())) {
+        Stream stream(numbers.data() + here, writes);
+        Pass(shape_of(t), segments[t].second,
+             records[static_cast<size_t>(segments[t].first)].get(), &(*done)[t],
              &stream);
       }
-      at += shapes[r].size();
+      here += shape_of(t).size();
     }
   };
   pass(true);
-  if (!communicator->Sum(&numbers)) return false;
+  if (!communicator->Gather(sizes, numbers.data())) return false;
   pass(false);
   return true;
 }

@@ -13,9 +13,7 @@ struct SegmentSweep::Thread {
   Thread(const IdentificationProblem& problem, const ParameterLayout& layout,
          const Options& options)
       : propagator(*problem.dynamics, options.derivatives),
-        works{Work(problem, layout, options), Work(problem, layout, options)},
-        sum{Matrix::Zero(layout.num_free(), layout.num_free()),
-            Vector::Zero(layout.num_free())} {}
+        works{Work(problem, layout, options), Work(problem, layout, options)} {}
 
   struct Work {
     Work(const IdentificationProblem& problem, const ParameterLayout& layout,
@@ -30,7 +28,6 @@ struct SegmentSweep::Thread {
 
   SegmentPropagator propagator;
   std::array<Work, 2> works;
-  FreeEquations sum;  // over the thread's segments
 };
 
 SegmentSweep::SegmentSweep(const IdentificationProblem& problem,
@@ -43,8 +40,7 @@ SegmentSweep::SegmentSweep(const IdentificationProblem& problem,
       communicator_(CommunicatorOrSingle(options.communicator)),
       parallel_(*problem.dynamics, options.derivatives,
                 std::max(1, options.num_threads)),
-      sum_{Matrix::Zero(layout.num_free(), layout.num_free()),
-           Vector::Zero(layout.num_free())} {
+      sums_(layout.num_free(), options.num_threads, &communicator_) {
   for (const auto& record : records_) {
     linear_.push_back(options.derivatives == DerivativeMethod::kTangents
                           ? LinearRecord::Create(
@@ -123,7 +119,7 @@ bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
 
 bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                                    bool with_parameters, bool alone,
-                                   Thread* thread) {
+                                   Thread* thread, FreeEquations* sum) {
   ShootingRecord* record = records_[r].get();
   const int ns = problem_.dynamics->num_states();
   const int first = record->first_sample(segment);
@@ -168,21 +164,21 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
     result.start_hessian = Matrix::Zero(ns, ns);
     result.start_gradient = Vector::Zero(ns);
   }
-  if (!with_parameters) return true;
+  if (!with_parameters || sum == nullptr) return true;
 
-  thread->sum.hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+  sum->hessian.selfadjointView<Eigen::Lower>().rankUpdate(
       by_parameters.transpose());
-  thread->sum.gradient.noalias() += by_parameters.transpose() * residuals;
+  sum->gradient.noalias() += by_parameters.transpose() * residuals;
   return true;
 }
 
 std::vector<char> SegmentSweep::EvaluateLinear(
     const std::vector<Task>& tasks, const std::vector<const Matrix*>& starts,
     bool with_parameters) {
-  std::vector<int> whole;
+  std::vector<size_t> whole;
   for (size_t t = 0; t < tasks.size(); ++t) {
     if (IsWholeAndLinear(static_cast<size_t>(tasks[t].first))) {
-      whole.push_back(static_cast<int>(t));
+      whole.push_back(t);
     }
   }
   // Ranks and threads share records where there are enough of them; each record
@@ -191,28 +187,37 @@ std::vector<char> SegmentSweep::EvaluateLinear(
   const bool together =
       communicator_.size() > 1 && count < communicator_.size();
   std::vector<char> done(tasks.size(), 0);
-  std::vector<char> is_own(tasks.size(), 0);
-  std::vector<int> own;
-  for (int i = 0; i < count; ++i) {
-    const int t = whole[static_cast<size_t>(i)];
-    if (!together && i % communicator_.size() != communicator_.rank()) continue;
-    is_own[static_cast<size_t>(t)] = 1;
-    own.push_back(t);
-  }
+  const auto evaluate = [&](size_t t, int num_threads, FreeEquations* sum) {
+    const auto r = static_cast<size_t>(tasks[t].first);
+    done[t] = EvaluateWhole(r, *starts[r], with_parameters, num_threads,
+                            together, sum);
+  };
   const int num_threads = static_cast<int>(threads_.size());
-  const bool side_by_side =
-      !together && static_cast<int>(own.size()) >= num_threads;
-  ParallelFor(static_cast<int>(own.size()), side_by_side ? num_threads : 1,
-              [&](int i, int thread) {
-                const auto t = static_cast<size_t>(own[static_cast<size_t>(i)]);
-                const auto r = static_cast<size_t>(tasks[t].first);
-                done[t] =
-                    EvaluateWhole(r, *starts[r], with_parameters,
-                                  side_by_side ? 1 : num_threads, together,
-                                  &threads_[static_cast<size_t>(thread)]->sum);
+  std::vector<int> owners(tasks.size(), -1);
+  std::vector<std::vector<size_t>> by_slot(
+      static_cast<size_t>(sums_.num_slots()));
+  int own = 0;
+  for (int i = 0; i < count; ++i) {
+    const size_t t = whole[static_cast<size_t>(i)];
+    if (together) {
+      evaluate(t, num_threads, &sums_.slot(0));
+      continue;
+    }
+    owners[t] = sums_.RankOf(i);
+    if (owners[t] == communicator_.rank()) {
+      by_slot[static_cast<size_t>(sums_.SlotOf(i))].push_back(t);
+      ++own;
+    }
+  }
+  if (together || count == 0) return done;
+  const bool side_by_side = own >= num_threads;
+  ParallelFor(sums_.num_slots(), side_by_side ? num_threads : 1,
+              [&](int s, int) {
+                for (const size_t t : by_slot[static_cast<size_t>(s)]) {
+                  evaluate(t, side_by_side ? 1 : num_threads, &sums_.slot(s));
+                }
               });
-  if (together || whole.empty()) return done;
-  if (!ExchangeSegments(records_, tasks, is_own,
+  if (!ExchangeSegments(records_, tasks, owners,
                         with_parameters ? layout_.num_free() : 0,
                         &communicator_, &done)) {
     answered_ = false;
@@ -223,49 +228,42 @@ std::vector<char> SegmentSweep::EvaluateLinear(
 void SegmentSweep::EvaluateSteps(const std::vector<Task>& tasks,
                                  const std::vector<const Matrix*>& starts,
                                  bool with_parameters) {
-  std::vector<char> is_own(tasks.size(), 0);
+  std::vector<int> owners(tasks.size(), -1);
   std::vector<char> done(tasks.size(), 1);
-  std::vector<Task> own;
+  std::vector<std::vector<size_t>> by_slot(
+      static_cast<size_t>(sums_.num_slots()));
+  size_t own = 0;
+  bool all_long = true;
   for (size_t t = 0; t < tasks.size(); ++t) {
-    if (static_cast<int>(t) % communicator_.size() != communicator_.rank()) {
-      continue;
-    }
-    is_own[t] = 1;
-    own.push_back(tasks[t]);
+    owners[t] = sums_.RankOf(static_cast<int>(t));
+    if (owners[t] != communicator_.rank()) continue;
+    by_slot[static_cast<size_t>(sums_.SlotOf(static_cast<int>(t)))].push_back(
+        t);
+    ++own;
+    const ShootingRecord& of = *records_[static_cast<size_t>(tasks[t].first)];
+    all_long = all_long && parallel_.IsWorthwhile(
+                               of.grid(), of.first_sample(tasks[t].second),
+                               of.last_sample(tasks[t].second),
+                               ColumnsOf(of, with_parameters));
   }
   // Fewer than there are threads go one after the other, where each is long
   // enough for all threads.
-  const bool alone =
-      own.size() < threads_.size() &&
-      std::all_of(own.begin(), own.end(), [&](const Task& task) {
-        const ShootingRecord& of = *records_[static_cast<size_t>(task.first)];
-        return parallel_.IsWorthwhile(of.grid(), of.first_sample(task.second),
-                                      of.last_sample(task.second),
-                                      ColumnsOf(of, with_parameters));
-      });
-  ParallelFor(static_cast<int>(own.size()),
-              alone ? 1 : static_cast<int>(threads_.size()),
-              [&](int t, int thread) {
-                const auto& [record, segment] = own[static_cast<size_t>(t)];
-                const auto r = static_cast<size_t>(record);
-                EvaluateSegment(r, segment, *starts[r], with_parameters, alone,
-                                threads_[static_cast<size_t>(thread)].get());
+  const bool alone = own < threads_.size() && all_long;
+  ParallelFor(sums_.num_slots(), alone ? 1 : static_cast<int>(threads_.size()),
+              [&](int s, int thread) {
+                for (const size_t t : by_slot[static_cast<size_t>(s)]) {
+                  const auto r = static_cast<size_t>(tasks[t].first);
+                  EvaluateSegment(r, tasks[t].second, *starts[r],
+                                  with_parameters, alone,
+                                  threads_[static_cast<size_t>(thread)].get(),
+                                  &sums_.slot(s));
+                }
               });
-  if (!ExchangeSegments(records_, tasks, is_own,
+  if (!ExchangeSegments(records_, tasks, owners,
                         with_parameters ? layout_.num_free() : 0,
                         &communicator_, &done)) {
     answered_ = false;
   }
-}
-
-bool SegmentSweep::SumThreadsAndRanks() {
-  sum_ = threads_[0]->sum;
-  for (size_t t = 1; t < threads_.size(); ++t) {
-    sum_.hessian += threads_[t]->sum.hessian;
-    sum_.gradient += threads_[t]->sum.gradient;
-  }
-  return communicator_.Sum(sum_.hessian.data(), sum_.hessian.size()) &&
-         communicator_.Sum(sum_.gradient.data(), sum_.gradient.size());
 }
 
 bool SegmentSweep::Evaluate(const std::vector<Task>& tasks,
@@ -278,12 +276,7 @@ bool SegmentSweep::Evaluate(const std::vector<Task>& tasks,
     work_ += static_cast<int64_t>(columns) *
              (of.last_sample(segment) - of.first_sample(segment));
   }
-  if (with_parameters) {
-    for (auto& thread : threads_) {
-      thread->sum.hessian.setZero();
-      thread->sum.gradient.setZero();
-    }
-  }
+  if (with_parameters) sums_.Clear();
   answered_ = true;
   const std::vector<char> done = EvaluateLinear(tasks, starts, with_parameters);
   std::vector<Task> left;
@@ -291,7 +284,7 @@ bool SegmentSweep::Evaluate(const std::vector<Task>& tasks,
     if (done[t] == 0) left.push_back(tasks[t]);
   }
   if (!left.empty()) EvaluateSteps(left, starts, with_parameters);
-  if (with_parameters && !SumThreadsAndRanks()) answered_ = false;
+  if (with_parameters && !sums_.Total(&sum_)) answered_ = false;
   return answered_;
 }
 
@@ -332,7 +325,7 @@ bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,
   const ShootingRecord& record = *records_[r];
   Thread& thread = *threads_[0];
   if (!EvaluateSegment(r, segment, starts, with_jacobian,
-                       /*alone=*/true, &thread)) {
+                       /*alone=*/true, &thread, nullptr)) {
     return false;
   }
   const int ns = problem_.dynamics->num_states();

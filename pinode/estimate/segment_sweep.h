@@ -13,6 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/linear_record.h"
+#include "pinode/estimate/ordered_sums.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/robust_loss.h"
 #include "pinode/estimate/shooting_record.h"
@@ -92,9 +93,11 @@ class SegmentSweep {
   // other ranks.
   bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
                      int num_threads, bool together, FreeEquations* sum);
-  // Step by step; `alone`: with all threads, where that is worth while.
+  // Step by step; `alone`: with all threads, where that is worth while. `sum`:
+  // nullptr where nothing is to be summed.
   bool EvaluateSegment(size_t record, int segment, const Matrix& starts,
-                       bool with_parameters, bool alone, Thread* thread);
+                       bool with_parameters, bool alone, Thread* thread,
+                       FreeEquations* sum);
   // Which of the tasks LinearRecord has done; then the others.
   std::vector<char> EvaluateLinear(const std::vector<Task>& tasks,
                                    const std::vector<const Matrix*>& starts,
@@ -102,7 +105,6 @@ class SegmentSweep {
   void EvaluateSteps(const std::vector<Task>& tasks,
                      const std::vector<const Matrix*>& starts,
                      bool with_parameters);
-  [[nodiscard]] bool SumThreadsAndRanks();
   bool VisitWhole(size_t record, const Matrix& starts, bool with_jacobian,
                   const Visitor& visitor);
   bool VisitSegment(size_t record, int segment, const Matrix& starts,
@@ -118,6 +120,7 @@ class SegmentSweep {
   ParallelSegment parallel_;
   const StructuralDynamics::Prepared* prepared_ = nullptr;
   const Vector* parameters_ = nullptr;
+  OrderedSums sums_;
   FreeEquations sum_;
   bool answered_ = true;  // by all ranks
   int64_t work_ = 0;

@@ -18,7 +18,7 @@ using std::chrono::microseconds;
 // MPI counts in 32 bits.
 constexpr int64_t kMostAtOnce = int64_t{1} << 28;
 // Others are asked without a pause for so long, then with one.
-constexpr microseconds kEager(2000);
+constexpr microseconds kEager(200000);
 constexpr microseconds kPause(100);
 // What a process that was told to end still waits for others.
 constexpr microseconds kLastWait(300000);
@@ -102,6 +102,35 @@ bool MpiCommunicator::Sum(double* values, int64_t count) {
     if (!Wait(&request, options_.timeout_seconds)) return false;
   }
   return Broadcast(0, values, count * static_cast<int64_t>(sizeof(double)));
+}
+
+bool MpiCommunicator::Gather(const std::vector<int64_t>& sizes, double* all) {
+  int64_t total = 0;
+  std::vector<int> counts, places;
+  for (const int64_t size : sizes) {
+    counts.push_back(static_cast<int>(std::min(size, kMostAtOnce)));
+    places.push_back(static_cast<int>(std::min(total, kMostAtOnce)));
+    total += size;
+  }
+  if (failed_) return false;
+  if (total > kMostAtOnce) {
+    // Beyond what MPI can address: one after the other.
+    int64_t at = 0;
+    for (int r = 0; r < size_; ++r) {
+      const int64_t size = sizes[static_cast<size_t>(r)];
+      if (!Broadcast(r, all + at, size * static_cast<int64_t>(sizeof(double))))
+        return false;
+      at += size;
+    }
+    return true;
+  }
+  MPI_Request request = MPI_REQUEST_NULL;
+  if (MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, counts.data(),
+                      places.data(), MPI_DOUBLE, MPI_COMM_WORLD,
+                      &request) != MPI_SUCCESS) {
+    return Fail("a rank cannot be reached");
+  }
+  return Wait(&request, options_.timeout_seconds);
 }
 
 bool MpiCommunicator::Await() {

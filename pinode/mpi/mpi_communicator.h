@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pinode/base/communicator.h"
 
@@ -41,6 +42,7 @@ class MpiCommunicator final : public Communicator {
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   bool Sum(double* values, int64_t count) override;
+  bool Gather(const std::vector<int64_t>& sizes, double* all) override;
   bool Await() override;
   bool Broadcast(int root, void* bytes, int64_t count) override;
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace pinode {
 namespace {
@@ -39,6 +40,24 @@ TEST(MpiCommunicator, BroadcastsWhatEachRankHas) {
     Vector values = is_root ? Vector(Vector::LinSpaced(root, 0, 1)) : Vector();
     ASSERT_TRUE(ranks->Broadcast(root, &values));
     EXPECT_EQ(values.size(), root);
+  }
+}
+
+TEST(MpiCommunicator, GathersDifferentNumbersOfNumbers) {
+  std::vector<int64_t> sizes;
+  int64_t total = 0;
+  int64_t own = 0;
+  for (int r = 0; r < ranks->size(); ++r) {
+    if (r == ranks->rank()) own = total;
+    sizes.push_back(100 * r);
+    total += sizes.back();
+  }
+  Vector all = Vector::Constant(total, -1.0);
+  all.segment(own, 100 * ranks->rank()).setConstant(ranks->rank());
+  ASSERT_TRUE(ranks->Gather(sizes, all.data()));
+  for (int64_t at = 0, r = 0; r < ranks->size(); at += 100 * r, ++r) {
+    EXPECT_TRUE(
+        (all.segment(at, 100 * r).array() == static_cast<double>(r)).all());
   }
 }
 

@@ -1,0 +1,91 @@
+#include "pinode/estimate/ordered_sums.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pinode {
+namespace {
+
+// Adds the second of each pair to the first, then of each pair of pairs.
+template <typename Add>
+void AddInPairs(int count, const Add& add) {
+  for (int step = 1; step < count; step *= 2) {
+    for (int i = 0; i + step < count; i += 2 * step) add(i, i + step);
+  }
+}
+
+// Lower triangle, column by column, and gradient.
+void Pack(const FreeEquations& equations, Eigen::Ref<Vector> numbers) {
+  Eigen::Index at = 0;
+  const Eigen::Index free = equations.gradient.size();
+  for (Eigen::Index j = 0; j < free; ++j) {
+    numbers.segment(at, free - j) = equations.hessian.col(j).tail(free - j);
+    at += free - j;
+  }
+  numbers.tail(free) = equations.gradient;
+}
+
+void Unpack(const Eigen::Ref<const Vector>& numbers, FreeEquations* equations) {
+  Eigen::Index at = 0;
+  const Eigen::Index free = equations->gradient.size();
+  for (Eigen::Index j = 0; j < free; ++j) {
+    equations->hessian.col(j).tail(free - j) = numbers.segment(at, free - j);
+    at += free - j;
+  }
+  equations->gradient = numbers.tail(free);
+}
+
+}  // namespace
+
+OrderedSums::OrderedSums(int num_free, int num_threads,
+                         Communicator* communicator)
+    : communicator_(CommunicatorOrSingle(communicator)) {
+  constexpr int kGroups = 4;
+  const int ranks = communicator_.size();
+  groups_ = ranks <= kGroups && kGroups % ranks == 0 ? kGroups : ranks;
+  const int own = groups_ / ranks;
+  const int threads = std::max(1, num_threads);
+  parts_ = threads / std::gcd(threads, own);
+  slots_.assign(static_cast<size_t>(own * parts_),
+                {Matrix::Zero(num_free, num_free), Vector::Zero(num_free)});
+}
+
+void OrderedSums::Clear() {
+  for (FreeEquations& slot : slots_) {
+    slot.hessian.setZero();
+    slot.gradient.setZero();
+  }
+}
+
+int OrderedSums::SlotOf(int task) const {
+  const int own = groups_ / communicator_.size();
+  return task % groups_ % own * parts_ + task / groups_ % parts_;
+}
+
+bool OrderedSums::Total(FreeEquations* total) {
+  AddInPairs(num_slots(), [this](int to, int from) {
+    slot(to).hessian += slot(from).hessian;
+    slot(to).gradient += slot(from).gradient;
+  });
+  *total = slots_[0];
+  const int ranks = communicator_.size();
+  if (ranks == 1) return true;
+  // Of few ranks each has a column of its own.
+  const bool apart = groups_ > ranks || ranks <= 4;
+  const Eigen::Index free = total->gradient.size();
+  const Eigen::Index size = free * (free + 1) / 2 + free;
+  Matrix sums = Matrix::Zero(size, apart ? ranks : 1);
+  Pack(*total, sums.col(apart ? communicator_.rank() : 0));
+  if (apart) {
+    const std::vector<int64_t> sizes(static_cast<size_t>(ranks), size);
+    if (!communicator_.Gather(sizes, sums.data())) return false;
+  } else if (!communicator_.Sum(sums.data(), sums.size())) {
+    return false;
+  }
+  AddInPairs(static_cast<int>(sums.cols()),
+             [&sums](int to, int from) { sums.col(to) += sums.col(from); });
+  Unpack(sums.col(0), total);
+  return true;
+}
+
+}  // namespace pinode

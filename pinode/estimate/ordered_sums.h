@@ -1,0 +1,46 @@
+// Sums over tasks that threads and ranks share.
+
+#ifndef PINODE_ESTIMATE_ORDERED_SUMS_H_
+#define PINODE_ESTIMATE_ORDERED_SUMS_H_
+
+#include <vector>
+
+#include "pinode/base/communicator.h"
+#include "pinode/estimate/shooting_record.h"
+
+namespace pinode {
+
+// Equations of the free parameters, summed over tasks. Every task has its slot,
+// and slots are added up in an order that does not depend on who has filled
+// them: one, two or four ranks or threads find the same bits. (A fit with
+// networks goes hundreds of iterations along a valley, where a last bit grows
+// into another end.) Of other numbers each finds its own bits.
+class OrderedSums {
+ public:
+  // `communicator` must outlive the object.
+  OrderedSums(int num_free, int num_threads, Communicator* communicator);
+
+  void Clear();
+  // Whose a task is, from 0.
+  int RankOf(int task) const {
+    return task % groups_ * communicator_.size() / groups_;
+  }
+  // Slots of this rank: a thread fills one at a time, its tasks in order.
+  int num_slots() const { return static_cast<int>(slots_.size()); }
+  // The slot of a task of this rank.
+  int SlotOf(int task) const;
+  FreeEquations& slot(int index) { return slots_[static_cast<size_t>(index)]; }
+
+  // The sum over all slots of all ranks. False where a rank does not answer.
+  [[nodiscard]] bool Total(FreeEquations* total);
+
+ private:
+  Communicator& communicator_;
+  int groups_ = 1;  // of tasks, over all ranks
+  int parts_ = 1;   // that a group has, so that threads are equally busy
+  std::vector<FreeEquations> slots_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_ORDERED_SUMS_H_
