@@ -102,7 +102,8 @@ Matrix ProbeColumns(int nc, int samples) {
   for (int c = 0; c < nc; ++c) {
     for (int p = 0; p < kProbes; ++p) {
       for (int i = 0; i < samples; ++i) {
-        probes(i * nc + c, c * kProbes + p) = (random() & 1) != 0 ? 1.0 : -1.0;
+        probes(Eigen::Index{i} * nc + c, c * kProbes + p) =
+            (random() & 1) != 0 ? 1.0 : -1.0;
       }
     }
   }
@@ -116,11 +117,11 @@ void FilterWeights(const ZeroPhaseFilter& filter, int nc, Matrix* weights) {
   for (int c = 0; c < nc; ++c) {
     Matrix history(samples, weights->cols());
     for (int i = 0; i < samples; ++i) {
-      history.row(i) = weights->row(i * nc + c);
+      history.row(i) = weights->row(Eigen::Index{i} * nc + c);
     }
     filter.Apply(&history);
     for (int i = 0; i < samples; ++i) {
-      weights->row(i * nc + c) = history.row(i);
+      weights->row(Eigen::Index{i} * nc + c) = history.row(i);
     }
   }
 }
@@ -129,7 +130,8 @@ void FilterWeights(const ZeroPhaseFilter& filter, int nc, Matrix* weights) {
 Matrix ChannelRows(const Matrix& jacobian, int nc, int c) {
   const int samples = static_cast<int>(jacobian.rows()) / nc;
   Matrix rows(samples, jacobian.cols());
-  for (int i = 0; i < samples; ++i) rows.row(i) = jacobian.row(i * nc + c);
+  for (int i = 0; i < samples; ++i)
+    rows.row(i) = jacobian.row(Eigen::Index{i} * nc + c);
   return rows;
 }
 

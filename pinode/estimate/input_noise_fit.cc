@@ -193,8 +193,8 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
   Matrix noise(nc, samples);
   for (int i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
-      const bool missing =
-          residuals(c, i) == 0.0 && jacobian.row(i * nc + c).isZero(0.0);
+      const bool missing = residuals(c, i) == 0.0 &&
+                           jacobian.row(Eigen::Index{i} * nc + c).isZero(0.0);
       noise(c, i) = missing ? kMissing : sigmas_[t][c];
       if (!missing) equations->num_residuals += 1.0;
     }

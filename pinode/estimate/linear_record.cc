@@ -33,25 +33,9 @@ int FairBound(int begin, int end, int index, int count) {
   return std::clamp(static_cast<int>(std::lround(bound)), begin, end);
 }
 
-// Adds up the ranks' equations. False where a rank does not answer.
-bool AddRanks(Communicator* ranks, LinearRecord::Equations* equations) {
-  if (ranks->size() == 1) return true;
-  Vector numbers(1 + equations->end_state.size() + equations->gradient.size() +
-                 equations->hessian.size());
-  numbers << equations->cost, equations->end_state, equations->gradient,
-      equations->hessian.reshaped();
-  if (!ranks->Sum(&numbers)) return false;
-  Eigen::Index at = 1;
-  const auto take = [&](Eigen::Index count) {
-    at += count;
-    return numbers.segment(at - count, count);
-  };
-  equations->cost = numbers[0];
-  equations->end_state = take(equations->end_state.size());
-  equations->gradient = take(equations->gradient.size());
-  equations->hessian.reshaped() = take(equations->hessian.size());
-  return true;
-}
+// Of the equations of all channels together, more than this are not kept by
+// channel.
+constexpr double kMostNumbers = 4e6;
 
 }  // namespace
 
@@ -65,25 +49,30 @@ struct LinearRecord::Tables {
   std::vector<Matrix> derivatives;
   Vector start;
   Vector sigmas;
+  // Whether the channels' equations are kept apart.
+  bool apart = false;
+  size_t EquationsOf(int channel) const {
+    return apart ? static_cast<size_t>(channel) : 0;
+  }
   // Whether rows of the Jacobian are cheaper than the histories' Gram matrix.
   bool by_rows = false;
 };
 
 struct LinearRecord::Sums {
-  double cost = 0.0;
-  std::vector<Matrix> grams;  // of each pattern, lower triangles; R x R
-  Matrix products;            // Z r_c, R x channels
-  Matrix hessian;             // where the Jacobian's rows are summed
+  Vector costs;                  // of each channel
+  std::vector<Matrix> grams;     // of each pattern, lower triangles; R x R
+  Matrix products;               // Z r_c, R x channels
+  std::vector<Matrix> hessians;  // where the Jacobian's rows are summed
   Vector end;  // the last histories, zero where they are others' to sum
-  bool finite = true;
 
   void Add(const Sums& other) {
-    cost += other.cost;
+    costs += other.costs;
     for (size_t p = 0; p < grams.size(); ++p) grams[p] += other.grams[p];
     products += other.products;
-    hessian += other.hessian;
+    for (size_t h = 0; h < hessians.size(); ++h) {
+      hessians[h] += other.hessians[h];
+    }
     end += other.end;
-    finite = finite && other.finite;
   }
 };
 
@@ -136,7 +125,8 @@ bool LinearRecord::FindPatterns() {
   return patterns_.size() <= kMostPatterns;
 }
 
-bool LinearRecord::Tabulate(const Point& point, Tables* tables) {
+bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
+                            Tables* tables) {
   const bool by_parameters = HasParameters(point.columns);
   const bool by_start = HasStart(point.columns);
   if (!response_.Prepare(*problem_.dynamics, *point.prepared, grid_,
@@ -146,7 +136,7 @@ bool LinearRecord::Tabulate(const Point& point, Tables* tables) {
   tables->contents.with_slopes = by_parameters;
   tables->contents.with_start = by_start || !point.start.isZero(0.0);
   tables->start = point.start;
-  tables->sigmas = *point.sigmas;
+  tables->sigmas = sigmas;
   const Eigen::Index ns = by_start ? point.start.size() : 0;
   tables->columns = ns + (by_parameters ? layout_.num_free() : 0);
   const int constant = response_.ConstantRow(tables->contents);
@@ -187,7 +177,7 @@ bool LinearRecord::Tabulate(const Point& point, Tables* tables) {
         derivatives(constant, column(channel.offset)) = 1.0;
       }
     }
-    const double sigma = (*point.sigmas)[static_cast<Eigen::Index>(c)];
+    const double sigma = sigmas[static_cast<Eigen::Index>(c)];
     prediction /= sigma;
     derivatives /= sigma;
   }
@@ -226,8 +216,7 @@ Matrix LinearRecord::Residuals(const Tables& tables, int first,
 void LinearRecord::AddBlock(const Tables& tables, int first,
                             const Matrix& histories, Sums* sums) const {
   const Matrix residuals = Residuals(tables, first, histories);
-  sums->cost += 0.5 * residuals.squaredNorm();
-  sums->finite = sums->finite && std::isfinite(sums->cost);
+  sums->costs += 0.5 * residuals.rowwise().squaredNorm();
   if (tables.columns == 0) return;
   sums->products.noalias() += histories * residuals.transpose();
   Matrix present = histories;
@@ -250,31 +239,43 @@ void LinearRecord::AddBlock(const Tables& tables, int first,
     for (const int c : pattern.channels) {
       const Matrix rows =
           tables.derivatives[static_cast<size_t>(c)].transpose() * used;
-      sums->hessian.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+      sums->hessians[tables.EquationsOf(c)]
+          .selfadjointView<Eigen::Lower>()
+          .rankUpdate(rows);
     }
   }
 }
 
 void LinearRecord::Condense(const Tables& tables, const Sums& sums,
-                            Equations* equations) const {
-  equations->cost = sums.cost;
+                            ByChannel* equations) const {
+  const size_t count = tables.apart ? record_.channels.size() : 1;
+  equations->costs =
+      tables.apart ? sums.costs : Vector::Constant(1, sums.costs.sum());
   equations->end_state =
       response_.States(tables.contents, tables.start).transpose() * sums.end;
-  equations->gradient = Vector::Zero(tables.columns);
-  equations->hessian = sums.hessian;
+  equations->gradients =
+      Matrix::Zero(tables.columns, static_cast<Eigen::Index>(count));
+  equations->hessians = sums.hessians;
+  if (!tables.by_rows || tables.columns == 0) {
+    equations->hessians.assign(count,
+                               Matrix::Zero(tables.columns, tables.columns));
+  }
   if (tables.columns == 0) return;
   Matrix product;
   for (size_t p = 0; p < patterns_.size(); ++p) {
     for (const int c : patterns_[p].channels) {
       const Matrix& table = tables.derivatives[static_cast<size_t>(c)];
-      equations->gradient.noalias() += table.transpose() * sums.products.col(c);
+      const size_t own = tables.EquationsOf(c);
+      equations->gradients.col(static_cast<Eigen::Index>(own)).noalias() +=
+          table.transpose() * sums.products.col(c);
       if (tables.by_rows) continue;
       product.noalias() = sums.grams[p].selfadjointView<Eigen::Lower>() * table;
-      equations->hessian.noalias() += table.transpose() * product;
+      equations->hessians[own].noalias() += table.transpose() * product;
     }
   }
-  if (tables.by_rows) {
-    equations->hessian = Matrix(sums.hessian.selfadjointView<Eigen::Lower>());
+  if (!tables.by_rows) return;
+  for (Matrix& hessian : equations->hessians) {
+    hessian = Matrix(hessian.selfadjointView<Eigen::Lower>());
   }
 }
 
@@ -284,13 +285,17 @@ LinearRecord::Sums LinearRecord::SumPieces(
   const Eigen::Index rows = tables.predictions.rows();
   Sums zero;
   zero.end = Vector::Zero(rows);
+  zero.costs = Vector::Zero(tables.predictions.cols());
   if (tables.columns > 0) {
     zero.products = Matrix::Zero(rows, tables.predictions.cols());
     if (!tables.by_rows) {
       zero.grams.assign(patterns_.size(), Matrix::Zero(rows, rows));
     }
   }
-  zero.hessian = Matrix::Zero(tables.columns, tables.columns);
+  if (tables.by_rows) {
+    zero.hessians.assign(tables.apart ? record_.channels.size() : 1,
+                         Matrix::Zero(tables.columns, tables.columns));
+  }
 
   const int samples = record_.num_samples();
   const int ranks = communicator.size();
@@ -327,23 +332,93 @@ LinearRecord::Sums LinearRecord::SumPieces(
   return sums[0];
 }
 
+bool LinearRecord::HasBeenAt(const Point& point, const ByChannel& known) const {
+  return known.apart && known.parameters.size() == point.parameters->size() &&
+         known.parameters == *point.parameters && known.start == point.start &&
+         (known.columns == point.columns ||
+          point.columns == SegmentColumns::kNone);
+}
+
 bool LinearRecord::Evaluate(const Point& point, int num_threads,
                             Communicator* communicator, Equations* equations) {
+  const ByChannel* found = nullptr;
+  for (const ByChannel& known : known_) {
+    if (HasBeenAt(point, known)) found = &known;
+  }
+  if (found == nullptr) {
+    ByChannel& known = known_[point.columns == SegmentColumns::kNone ? 0 : 1];
+    if (!Sum(point, num_threads, communicator, &known)) {
+      known = ByChannel();
+      return false;
+    }
+    found = &known;
+  }
+  const Vector weights = found->apart
+                             ? Vector(point.sigmas->cwiseAbs2().cwiseInverse())
+                             : Vector::Ones(1);
+  const Eigen::Index columns =
+      point.columns == SegmentColumns::kNone ? 0 : found->gradients.rows();
+  equations->cost = weights.dot(found->costs);
+  equations->end_state = found->end_state;
+  equations->gradient = found->gradients.topRows(columns) * weights;
+  equations->hessian = Matrix::Zero(columns, columns);
+  for (Eigen::Index c = 0; columns > 0 && c < weights.size(); ++c) {
+    equations->hessian += weights[c] * found->hessians[static_cast<size_t>(c)];
+  }
+  return std::isfinite(equations->cost) && equations->end_state.allFinite();
+}
+
+bool LinearRecord::Sum(const Point& point, int num_threads,
+                       Communicator* communicator, ByChannel* equations) {
+  const auto channels = static_cast<Eigen::Index>(record_.channels.size());
+  const Eigen::Index most =
+      problem_.dynamics->num_states() + layout_.num_free();
+  const double numbers = static_cast<double>(channels) *
+                         static_cast<double>(most) * static_cast<double>(most);
+  const bool apart = numbers < kMostNumbers;
   Tables tables;
-  if (!Tabulate(point, &tables)) return false;
+  tables.apart = apart;
+  if (!Tabulate(point, apart ? Vector(Vector::Ones(channels)) : *point.sigmas,
+                &tables)) {
+    return false;
+  }
   Communicator& ranks = CommunicatorOrSingle(communicator);
   const int pieces =
       (record_.num_samples() + kPieceSamples - 1) / kPieceSamples;
-  const Sums sums = SumPieces(tables, pieces, num_threads, ranks);
-  if (ranks.size() == 1 && !sums.finite) return false;
-  Condense(tables, sums, equations);
-  return AddRanks(&ranks, equations) && std::isfinite(equations->cost) &&
-         equations->end_state.allFinite();
+  Condense(tables, SumPieces(tables, pieces, num_threads, ranks), equations);
+  equations->parameters = *point.parameters;
+  equations->start = point.start;
+  equations->columns = point.columns;
+  equations->apart = apart;
+  return AddRanks(&ranks, equations);
+}
+
+bool LinearRecord::AddRanks(Communicator* ranks, ByChannel* equations) {
+  if (ranks->size() == 1) return true;
+  Eigen::Index size = equations->costs.size() + equations->end_state.size() +
+                      equations->gradients.size();
+  for (const Matrix& hessian : equations->hessians) size += hessian.size();
+  Vector numbers(size);
+  const auto pass = [&](const auto& each) {
+    Eigen::Index at = 0;
+    const auto next = [&](auto* values) {
+      each(numbers.segment(at, values->size()), values);
+      at += values->size();
+    };
+    next(&equations->costs);
+    next(&equations->end_state);
+    next(&equations->gradients);
+    for (Matrix& hessian : equations->hessians) next(&hessian);
+  };
+  pass([](auto there, const auto* here) { there = here->reshaped(); });
+  if (!ranks->Sum(&numbers)) return false;
+  pass([](const auto& there, auto* here) { here->reshaped() = there; });
+  return true;
 }
 
 bool LinearRecord::Visit(const Point& point, const Visitor& visitor) {
   Tables tables;
-  if (!Tabulate(point, &tables)) return false;
+  if (!Tabulate(point, *point.sigmas, &tables)) return false;
   const int nc = static_cast<int>(record_.channels.size());
   const int samples = record_.num_samples();
   ModalResponse::State state = response_.Begin(tables.contents);
@@ -365,7 +440,7 @@ bool LinearRecord::Visit(const Point& point, const Visitor& visitor) {
               !pattern.present[static_cast<size_t>(first + i)]) {
             continue;
           }
-          jacobian.row(i * nc + c) = rows.row(i);
+          jacobian.row(Eigen::Index{i} * nc + c) = rows.row(i);
         }
       }
     }

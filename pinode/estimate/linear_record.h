@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_LINEAR_RECORD_H_
 #define PINODE_ESTIMATE_LINEAR_RECORD_H_
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -30,8 +31,10 @@ namespace pinode {
 //   J'J = sum_c T_c' (Z Z') T_c,    J'r = sum_c T_c' (Z r_c):
 //
 // a sample costs R^2, or for few derivatives R columns channels, whichever is
-// less, and nothing is kept of it. Channels that miss samples have a Gram
-// matrix Z Z' of their own. The pieces of a record are summed side by side.
+// less, and nothing is kept of it. The sums are kept by channel: where the
+// noise levels alone have changed, they are weighed anew. Channels that miss
+// samples have a Gram matrix Z Z' of their own. The pieces of a record are
+// summed side by side.
 class LinearRecord {
  public:
   // nullptr where the record is not of this kind: dynamics that are not linear,
@@ -82,20 +85,44 @@ class LinearRecord {
   struct Tables;
   // Sums over samples.
   struct Sums;
+  // The equations of each channel, whatever its noise.
+  struct ByChannel {
+    // Where they are from.
+    Vector parameters;
+    Vector start;
+    SegmentColumns columns = SegmentColumns::kNone;
+    // False where there would be too many: all channels are one then, and have
+    // their noise in them.
+    bool apart = false;
+
+    Vector costs;
+    Matrix gradients;  // columns x channels
+    std::vector<Matrix> hessians;
+    Vector end_state;
+  };
 
   LinearRecord(const IdentificationProblem& problem,
                const ParameterLayout& layout,
                const IdentificationRecord& record, const IntegrationGrid& grid,
                const ObservationMap& observation);
   bool FindPatterns();
-  bool Tabulate(const Point& point, Tables* tables);
+  // In units of `sigmas`.
+  bool Tabulate(const Point& point, const Vector& sigmas, Tables* tables);
   // r of consecutive samples from their histories, channels x count.
   Matrix Residuals(const Tables& tables, int first,
                    const Matrix& histories) const;
   void AddBlock(const Tables& tables, int first, const Matrix& histories,
                 Sums* sums) const;
   void Condense(const Tables& tables, const Sums& sums,
-                Equations* equations) const;
+                ByChannel* equations) const;
+  // Whether the equations of all channels are of this point, whatever the
+  // noise.
+  bool HasBeenAt(const Point& point, const ByChannel& known) const;
+  // At a point where nothing is known.
+  [[nodiscard]] bool Sum(const Point& point, int num_threads,
+                         Communicator* communicator, ByChannel* equations);
+  // False where a rank does not answer.
+  [[nodiscard]] static bool AddRanks(Communicator* ranks, ByChannel* equations);
   // Of this rank's pieces of `pieces`.
   Sums SumPieces(const Tables& tables, int pieces, int num_threads,
                  const Communicator& communicator) const;
@@ -107,6 +134,9 @@ class LinearRecord {
   const ObservationMap& observation_;
   std::vector<Pattern> patterns_;  // of the fitted channels
   ModalResponse response_;
+  // Of the last cost alone, and of the last with derivatives: new noise levels
+  // need no new sums.
+  std::array<ByChannel, 2> known_;
 };
 
 }  // namespace pinode

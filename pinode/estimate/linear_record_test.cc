@@ -145,6 +145,24 @@ TEST_P(LinearRecordTest, ThreadsShareOneRecord) {
   ExpectNear(a.hessian, b.hessian, 1e-12);
 }
 
+// At the same point, with other noise: what has been summed serves again.
+TEST_P(LinearRecordTest, NewNoiseIsWeighedAnew) {
+  LinearFit fit(GetParam(), 300);
+  auto again = fit.Shoot(true, 1);
+  auto anew = fit.Shoot(true, 1);
+  const Vector free = fit.layout->Free(fit.layout->InitialValues());
+  CondensedSystem a, b;
+  ASSERT_TRUE(again->Linearize(free, &a));
+  const std::vector<Vector> sigmas = {Eigen::Vector4d(0.01, 0.3, 0.05, 2.0)};
+  again->SetSigmas(sigmas);
+  anew->SetSigmas(sigmas);
+  ASSERT_TRUE(again->Linearize(free, &a));
+  ASSERT_TRUE(anew->Linearize(free, &b));
+  EXPECT_NEAR(a.cost, b.cost, 1e-11 * b.cost);
+  ExpectNear(a.gradient, b.gradient, 1e-10);
+  ExpectNear(a.hessian, b.hessian, 1e-10);
+}
+
 INSTANTIATE_TEST_SUITE_P(Starts, LinearRecordTest,
                          ::testing::Values(IdentificationRecord::Start::kRest,
                                            IdentificationRecord::Start::kKnown,

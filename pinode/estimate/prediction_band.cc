@@ -91,7 +91,7 @@ Matrix StartCovariance(const IdentificationRecord& data, const Matrix& rows,
     for (int c = 0; c < nc; ++c) {
       const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
       if (!channel.fit || std::isnan(channel.values[i])) continue;
-      const RowVector row = rows.row(i * nc + c);
+      const RowVector row = rows.row(Eigen::Index{i} * nc + c);
       information.noalias() += row.transpose() * row;
     }
   }

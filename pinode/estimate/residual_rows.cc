@@ -61,7 +61,8 @@ void ResidualRows::Compute(const IdentificationRecord& record,
   // Predictions of real sensors, sample-major as the rows are.
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                tangents.channels.size());
-  std::vector<bool> valid(static_cast<size_t>(nc * samples), true);
+  std::vector<bool> valid(
+      static_cast<size_t>(nc) * static_cast<size_t>(samples), true);
   ApplySensors(layout_, parameters, record, HasParameters(columns), prediction,
                &jacobian_, &valid);
   if (record.filter != nullptr && whole) {
@@ -73,7 +74,7 @@ void ResidualRows::Compute(const IdentificationRecord& record,
   Vector weights(nc * samples);
   for (int i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
-      const int row = i * nc + c;
+      const Eigen::Index row = Eigen::Index{i} * nc + c;
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       const double value = channel.values[first + i];
       if (!channel.fit || !valid[static_cast<size_t>(row)] ||

@@ -94,7 +94,9 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
         MeanOfPresent(channel.values.tail(samples - first_scored_sample));
     for (int i = first_scored_sample; i < samples; ++i) {
       const double y = channel.values[i];
-      if (std::isnan(y) || !valid[static_cast<size_t>(i * nc + c)]) continue;
+      if (std::isnan(y) ||
+          !valid[static_cast<size_t>(Eigen::Index{i} * nc + c)])
+        continue;
       const double residual = y - score->prediction(c, i);
       residuals[i] = residual;
       sum += residual * residual;

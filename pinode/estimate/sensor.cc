@@ -28,15 +28,15 @@ void CubicWeights(double u, double* weight, double* slope) {
 void DelayChannel(int channel, int channels, double delay, double dt,
                   int delay_column, Eigen::Ref<Vector> prediction, Matrix* rows,
                   std::vector<bool>* valid) {
-  const int samples = static_cast<int>(prediction.size()) / channels;
+  const int samples = static_cast<int>(prediction.size() / channels);
   Vector before(samples);
   Matrix rows_before(samples, rows->cols());
   for (int i = 0; i < samples; ++i) {
-    before[i] = prediction[i * channels + channel];
-    rows_before.row(i) = rows->row(i * channels + channel);
+    before[i] = prediction[Eigen::Index{i} * channels + channel];
+    rows_before.row(i) = rows->row(Eigen::Index{i} * channels + channel);
   }
   for (int i = 0; i < samples; ++i) {
-    const int row = i * channels + channel;
+    const Eigen::Index row = Eigen::Index{i} * channels + channel;
     const double position = i - delay / dt;
     if (samples < 4 || position < -0.5 || position > samples - 0.5) {
       (*valid)[static_cast<size_t>(row)] = false;
@@ -66,7 +66,7 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   Eigen::Ref<Vector> prediction, Matrix* rows,
                   std::vector<bool>* valid) {
   const int channels = static_cast<int>(record.channels.size());
-  const int samples = static_cast<int>(prediction.size()) / channels;
+  const int samples = static_cast<int>(prediction.size() / channels);
   const int first_free = static_cast<int>(rows->cols()) - layout.num_free();
   // Column of a sensor parameter, -1 where fixed or not asked for.
   const auto column = [&](int sensor) {
@@ -86,7 +86,7 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
     if (channel.gain >= 0) {
       const double gain = value(channel.gain);
       for (int i = 0; i < samples; ++i) {
-        const int row = i * channels + c;
+        const Eigen::Index row = Eigen::Index{i} * channels + c;
         rows->row(row) *= gain;
         if (column(channel.gain) >= 0) {
           (*rows)(row, column(channel.gain)) = prediction[row];
@@ -96,7 +96,7 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
     }
     if (channel.offset >= 0) {
       for (int i = 0; i < samples; ++i) {
-        const int row = i * channels + c;
+        const Eigen::Index row = Eigen::Index{i} * channels + c;
         prediction[row] += value(channel.offset);
         if (column(channel.offset) >= 0) {
           (*rows)(row, column(channel.offset)) = 1.0;

@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# The same fit on one thread, on several, and on several ranks of an MPI job:
+# seconds of wall time an iteration and for all of them, how many times faster
+# than one thread, and by how much the parameters differ.
+#
+#   tests/benchmarks/ranks.sh [CASE_FILE ...]
+#
+# Without a case: a hundred storeys with 100 000 samples (generator as for
+# scale.sh) and case 1's third scheme, whose network's Gram matrix is large.
+# PINODE_WORKERS (default: "2") says how many threads and ranks are tried.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+cd -- "$root"
+build=${PINODE_BUILD_DIR:-build-release}
+if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
+  apps/install_packages.sh apps/packages.txt tests/packages.txt
+  cmake --preset release >/dev/null
+  cmake --build --preset release --parallel "$(nproc)" --target pinode_update
+fi
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+export OMPI_MCA_rmaps_base_oversubscribe=1
+
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+cases=("$@")
+if [[ ${#cases[@]} -eq 0 ]]; then
+  cases=(data/four_dof_free/scheme3.toml)
+  scale=${PINODE_SCALE:-$root/../shared/scale}
+  if [[ -f $scale/generate.py ]] &&
+    "${PYTHON:-python3}" -c 'import numpy' 2>/dev/null; then
+    "${PYTHON:-python3}" "$scale/generate.py" --storeys 100 --samples 100000 \
+      --sensors 20 --groups 20 --spread 0.1 --output "$work/100long" >/dev/null
+    cases=("$work/100long/case.toml" "${cases[@]}")
+  fi
+fi
+
+# Seconds an iteration, and for all, in folder $1.
+times() {
+  awk -F, 'NR == 2 {first = $10} {last = $10}
+    END {printf "%.4f %.2f", (last - first) / (NR - 2), last}' "$1/history.csv"
+}
+# The largest difference of a parameter, by its size or 1e-3.
+difference() {
+  paste -d, <(cut -d, -f4 "$work/one/parameters.csv") \
+    <(cut -d, -f4 "$1/parameters.csv") | awk -F, '
+    NR > 1 {
+      size = ($1 < 0 ? -$1 : $1) + 1e-3
+      off = ($1 > $2 ? $1 - $2 : $2 - $1) / size
+      if (off > most) most = off
+    }
+    END {printf "%.1e", most}'
+}
+show() {
+  local folder=$1 what=$2 each all
+  read -r each all <<<"$(times "$folder")"
+  printf '  %-10s %10s %8s %8s %8s  %s\n' "$what" "$each" "$all" \
+    "$(awk -v a="$one_each" -v b="$each" 'BEGIN {printf "%.2f", a / b}')" \
+    "$(awk -v a="$one_all" -v b="$all" 'BEGIN {printf "%.2f", a / b}')" \
+    "$(difference "$folder")"
+}
+
+for case in "${cases[@]}"; do
+  echo "$case"
+  printf '  %-10s %10s %8s %8s %8s  %s\n' '' 's each' 's all' times times differs
+  update=("$build/apps/pinode_update" --case="$case" --overwrite
+    --progress=false)
+  "${update[@]}" --output_dir="$work/one" --threads=1 >/dev/null 2>&1 || true
+  read -r one_each one_all <<<"$(times "$work/one")"
+  show "$work/one" "1 thread"
+  for count in ${PINODE_WORKERS:-2}; do
+    "${update[@]}" --output_dir="$work/other" --threads="$count" \
+      >/dev/null 2>&1 || true
+    show "$work/other" "$count threads"
+    mpirun -n "$count" "${update[@]}" --output_dir="$work/other" --threads=1 \
+      >/dev/null 2>&1 || true
+    show "$work/other" "$count ranks"
+  done
+done
