@@ -6,6 +6,8 @@
 namespace pinode {
 namespace {
 
+constexpr int kGroups = 4;
+
 // Adds the second of each pair to the first, then of each pair of pairs.
 template <typename Add>
 void AddInPairs(int count, const Add& add) {
@@ -40,7 +42,6 @@ void Unpack(const Eigen::Ref<const Vector>& numbers, FreeEquations* equations) {
 OrderedSums::OrderedSums(int num_free, int num_threads,
                          Communicator* communicator)
     : communicator_(CommunicatorOrSingle(communicator)) {
-  constexpr int kGroups = 4;
   const int ranks = communicator_.size();
   groups_ = ranks <= kGroups && kGroups % ranks == 0 ? kGroups : ranks;
   const int own = groups_ / ranks;
@@ -48,6 +49,16 @@ OrderedSums::OrderedSums(int num_free, int num_threads,
   parts_ = threads / std::gcd(threads, own);
   slots_.assign(static_cast<size_t>(own * parts_),
                 {Matrix::Zero(num_free, num_free), Vector::Zero(num_free)});
+  for (int task = 0; task < groups_ * parts_; ++task) {
+    if (RankOf(task) == communicator_.rank()) order_.push_back(SlotOf(task));
+  }
+}
+
+int OrderedSums::GroupOf(int task) const {
+  const int group = task % groups_;
+  // Groups that are added up first are a rank's: tasks that follow each other
+  // are in groups that are added up last.
+  return groups_ == kGroups ? group % 2 * 2 + group / 2 : group;
 }
 
 void OrderedSums::Clear() {
@@ -59,7 +70,7 @@ void OrderedSums::Clear() {
 
 int OrderedSums::SlotOf(int task) const {
   const int own = groups_ / communicator_.size();
-  return task % groups_ % own * parts_ + task / groups_ % parts_;
+  return GroupOf(task) % own * parts_ + task / groups_ % parts_;
 }
 
 bool OrderedSums::Total(FreeEquations* total) {

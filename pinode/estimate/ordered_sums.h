@@ -23,22 +23,28 @@ class OrderedSums {
   void Clear();
   // Whose a task is, from 0.
   int RankOf(int task) const {
-    return task % groups_ * communicator_.size() / groups_;
+    return GroupOf(task) * communicator_.size() / groups_;
   }
   // Slots of this rank: a thread fills one at a time, its tasks in order.
   int num_slots() const { return static_cast<int>(slots_.size()); }
   // The slot of a task of this rank.
   int SlotOf(int task) const;
+  // Slots in the order in which they come up, so that threads that take them in
+  // turns are equally busy where tasks are few.
+  const std::vector<int>& order() const { return order_; }
   FreeEquations& slot(int index) { return slots_[static_cast<size_t>(index)]; }
 
   // The sum over all slots of all ranks. False where a rank does not answer.
   [[nodiscard]] bool Total(FreeEquations* total);
 
  private:
+  int GroupOf(int task) const;
+
   Communicator& communicator_;
   int groups_ = 1;  // of tasks, over all ranks
   int parts_ = 1;   // that a group has, so that threads are equally busy
   std::vector<FreeEquations> slots_;
+  std::vector<int> order_;
 };
 
 }  // namespace pinode

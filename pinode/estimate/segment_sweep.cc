@@ -212,7 +212,8 @@ std::vector<char> SegmentSweep::EvaluateLinear(
   if (together || count == 0) return done;
   const bool side_by_side = own >= num_threads;
   ParallelFor(sums_.num_slots(), side_by_side ? num_threads : 1,
-              [&](int s, int) {
+              [&](int i, int) {
+                const int s = sums_.order()[static_cast<size_t>(i)];
                 for (const size_t t : by_slot[static_cast<size_t>(s)]) {
                   evaluate(t, side_by_side ? 1 : num_threads, &sums_.slot(s));
                 }
@@ -250,7 +251,8 @@ void SegmentSweep::EvaluateSteps(const std::vector<Task>& tasks,
   // enough for all threads.
   const bool alone = own < threads_.size() && all_long;
   ParallelFor(sums_.num_slots(), alone ? 1 : static_cast<int>(threads_.size()),
-              [&](int s, int thread) {
+              [&](int i, int thread) {
+                const int s = sums_.order()[static_cast<size_t>(i)];
                 for (const size_t t : by_slot[static_cast<size_t>(s)]) {
                   const auto r = static_cast<size_t>(tasks[t].first);
                   EvaluateSegment(r, tasks[t].second, *starts[r],
