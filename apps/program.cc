@@ -1,6 +1,9 @@
 #include "apps/program.h"
 
 #include <gflags/gflags.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <csignal>
 #include <cstdio>
@@ -46,6 +49,15 @@ void OnInterrupt(int signal) {
   } catch (...) {
   }
   std::abort();
+}
+
+// Matrices of some megabytes come and go with every iteration: kept, their
+// pages need not be asked for again, which is a tenth of a network's time.
+void KeepMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
 }
 
 bool IsOwn(const gflags::CommandLineFlagInfo& flag) {
@@ -96,6 +108,7 @@ std::string FlagName(const std::string& argument, std::string* value,
 bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
   *status = kExitBadInput;
   std::set_terminate(OnTerminate);
+  KeepMemory();
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.size() < 2 || argument[0] != '-') {
