@@ -37,14 +37,14 @@ awk '
   BEGIN {
     floor["base"] = 0
     floor["structure"] = floor["record"] = floor["network"] = 1
-    floor["dynamics"] = 2
+    floor["dynamics"] = floor["modal"] = 2
     floor["integrate"] = 3
     floor["estimate"] = 4
     floor["discover"] = floor["damage"] = 5
     floor["study"] = 6
     floor["case"] = floor["report"] = floor["mpi"] = 7
     # A fixed order, so that the message is the same everywhere.
-    count = split("base structure record network dynamics integrate " \
+    count = split("base structure record network dynamics modal integrate " \
                   "estimate discover damage study case report mpi", folders, " ")
   }
 

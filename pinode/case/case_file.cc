@@ -93,7 +93,7 @@ class CaseReader {
     if (!root_.AllowKeys({"title", "units", "model", "group", "element",
                           "library", "network", "unknown_force", "record",
                           "modal", "mode", "options", "simulate", "discover",
-                          "damage", "profiles", "reference_curve"})) {
+                          "damage", "profiles", "reference_curve", "modes"})) {
       return false;
     }
     description_.title = root_.String("title");
@@ -116,8 +116,10 @@ class CaseReader {
   // them; the numbers of the records are read after the terms, which decide on
   // the number of states.
   bool ReadDynamics() {
-    if (!ReadRecordSections(root_, units_, model_.model, simulation_,
-                            &sections_)) {
+    if (!ReadRecordSections(
+            root_, units_, model_.model,
+            simulation_ ? RecordPurpose::kSimulation : RecordPurpose::kFit,
+            &sections_)) {
       return false;
     }
     std::vector<InputSpec> inputs = CollectInputs(sections_, model_.model);

@@ -147,16 +147,20 @@ class ModeReader {
     if (!RefuseKeys({"residual_weight"},
                     "'frequency_weight' and 'shape_weight'") ||
         (form_ == ModalForm::kMac &&
-         !RefuseKeys({"shape_sigma"}, "'shape_weight'")) ||
+         !RefuseKeys({"shape_sigma", "shape_covariance"}, "'shape_weight'")) ||
         !ReadWeight("frequency", hz_, &mode_->frequency_sigma,
                     &mode_->frequency_weight)) {
       return false;
+    }
+    if (mode_->HasShape() && table_.Has("shape_covariance")) {
+      return ReadCovariance();
     }
     if (mode_->HasShape()) {
       return ReadWeight("shape", 1.0, &mode_->shape_sigma,
                         &mode_->shape_weight);
     }
-    for (const char* key : {"shape_sigma", "shape_weight"}) {
+    for (const char* key :
+         {"shape_sigma", "shape_weight", "shape_covariance"}) {
       if (table_.Has(key)) {
         return table_.Fail(key, std::string("'") + key + "' without 'shape'");
       }
@@ -164,9 +168,19 @@ class ModeReader {
     return true;
   }
 
+  // Rows of the covariance, in the order of the shape's entries.
+  bool ReadCovariance() {
+    if (!RefuseKeys({"shape_sigma", "shape_weight"}, "'shape_covariance'")) {
+      return false;
+    }
+    return ReadMatrixKey(
+        table_, "shape_covariance", "the covariance of the shape",
+        static_cast<int>(mode_->shape.size()), &mode_->shape_covariance);
+  }
+
   bool ReadResidualWeight() {
     if (!RefuseKeys({"frequency_sigma", "frequency_weight", "shape_sigma",
-                     "shape_weight"},
+                     "shape_weight", "shape_covariance"},
                     "'residual_weight'")) {
       return false;
     }
@@ -214,7 +228,8 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
   for (TomlTable& table : root.Tables("mode")) {
     if (!table.AllowKeys({"name", "frequency", "frequency_sigma",
                           "frequency_weight", "shape", "shape_row",
-                          "shape_sigma", "shape_weight", "residual_weight"})) {
+                          "shape_sigma", "shape_weight", "shape_covariance",
+                          "residual_weight"})) {
       return false;
     }
     MeasuredMode mode;

@@ -41,10 +41,11 @@ const std::vector<std::string>& RecordKeys() {
 class RecordReader {
  public:
   RecordReader(const UnitSystem& units, const StructuralModel& model,
-               bool simulation, RecordSection* section)
+               RecordPurpose purpose, RecordSection* section)
       : units_(units),
         model_(model),
-        simulation_(simulation),
+        simulation_(purpose == RecordPurpose::kSimulation),
+        responses_only_(purpose == RecordPurpose::kResponses),
         section_(section),
         table_(section->table) {}
 
@@ -146,6 +147,12 @@ class RecordReader {
 
   // `dof` or `combination`.
   bool ReadWeights(const TomlTable& table, ChannelSection* channel) {
+    if (responses_only_ && !table.Has("dof") && !table.Has("combination")) {
+      channel->location = channel->name;
+      channel->weights =
+          Vector::Unit(model_.num_dofs(), model_.DofIndex(channel->name));
+      return true;
+    }
     if (table.Has("dof") == table.Has("combination")) {
       return table.Fail("dof",
                         "expected one of dof = \"...\" and combination "
@@ -364,6 +371,7 @@ class RecordReader {
   const UnitSystem& units_;
   const StructuralModel& model_;
   const bool simulation_;
+  const bool responses_only_;
   RecordSection* section_;
   TomlTable& table_;
 };
@@ -378,19 +386,20 @@ bool RecordSection::has_excitation() const {
 }
 
 bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
-                        const StructuralModel& model, bool simulation,
+                        const StructuralModel& model, RecordPurpose purpose,
                         std::vector<RecordSection>* sections) {
   // Measured modes can stand alone, and so can a model whose case is looked at;
   // there is nothing of them to simulate. IdentificationProblem::IsValid asks
   // for what a fit needs.
-  if (simulation && !root.RequireKey("record", "at least one [[record]]")) {
+  if (purpose != RecordPurpose::kFit &&
+      !root.RequireKey("record", "at least one [[record]]")) {
     return false;
   }
   std::set<std::string> seen;
   for (const TomlTable& table : root.Tables("record")) {
     if (!table.AllowKeys(RecordKeys())) return false;
     RecordSection section(table);
-    if (!RecordReader(units, model, simulation, &section).Read()) return false;
+    if (!RecordReader(units, model, purpose, &section).Read()) return false;
     if (!seen.insert(section.name).second) {
       return section.table.Fail("name", "its name is used twice");
     }

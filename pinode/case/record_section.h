@@ -60,12 +60,20 @@ struct RecordSection {
   bool has_excitation() const;
 };
 
+// What records are read for.
+enum class RecordPurpose {
+  kFit,
+  kSimulation,  // measured responses are not read, nor need there be a file
+  // Measured responses alone: a channel needs no DOF, and is at the place that
+  // its name says.
+  kResponses,
+};
+
 // All [[record]] sections, checked for themselves and against the model.
-// With `simulation`, files are optional where `duration` is given.
 [[nodiscard]] bool ReadRecordSections(const TomlTable& root,
                                       const UnitSystem& units,
                                       const StructuralModel& model,
-                                      bool simulation,
+                                      RecordPurpose purpose,
                                       std::vector<RecordSection>* sections);
 
 // The inputs of the dynamics: everything that some record has, each once, the

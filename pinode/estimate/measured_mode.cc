@@ -1,5 +1,6 @@
 #include "pinode/estimate/measured_mode.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -19,6 +20,19 @@ constexpr double kLowestRatio = 1e-3;
 
 }  // namespace
 
+namespace {
+
+// Or nothing at all.
+bool IsCovariance(const Matrix& matrix, Eigen::Index size) {
+  if (matrix.size() == 0) return true;
+  return matrix.rows() == size && matrix.cols() == size && matrix.allFinite() &&
+         (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <=
+             1e-6 * matrix.cwiseAbs().maxCoeff() &&
+         Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
+}
+
+}  // namespace
+
 const char* ModalFormName(ModalForm form) {
   switch (form) {
     case ModalForm::kMac:
@@ -33,7 +47,7 @@ const char* ModalFormName(ModalForm form) {
 
 bool ModalData::HasSigmas() const {
   return std::any_of(modes.begin(), modes.end(), [](const MeasuredMode& mode) {
-    return mode.frequency_sigma > 0.0 || mode.shape_sigma > 0.0;
+    return mode.frequency_sigma > 0.0 || mode.HasShapeSigma();
   });
 }
 
@@ -67,7 +81,7 @@ bool ModalData::IsValid(int num_dofs, std::string* error) const {
       *error = where + "the dynamic residual takes a weight, no sigma";
       return false;
     }
-    if (form != ModalForm::kEigenvectorDifference && mode.shape_sigma > 0.0) {
+    if (form != ModalForm::kEigenvectorDifference && mode.HasShapeSigma()) {
       *error = where + "the sigma of a shape is for the eigenvector difference";
       return false;
     }
@@ -93,6 +107,12 @@ bool ModalData::IsValid(int num_dofs, std::string* error) const {
     }
     if (mode.shape.isZero(0.0)) {
       *error = where + "its shape is zero";
+      return false;
+    }
+    if (!IsCovariance(mode.shape_covariance, mode.shape.size())) {
+      *error = where +
+               "the covariance of its shape must be symmetric and positive "
+               "definite, with a row and a column for each entry";
       return false;
     }
     if (!dynamic && dofs.size() < 2) {

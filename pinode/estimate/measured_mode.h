@@ -45,11 +45,17 @@ struct MeasuredMode {
   // that scales the others. Where it is not given (0), the weight.
   double shape_sigma = 0.0;
   double shape_weight = 1.0;
+  // In place of both: the covariance of the entries of `shape`, as a modal
+  // identification gives it; empty: not given.
+  Matrix shape_covariance;
   // Of kDynamicResidual, in place of all of these: one over the force per
   // largest entry of the shape.
   double residual_weight = 1.0;
 
   bool HasShape() const { return !dofs.empty(); }
+  bool HasShapeSigma() const {
+    return shape_sigma > 0.0 || shape_covariance.size() > 0;
+  }
 };
 
 // What was measured, and how it enters a fit.

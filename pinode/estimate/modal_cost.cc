@@ -1,5 +1,6 @@
 #include "pinode/estimate/modal_cost.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -102,6 +103,19 @@ double MacResidual(const MeasuredMode& mode, const Vector& y, const Vector& x,
   return mode.shape_weight * tangent_square / (1.0 + secant);
 }
 
+// The entries of a shape over its largest one: L^-1 of their covariance L L'.
+Matrix RatioWeights(const MeasuredMode& mode, Eigen::Index largest) {
+  const Eigen::Index count = mode.shape.size();
+  const double scale = mode.shape[largest];
+  Matrix slopes = Matrix::Identity(count, count) / scale;
+  slopes.col(largest) -= mode.shape / (scale * scale);
+  Matrix kept(count - 1, count);
+  kept << slopes.topRows(largest), slopes.bottomRows(count - 1 - largest);
+  const Eigen::LLT<Matrix> factor(kept * mode.shape_covariance *
+                                  kept.transpose());
+  return factor.matrixL().solve(Matrix::Identity(count - 1, count - 1));
+}
+
 }  // namespace
 
 ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
@@ -144,6 +158,8 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
                                  square * (y * y.transpose());
           }
           shape.weight_root *= std::abs(scale) / mode.shape_sigma;
+        } else if (mode.shape_covariance.size() > 0) {
+          shape.weight_root = RatioWeights(mode, shape.largest);
         }
       }
     }

@@ -1,7 +1,6 @@
 #include "pinode/report/html_report.h"
 
 #include <cmath>
-#include <kainjow/mustache.hpp>
 #include <utility>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "pinode/report/figure.h"
 #include "pinode/report/fit_text.h"
 #include "pinode/report/number_text.h"
+#include "pinode/report/page_data.h"
 #include "pinode/report/report_figures.h"
 
 namespace pinode {
@@ -22,51 +22,8 @@ using Align = TextTable::Align;
 
 #include "pinode/report/html_template.inc"
 
-namespace mustache = kainjow::mustache;
-using Data = mustache::data;
+using Data = PageData;
 using Role = IdentificationRecord::Role;
-
-// A section is there, or not.
-void SetIf(const std::string& name, bool present, Data value, Data* page) {
-  page->set(name, present ? std::move(value) : Data(false));
-}
-
-Data List() { return Data(Data::type::list); }
-
-Data Text(const std::string& text) {
-  Data data;
-  data.set("text", text);
-  return data;
-}
-
-// strong: rows to be printed bold.
-Data TableData(const TextTable& table, const std::vector<bool>& strong = {}) {
-  Data columns = List();
-  for (const TextTable::Column& column : table.columns()) {
-    Data header;
-    header.set("header", column.header);
-    header.set("number", column.align == Align::kDecimal);
-    columns.push_back(header);
-  }
-  Data rows = List();
-  const auto aligned = table.AlignedRows();
-  for (size_t r = 0; r < aligned.size(); ++r) {
-    Data cells = List();
-    for (size_t c = 0; c < aligned[r].size(); ++c) {
-      Data cell = Text(aligned[r][c]);
-      cell.set("number", table.columns()[c].align == Align::kDecimal);
-      cells.push_back(cell);
-    }
-    Data row;
-    row.set("cells", cells);
-    row.set("strong", r < strong.size() && strong[r]);
-    rows.push_back(row);
-  }
-  Data data;
-  data.set("columns", columns);
-  data.set("rows", rows);
-  return data;
-}
 
 std::string StartText(const IdentificationRecord& record) {
   switch (record.start) {
@@ -163,15 +120,7 @@ class PageMaker {
 
  private:
   Data FigureData(int index) const {
-    const ReportFigures::Picture& picture =
-        figures_.pictures[static_cast<size_t>(index)];
-    Data data;
-    data.set("caption", picture.figure.caption);
-    data.set("half", picture.figure.half_width);
-    data.set("drawn", !picture.svg.empty());
-    data.set("svg", picture.svg);
-    data.set("error", picture.error);
-    return data;
+    return PictureData(figures_.pictures[static_cast<size_t>(index)]);
   }
 
   void SetFigure(const std::string& name, int index) {
@@ -179,15 +128,13 @@ class PageMaker {
   }
 
   Data FigureList(const std::vector<int>& indices) const {
-    Data list = List();
+    Data list = PageList();
     for (const int index : indices) list.push_back(FigureData(index));
     return list;
   }
 
   void SetList(const std::string& name, const std::vector<std::string>& texts) {
-    Data list = List();
-    for (const std::string& text : texts) list.push_back(Text(text));
-    page_.set(name, list);
+    page_.set(name, PageTexts(texts));
     page_.set("has_" + name, !texts.empty());
   }
 
@@ -228,12 +175,8 @@ class PageMaker {
                                   : "Other kinds of change were looked for: " +
                                         Join(damage.places, ", ") + ".";
     data.set("text", text);
-    Data remarks = List();
-    for (const std::string& remark : damage.remarks) {
-      remarks.push_back(Text(remark));
-    }
     data.set("has_remarks", !damage.remarks.empty());
-    data.set("remarks", remarks);
+    data.set("remarks", PageTexts(damage.remarks));
     page_.set("damage", data);
   }
 
@@ -264,7 +207,7 @@ class PageMaker {
                                     CovarianceSentence(method)));
     SetFigure("parameter_figure", figures_.parameters);
 
-    Data networks = List();
+    Data networks = PageList();
     for (const NetworkTerm& term : input_.problem->dynamics->networks()) {
       const NetworkArchitecture& architecture = term.network->architecture();
       std::string text =
@@ -274,21 +217,21 @@ class PageMaker {
             ", without value and slope at rest: stiffness and damping groups "
             "over the same inputs mean the tangent at rest";
       }
-      networks.push_back(Text(text + "."));
+      networks.push_back(PageText(text + "."));
     }
     const bool has_networks = !input_.problem->dynamics->networks().empty();
     if (has_networks && summary_.effective_parameters > 0.0) {
-      networks.push_back(
-          Text("The data determine about " +
-               ReadableNumber(summary_.effective_parameters, 3) +
-               " parameters in all, weights included; weight decay holds the "
-               "others."));
+      networks.push_back(PageText(
+          "The data determine about " +
+          ReadableNumber(summary_.effective_parameters, 3) +
+          " parameters in all, weights included; weight decay holds the "
+          "others."));
     }
     page_.set("networks", networks);
   }
 
   void AddEquations() {
-    Data equations = List();
+    Data equations = PageList();
     for (size_t e = 0; e < equations_.size(); ++e) {
       const DiscoveredEquation& equation = equations_[e];
       bool any_probability = false;
@@ -356,7 +299,7 @@ class PageMaker {
   }
 
   void AddHistories() {
-    Data histories = List();
+    Data histories = PageList();
     for (const ReportFigures::History& history : figures_.histories) {
       const IdentificationRecord& record =
           input_.problem->records[static_cast<size_t>(history.record)];
@@ -389,9 +332,9 @@ class PageMaker {
   }
 
   void AddSolution() {
-    Data facts = List();
+    Data facts = PageList();
     for (const auto& [name, text] : SolutionFacts(summary_)) {
-      Data fact = Text(text);
+      Data fact = PageText(text);
       fact.set("name", name);
       facts.push_back(fact);
     }
@@ -419,10 +362,6 @@ class PageMaker {
   Data page_;
 };
 
-Data Partial(const char* text) {
-  return Data(mustache::partial([text] { return std::string(text); }));
-}
-
 }  // namespace
 
 std::string RenderHtmlReport(const ReportInput& input,
@@ -432,12 +371,7 @@ std::string RenderHtmlReport(const ReportInput& input,
   CHECK(input.summary != nullptr) << "a report needs the summary";
   CHECK_LE(input.summary->records.size(), input.problem->records.size())
       << "the summary is of another problem";
-  Data page = PageMaker(input, options).Make();
-  page.set("table", Partial(kTablePartial));
-  page.set("figure", Partial(kFigurePartial));
-  mustache::mustache view(kPageTemplate);
-  CHECK(view.is_valid()) << view.error_message();
-  return view.render(page);
+  return RenderPage(kPageTemplate, PageMaker(input, options).Make());
 }
 
 bool WriteHtmlReport(const ReportInput& input, const HtmlReportOptions& options,

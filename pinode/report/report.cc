@@ -209,6 +209,8 @@ std::string Verdict(const ReportInput& input) {
          "data that it has not seen.";
 }
 
+std::string PinodeVersion() { return PINODE_VERSION; }
+
 ReportInput MakeReportInput(const IdentificationProblem& problem,
                             const IdentificationSummary& summary,
                             const IdentifiedModel& model,
@@ -219,7 +221,7 @@ ReportInput MakeReportInput(const IdentificationProblem& problem,
   input.model = &model;
   input.prior = CompareWithPrior(problem, summary, model);
   input.origin = origin;
-  input.version = PINODE_VERSION;
+  input.version = PinodeVersion();
   return input;
 }
 

@@ -24,6 +24,9 @@ struct ReportOrigin {
   double wall_seconds = 0.0;
 };
 
+// Of pinode.
+std::string PinodeVersion();
+
 // What a report is made from: the problem with its description, what came out
 // of the fit, and what studies found. The objects pointed to outlive it. The
 // summary may be that of a failure: what it lacks is left out of the report.

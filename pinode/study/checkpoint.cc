@@ -154,6 +154,7 @@ void Add(const ModalData& modal, Hash* hash) {
     }
     for (const int dof : mode.dofs) hash->Add(static_cast<std::int64_t>(dof));
     hash->Add(Matrix(mode.shape));
+    if (mode.shape_covariance.size() > 0) hash->Add(mode.shape_covariance);
   }
 }
 

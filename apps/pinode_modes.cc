@@ -1,0 +1,139 @@
+// Modes of a structure from records of its vibration, without a model and
+// without its loads: frequencies, damping ratios and shapes with intervals.
+//
+// Reads the records of a case, identifies the modes of each (covariance-driven
+// stochastic subspace identification over many orders), and ties those of
+// several set-ups of sensors together.
+//
+// Sample run:
+//   pinode_modes --case=C.toml --output_dir=D
+
+#include <gflags/gflags.h>
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/program.h"
+#include "apps/ranks.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/case/modes_files.h"
+#include "pinode/case/modes_section.h"
+#include "pinode/case/result_folder.h"
+#include "pinode/report/modes_report.h"
+
+DECLARE_string(case);
+DECLARE_string(output_dir);
+DECLARE_bool(overwrite);
+
+namespace pinode {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool CheckFlags(std::string* error) {
+  if (FLAGS_case.empty()) {
+    *error = "--case=FILE is missing; see --help";
+    return false;
+  }
+  if (FLAGS_output_dir.empty()) {
+    *error = "--output_dir=FOLDER is missing; see --help";
+    return false;
+  }
+  return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+}
+
+// The modes of each record, and what ties them together.
+bool FindModes(const ModesCase& c, std::vector<ModesOfRecord>* by_record,
+               ModesResult* result, std::string* error) {
+  std::vector<SetupModes> setups;
+  result->remarks = c.remarks;
+  for (const ResponseRecord& record : c.records) {
+    ModesOfRecord modes;
+    if (!IdentifyModes(record, c.options, &modes, error)) {
+      *error = c.path + ": " + *error;
+      return false;
+    }
+    for (const std::string& remark : modes.remarks) {
+      result->remarks.push_back("Record '" + record.name + "': " + remark);
+    }
+    SetupModes setup;
+    setup.name = record.name;
+    for (const ResponseChannel& channel : record.channels) {
+      setup.places.push_back(channel.name);
+    }
+    setup.modes = modes.modes;
+    result->setups.push_back(record.name);
+    setups.push_back(std::move(setup));
+    by_record->push_back(std::move(modes));
+  }
+  if (!MergeSetups(setups, c.merge, &result->merged, error)) {
+    *error = c.path + ": " + *error;
+    return false;
+  }
+  result->remarks.insert(result->remarks.end(), result->merged.remarks.begin(),
+                         result->merged.remarks.end());
+  return true;
+}
+
+}  // namespace
+}  // namespace pinode
+
+int main(int argc, char** argv) {
+  using namespace pinode;
+  const auto begin = Clock::now();
+  int status;
+  if (!ParseFlags(argc, argv,
+                  "pinode_modes --case=FILE --output_dir=FOLDER\n\n"
+                  "Identifies the modes of a structure from records of its "
+                  "vibration alone.",
+                  &status)) {
+    return status;
+  }
+  if (NumLaunchedRanks() > 1) {
+    return Refuse("pinode_modes runs in one process, expected no launcher");
+  }
+
+  // 1. Everything that can be wrong with the input, before any work.
+  std::string error;
+  ModesCase c;
+  if (!CheckFlags(&error) || !ReadModesCase(FLAGS_case, &c, &error)) {
+    return Refuse(error);
+  }
+
+  // 2. The modes of each record, and of all.
+  std::vector<ModesOfRecord> by_record;
+  ModesResult result;
+  if (!FindModes(c, &by_record, &result, &error)) return Refuse(error);
+
+  // 3. The folder, with a report.
+  const double seconds =
+      std::chrono::duration<double>(Clock::now() - begin).count();
+  ModesReportInput report;
+  report.title = c.title;
+  report.origin = {c.path, CommandLine(argc, argv), seconds};
+  report.records = &c.records;
+  report.by_record = &by_record;
+  report.merged = &result.merged;
+  report.remarks = result.remarks;
+  HtmlReportOptions report_options;
+  report_options.num_threads = DefaultThreads();
+  ResultFolder folder;
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error) ||
+      !WriteModesFiles(result, folder.working_path(), &error) ||
+      !WriteModesReport(report, report_options,
+                        folder.working_path() + "/report.html", &error) ||
+      !folder.Commit(&error)) {
+    return Refuse(error);
+  }
+
+  // 4. What a person is told.
+  std::printf("%s\n", ModesAsText(result.merged).c_str());
+  for (const std::string& remark : result.remarks) {
+    std::printf("%s\n", remark.c_str());
+  }
+  std::printf("Results: %s\n", folder.final_path().c_str());
+  return result.merged.modes.empty() ? kExitNotUsable : kExitDone;
+}

@@ -1,0 +1,35 @@
+// What pinode_modes leaves behind: modes.json, modes.csv, modes.toml.
+
+#ifndef PINODE_CASE_MODES_FILES_H_
+#define PINODE_CASE_MODES_FILES_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/modal/merge_setups.h"
+
+namespace pinode {
+
+struct ModesResult {
+  std::vector<std::string> setups;  // names of the records
+  MergedModes merged;
+  std::vector<std::string> remarks;
+};
+
+// pinode-modes-1, see pinode/case/README.md.
+std::string ModesAsJson(const ModesResult& result);
+
+// [[mode]] entries for a case: frequencies with sigmas, shapes (turned so that
+// they are as real as they can be) with the covariance of their entries. The
+// windows that it comes from are few, entries many: correlations are shrunk by
+// their share, so that it is positive definite.
+std::string ModesAsToml(const ModesResult& result);
+
+// All three into `folder`.
+[[nodiscard]] bool WriteModesFiles(const ModesResult& result,
+                                   const std::string& folder,
+                                   std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_MODES_FILES_H_

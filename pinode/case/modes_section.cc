@@ -1,0 +1,215 @@
+#include "pinode/case/modes_section.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/case/model_section.h"
+#include "pinode/case/record_data.h"
+#include "pinode/case/record_section.h"
+#include "pinode/case/toml_table.h"
+#include "pinode/case/toml_value.h"
+#include "pinode/dynamics/structural_dynamics.h"
+
+namespace pinode {
+namespace {
+
+void AddOnce(const std::string& name, std::vector<std::string>* names) {
+  if (!name.empty() &&
+      std::find(names->begin(), names->end(), name) == names->end()) {
+    names->push_back(name);
+  }
+}
+
+// Every place that a record names, as DOFs of a model that nobody asks for its
+// matrices.
+StructuralModel PlacesOfRecords(const TomlTable& root) {
+  std::vector<std::string> places;
+  std::vector<std::string> directions;
+  for (const TomlTable& record : root.Tables("record")) {
+    for (const TomlTable& channel : record.Tables("channel", "record")) {
+      if (channel.Has("combination")) {
+        for (const auto& entry :
+             channel.Table("combination", "combination").entries()) {
+          AddOnce(entry.first, &places);
+        }
+      } else if (channel.Has("dof")) {
+        AddOnce(channel.String("dof"), &places);
+      } else {
+        AddOnce(channel.String("name", channel.String("column")), &places);
+      }
+    }
+    for (const char* kind : {"force", "motion"}) {
+      for (const TomlTable& input : record.Tables(kind, "record")) {
+        AddOnce(input.String("dof"), &places);
+      }
+    }
+    for (const TomlTable& ground : record.Tables("ground", "record")) {
+      AddOnce(ground.String("direction"), &directions);
+    }
+  }
+  const Eigen::Index size = static_cast<Eigen::Index>(places.size());
+  StructuralModel model = MakeStructuralModel(
+      Matrix::Identity(size, size), Matrix::Zero(size, size),
+      Matrix::Identity(size, size), places);
+  if (!directions.empty()) {
+    model.directions = directions;
+    model.influence =
+        Matrix::Ones(size, static_cast<Eigen::Index>(directions.size()));
+    model.support_mass_coupling =
+        Matrix::Zero(size, static_cast<Eigen::Index>(directions.size()));
+  }
+  return model;
+}
+
+class ModesCaseReader {
+ public:
+  ModesCaseReader(const TomlValue& source, const std::string& path,
+                  std::string* error)
+      : errors_(path, error), root_(source, "", &errors_) {
+    c_.path = path;
+  }
+
+  bool Read(ModesCase* result) {
+    c_.title = root_.String("title");
+    if (!root_.AllowKeys({"title", "units", "model", "group", "element",
+                          "library", "network", "unknown_force", "record",
+                          "modal", "mode", "options", "simulate", "discover",
+                          "damage", "profiles", "reference_curve", "modes"}) ||
+        !ReadUnits(root_, &c_.units) || !ReadOptions() || !ReadRecords()) {
+      return false;
+    }
+    *result = std::move(c_);
+    return true;
+  }
+
+ private:
+  bool ReadOptions() {
+    const TomlTable table = root_.Table("modes", "[modes]");
+    if (!table.AllowKeys({"lowest_hz", "highest_hz", "block_rows", "max_order",
+                          "references", "max_damping_ratio", "pick",
+                          "threads"})) {
+      return false;
+    }
+    ModeIdentificationOptions& options = c_.options;
+    if (table.Has("lowest_hz")) {
+      options.lowest_hz = table.PositiveNumber("lowest_hz", 1.0);
+    }
+    if (table.Has("highest_hz")) {
+      options.highest_hz = table.PositiveNumber("highest_hz", 1.0);
+    }
+    options.block_rows = table.Integer("block_rows", 0, 2);
+    options.max_order = table.Integer("max_order", 0, 2);
+    if (table.errors()->ok() && options.max_order % 2 != 0) {
+      return table.Fail("max_order",
+                        "'max_order' is odd, expected an even one: "
+                        "a mode has two states");
+    }
+    options.references = table.Strings("references");
+    c_.merge.references = options.references;
+    options.stabilisation.largest_damping_ratio = table.PositiveNumber(
+        "max_damping_ratio", options.stabilisation.largest_damping_ratio);
+    options.num_threads = table.Integer("threads", DefaultThreads(), 1);
+    options.stabilisation.pick = table.Numbers("pick");
+    return table.errors()->ok();
+  }
+
+  bool ReadRecords() {
+    const StructuralModel places = PlacesOfRecords(root_);
+    std::vector<RecordSection> sections;
+    if (!errors_.ok() ||
+        !ReadRecordSections(root_, c_.units, places, RecordPurpose::kResponses,
+                            &sections)) {
+      return false;
+    }
+    const StructuralDynamics dynamics(places, CollectInputs(sections, places));
+    double second = 1.0;
+    std::string message;
+    if (!UnitFactor("s", Dimension::kTime, c_.units, &second, &message)) {
+      return errors_.Fail(0, message);
+    }
+    for (const RecordSection& section : sections) {
+      IdentificationRecord record;
+      if (!ReadRecordData(section, c_.units, dynamics, /*simulation=*/false,
+                          &record) ||
+          !AddRecord(section, record, second)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool AddRecord(const RecordSection& section,
+                 const IdentificationRecord& record, double second) {
+    ResponseRecord response;
+    response.name = record.name;
+    response.sampling_step = record.sampling_step() / second;
+    response.samples.resize(static_cast<Eigen::Index>(record.channels.size()),
+                            record.num_samples());
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const ChannelSection& channel = section.channels[c];
+      const int derivative = Derivative(channel.quantity);
+      if (derivative < 0) {
+        return channel.signal.table.Fail(
+            "quantity",
+            std::string("a ") + QuantityName(channel.quantity) +
+                " has no mode shape, expected a motion or a strain");
+      }
+      response.channels.push_back({channel.location, derivative});
+      response.samples.row(static_cast<Eigen::Index>(c)) =
+          record.channels[c].values.transpose();
+    }
+    for (const std::string& remark : record.description.remarks) {
+      c_.remarks.push_back("Record '" + record.name + "': " + remark);
+    }
+    if (section.has_excitation()) {
+      c_.remarks.push_back(
+          "Record '" + record.name +
+          "' has a measured excitation, of which no use is made: its modes are "
+          "those of the response alone, and the excitation's own frequencies "
+          "are among them where it is not broad.");
+    }
+    std::string message;
+    if (!response.IsValid(&message)) {
+      return section.table.Fail("channel", message);
+    }
+    c_.records.push_back(std::move(response));
+    return true;
+  }
+
+  // -1: none.
+  static int Derivative(Quantity quantity) {
+    switch (quantity) {
+      case Quantity::kDisplacement:
+      case Quantity::kAbsoluteDisplacement:
+      case Quantity::kStrain:
+        return 0;
+      case Quantity::kVelocity:
+        return 1;
+      case Quantity::kRelativeAcceleration:
+      case Quantity::kAbsoluteAcceleration:
+        return 2;
+      case Quantity::kForce:
+        break;
+    }
+    return -1;
+  }
+
+  ModesCase c_;
+  CaseErrors errors_;
+  const TomlTable root_;
+};
+
+}  // namespace
+
+bool ReadModesCase(const std::string& path, ModesCase* c, std::string* error) {
+  std::string text;
+  TomlValue source;
+  return ReadTextFile(path, &text, error) &&
+         ParseToml(text, path, &source, error) &&
+         ModesCaseReader(source, path, error).Read(c);
+}
+
+}  // namespace pinode

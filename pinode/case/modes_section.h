@@ -1,0 +1,37 @@
+// A case read for its measured responses alone: pinode_modes.
+
+#ifndef PINODE_CASE_MODES_SECTION_H_
+#define PINODE_CASE_MODES_SECTION_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/units.h"
+#include "pinode/modal/identify_modes.h"
+#include "pinode/modal/merge_setups.h"
+#include "pinode/modal/response_record.h"
+
+namespace pinode {
+
+// What pinode_modes needs of a case: [modes], and of each [[record]] the
+// channels. A model need not be there and is not read where it is.
+struct ModesCase {
+  std::string path;
+  std::string title;
+  UnitSystem units;
+  // Each a set-up: its channels' names are places, a channel's `dof` or, where
+  // it has none, its own name.
+  std::vector<ResponseRecord> records;
+  std::vector<std::string> remarks;
+  ModeIdentificationOptions options;
+  MergeOptions merge;
+};
+
+// Reads the case file at `path` with the records that it names. Fails with one
+// line in *error, *c is untouched then.
+[[nodiscard]] bool ReadModesCase(const std::string& path, ModesCase* c,
+                                 std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_MODES_SECTION_H_

@@ -1,0 +1,276 @@
+#include "pinode/modal/stabilisation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/modal/windowed_correlations.h"
+
+namespace pinode {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Windows are as long as so many times 1 / (2 zeta omega), the memory of a
+// mode's energy: of its variance then a tenth is missed at most.
+constexpr double kMemories = 12.0;
+
+// Rows: frequency (Hz), damping ratio, real and imaginary parts of the shape.
+Matrix Influences(const SubspacePole& pole) {
+  const Eigen::Index channels = pole.shape.size();
+  const Eigen::Index windows = pole.s_influence.size();
+  Matrix rows(2 + 2 * channels, windows);
+  const double size = std::abs(pole.s);
+  const Vector growth =
+      (std::conj(pole.s) * pole.s_influence.array()).real() / size;
+  rows.row(0) = growth.transpose() / kTwoPi;
+  rows.row(1) =
+      (-pole.s_influence.real() / size + pole.s.real() / (size * size) * growth)
+          .transpose();
+  rows.middleRows(2, channels) = pole.shape_influence.real();
+  rows.bottomRows(channels) = pole.shape_influence.imag();
+  return rows;
+}
+
+double SmoothingLength(const SubspacePole& pole, double window_seconds) {
+  return kMemories / (2.0 * std::max(-pole.s.real(), 1e-12)) / window_seconds;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class ClusterFinder {
+ public:
+  ClusterFinder(const std::vector<SubspacePole>& poles, int max_order,
+                double window_seconds, const StabilisationOptions& options)
+      : poles_(poles),
+        max_order_(max_order),
+        window_seconds_(window_seconds),
+        options_(options),
+        used_(poles.size(), false) {
+    for (const SubspacePole& pole : poles) {
+      sigmas_.push_back(FindPoleSigmas(pole, window_seconds));
+    }
+  }
+
+  std::vector<PoleCluster> Find() {
+    std::vector<int> seeds(poles_.size());
+    std::iota(seeds.begin(), seeds.end(), 0);
+    std::stable_sort(seeds.begin(), seeds.end(), [this](int a, int b) {
+      return Relative(a) < Relative(b);
+    });
+    std::vector<PoleCluster> clusters;
+    if (!options_.pick.empty()) {
+      for (const double wanted : options_.pick) Pick(wanted, seeds, &clusters);
+      return Sorted(std::move(clusters));
+    }
+    for (const int seed : seeds) {
+      if (used_[static_cast<size_t>(seed)]) continue;
+      if (Relative(seed) > options_.largest_frequency_sigma) break;
+      PoleCluster cluster;
+      cluster.members = Gather(seed);
+      for (const int member : cluster.members) {
+        used_[static_cast<size_t>(member)] = true;
+      }
+      if (!IsStable(cluster.members)) continue;
+      Choose(&cluster);
+      if (IsCertain(cluster)) clusters.push_back(std::move(cluster));
+    }
+    return Sorted(std::move(clusters));
+  }
+
+ private:
+  static std::vector<PoleCluster> Sorted(std::vector<PoleCluster> clusters) {
+    std::sort(clusters.begin(), clusters.end(),
+              [](const PoleCluster& a, const PoleCluster& b) {
+                return a.mean.frequency() < b.mean.frequency();
+              });
+    return clusters;
+  }
+
+  // seeds: from the most certain.
+  void Pick(double wanted, const std::vector<int>& seeds,
+            std::vector<PoleCluster>* clusters) {
+    for (const int seed : seeds) {
+      if (used_[static_cast<size_t>(seed)] ||
+          std::abs(pole(seed).frequency() / wanted - 1.0) >
+              options_.frequency_tolerance) {
+        continue;
+      }
+      PoleCluster cluster;
+      cluster.members = Gather(seed);
+      for (const int member : cluster.members) {
+        used_[static_cast<size_t>(member)] = true;
+      }
+      Choose(&cluster);
+      clusters->push_back(std::move(cluster));
+      return;
+    }
+  }
+
+  const SubspacePole& pole(int i) const {
+    return poles_[static_cast<size_t>(i)];
+  }
+  double Relative(int i) const {
+    return sigmas_[static_cast<size_t>(i)].frequency / pole(i).frequency();
+  }
+
+  // Of each order the pole nearest to the seed, where one is near enough.
+  std::vector<int> Gather(int seed) const {
+    struct Nearest {
+      int pole;
+      double distance;
+    };
+    std::map<int, Nearest> nearest;  // by order
+    const SubspacePole& centre = pole(seed);
+    for (int i = 0; i < static_cast<int>(poles_.size()); ++i) {
+      if (used_[static_cast<size_t>(i)]) continue;
+      const double apart =
+          std::abs(pole(i).frequency() / centre.frequency() - 1.0);
+      if (apart > options_.frequency_tolerance) continue;
+      const double mac = ComplexMac(pole(i).shape, centre.shape);
+      if (mac < options_.smallest_mac) continue;
+      const double distance =
+          apart / options_.frequency_tolerance +
+          (1.0 - mac) / (1.0 - options_.smallest_mac) +
+          std::abs(pole(i).damping_ratio() - centre.damping_ratio()) /
+              options_.frequency_tolerance;
+      const auto [place, added] =
+          nearest.insert({pole(i).order, {i, distance}});
+      if (!added && distance < place->second.distance) {
+        place->second = {i, distance};
+      }
+    }
+    std::vector<int> members;
+    for (const auto& [order, found] : nearest) members.push_back(found.pole);
+    return members;
+  }
+
+  bool IsStable(const std::vector<int>& members) const {
+    const int seen = static_cast<int>(members.size());
+    const int possible = (max_order_ - pole(members.front()).order) / 2 + 1;
+    return seen >= options_.smallest_share_of_all * (max_order_ / 2) &&
+           seen >= options_.smallest_share * possible;
+  }
+
+  // The most certain of the members. More states than there are to be found
+  // add poles of noise, with which the others interfere.
+  void Choose(PoleCluster* cluster) const {
+    std::vector<double> sorted;
+    std::vector<double> frequencies;
+    for (const int member : cluster->members) {
+      sorted.push_back(Relative(member));
+      frequencies.push_back(pole(member).frequency());
+    }
+    std::sort(sorted.begin(), sorted.end());
+    const double limit = 1.5 * sorted[sorted.size() / 5];
+    const double middle = Median(frequencies);
+    for (const int member : cluster->members) {
+      const double sigma = sigmas_[static_cast<size_t>(member)].frequency;
+      if (Relative(member) <= limit &&
+          std::abs(pole(member).frequency() - middle) <= 3.0 * sigma) {
+        cluster->chosen.push_back(member);
+      }
+    }
+    if (cluster->chosen.empty()) cluster->chosen = cluster->members;
+    Average(cluster);
+  }
+
+  void Average(PoleCluster* cluster) const {
+    const SubspacePole& first = pole(cluster->chosen.front());
+    cluster->first_order = pole(cluster->members.front()).order;
+    first.shape.cwiseAbs().maxCoeff(&cluster->reference);
+    SubspacePole& mean = cluster->mean;
+    mean = NormalisedPole(first, cluster->reference);
+    const double count = static_cast<double>(cluster->chosen.size());
+    for (size_t i = 1; i < cluster->chosen.size(); ++i) {
+      const SubspacePole next =
+          NormalisedPole(pole(cluster->chosen[i]), cluster->reference);
+      mean.s += next.s;
+      mean.shape += next.shape;
+      mean.s_influence += next.s_influence;
+      mean.shape_influence += next.shape_influence;
+    }
+    mean.s /= count;
+    mean.shape /= count;
+    mean.s_influence /= count;
+    mean.shape_influence /= count;
+    double frequencies = 0.0;
+    double ratios = 0.0;
+    for (const int member : cluster->chosen) {
+      frequencies += std::pow(pole(member).frequency() - mean.frequency(), 2);
+      ratios +=
+          std::pow(pole(member).damping_ratio() - mean.damping_ratio(), 2);
+    }
+    cluster->frequency_spread = std::sqrt(frequencies / count);
+    cluster->damping_spread = std::sqrt(ratios / count);
+    const PoleSigmas sigmas = FindPoleSigmas(mean, window_seconds_);
+    cluster->frequency_sigma = sigmas.frequency;
+    cluster->damping_sigma = sigmas.damping;
+    // Windows overlap by half.
+    const double duration = 0.5 * window_seconds_ *
+                            static_cast<double>(mean.s_influence.size() + 1);
+    const double f = mean.frequency();
+    cluster->excess = cluster->frequency_sigma / f /
+                      std::sqrt(mean.damping_ratio() / (kTwoPi * f * duration));
+  }
+
+  bool IsCertain(const PoleCluster& cluster) const {
+    return cluster.frequency_sigma <=
+               options_.largest_frequency_sigma * cluster.mean.frequency() &&
+           cluster.excess <= options_.largest_excess &&
+           cluster.mean.damping_ratio() <= options_.largest_damping_ratio;
+  }
+
+  const std::vector<SubspacePole>& poles_;
+  const int max_order_;
+  const double window_seconds_;
+  const StabilisationOptions& options_;
+  std::vector<PoleSigmas> sigmas_;
+  std::vector<bool> used_;
+};
+
+}  // namespace
+
+double ComplexMac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
+  const double norms = a.squaredNorm() * b.squaredNorm();
+  return norms > 0.0 ? std::norm(a.dot(b)) / norms : 0.0;
+}
+
+PoleSigmas FindPoleSigmas(const SubspacePole& pole, double window_seconds) {
+  const WindowSmoother smoother(static_cast<int>(pole.s_influence.size()),
+                                SmoothingLength(pole, window_seconds));
+  const Matrix smooth = smoother.Smooth(Influences(pole).topRows(2));
+  return {smooth.row(0).norm(), smooth.row(1).norm()};
+}
+
+PoleMoments FindPoleMoments(const SubspacePole& pole, double window_seconds) {
+  const WindowSmoother smoother(static_cast<int>(pole.s_influence.size()),
+                                SmoothingLength(pole, window_seconds));
+  const Matrix smooth = smoother.Smooth(Influences(pole));
+  return {smooth * smooth.transpose(), smoother.degrees_of_freedom()};
+}
+
+SubspacePole NormalisedPole(const SubspacePole& pole, int reference) {
+  SubspacePole result = pole;
+  const Complex scale = pole.shape[reference];
+  result.shape /= scale;
+  const Eigen::RowVectorXcd moved = pole.shape_influence.row(reference);
+  result.shape_influence =
+      (pole.shape_influence - result.shape * moved) / scale;
+  return result;
+}
+
+std::vector<PoleCluster> FindClusters(const std::vector<SubspacePole>& poles,
+                                      int max_order, double window_seconds,
+                                      const StabilisationOptions& options) {
+  return ClusterFinder(poles, max_order, window_seconds, options).Find();
+}
+
+}  // namespace pinode

@@ -1,0 +1,87 @@
+// From the poles of many orders to modes: the stabilisation diagram, read.
+
+#ifndef PINODE_MODAL_STABILISATION_H_
+#define PINODE_MODAL_STABILISATION_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/modal/subspace.h"
+
+namespace pinode {
+
+// Poles of several orders that are one mode.
+struct PoleCluster {
+  std::vector<int> members;  // indices of poles, by order
+  // Those of them that the estimate is the mean of: they are the most certain.
+  std::vector<int> chosen;
+  // The mean, with the mean of their influences: how orders hang together is
+  // counted. The shape is one at `reference`.
+  SubspacePole mean;
+  int reference = 0;
+  int first_order = 0;
+  // How far the chosen ones lie apart: standard deviations over orders.
+  double frequency_spread = 0.0;  // Hz
+  double damping_spread = 0.0;
+
+  double frequency_sigma = 0.0;  // Hz
+  double damping_sigma = 0.0;
+  // The frequency's standard deviation over the smallest that it can have.
+  double excess = 0.0;
+};
+
+struct StabilisationOptions {
+  // Two poles may be one mode where their frequencies differ by less than this
+  // fraction and the MAC of their shapes is larger than that.
+  double frequency_tolerance = 0.01;
+  double smallest_mac = 0.9;
+  // A mode is seen in this fraction of the orders above the first in which it
+  // is seen, and in that one of all orders.
+  double smallest_share = 0.5;
+  double smallest_share_of_all = 0.3;
+  // A mode under noise cannot be known better than to a fraction
+  // sqrt(zeta / (2 pi f T)) of its frequency, T the record's length (S. K. Au,
+  // Mech. Syst. Signal Process. 48 (2014) 15). What is so many times as
+  // uncertain is no mode: poles of noise are fifty times.
+  double largest_excess = 6.0;
+  double largest_frequency_sigma = 0.02;  // as a fraction, in all
+  double largest_damping_ratio = 0.15;
+  // Frequencies (Hz): of each the mode is taken that the most certain pole
+  // within frequency_tolerance belongs to, whether or not it is stable; nothing
+  // else is. Empty: the diagram is read as above.
+  std::vector<double> pick;
+};
+
+// Covariance of frequency (Hz), damping ratio, real parts and imaginary parts
+// of the shape of a pole, from its influences, whose windows are
+// `window_seconds` long.
+struct PoleMoments {
+  Matrix covariance;
+  double degrees_of_freedom = 0.0;
+};
+PoleMoments FindPoleMoments(const SubspacePole& pole, double window_seconds);
+
+// Of frequency (Hz) and damping ratio alone.
+struct PoleSigmas {
+  double frequency = 0.0;
+  double damping = 0.0;
+};
+PoleSigmas FindPoleSigmas(const SubspacePole& pole, double window_seconds);
+
+// The modes among `poles` (of IdentifySubspace), by frequency. The most certain
+// pole that is in none yet begins a cluster and takes, of each other order, the
+// one nearest to it; what is seen in too few orders, or is too uncertain, is
+// left out.
+std::vector<PoleCluster> FindClusters(const std::vector<SubspacePole>& poles,
+                                      int max_order, double window_seconds,
+                                      const StabilisationOptions& options);
+
+// The pole with a shape that is one at the channel `reference`.
+SubspacePole NormalisedPole(const SubspacePole& pole, int reference);
+
+// |a^H b|^2 / (|a|^2 |b|^2).
+double ComplexMac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
+
+}  // namespace pinode
+
+#endif  // PINODE_MODAL_STABILISATION_H_

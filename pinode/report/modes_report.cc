@@ -1,0 +1,225 @@
+#include "pinode/report/modes_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+#include "pinode/modal/stabilisation.h"
+#include "pinode/report/number_text.h"
+#include "pinode/report/page_data.h"
+
+namespace pinode {
+namespace {
+
+using Align = TextTable::Align;
+
+#include "pinode/report/modes_template.inc"
+
+constexpr int kMostShapes = 16;
+constexpr size_t kLargestMacTable = 20;
+
+// 95 % half-width.
+double HalfWidth(const IdentifiedMode& mode, double sigma) {
+  return StudentQuantile(mode.degrees_of_freedom) * sigma;
+}
+
+TextTable MakeModesTable(const MergedModes& merged, bool for_page) {
+  std::vector<TextTable::Column> columns = {{"mode", Align::kDecimal},
+                                            {"Hz", Align::kDecimal},
+                                            {"+-", Align::kDecimal},
+                                            {"damping, %", Align::kDecimal},
+                                            {"+-", Align::kDecimal}};
+  if (for_page) {
+    columns.push_back({"between orders, Hz", Align::kDecimal});
+    columns.push_back({"orders", Align::kDecimal});
+    columns.push_back({"in phase", Align::kDecimal});
+  }
+  TextTable table(columns);
+  for (size_t m = 0; m < merged.modes.size(); ++m) {
+    const IdentifiedMode& mode = merged.modes[m].mode;
+    const EstimateText frequency =
+        FormatEstimate(mode.frequency_hz, mode.frequency_hz,
+                       HalfWidth(mode, mode.frequency_sigma));
+    const EstimateText damping =
+        FormatEstimate(100.0 * mode.damping_ratio, 100.0 * mode.damping_ratio,
+                       100.0 * HalfWidth(mode, mode.damping_sigma));
+    std::vector<std::string> row = {std::to_string(m + 1), frequency.value,
+                                    frequency.half_width, damping.value,
+                                    damping.half_width};
+    if (for_page) {
+      row.push_back(ReadableNumber(mode.frequency_spread, 2));
+      row.push_back(std::to_string(mode.orders_seen) + " of " +
+                    std::to_string(mode.orders_possible));
+      row.push_back(ReadableNumber(mode.phase_collinearity, 3));
+    }
+    table.AddRow(row);
+  }
+  return table;
+}
+
+// What each set-up says of each mode.
+TextTable MakeSetupsTable(const ModesReportInput& input) {
+  std::vector<TextTable::Column> columns = {{"mode", Align::kDecimal}};
+  for (const ResponseRecord& record : *input.records) {
+    columns.push_back({record.name + ", Hz", Align::kDecimal});
+  }
+  columns.push_back({"between, Hz", Align::kDecimal});
+  TextTable table(columns);
+  for (size_t m = 0; m < input.merged->modes.size(); ++m) {
+    const MergedMode& merged = input.merged->modes[m];
+    std::vector<std::string> row = {std::to_string(m + 1)};
+    for (size_t s = 0; s < merged.in_setups.size(); ++s) {
+      const int number = merged.in_setups[s];
+      row.push_back(number < 0
+                        ? "-"
+                        : ReadableNumber((*input.by_record)[s]
+                                             .modes[static_cast<size_t>(number)]
+                                             .frequency_hz,
+                                         6));
+    }
+    row.push_back(ReadableNumber(merged.frequency_between, 2));
+    table.AddRow(row);
+  }
+  return table;
+}
+
+// At the places that both have.
+double MacBetween(const IdentifiedMode& a, const IdentifiedMode& b) {
+  Eigen::VectorXcd x = a.shape;
+  Eigen::VectorXcd y = b.shape;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    if (std::isfinite(x[i].real()) && std::isfinite(y[i].real())) continue;
+    x[i] = y[i] = 0.0;
+  }
+  return ComplexMac(x, y);
+}
+
+TextTable MakeMacTable(const MergedModes& merged) {
+  std::vector<TextTable::Column> columns = {{"mode", Align::kDecimal}};
+  for (size_t m = 0; m < merged.modes.size(); ++m) {
+    columns.push_back({std::to_string(m + 1), Align::kDecimal});
+  }
+  TextTable table(columns);
+  for (size_t m = 0; m < merged.modes.size(); ++m) {
+    std::vector<std::string> row = {std::to_string(m + 1)};
+    for (const MergedMode& other : merged.modes) {
+      const double mac = MacBetween(merged.modes[m].mode, other.mode);
+      char cell[16];
+      std::snprintf(cell, sizeof(cell), "%.2f", mac);
+      row.emplace_back(cell);
+    }
+    table.AddRow(row);
+  }
+  return table;
+}
+
+TextTable MakeBandsTable(const ModesOfRecord& modes) {
+  TextTable table({{"from, Hz", Align::kDecimal},
+                   {"to, Hz", Align::kDecimal},
+                   {"sampled at, Hz", Align::kDecimal},
+                   {"block rows", Align::kDecimal},
+                   {"orders up to", Align::kDecimal},
+                   {"windows", Align::kDecimal}});
+  for (const AnalysedBand& band : modes.bands) {
+    table.AddRow(
+        {ReadableNumber(band.lowest_hz, 4), ReadableNumber(band.highest_hz, 4),
+         ReadableNumber(1.0 / band.sampling_step, 5),
+         std::to_string(band.block_rows), std::to_string(band.max_order),
+         std::to_string(band.num_windows)});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::string ModesSentence(const MergedModes& merged) {
+  if (merged.modes.empty()) {
+    return "No mode was found: nothing in the records is seen alike by models "
+           "of different orders.";
+  }
+  const int count = static_cast<int>(merged.modes.size());
+  return Count(count, "mode") +
+         (count == 1 ? " was found, at " : " were found, from ") +
+         ReadableNumber(merged.modes.front().mode.frequency_hz, 4) +
+         (count == 1 ? ""
+                     : " to " + ReadableNumber(
+                                    merged.modes.back().mode.frequency_hz, 4)) +
+         " Hz.";
+}
+
+std::string ModesAsText(const MergedModes& merged) {
+  return ModesSentence(merged) + "\n\n" +
+         (merged.modes.empty() ? std::string()
+                               : MakeModesTable(merged, false).ToText());
+}
+
+std::string RenderModesReport(const ModesReportInput& input,
+                              const HtmlReportOptions& options) {
+  CHECK(input.records != nullptr && input.by_record != nullptr &&
+        input.merged != nullptr)
+      << "a report of modes needs records and modes";
+  ReportFigures figures;
+  const auto plan = [&figures](Figure figure) {
+    if (figure.empty()) return -1;
+    figures.pictures.push_back({std::move(figure), "", ""});
+    return static_cast<int>(figures.pictures.size()) - 1;
+  };
+  const int shapes =
+      plan(MakeIdentifiedShapesFigure(*input.merged, kMostShapes));
+  std::vector<int> diagrams;
+  for (size_t r = 0; r < input.records->size(); ++r) {
+    diagrams.push_back(plan(MakeStabilisationFigure(
+        (*input.records)[r], (*input.by_record)[r], static_cast<int>(r))));
+  }
+  DrawFigures(options, &figures);
+  const auto picture = [&figures](int index) {
+    return index < 0
+               ? PageData(false)
+               : PictureData(figures.pictures[static_cast<size_t>(index)]);
+  };
+
+  PageData page;
+  page.set("title", input.title.empty() ? "Modes" : input.title);
+  page.set("source", "Modes by pinode " + PinodeVersion() +
+                         (input.origin.case_path.empty()
+                              ? ""
+                              : ", case " + input.origin.case_path));
+  page.set("usable", !input.merged->modes.empty());
+  page.set("verdict", ModesSentence(*input.merged));
+  const bool any = !input.merged->modes.empty();
+  SetIf("modes", any, TableData(MakeModesTable(*input.merged, true)), &page);
+  SetIf("setups", any && input.records->size() > 1,
+        TableData(MakeSetupsTable(input)), &page);
+  page.set("shapes", picture(shapes));
+  SetIf("mac",
+        input.merged->modes.size() > 1 && input.merged->places.size() > 1 &&
+            input.merged->modes.size() <= kLargestMacTable,
+        TableData(MakeMacTable(*input.merged)), &page);
+  PageData records = PageList();
+  for (size_t r = 0; r < input.records->size(); ++r) {
+    PageData record;
+    record.set("name", (*input.records)[r].name);
+    record.set("figure", picture(diagrams[r]));
+    record.set("bands", TableData(MakeBandsTable((*input.by_record)[r])));
+    records.push_back(record);
+  }
+  page.set("records", records);
+  page.set("has_remarks", !input.remarks.empty());
+  page.set("remarks", PageTexts(input.remarks));
+  page.set("command", input.origin.command_line);
+  page.set("footer", "pinode " + PinodeVersion() + ", " +
+                         Duration(input.origin.wall_seconds) + " in all.");
+  return RenderPage(kModesTemplate, page);
+}
+
+bool WriteModesReport(const ModesReportInput& input,
+                      const HtmlReportOptions& options, const std::string& path,
+                      std::string* error) {
+  return WriteFileAtomically(path, RenderModesReport(input, options), error);
+}
+
+}  // namespace pinode
