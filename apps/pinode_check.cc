@@ -168,6 +168,19 @@ void PrintRecords(const Case& c) {
   }
 }
 
+void PrintAmbientRecords(const Case& c) {
+  if (c.problem.ambient.empty()) return;
+  std::printf("\nRecords of loads that nobody measured\n");
+  for (const AmbientRecord& record : c.problem.ambient) {
+    std::printf(
+        "  %s: %ld samples, step %.6g s, %.4g s, %zu channels\n",
+        record.name.c_str(), static_cast<long>(record.samples.cols()),
+        record.sampling_step,
+        record.sampling_step * static_cast<double>(record.samples.cols() - 1),
+        record.channels.size());
+  }
+}
+
 void PrintCandidates(const Case& c) {
   if (c.candidates.empty()) return;
   std::printf("\nCandidates, of which a fit keeps what the records support:");
@@ -265,11 +278,15 @@ int main(int argc, char** argv) {
   PrintFiniteElementModel(c);
   PrintModel(c);
   if (!c.problem.records.empty()) PrintRecords(c);
+  PrintAmbientRecords(c);
   PrintCandidates(c);
   PrintMeasuredModes(c);
   for (const std::string& remark : c.problem.description.remarks) {
     std::printf("  %s\n", remark.c_str());
   }
-  if (c.problem.records.empty() && c.problem.modal.empty()) return kExitDone;
+  if (c.problem.records.empty() && c.problem.modal.empty() &&
+      c.problem.ambient.empty()) {
+    return kExitDone;
+  }
   return PrintAssessment(c) ? kExitDone : kExitNotUsable;
 }

@@ -123,4 +123,12 @@ double StudentQuantile(double degrees) {
              (92160.0 * d * d * d * d);
 }
 
+double ChiSquareProbability(double value, double degrees) {
+  const double spread = 2.0 / (9.0 * degrees);
+  const double normal =
+      (std::cbrt(std::max(0.0, value) / degrees) - 1.0 + spread) /
+      std::sqrt(spread);
+  return 0.5 * std::erfc(normal / std::sqrt(2.0));
+}
+
 }  // namespace pinode

@@ -34,6 +34,11 @@ double MemorylessMeanSquare(const Vector& residuals);
 // 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
 double StudentQuantile(double degrees);
 
+// Probability that chi^2 with `degrees` degrees of freedom is larger than
+// `value`, to a few thousandths of it (E. B. Wilson and M. M. Hilferty, PNAS 17
+// (1931) 684).
+double ChiSquareProbability(double value, double degrees);
+
 }  // namespace pinode
 
 #endif  // PINODE_BASE_STATISTICS_H_

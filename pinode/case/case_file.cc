@@ -1,10 +1,13 @@
 #include "pinode/case/case_file.h"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/ambient_section.h"
 #include "pinode/case/discover_section.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/case/force_scale_section.h"
@@ -122,6 +125,7 @@ class CaseReader {
             &sections_)) {
       return false;
     }
+    SetAmbientApart();
     std::vector<InputSpec> inputs = CollectInputs(sections_, model_.model);
     if (!AddRecordSwitches(root_, sections_, &inputs)) return false;
     AddScaleSwitches(sections_, &inputs);
@@ -167,7 +171,9 @@ class CaseReader {
       record.substeps = 1;
       problem.records.push_back(std::move(record));
     }
-    if (!ReadModes(root_, units_, model_.model, problem.num_train_records() > 0,
+    if (!ReadAmbientRecords(ambient_sections_, units_, *dynamics_, &problem) ||
+        !ReadModes(root_, units_, model_.model,
+                   problem.num_train_records() > 0 || !problem.ambient.empty(),
                    &problem.modal)) {
       return false;
     }
@@ -178,11 +184,20 @@ class CaseReader {
     return true;
   }
 
+  void SetAmbientApart() {
+    const auto first = std::stable_partition(
+        sections_.begin(), sections_.end(),
+        [](const RecordSection& section) { return !section.ambient; });
+    ambient_sections_.assign(std::make_move_iterator(first),
+                             std::make_move_iterator(sections_.end()));
+    sections_.erase(first, sections_.end());
+  }
+
   bool Check() {
     if (!CheckNames(c_.problem, &errors_)) return false;
     if (simulation_) return true;
     if (model_may_stand_alone_ && c_.problem.records.empty() &&
-        c_.problem.modal.empty()) {
+        c_.problem.modal.empty() && c_.problem.ambient.empty()) {
       return true;
     }
     if (!CheckUnknownForces(root_, sections_, c_.problem, &c_.options) ||
@@ -217,6 +232,7 @@ class CaseReader {
   UnitSystem& units_;
   ModelSection model_;
   std::vector<RecordSection> sections_;
+  std::vector<RecordSection> ambient_sections_;
   std::shared_ptr<StructuralDynamics> dynamics_;
 };
 

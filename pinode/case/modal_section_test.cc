@@ -56,6 +56,29 @@ ReadResult ReadText(const std::string& text) {
   return result;
 }
 
+// The covariance s^2 I of the entries weighs as the sigma s does.
+TEST(ModalSection, CovarianceOfAShapeIsItsSigma) {
+  const ReadResult sigma = ReadText(Modes());
+  const ReadResult covariance =
+      ReadText(Replaced(Modes(), "shape_sigma = 0.02",
+                        "shape_covariance = [[4e-4, 0], [0, 4e-4]]"));
+  ASSERT_TRUE(sigma.ok) << sigma.error;
+  ASSERT_TRUE(covariance.ok) << covariance.error;
+  IdentificationSummary first, second;
+  IdentifiedModel model, other;
+  Identify(sigma.c.problem, sigma.c.options, nullptr, &first, &model);
+  Identify(covariance.c.problem, covariance.c.options, nullptr, &second,
+           &other);
+  EXPECT_NEAR(first.final_modal_cost, second.final_modal_cost,
+              1e-9 * (1.0 + first.final_modal_cost));
+  EXPECT_NEAR(model.parameters[0], other.parameters[0], 1e-9);
+  const ReadResult singular =
+      ReadText(Replaced(Modes(), "shape_sigma = 0.02",
+                        "shape_covariance = [[1e-4, 1e-4], [1e-4, 1e-4]]"));
+  EXPECT_FALSE(singular.ok);
+  EXPECT_THAT(singular.error, HasSubstr("positive definite"));
+}
+
 TEST(ModalSection, StandsWithoutARecord) {
   const ReadResult result = ReadText(Modes());
   ASSERT_TRUE(result.ok) << result.error;

@@ -229,22 +229,28 @@ class ModelCaseWriter {
   bool SetRecords() {
     if (root_.Find("record") == nullptr) return true;
     std::vector<TomlValue>& tables = root_.Find("record")->elements;
-    for (size_t r = 0; r < tables.size(); ++r) {
-      MovePath(&tables[r]);
-      for (const char* key : {"ground", "force", "covariate", "channel"}) {
-        TomlValue* signals = tables[r].Find(key);
+    // Ambient records are apart in the problem, and their sensors ideal.
+    size_t r = 0;
+    for (TomlValue& table : tables) {
+      MovePath(&table);
+      for (const char* key :
+           {"ground", "force", "motion", "covariate", "channel"}) {
+        TomlValue* signals = table.Find(key);
         if (signals == nullptr) continue;
         for (TomlValue& signal : signals->elements) {
           MovePath(&signal);
           if (std::string(key) == "force") SetScale(&signal);
         }
       }
-      TomlValue* channels = tables[r].Find("channel");
+      const TomlValue* excitation = table.Find("excitation");
+      if (excitation != nullptr && excitation->text == "ambient") continue;
+      TomlValue* channels = table.Find("channel");
       CHECK(channels != nullptr &&
             channels->elements.size() == c_.problem.records[r].channels.size());
       for (size_t i = 0; i < channels->elements.size(); ++i) {
         SetSensor(r, i, &channels->elements[i]);
       }
+      ++r;
     }
     return true;
   }
@@ -252,7 +258,10 @@ class ModelCaseWriter {
   bool SetModes() {
     TomlValue* modes = root_.Find("mode");
     if (modes == nullptr) return true;
-    for (TomlValue& mode : modes->elements) MovePath(&mode, "shape");
+    for (TomlValue& mode : modes->elements) {
+      MovePath(&mode, "shape");
+      MovePath(&mode, "shape_covariance");
+    }
     return true;
   }
 

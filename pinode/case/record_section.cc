@@ -34,7 +34,9 @@ const std::vector<std::string>& RecordKeys() {
                                                           "motion",
                                                           "covariate",
                                                           "channel",
-                                                          "filter"};
+                                                          "filter",
+                                                          "excitation",
+                                                          "ambient"};
   return keys;
 }
 
@@ -51,7 +53,7 @@ class RecordReader {
 
   bool Read() {
     return ReadHead() && ReadTime() && ReadInputs() && ReadChannels() &&
-           CheckFile() && ReadStart() && ReadFilter();
+           CheckFile() && ReadStart() && ReadFilter() && CheckAmbient();
   }
 
  private:
@@ -366,6 +368,41 @@ class RecordReader {
     filter.order = table.Integer("order", filter.order, 1);
     section_->filter = filter;
     return table_.errors()->ok();
+  }
+
+  // A record of loads that nobody measured has neither inputs nor a start.
+  bool CheckAmbient() {
+    section_->ambient = table_.Choice("excitation", {"measured", "ambient"},
+                                      "measured") == "ambient";
+    if (!table_.errors()->ok()) return false;
+    if (!section_->ambient) {
+      return !table_.Has("ambient") ||
+             table_.Fail("ambient",
+                         "'ambient' without excitation = \"ambient\"");
+    }
+    if (simulation_) {
+      return table_.Fail("excitation",
+                         "loads that nobody measured cannot be simulated, "
+                         "expected measured ones");
+    }
+    for (const char* key :
+         {"ground", "force", "motion", "covariate", "start", "start_samples",
+          "substeps", "integrator", "interpolation", "periodic"}) {
+      if (!table_.Has(key)) continue;
+      return table_.Fail(key, std::string("'") + key +
+                                  "' has no meaning in a record with "
+                                  "excitation = \"ambient\"");
+    }
+    for (const ChannelSection& channel : section_->channels) {
+      for (const char* key : {"gain", "offset", "delay"}) {
+        if (!channel.signal.table.Has(key)) continue;
+        return channel.signal.table.Fail(
+            key, std::string("'") + key +
+                     "' cannot be told from loads that nobody measured, "
+                     "expected none");
+      }
+    }
+    return true;
   }
 
   const UnitSystem& units_;

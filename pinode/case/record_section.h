@@ -55,6 +55,8 @@ struct RecordSection {
   std::vector<InputSection> inputs;
   std::vector<ChannelSection> channels;
   std::optional<FilterOptions> filter;  // frequencies per model time
+  // excitation = "ambient": nobody measured the loads.
+  bool ambient = false;
 
   explicit RecordSection(const TomlTable& t) : table(t) {}
   bool has_excitation() const;

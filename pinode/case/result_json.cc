@@ -173,6 +173,30 @@ Json MeasuredModes(const IdentificationProblem& problem,
   return modes;
 }
 
+Json AmbientAsJson(const IdentificationProblem& problem,
+                   const IdentificationSummary& summary) {
+  const double hz = problem.description.HzPerModelFrequency();
+  Json records = Json::array();
+  for (const AmbientScore& score : summary.ambient) {
+    Json channels = Json::array();
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      const Eigen::Index row = static_cast<Eigen::Index>(c);
+      channels.push_back({{"name", score.channels[c]},
+                          {"explained", score.explained[row]},
+                          {"noise_sigma", score.noise_sigma[row]}});
+    }
+    records.push_back({{"name", score.name},
+                       {"lowest_hz", score.lowest_frequency * hz},
+                       {"highest_hz", score.highest_frequency * hz},
+                       {"lines", score.num_lines},
+                       {"chi_square", score.chi_square},
+                       {"degrees_of_freedom", score.degrees_of_freedom},
+                       {"probability", score.probability},
+                       {"channels", channels}});
+  }
+  return records;
+}
+
 }  // namespace
 
 bool FormatResultJson(const IdentificationProblem& problem,
@@ -199,6 +223,9 @@ bool FormatResultJson(const IdentificationProblem& problem,
   if (!Modes(problem, summary, model, &json["modes"], error)) return false;
   if (!summary.modes.empty()) {
     json["measured_modes"] = MeasuredModes(problem, summary);
+  }
+  if (!summary.ambient.empty()) {
+    json["ambient"] = AmbientAsJson(problem, summary);
   }
   Json& solver = json["solver"];
   solver["iterations"] = summary.num_iterations;

@@ -139,8 +139,9 @@ bool AssessProblem(const IdentificationProblem& problem,
   CovarianceEstimate& covariance = point.covariance;
   covariance.null_space = WithUnseenGroups(
       problem, layout, covariance.covariance, covariance.null_space);
-  const bool sizes_known =
-      !shooting.train_records().empty() || problem.modal.HasSigmas();
+  const bool sizes_known = !shooting.train_records().empty() ||
+                           !problem.ambient.empty() ||
+                           problem.modal.HasSigmas();
   if (sizes_known) Expect(layout, covariance, assessment);
   Vector first_values = layout.InitialValues();
   FindSigns(problem, &first_values);

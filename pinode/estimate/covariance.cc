@@ -82,6 +82,32 @@ bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
   return false;
 }
 
+// Whether chance alone would not make the spectra of an ambient record differ
+// as they do from those of the model.
+bool AnyMisfit(const Vector& free, const Objective& objective) {
+  constexpr double kMisfit = 0.05;
+  return std::any_of(objective.ambient().begin(), objective.ambient().end(),
+                     [&free](const auto& record) {
+                       AmbientScore score;
+                       return !record->Score(free, &score) ||
+                              score.probability < kMisfit;
+                     });
+}
+
+// Scores of lines in the middle, in place of the ambient records' information.
+bool SandwichAmbient(const Matrix& hessian, const Objective& objective,
+                     CovarianceEstimate* estimate) {
+  if (objective.ambient().empty()) return true;
+  Matrix middle = hessian;
+  for (const auto& record : objective.ambient()) {
+    middle += record->score_products() - record->information();
+  }
+  estimate->method = "sandwich";
+  const Matrix inverse = estimate->covariance;
+  estimate->covariance = inverse * middle * inverse;
+  return estimate->covariance.allFinite();
+}
+
 // A step from the mode of the posterior to a draw from it. Residuals at the
 // draw stand for those at the mode: with a model that can be true and white
 // noise the latter have the covariance I - J H^-1 J' (weighted), since a fit
@@ -303,7 +329,12 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   estimate->covariance = inverse_root * inverse_root.transpose();
   estimate->method = "plain";
   estimate->quantile = StudentQuantile(1e6);
-  if (choice == Covariance::kPlain || residuals.empty()) return true;
+  if (choice == Covariance::kPlain) return true;
+  if (residuals.empty()) {
+    return choice == Covariance::kSandwich || AnyMisfit(free, *objective)
+               ? SandwichAmbient(system.hessian, *objective, estimate)
+               : true;
+  }
 
   // Everything that asks for the Jacobian, in one pass over it.
   const int num_free = layout.num_free();

@@ -17,13 +17,14 @@ bool AreGroupsAloneFree(const IdentificationProblem& problem,
                         std::string* error) {
   for (const ParameterBlock& block : problem.dynamics->blocks()) {
     if (block.name == "groups" || !HasFree(block)) continue;
-    *error = "modes tell of groups alone: '" + block.name +
+    *error = "modes and ambient records tell of groups alone: '" + block.name +
              "' cannot be free without a training record";
     return false;
   }
   if (HasFree(problem.sensors)) {
     *error =
-        "modes tell of groups alone: sensors cannot be free without a "
+        "modes and ambient records tell of groups alone: sensors cannot be "
+        "free without a "
         "training record";
     return false;
   }
@@ -278,11 +279,14 @@ bool IdentificationProblem::IsValid(std::string* error) const {
       !modal.IsValid(dynamics->num_dofs(), error)) {
     return false;
   }
-  if (!modal.empty() && num_train_records() == 0 &&
-      !AreGroupsAloneFree(*this, error)) {
+  for (const AmbientRecord& record : ambient) {
+    if (!record.IsValid(*dynamics, error)) return false;
+  }
+  const bool alone = !modal.empty() || !ambient.empty();
+  if (alone && num_train_records() == 0 && !AreGroupsAloneFree(*this, error)) {
     return false;
   }
-  bool any_fitted = !modal.empty();
+  bool any_fitted = alone;
   for (const IdentificationRecord& record : records) {
     std::string what;
     if (!IsValidRecord(*this, record, &what)) {
@@ -296,7 +300,8 @@ bool IdentificationProblem::IsValid(std::string* error) const {
   }
   if (!any_fitted) {
     *error =
-        "no training record has a fitted channel, and no mode was measured";
+        "no training record has a fitted channel, no mode was measured, and "
+        "there is no ambient record";
     return false;
   }
   return true;

@@ -13,6 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/ambient_record.h"
 #include "pinode/estimate/measured_mode.h"
 #include "pinode/estimate/problem_description.h"
 #include "pinode/integrate/integration_grid.h"
@@ -87,6 +88,8 @@ struct IdentificationProblem {
   std::vector<IdentificationRecord> records;
   // Measured modes beside the records, or alone.
   ModalData modal;
+  // Records of loads that nobody measured, beside the others or alone.
+  std::vector<AmbientRecord> ambient;
   // Gains (initially 1), offsets (the channel's unit) and delays (s).
   ParameterBlock sensors;
   // For reports and result files; takes no part in the fit.
@@ -112,12 +115,12 @@ struct IdentificationProblem {
   // Everything that a caller can get wrong, so that what works on a valid
   // problem needs no further look at sizes and numbers: a mass matrix that can
   // be inverted; at least one free parameter, which without a training record
-  // must be a group's; at least one training record with a fitted channel, or
-  // one mode; and of each record two samples, finite excitations, steps that
-  // are chosen, sizes and indices of channels, sensors, starts and input noise
-  // that fit the dynamics, no negative deviation. On failure *error names the
-  // record, channel or mode, and what was expected. What takes a problem asks
-  // this first, and aborts on none.
+  // must be a group's; at least one training record with a fitted channel, one
+  // mode or one ambient record; and of each record two samples, finite
+  // excitations, steps that are chosen, sizes and indices of channels, sensors,
+  // starts and input noise that fit the dynamics, no negative deviation. On
+  // failure *error names the record, channel or mode, and what was expected.
+  // What takes a problem asks this first, and aborts on none.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

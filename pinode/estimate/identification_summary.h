@@ -9,6 +9,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
+#include "pinode/estimate/ambient_record.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/measured_mode.h"
 #include "pinode/estimate/model_choice.h"
@@ -119,6 +120,7 @@ struct IdentificationSummary {
   std::vector<ParameterEstimate> parameters;  // named ones
   // Of the problem's modes, in its order; empty where a model has none.
   std::vector<ModeScore> modes;
+  std::vector<AmbientScore> ambient;  // of each ambient record
   // Half the sum of squares of the modal residuals, before and after.
   double initial_modal_cost = 0.0;
   double final_modal_cost = 0.0;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "pinode/estimate/ambient_start.h"
 #include "pinode/estimate/multistart.h"
 #include "pinode/estimate/outcome.h"
 #include "pinode/estimate/usable.h"
@@ -79,6 +80,10 @@ void Identify(const IdentificationProblem& problem,
       !FitsProblem(problem, initial, &error)) {
     summary->message = error;
     return;
+  }
+  IdentifiedModel start;
+  if (initial == nullptr && StartFromAmbientModes(problem, options, &start)) {
+    initial = &start;
   }
   const std::unique_ptr<Fit> fit =
       RunStarts(problem, options, initial, summary);

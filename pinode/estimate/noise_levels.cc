@@ -140,10 +140,11 @@ double NoiseLevels::ShareLeft(const WeightedRows& rows,
                               const Evidence& evidence) const {
   double samples = 0.0;
   double used = evidence.effective;
-  const Matrix& modes = context_.objective.modal_information();
-  if (modes.size() > 0) {
-    // The modes' part, which the channels need not pay for.
-    used -= (evidence.inverse_root.transpose() * modes * evidence.inverse_root)
+  const Matrix& others = context_.objective.other_information();
+  if (others.size() > 0) {
+    // The part of modes and ambient records, which the channels need not pay
+    // for.
+    used -= (evidence.inverse_root.transpose() * others * evidence.inverse_root)
                 .trace();
   }
   for (size_t t = 0; t < rows.residuals.size(); ++t) {

@@ -22,6 +22,10 @@ Objective::Objective(const IdentificationProblem& problem,
     modes_ =
         std::make_unique<ModalCost>(problem.modal, *problem.dynamics, layout);
   }
+  for (const AmbientRecord& record : problem.ambient) {
+    ambient_.push_back(std::make_unique<AmbientCost>(
+        record, *problem.dynamics, layout, options.num_threads));
+  }
 }
 
 bool Objective::Evaluate(const Vector& free, double* cost) {
@@ -32,6 +36,11 @@ bool Objective::Evaluate(const Vector& free, double* cost) {
     return false;
   }
   *cost += priors + modes;
+  for (const auto& record : ambient_) {
+    double part = 0.0;
+    if (!record->Evaluate(free, &part)) return false;
+    *cost += part;
+  }
   return true;
 }
 
@@ -43,13 +52,26 @@ bool Objective::Linearize(const Vector& free, CondensedSystem* system) {
   }
   system->Add(priors);
   if (modes_ != nullptr) system->Add(modes);
-  modal_information_ = modes.hessian;
+  other_information_ = modes.hessian;
+  for (const auto& record : ambient_) {
+    CondensedSystem part;
+    if (!record->Linearize(free, &part)) return false;
+    system->Add(part);
+    if (other_information_.size() == 0) {
+      other_information_ = part.hessian;
+    } else {
+      other_information_ += part.hessian;
+    }
+  }
   return true;
 }
 
 std::string Objective::Failure() const {
   if (modes_ != nullptr && !modes_->Failure().empty()) {
     return modes_->Failure();
+  }
+  for (const auto& record : ambient_) {
+    if (!record->Failure().empty()) return record->Failure();
   }
   return shooting_.Failure();
 }

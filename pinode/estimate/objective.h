@@ -5,8 +5,10 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/estimate/ambient_cost.h"
 #include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
@@ -20,7 +22,8 @@ namespace pinode {
 // How the trajectories of an identification are shot.
 MultipleShooting::Options ShootingOptions(const IdentificationOptions& options);
 
-// The sum of a problem's trajectories, priors and measured modes. Each part is
+// The sum of a problem's trajectories, priors, measured modes and ambient
+// records. Each part is
 // set by itself: noise levels and segments in shooting(), decays in priors().
 class Objective final : public CostPart {
  public:
@@ -33,6 +36,10 @@ class Objective final : public CostPart {
   PriorCost& priors() { return priors_; }
   // nullptr: no mode was measured.
   ModalCost* modes() { return modes_.get(); }
+  // One per ambient record.
+  const std::vector<std::unique_ptr<AmbientCost>>& ambient() const {
+    return ambient_;
+  }
 
   [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
   [[nodiscard]] bool Linearize(const Vector& free,
@@ -40,15 +47,16 @@ class Objective final : public CostPart {
   // Of the first part that has failed.
   std::string Failure() const override;
 
-  // Hessian of the modes at the last Linearize, num_free x num_free; empty
-  // without modes.
-  const Matrix& modal_information() const { return modal_information_; }
+  // Hessian of modes and ambient records at the last Linearize, num_free x
+  // num_free; empty without any.
+  const Matrix& other_information() const { return other_information_; }
 
  private:
   MultipleShooting shooting_;
   PriorCost priors_;
   std::unique_ptr<ModalCost> modes_;
-  Matrix modal_information_;
+  std::vector<std::unique_ptr<AmbientCost>> ambient_;
+  Matrix other_information_;
 };
 
 }  // namespace pinode

@@ -245,10 +245,19 @@ void ReportModes(const IdentificationProblem& problem,
   summary->initial_modal_cost = ModalCostAt(initial, layout, modes);
   summary->final_modal_cost = ModalCostAt(parameters, layout, modes);
   if (certainty->known && problem.num_train_records() == 0 &&
-      !problem.modal.HasSigmas()) {
+      problem.ambient.empty() && !problem.modal.HasSigmas()) {
     certainty->known =
         ScaleToResiduals(*modes, summary->final_modal_cost,
                          summary->effective_parameters, &certainty->covariance);
+  }
+}
+
+void ReportAmbient(const Vector& free, const Objective& objective,
+                   IdentificationSummary* summary) {
+  for (const auto& record : objective.ambient()) {
+    AmbientScore score;
+    if (!record->Score(free, &score)) score.probability = 0.0;
+    summary->ambient.push_back(std::move(score));
   }
 }
 
@@ -314,6 +323,7 @@ void ReportOutcome(const IdentificationProblem& problem,
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
                 &certainty, summary);
   }
+  ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);
   summary->remarks = SignRemarks(problem, model->parameters);
   summary->forces = EstimateForces(

@@ -63,6 +63,16 @@ std::string WhyNotUsable(const GapTuning& tuning,
            "alone";
   }
   std::ostringstream reason;
+  for (const AmbientScore& score : summary.ambient) {
+    if (score.probability >= kLeastAmbientProbability) continue;
+    reason << "the model does not describe the spectra of ambient record '"
+           << score.name << "' (probability " << score.probability
+           << " of such a difference by chance, most between "
+           << score.worst_from << " and " << score.worst_to
+           << " cycles per unit of time): modes that it lacks, loads "
+              "elsewhere, or a spectrum finer than its knots";
+    return reason.str();
+  }
   if (!summary.modes.empty() && !HasTrainRecord(summary) &&
       summary.final_modal_cost >= summary.initial_modal_cost) {
     reason << "the measured modes are not met better (cost "

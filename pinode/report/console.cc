@@ -182,6 +182,30 @@ TextTable MakeMeasuredModeTable(const ReportInput& input) {
   return table;
 }
 
+TextTable MakeAmbientTable(const ReportInput& input) {
+  TextTable table({{"record", Align::kLeft},
+                   {"channel", Align::kLeft},
+                   {"explained, %", Align::kDecimal},
+                   {"noise", Align::kDecimal},
+                   {"from, Hz", Align::kDecimal},
+                   {"to, Hz", Align::kDecimal},
+                   {"probability", Align::kDecimal}});
+  const double hz = input.problem->description.HzPerModelFrequency();
+  for (const AmbientScore& score : input.summary->ambient) {
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      const Eigen::Index row = static_cast<Eigen::Index>(c);
+      table.AddRow(
+          {c == 0 ? score.name : "", score.channels[c],
+           ReadableNumber(100.0 * score.explained[row], 4),
+           ReadableNumber(score.noise_sigma[row], 3),
+           c == 0 ? ReadableNumber(hz * score.lowest_frequency, 3) : "",
+           c == 0 ? ReadableNumber(hz * score.highest_frequency, 3) : "",
+           c == 0 ? ReadableNumber(score.probability, 2) : ""});
+    }
+  }
+  return table;
+}
+
 TextTable MakeRecordTable(const ReportInput& input) {
   TextTable table({{"record", Align::kLeft},
                    {"role", Align::kLeft},
@@ -279,6 +303,7 @@ std::string ConsoleReport(const ReportInput& input) {
   add("Parameters", MakeParameterTable(input));
   add("Profiles", MakeProfileTable(input));
   add("Measured modes", MakeMeasuredModeTable(input));
+  add("Ambient records", MakeAmbientTable(input));
   add("Modes", MakeModeTable(input));
   add("Sensors", MakeSensorTable(input));
   return text;

@@ -20,6 +20,8 @@ TextTable MakeParameterTable(const ReportInput& input);
 // Measured modes: frequencies (Hz) of them and of the model before and after,
 // errors of these in per cent, and MAC at the measured DOFs.
 TextTable MakeMeasuredModeTable(const ReportInput& input);
+// What the model explains of each channel of the ambient records.
+TextTable MakeAmbientTable(const ReportInput& input);
 
 // Frequencies (Hz), damping ratios (%) and MAC, before and after.
 TextTable MakeProfileTable(const ReportInput& input);

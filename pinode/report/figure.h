@@ -50,6 +50,11 @@ Figure MakeChangeFigure(const DamageResult& damage);
 // is given: the whole record and the part where the force is largest.
 Figure MakeForceFigure(const ReportInput& input, int force);
 
+// Spectral densities of an ambient record's channels (at most six), measured
+// and of the model, with the band in which 95 % of the measured ones are to
+// lie.
+Figure MakeAmbientFigure(const ReportInput& input, int record);
+
 // The likelihood ratio along a parameter, beside the parabola of its linear
 // interval; empty where there are no points.
 Figure MakeProfileFigure(const ParameterProfile& profile, int number);

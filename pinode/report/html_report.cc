@@ -291,6 +291,9 @@ class PageMaker {
   }
 
   void AddModes() {
+    const TextTable ambient = MakeAmbientTable(input_);
+    SetIf("ambient", !ambient.empty(), TableData(ambient), &page_);
+    page_.set("ambient_figures", FigureList(figures_.ambient));
     const TextTable measured = MakeMeasuredModeTable(input_);
     SetIf("measured_modes", !measured.empty(), TableData(measured), &page_);
     const TextTable table = MakeModeTable(input_);

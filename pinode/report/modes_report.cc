@@ -203,7 +203,7 @@ std::string RenderModesReport(const ModesReportInput& input,
   for (size_t r = 0; r < input.records->size(); ++r) {
     PageData record;
     record.set("name", (*input.records)[r].name);
-    record.set("figure", picture(diagrams[r]));
+    record.set("diagram", picture(diagrams[r]));
     record.set("bands", TableData(MakeBandsTable((*input.by_record)[r])));
     records.push_back(record);
   }

@@ -54,6 +54,9 @@ class Planner {
       AddTo(MakeProfileFigure(summary_.profiles[p], static_cast<int>(p)),
             &figures_.profiles);
     }
+    for (size_t r = 0; r < summary_.ambient.size(); ++r) {
+      AddTo(MakeAmbientFigure(input_, static_cast<int>(r)), &figures_.ambient);
+    }
     figures_.modes = Add(MakeModeShapeFigure(input_));
     figures_.convergence = Add(MakeConvergenceFigure(input_));
     for (const Role role : {Role::kHoldout, Role::kTrain}) PlanHistories(role);

@@ -31,6 +31,7 @@ struct ReportFigures {
   int parameters = -1;
   std::vector<int> forces;
   std::vector<int> profiles;
+  std::vector<int> ambient;
   int modes = -1;
   int convergence = -1;
   std::vector<History> histories;  // hold-out records first

@@ -158,6 +158,23 @@ void Add(const ModalData& modal, Hash* hash) {
   }
 }
 
+void Add(const AmbientRecord& record, Hash* hash) {
+  hash->Add(record.name);
+  hash->Add(record.sampling_step);
+  for (const Observation& channel : record.channels) {
+    hash->Add(channel.name);
+    hash->Add(static_cast<std::int64_t>(channel.quantity));
+    hash->Add(Matrix(channel.weights));
+  }
+  hash->Add(record.samples);
+  hash->Add(record.loads);
+  for (const double value :
+       {record.correlated ? 1.0 : 0.0, static_cast<double>(record.knots),
+        record.lowest_frequency, record.highest_frequency}) {
+    hash->Add(value);
+  }
+}
+
 }  // namespace
 
 std::string ProblemHash(const IdentificationProblem& problem) {
@@ -168,6 +185,7 @@ std::string ProblemHash(const IdentificationProblem& problem) {
     Add(record, &hash);
   }
   Add(problem.modal, &hash);
+  for (const AmbientRecord& record : problem.ambient) Add(record, &hash);
   return hash.Text();
 }
 

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""The frame of three_storey, linear, under wind that nobody measures.
+
+Writes wind.csv.gz (accelerations of the floors), C_mass.csv, C_stiffness.csv and
+truth.json.  --seed gives another realisation, --white forces of flat spectra
+that have nothing to do with each other.
+
+The wind's force on floor j has the one-sided spectrum of a longitudinal gust
+after von Karman, S(f) ~ 1 / (1 + 70.8 (f L / U)^2)^(5/6), which falls with
+f^(-5/3), and the coherence exp(-C f |z_i - z_j| / U) of Davenport with that of
+floor i.  Forces and responses are made at once in the frequency domain, over
+a period twice as long as the record, of which the second half is left out: they
+are stationary, and have nothing above half the sampling rate, as a logger
+behind its filter leaves them.
+"""
+
+import argparse
+import gzip
+import importlib.util
+import os
+import sys
+
+import numpy as np
+
+sys.dont_write_bytecode = True
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.dirname(HERE))
+import reference  # noqa: E402
+
+SPEC = importlib.util.spec_from_file_location(
+    "three_storey", os.path.join(HERE, "..", "three_storey", "generate.py"))
+FRAME = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(FRAME)
+
+RATE = 100.0  # Hz
+DURATION = 600.0  # s
+NOISE = 0.02  # of each channel's standard deviation
+HEIGHT = np.array([3.5, 7.0, 10.5])  # floors above the ground, m
+WIND, LENGTH, DECAY = 20.0, 60.0, 8.0  # U m/s, L m, C
+FORCE = np.array([1.0, 1.3, 0.9]) * 400.0  # standard deviations, N
+
+
+def force_root(frequency, white):
+    """Per frequency a lower root of the forces' spectral matrix, N^2/Hz."""
+    if white:
+        return np.sqrt(2.0 / RATE) * np.broadcast_to(
+            np.diag(FORCE), (len(frequency), 3, 3))
+    gust = 4 * LENGTH / WIND / (
+        1 + 70.8 * (frequency * LENGTH / WIND)**2)**(5 / 6)
+    apart = np.abs(HEIGHT[:, None] - HEIGHT[None, :])
+    coherence = np.exp(-DECAY * frequency[:, None, None] * apart / WIND)
+    return np.linalg.cholesky(gust[:, None, None] * coherence *
+                              np.outer(FORCE, FORCE))
+
+
+def record(seed, white):
+    """Accelerations (samples by floors) with noise, and the noise's sigma."""
+    rng = np.random.default_rng(seed)
+    samples = int(round(DURATION * RATE))
+    period = 2 * samples
+    frequency = np.fft.rfftfreq(period, 1 / RATE)[1:-1]
+    normal = rng.standard_normal((len(frequency), 3, 2)) @ [1, 1j]
+    # Half the one-sided density on either side.
+    force = 0.5 * np.sqrt(period * RATE) * np.einsum(
+        "kij,kj->ki", force_root(frequency, white), normal)
+    w = 2 * np.pi * frequency[:, None, None]
+    dynamic = (reference.chain(FRAME.STOREY) - w**2 * np.diag(FRAME.MASS) +
+               1j * w * FRAME.damping_matrix())
+    motion = np.linalg.solve(dynamic, force[:, :, None])[:, :, 0]
+    spectrum = np.zeros((period // 2 + 1, 3), dtype=complex)
+    spectrum[1:-1] = -w[:, :, 0]**2 * motion
+    values = np.fft.irfft(spectrum, period, axis=0)[:samples]
+    sigma = NOISE * values.std(axis=0)
+    return values + sigma * rng.standard_normal(values.shape), sigma
+
+
+def write_record(path, values):
+    lines = ["a1,a2,a3"]
+    lines += [",".join("%.5g" % v for v in row) for row in values]
+    data = ("\n".join(lines) + "\n").encode()
+    with open(path, "wb") as file:
+        file.write(gzip.compress(data, 9, mtime=0))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", default=HERE)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--white", action="store_true")
+    args = parser.parse_args()
+    reference.prepare_output(HERE, args.output)
+    values, sigma = record(args.seed, args.white)
+    write_record(os.path.join(args.output, "wind.csv.gz"), values)
+    a0, a1 = FRAME.rayleigh_coefficients()
+    prior = FRAME.PRIOR_DAMPING_FACTOR
+    reference.write_matrix(os.path.join(args.output, "C_mass.csv"),
+                           prior * a0 * np.diag(FRAME.MASS))
+    reference.write_matrix(
+        os.path.join(args.output, "C_stiffness.csv"),
+        prior * a1 * reference.chain(FRAME.PRIOR_STOREY))
+    hertz, shapes = FRAME.frequencies(reference.chain(FRAME.STOREY))
+    damping = np.diag(shapes.T @ FRAME.damping_matrix() @ shapes)
+    truth = {
+        "hertz": list(hertz),
+        "modal_damping_ratio": list(damping / (4 * np.pi * hertz)),
+        "groups": dict(zip(
+            ["k1", "k2", "k3"],
+            FRAME.STOREY / FRAME.PRIOR_STOREY - 1.0)),
+        "noise_sigma": list(sigma),
+    }
+    truth["groups"].update(c_mass=1 / prior - 1, c_stiffness=1 / prior - 1)
+    assert abs(hertz[0] - 2.8) < 0.01
+    reference.write_json(os.path.join(args.output, "truth.json"), truth)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,133 @@
+#include "pinode/case/ambient_section.h"
+
+#include <string>
+#include <utility>
+
+#include "pinode/case/model_section.h"
+#include "pinode/case/record_data.h"
+
+namespace pinode {
+namespace {
+
+class AmbientReader {
+ public:
+  AmbientReader(const RecordSection& section, const UnitSystem& units,
+                const StructuralDynamics& dynamics, AmbientRecord* record)
+      : section_(section),
+        units_(units),
+        dynamics_(dynamics),
+        table_(
+            section.table.Table("ambient", section.table.name() + ", ambient")),
+        record_(record) {}
+
+  bool Read(std::vector<std::string>* remarks) {
+    if (!section_.table.errors()->ok() ||
+        !table_.AllowKeys({"dofs", "proportional_to_mass", "correlated",
+                           "knots", "band_hz"})) {
+      return false;
+    }
+    IdentificationRecord measured;
+    if (!ReadRecordData(section_, units_, dynamics_, /*simulation=*/false,
+                        &measured)) {
+      return false;
+    }
+    record_->name = section_.name;
+    record_->sampling_step = measured.sampling_step();
+    record_->samples.resize(static_cast<Eigen::Index>(measured.channels.size()),
+                            measured.num_samples());
+    for (size_t c = 0; c < measured.channels.size(); ++c) {
+      record_->channels.push_back(measured.channels[c].observation);
+      record_->samples.row(static_cast<Eigen::Index>(c)) =
+          measured.channels[c].values.transpose();
+    }
+    for (const std::string& remark : measured.description.remarks) {
+      remarks->push_back("Record '" + section_.name + "': " + remark);
+    }
+    return ReadLoads() && ReadBand() && Check();
+  }
+
+ private:
+  bool ReadLoads() {
+    if (table_.Has("dofs") && table_.Has("proportional_to_mass")) {
+      return table_.Fail("dofs",
+                         "'dofs' beside 'proportional_to_mass', expected one "
+                         "of the two");
+    }
+    const StructuralModel& model = dynamics_.model();
+    for (const std::string& name : table_.Strings("dofs")) {
+      int dof = -1;
+      if (!FindDof(model, table_, "dofs", name, false, &dof)) return false;
+      AddLoad(name, Vector::Unit(model.num_dofs(), dof));
+    }
+    for (const std::string& name : table_.Strings("proportional_to_mass")) {
+      const int direction = model.DirectionIndex(name);
+      if (direction < 0) {
+        return table_.Fail("proportional_to_mass",
+                           "'" + name + "' is no direction of the model");
+      }
+      AddLoad("mass in " + name, model.mass * model.influence.col(direction));
+    }
+    record_->correlated = table_.Boolean("correlated", true);
+    record_->knots = table_.Integer("knots", 0, 0);
+    return table_.errors()->ok();
+  }
+
+  void AddLoad(const std::string& name, const Vector& load) {
+    record_->loads.conservativeResize(load.size(), record_->loads.cols() + 1);
+    record_->loads.rightCols(1) = load;
+    record_->areas.push_back(name);
+  }
+
+  bool ReadBand() {
+    if (!table_.Has("band_hz")) return table_.errors()->ok();
+    const std::vector<double> band =
+        table_.Numbers("band_hz", 2, "end: from and to");
+    double second = 1.0;
+    std::string message;
+    if (!table_.errors()->ok()) return false;
+    if (!UnitFactor("s", Dimension::kTime, units_, &second, &message)) {
+      return table_.Fail("band_hz", message);
+    }
+    record_->lowest_frequency = band[0] / second;
+    record_->highest_frequency = band[1] / second;
+    if (!(band[0] > 0.0) || !(band[1] > band[0])) {
+      return table_.Fail("band_hz",
+                         "expected two frequencies, the first "
+                         "positive and smaller");
+    }
+    return true;
+  }
+
+  bool Check() {
+    std::string message;
+    return record_->IsValid(dynamics_, &message) ||
+           section_.table.Fail(table_.Has("band_hz") ? "ambient" : "name",
+                               message);
+  }
+
+  const RecordSection& section_;
+  const UnitSystem& units_;
+  const StructuralDynamics& dynamics_;
+  const TomlTable table_;
+  AmbientRecord* record_;
+};
+
+}  // namespace
+
+bool ReadAmbientRecords(const std::vector<RecordSection>& sections,
+                        const UnitSystem& units,
+                        const StructuralDynamics& dynamics,
+                        IdentificationProblem* problem) {
+  for (const RecordSection& section : sections) {
+    if (!section.ambient) continue;
+    AmbientRecord record;
+    if (!AmbientReader(section, units, dynamics, &record)
+             .Read(&problem->description.remarks)) {
+      return false;
+    }
+    problem->ambient.push_back(std::move(record));
+  }
+  return true;
+}
+
+}  // namespace pinode

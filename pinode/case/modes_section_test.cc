@@ -1,0 +1,159 @@
+#include "pinode/case/modes_section.h"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/file.h"
+#include "pinode/case/modes_files.h"
+#include "pinode/case/testing.h"
+#include "pinode/modal/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+std::string ModesText() {
+  return R"(title = "Chain"
+[units]
+time = "ms"
+[modes]
+lowest_hz = 0.5
+references = ["u1"]
+threads = 1
+[[record]]
+name = "wind"
+file = "wind.csv"
+sampling_rate_hz = 50
+  [[record.channel]]
+  column = "a1"
+  dof = "u1"
+  quantity = "absolute_acceleration"
+  unit = "g"
+  [[record.channel]]
+  column = "v2"
+  quantity = "velocity"
+  unit = "mm/s"
+  sign = -1
+)";
+}
+
+std::string WindFile(const ResponseRecord& record) {
+  std::string text = "a1,v2\n";
+  for (Eigen::Index k = 0; k < record.num_samples(); ++k) {
+    text += FormatNumber(record.samples(0, k), 12) + "," +
+            FormatNumber(record.samples(1, k), 12) + "\n";
+  }
+  return text;
+}
+
+class ModesSectionTest : public ::testing::Test {
+ protected:
+  ModesSectionTest()
+      : chain_(2, 400.0),
+        record_(SimulateChain(chain_, 0.02, 8000, 1, {2, 1})) {
+    folder_.Write("wind.csv", WindFile(record_));
+  }
+
+  std::string Error(const std::string& text) {
+    ModesCase c;
+    std::string error;
+    EXPECT_FALSE(ReadModesCase(folder_.Write("case.toml", text), &c, &error));
+    return error;
+  }
+
+  TestChain chain_;
+  ResponseRecord record_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(ModesSectionTest, NeedsNoModel) {
+  ModesCase c;
+  std::string error;
+  ASSERT_TRUE(
+      ReadModesCase(folder_.Write("case.toml", ModesText()), &c, &error))
+      << error;
+  ASSERT_THAT(c.records, SizeIs(1));
+  const ResponseRecord& record = c.records[0];
+  // Seconds, whatever the model's time is.
+  EXPECT_NEAR(record.sampling_step, 0.02, 1e-12);
+  ASSERT_THAT(record.channels, SizeIs(2));
+  EXPECT_EQ(record.channels[0].name, "u1");
+  EXPECT_EQ(record.channels[0].derivative, 2);
+  EXPECT_EQ(record.channels[1].name, "v2");
+  EXPECT_EQ(record.channels[1].derivative, 1);
+  const double ratio = record.samples(1, 7) / record_.samples(1, 7);
+  EXPECT_LT(ratio, 0.0);
+  EXPECT_NEAR(record.samples(1, 99) / record_.samples(1, 99), ratio,
+              1e-6 * std::abs(ratio));
+  EXPECT_THAT(c.options.references, ElementsAre("u1"));
+  EXPECT_EQ(c.options.lowest_hz, 0.5);
+}
+
+TEST_F(ModesSectionTest, RefusesInOneLine) {
+  EXPECT_THAT(Error(Replaced(ModesText(), "lowest_hz", "lowest")),
+              HasSubstr("case.toml:5"));
+  EXPECT_THAT(
+      Error(Replaced(ModesText(), "references = [\"u1\"]", "max_order = 7")),
+      HasSubstr("odd"));
+  EXPECT_THAT(Error(Replaced(ModesText(), "quantity = \"velocity\"",
+                             "quantity = \"force\"")),
+              HasSubstr("case.toml"));
+  EXPECT_THAT(
+      Error(Replaced(ModesText(), "column = \"v2\"", "column = \"v3\"")),
+      HasSubstr("v3"));
+  EXPECT_THAT(Error("title = \"none\"\n"), HasSubstr("[[record]]"));
+}
+
+// modes.toml is what a case with a model reads.
+TEST_F(ModesSectionTest, ModesEnterACase) {
+  ModesOfRecord modes;
+  std::string error;
+  ASSERT_TRUE(IdentifyModes(record_, {}, &modes, &error)) << error;
+  ASSERT_THAT(modes.modes, SizeIs(2));
+  ModesResult result;
+  result.setups = {"wind"};
+  SetupModes setup;
+  setup.name = "wind";
+  setup.places = {"u1", "u2"};
+  setup.modes = modes.modes;
+  ASSERT_TRUE(MergeSetups({setup}, {}, &result.merged, &error)) << error;
+  ASSERT_TRUE(WriteModesFiles(result, folder_.Path("."), &error)) << error;
+
+  std::string text;
+  ASSERT_TRUE(ReadTextFile(folder_.Path("modes.toml"), &text, &error));
+  const Case c = ReadOrFail(folder_.Write("update.toml", R"([model]
+dofs = ["u1", "u2"]
+mass = {diagonal = [1.0, 1.0]}
+stiffness = [[800.0, -400.0], [-400.0, 400.0]]
+[[group]]
+name = "k1"
+adds_to = "stiffness"
+between = ["ground", "u1"]
+)" + text));
+  ASSERT_THAT(c.problem.modal.modes, SizeIs(2));
+  const MeasuredMode& first = c.problem.modal.modes[0];
+  EXPECT_NEAR(first.frequency, chain_.frequency_hz[0], 0.02);
+  EXPECT_NEAR(first.frequency_sigma, modes.modes[0].frequency_sigma, 1e-8);
+  ASSERT_EQ(first.shape_covariance.rows(), 2);
+  // Largest one, as real as it can be.
+  EXPECT_EQ(first.shape.cwiseAbs().maxCoeff(), 1.0);
+  EXPECT_GT(first.shape_covariance(0, 0), 0.0);
+
+  ASSERT_TRUE(ReadTextFile(folder_.Path("modes.json"), &text, &error));
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["schema"], "pinode-modes-1");
+  EXPECT_EQ(json["modes"].size(), 2u);
+  EXPECT_EQ(json["modes"][0]["shape"].size(), 2u);
+  ASSERT_TRUE(ReadTextFile(folder_.Path("modes.csv"), &text, &error));
+  EXPECT_THAT(text, HasSubstr("frequency_hz"));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,129 @@
+// The likelihood of an ambient record.
+
+#ifndef PINODE_ESTIMATE_AMBIENT_COST_H_
+#define PINODE_ESTIMATE_AMBIENT_COST_H_
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/ambient_record.h"
+#include "pinode/estimate/ambient_spectrum.h"
+#include "pinode/estimate/cost_part.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+
+// Minus the logarithm of Whittle's likelihood of a record's lines Y,
+//
+//   sum over lines of  log det S_y + Y^H S_y^-1 Y,
+//
+// as a function of the free groups (those that follow nothing), the spectrum of
+// the loads and the noise of the channels being chosen for each as those that
+// make it smallest: they are nobody's question. With W_p = S^-1/2 (dS/dp)
+// S^-H/2 and z = S^-1/2 Y,
+//
+//   gradient  sum tr W_p - z^H W_p z,     information  sum tr(W_p W_q),
+//
+// of groups, loads and noise together, from which the latter are eliminated.
+// Work per line: n^3 of the n DOFs for the transfer function, and channels^2
+// times the square of the unknowns that take part in it.
+//
+// The frequency domain was taken rather than innovations in time: a spectrum
+// that nobody knows needs no filter there, modes beyond the band no model, and
+// records of any length no more than their lines.
+//
+// Sources: P. Whittle (1953); for structures J. L. Beck and L. S. Katafygiotis,
+// J. Eng. Mech. 124 (1998) 455, L. S. Katafygiotis and K.-V. Yuen, Earthquake
+// Eng. Struct. Dyn. 30 (2001) 1129 (spectral density approach).
+class AmbientCost final : public CostPart {
+ public:
+  // `record` is valid; all must outlive this object.
+  AmbientCost(const AmbientRecord& record, const StructuralDynamics& dynamics,
+              const ParameterLayout& layout, int num_threads);
+
+  int num_lines() const { return static_cast<int>(lines_.frequency.size()); }
+
+  [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
+  [[nodiscard]] bool Linearize(const Vector& free,
+                               CondensedSystem* system) override;
+  std::string Failure() const override { return failure_; }
+
+  // sum of score^T score over short stretches of neighbouring lines, of the
+  // free parameters with loads and noise eliminated, at the last Linearize:
+  // what stands between two inverses of the information in a sandwich.
+  const Matrix& score_products() const { return score_products_; }
+  // The information itself, at the last Linearize.
+  const Matrix& information() const { return information_; }
+
+  // At `free`. False where the model fails there.
+  [[nodiscard]] bool Score(const Vector& free, AmbientScore* score);
+
+ private:
+  // A free group and what it adds to.
+  struct Column {
+    int free = -1;
+    MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
+    const Matrix* matrix = nullptr;
+  };
+  struct Sums;
+
+  // The model at `free`; notes why where there is none.
+  [[nodiscard]] bool SetModel(const Vector& free);
+  // n x n at a frequency, factorised.
+  Eigen::PartialPivLU<Eigen::MatrixXcd> DynamicStiffness(
+      double frequency) const;
+  // Of displacements to what the channels measure, over their scales.
+  Eigen::VectorXcd ChannelFactors(double frequency) const;
+  void FindTransfer();
+  // Cost, and where `sums` is not null its derivatives by loads and noise, with
+  // those by the groups behind them where asked for.
+  [[nodiscard]] bool Accumulate(bool with_groups, double* cost,
+                                Sums* sums) const;
+  [[nodiscard]] bool AccumulateLines(Eigen::Index first, Eigen::Index last,
+                                     bool with_groups, double* cost,
+                                     Sums* sums) const;
+  // S_y of a line; false where it is not positive definite.
+  [[nodiscard]] bool FactorizeLine(Eigen::Index line,
+                                   Eigen::LLT<Eigen::MatrixXcd>* factor) const;
+  // Loads and noise for the transfer function as it is.
+  [[nodiscard]] bool FitUnknowns(double* cost);
+  void StartUnknowns();
+  // Noise that would vanish takes no part any more.
+  double SmallestNoise() const;
+  void HoldNoise(Sums* sums) const;
+  int num_nuisance() const { return static_cast<int>(unknowns_.size()); }
+
+  const AmbientRecord& record_;
+  const StructuralDynamics& dynamics_;
+  const ParameterLayout& layout_;
+  const int num_threads_;
+  Matrix loads_;        // num_dofs x areas, of unit size
+  Matrix sensors_;      // channels x num_dofs
+  Vector derivatives_;  // 0, 1, 2 of each channel
+  Vector scales_;       // of the channels
+  std::vector<Column> columns_;
+  SpectralLines lines_;  // over the scales
+  std::unique_ptr<LoadSpectrum> spectrum_;
+  double offset_ = 0.0;                     // makes the cost positive
+  Matrix mass_, damping_, stiffness_;       // at the last free parameters
+  std::vector<Eigen::MatrixXcd> transfer_;  // per line: channels x areas
+  Vector unknowns_;  // of the loads, then half the logarithms of the noise
+  bool unknowns_known_ = false;
+  // What a change of the free parameters does to them, at linearized_at_.
+  Vector linearized_at_;
+  Vector unknowns_there_;
+  Matrix follow_;
+  Matrix score_products_;
+  Matrix information_;
+  std::string failure_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_AMBIENT_COST_H_

@@ -1,0 +1,70 @@
+#include "pinode/estimate/ambient_record.h"
+
+#include <cmath>
+
+#include "pinode/base/statistics.h"
+
+namespace pinode {
+
+bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
+                            std::string* error) const {
+  const Eigen::Index dofs = dynamics.num_dofs();
+  const auto fail = [&](const std::string& what) {
+    *error = "ambient record '" + name + "': " + what;
+    return false;
+  };
+  if (!(sampling_step > 0.0) || !std::isfinite(sampling_step)) {
+    return fail("its sampling step must be positive");
+  }
+  if (channels.empty() ||
+      samples.rows() != static_cast<Eigen::Index>(channels.size())) {
+    return fail("it needs a row of samples for each of its channels");
+  }
+  if (samples.cols() < 200) {
+    return fail("it has " + std::to_string(samples.cols()) +
+                " samples, expected 200 and more");
+  }
+  for (size_t c = 0; c < channels.size(); ++c) {
+    const Observation& channel = channels[c];
+    const std::string where = "channel '" + channel.name + "' ";
+    if (channel.quantity == Quantity::kForce ||
+        channel.quantity == Quantity::kAbsoluteDisplacement) {
+      return fail(where + "is a " + QuantityName(channel.quantity) +
+                  ", expected a displacement, velocity, acceleration or "
+                  "strain");
+    }
+    if (channel.weights.size() != dofs || !channel.weights.allFinite() ||
+        channel.weights.isZero(0.0)) {
+      return fail(where + "needs a finite weight for each DOF, not all zero");
+    }
+    const Vector values = samples.row(static_cast<Eigen::Index>(c));
+    if (values.array().isInf().any()) {
+      return fail(where + "has an infinite sample");
+    }
+    if (10 * CountPresent(values) < 9 * values.size()) {
+      return fail(where + "lacks more than a tenth of its samples");
+    }
+    if (!(StandardDeviationOfPresent(values) > 0.0)) {
+      return fail(where + "has the same value in every sample");
+    }
+  }
+  if (loads.size() > 0 &&
+      (loads.rows() != dofs || !loads.allFinite() ||
+       (loads.colwise().squaredNorm().array() <= 0.0).any() ||
+       static_cast<Eigen::Index>(areas.size()) != loads.cols())) {
+    return fail("its loads need a finite number for each DOF, and a name each");
+  }
+  if (knots < 0) return fail("its number of knots must not be negative");
+  const double nyquist = 0.5 / sampling_step;
+  if (!(lowest_frequency >= 0.0) || !(highest_frequency >= 0.0) ||
+      highest_frequency > nyquist ||
+      (highest_frequency > 0.0 && lowest_frequency >= highest_frequency)) {
+    return fail("its band must lie between zero and half the sampling rate");
+  }
+  if (!dynamics.prescribed().empty()) {
+    return fail("motions of the model are prescribed, which it does not have");
+  }
+  return true;
+}
+
+}  // namespace pinode

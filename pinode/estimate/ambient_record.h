@@ -1,0 +1,88 @@
+// Records of a structure under loads that nobody measured.
+
+#ifndef PINODE_ESTIMATE_AMBIENT_RECORD_H_
+#define PINODE_ESTIMATE_AMBIENT_RECORD_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/observation.h"
+#include "pinode/dynamics/structural_dynamics.h"
+
+namespace pinode {
+
+// Responses to random forces, stationary over the record, whose spectral
+// densities are unknown:
+//
+//   S_y(w) = H(w) S_f(w) H(w)^H + diag(noise),   S_f(w) = sum_b t_b(w) P_b.
+//
+// H is the transfer function from the forces in `loads` to the channels; t_b
+// are triangles over the logarithm of the frequency, one around each knot; the
+// P_b are covariances between the forces, unknown, positive semidefinite. A
+// spectrum that is correlated between areas and falls with frequency as that of
+// wind does is of this form.
+struct AmbientRecord {
+  std::string name;
+  double sampling_step = 0.0;  // model time
+  std::vector<Observation> channels;
+  Matrix samples;  // channels x samples, in the model's units; NaN: missing
+
+  // Where forces act, num_dofs x areas, and what they are called. Empty: where
+  // the channels measure, each in its direction. As long as a band holds no
+  // more modes than there are areas, any load on the structure does to its
+  // modes what some forces there do.
+  Matrix loads;
+  std::vector<std::string> areas;
+  // False: forces of different areas have nothing in common.
+  bool correlated = true;
+  // Knots of the spectrum; 1: white; 0: one an octave of the band.
+  int knots = 0;
+
+  // The band that is looked at, cycles per model time. Default (0): from 0.3 of
+  // the lowest frequency of the model as it is at first to 1.5 of its highest,
+  // and at most 0.8 of half the sampling rate.
+  double lowest_frequency = 0.0;
+  double highest_frequency = 0.0;
+
+  // Channels of displacements, velocities, accelerations or strains, of sizes
+  // that fit the dynamics; 200 samples and more; loads that are there. On
+  // failure *error says what.
+  [[nodiscard]] bool IsValid(const StructuralDynamics& dynamics,
+                             std::string* error) const;
+};
+
+// What the fit says of an ambient record.
+struct AmbientScore {
+  std::string name;
+  double lowest_frequency = 0.0;
+  double highest_frequency = 0.0;
+  int num_lines = 0;
+  // Whitened by the model, a line's power is one. Over parts of the band its
+  // mean deviates from that by chance alone where the model is right: the
+  // probability of a chi^2 as large as the one found, and the part (cycles per
+  // model time) that deviates most, in standard deviations.
+  double chi_square = 0.0;
+  int degrees_of_freedom = 0;
+  double probability = 1.0;
+  double worst_from = 0.0, worst_to = 0.0, worst_deviation = 0.0;
+  // Of each channel: what part of its power in the band the structure's motion
+  // explains, the rest being noise; the noise's standard deviation over all
+  // frequencies, in the channel's unit.
+  std::vector<std::string> channels;
+  Vector explained;
+  Vector noise_sigma;
+  // Spectral densities over a grid of frequencies, channels x grid: as measured
+  // (means of lines) and of the model, with the number of lines.
+  Vector frequencies;
+  Matrix measured;
+  Matrix modelled;
+  Vector lines;
+};
+
+// Below this probability the model does not describe the record.
+inline constexpr double kLeastAmbientProbability = 1e-4;
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_AMBIENT_RECORD_H_

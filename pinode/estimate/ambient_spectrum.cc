@@ -1,0 +1,141 @@
+#include "pinode/estimate/ambient_spectrum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <unsupported/Eigen/FFT>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
+#include "pinode/record/prepare.h"
+
+namespace pinode {
+namespace {
+
+// Of a record, at either end.
+constexpr double kTapered = 0.05;
+
+Vector Taper(Eigen::Index size) {
+  Vector taper = Vector::Ones(size);
+  const Eigen::Index ends =
+      static_cast<Eigen::Index>(kTapered * static_cast<double>(size));
+  for (Eigen::Index k = 0; k < ends; ++k) {
+    const double value =
+        0.5 - 0.5 * std::cos(kPi * (static_cast<double>(k) + 0.5) /
+                             static_cast<double>(ends));
+    taper[k] = value;
+    taper[size - 1 - k] = value;
+  }
+  return taper;
+}
+
+// A size near `size`, not larger, that is a product of small primes: what is
+// left over at the end is less than a hundredth.
+Eigen::Index FastSize(Eigen::Index size) {
+  for (Eigen::Index n = size; n > size - size / 100; --n) {
+    Eigen::Index rest = n;
+    for (const Eigen::Index prime : {2, 3, 5}) {
+      while (rest % prime == 0) rest /= prime;
+    }
+    if (rest == 1) return n;
+  }
+  return size;
+}
+
+}  // namespace
+
+SpectralLines FindSpectralLines(const Matrix& samples, double step,
+                                double lowest, double highest) {
+  const Eigen::Index size = FastSize(samples.cols());
+  const double spacing = 1.0 / (static_cast<double>(size) * step);
+  const Eigen::Index first = std::max<Eigen::Index>(
+      1, static_cast<Eigen::Index>(std::ceil(lowest / spacing)));
+  const Eigen::Index last = std::min<Eigen::Index>(
+      (size - 1) / 2, static_cast<Eigen::Index>(std::floor(highest / spacing)));
+  const Eigen::Index count = std::max<Eigen::Index>(0, last - first + 1);
+  SpectralLines lines;
+  lines.frequency =
+      Vector::LinSpaced(count, static_cast<double>(first) * spacing,
+                        static_cast<double>(last) * spacing);
+  lines.values.resize(samples.rows(), count);
+  const Vector taper = Taper(size);
+  const double scale = std::sqrt(2.0 * step / taper.squaredNorm());
+  Eigen::FFT<double> fft;
+  Eigen::VectorXcd transform;
+  for (Eigen::Index c = 0; c < samples.rows(); ++c) {
+    Vector values = FillMissing(samples.row(c).head(size));
+    values.array() -= values.mean();
+    values.array() *= scale * taper.array();
+    fft.fwd(transform, values);
+    lines.values.row(c) = transform.segment(first, count).transpose();
+  }
+  return lines;
+}
+
+LoadSpectrum::LoadSpectrum(double lowest, double highest, int knots, int areas,
+                           bool correlated)
+    : log_lowest_(std::log(lowest)),
+      log_step_(knots > 1 ? std::log(highest / lowest) / (knots - 1) : 1.0),
+      knots_(knots),
+      areas_(areas),
+      powers_(Vector::Zero(knots)) {
+  CHECK(knots > 0 && areas > 0 && lowest > 0.0 && highest > lowest)
+      << knots << " knots of " << areas << " areas from " << lowest << " to "
+      << highest;
+  for (int j = 0; j < areas; ++j) {
+    for (int i = j; i < (correlated ? areas : j + 1); ++i) {
+      entries_.emplace_back(i, j);
+    }
+  }
+}
+
+int LoadSpectrum::Weigh(double frequency, double* below, double* above) const {
+  *below = 1.0;
+  *above = 0.0;
+  if (knots_ == 1) return 0;
+  const double place =
+      std::clamp((std::log(frequency) - log_lowest_) / log_step_, 0.0,
+                 static_cast<double>(knots_ - 1));
+  const int knot = std::min(static_cast<int>(place), knots_ - 2);
+  const double share = place - knot;
+  const double power = powers_[knot] * log_step_;
+  *below = (1.0 - share) * std::exp(power * share);
+  *above = share * std::exp(power * (share - 1.0));
+  return knot;
+}
+
+void LoadSpectrum::SetPowers(const Vector& unknowns) {
+  // What falls faster is no load.
+  constexpr double kSteepest = 4.0;
+  for (int b = 0; b + 1 < knots_; ++b) {
+    const double here = Root(unknowns, b).squaredNorm();
+    const double next = Root(unknowns, b + 1).squaredNorm();
+    powers_[b] = here > 0.0 && next > 0.0
+                     ? std::clamp(std::log(next / here) / log_step_, -kSteepest,
+                                  kSteepest)
+                     : 0.0;
+  }
+}
+
+Matrix LoadSpectrum::Root(const Vector& unknowns, int knot) const {
+  Matrix root = Matrix::Zero(areas_, areas_);
+  for (int e = 0; e < per_knot(); ++e) {
+    const auto& [i, j] = entries_[static_cast<size_t>(e)];
+    root(i, j) = unknowns[knot * per_knot() + e];
+  }
+  return root;
+}
+
+Vector LoadSpectrum::Uniform(double intensity) const {
+  Vector unknowns = Vector::Zero(num_unknowns());
+  for (int b = 0; b < knots_; ++b) {
+    for (int e = 0; e < per_knot(); ++e) {
+      const auto& [i, j] = entries_[static_cast<size_t>(e)];
+      if (i == j) unknowns[b * per_knot() + e] = std::sqrt(intensity);
+    }
+  }
+  return unknowns;
+}
+
+}  // namespace pinode

@@ -1,0 +1,66 @@
+// The unknown spectrum of ambient loads, and a record's lines in its band.
+
+#ifndef PINODE_ESTIMATE_AMBIENT_SPECTRUM_H_
+#define PINODE_ESTIMATE_AMBIENT_SPECTRUM_H_
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+// Fourier coefficients of a record at the frequencies of a band: stationary
+// noise of spectral density S makes them independent complex normal numbers of
+// covariance S (P. Whittle, J. Roy. Statist. Soc. B 15 (1953) 125). The ends
+// are tapered over a twentieth of the record, so that what is strong at one
+// frequency does not leak over all. Missing samples are bridged by straight
+// lines.
+struct SpectralLines {
+  Vector frequency;         // cycles per unit of time
+  Eigen::MatrixXcd values;  // channels x lines; |.|^2 is a one-sided density
+};
+SpectralLines FindSpectralLines(const Matrix& samples, double step,
+                                double lowest, double highest);
+
+// sum_b t_b(f) P_b with triangles over log f around knots that divide a band
+// evenly, each side times a power of f that is one at the knot: with the powers
+// of a spectrum between its knots, f^(-5/3) is met exactly. Of the P_b = L_b
+// L_b^T the lower triangles are the unknowns, or their diagonals alone.
+class LoadSpectrum {
+ public:
+  LoadSpectrum(double lowest, double highest, int knots, int areas,
+               bool correlated);
+
+  int num_areas() const { return areas_; }
+  int num_knots() const { return knots_; }
+  // Unknowns of one knot; those of knot b begin at b times that.
+  int per_knot() const { return static_cast<int>(entries_.size()); }
+  int num_unknowns() const { return knots_ * per_knot(); }
+  // Row and column of each unknown in L_b.
+  const std::vector<std::pair<int, int>>& entries() const { return entries_; }
+
+  // The knot below a frequency (of two the lower one; 0 where there is but
+  // one), and the weights of its P and of the one above.
+  int Weigh(double frequency, double* below, double* above) const;
+
+  // Takes the powers between knots from what the traces of the P_b do there.
+  void SetPowers(const Vector& unknowns);
+
+  Matrix Root(const Vector& unknowns, int knot) const;  // L_b
+  // P_b = intensity * I at all knots.
+  Vector Uniform(double intensity) const;
+
+ private:
+  double log_lowest_;
+  double log_step_;
+  int knots_;
+  int areas_;
+  std::vector<std::pair<int, int>> entries_;
+  Vector powers_;  // between a knot and the next
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_AMBIENT_SPECTRUM_H_

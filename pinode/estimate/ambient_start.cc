@@ -1,0 +1,146 @@
+#include "pinode/estimate/ambient_start.h"
+
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "pinode/estimate/identify.h"
+#include "pinode/modal/identify_modes.h"
+
+namespace pinode {
+namespace {
+
+// Modes and model agree where a shape's MAC and the logarithm of the ratio of
+// frequencies are within these.
+constexpr double kSmallestMac = 0.7;
+constexpr double kLargestRatio = 0.5;
+// Smallest deviations of what is only a start, as fractions.
+constexpr double kFrequencySigma = 0.003;
+constexpr double kShapeSigma = 0.05;
+
+int DerivativeOfQuantity(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kVelocity:
+      return 1;
+    case Quantity::kRelativeAcceleration:
+    case Quantity::kAbsoluteAcceleration:
+      return 2;
+    default:
+      return 0;
+  }
+}
+
+// Turned by the angle that leaves the least in the imaginary parts.
+Vector RealShape(const Eigen::VectorXcd& shape) {
+  const std::complex<double> square = shape.transpose() * shape;
+  return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
+}
+
+// What one record says, at the DOFs that a channel alone measures.
+void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
+              int num_threads, ModalData* modal) {
+  ResponseRecord response;
+  response.name = record.name;
+  response.sampling_step = record.sampling_step;
+  std::vector<int> rows;
+  for (size_t c = 0; c < record.channels.size(); ++c) {
+    if ((record.channels[c].weights.array() != 0.0).count() == 1) {
+      rows.push_back(static_cast<int>(c));
+    }
+  }
+  if (rows.empty()) return;
+  response.samples.resize(static_cast<Eigen::Index>(rows.size()),
+                          record.samples.cols());
+  std::vector<int> dofs;
+  Vector scales(static_cast<Eigen::Index>(rows.size()));
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Observation& channel = record.channels[static_cast<size_t>(rows[i])];
+    response.channels.push_back(
+        {std::to_string(i), DerivativeOfQuantity(channel.quantity)});
+    response.samples.row(static_cast<Eigen::Index>(i)) =
+        record.samples.row(rows[i]);
+    Eigen::Index dof = 0;
+    channel.weights.cwiseAbs().maxCoeff(&dof);
+    dofs.push_back(static_cast<int>(dof));
+    scales[static_cast<Eigen::Index>(i)] = channel.weights[dof];
+  }
+  ModeIdentificationOptions options;
+  options.lowest_hz = record.lowest_frequency;
+  options.highest_hz = record.highest_frequency;
+  options.num_threads = num_threads;
+  ModesOfRecord found;
+  std::string ignored;
+  if (!IdentifyModes(response, options, &found, &ignored)) return;
+  for (const IdentifiedMode& mode : found.modes) {
+    if (static_cast<int>(modal->modes.size()) == problem.dynamics->num_dofs()) {
+      return;
+    }
+    MeasuredMode measured;
+    measured.name = std::to_string(modal->modes.size() + 1);
+    measured.frequency = mode.frequency_hz;
+    measured.frequency_sigma =
+        std::max(mode.frequency_sigma, kFrequencySigma * mode.frequency_hz);
+    if (dofs.size() > 1) {
+      measured.dofs = dofs;
+      measured.shape = RealShape(mode.shape).cwiseQuotient(scales);
+      measured.shape_sigma = kShapeSigma * measured.shape.cwiseAbs().maxCoeff();
+    }
+    modal->modes.push_back(std::move(measured));
+  }
+}
+
+// Those that the model has as well.
+ModalData KnownToModel(const IdentificationProblem& problem,
+                       const ModalData& modal) {
+  ModalData kept;
+  kept.form = modal.form;
+  std::vector<ModeMatch> matches;
+  std::string ignored;
+  const StructuralModel model =
+      problem.dynamics->CorrectedModel(problem.dynamics->Parameters());
+  if (modal.empty() || !MatchModes(modal, model, &matches, &ignored)) {
+    return kept;
+  }
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const MeasuredMode& mode = modal.modes[i];
+    if (std::abs(std::log(matches[i].frequency / mode.frequency)) <
+            kLargestRatio &&
+        (!mode.HasShape() || matches[i].mac > kSmallestMac)) {
+      kept.modes.push_back(mode);
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+bool StartFromAmbientModes(const IdentificationProblem& problem,
+                           const IdentificationOptions& options,
+                           IdentifiedModel* model) {
+  if (problem.ambient.empty() || problem.num_train_records() > 0 ||
+      !problem.modal.empty()) {
+    return false;
+  }
+  ModalData modal;
+  AddModes(problem, problem.ambient.front(), options.num_threads, &modal);
+  IdentificationProblem modes_alone = problem;
+  modes_alone.ambient.clear();
+  modes_alone.records.clear();
+  modes_alone.modal = KnownToModel(problem, modal);
+  if (modes_alone.modal.empty()) return false;
+  IdentificationOptions quick = options;
+  quick.num_starts = 1;
+  quick.callback = nullptr;
+  IdentificationSummary summary;
+  IdentifiedModel found;
+  Identify(modes_alone, quick, nullptr, &summary, &found);
+  if (summary.termination == Termination::kFailure ||
+      summary.termination == Termination::kInterrupted ||
+      !found.parameters.allFinite()) {
+    return false;
+  }
+  model->parameters = found.parameters;
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Storeys from wind that nobody measured, over many realisations: how often the
+# 95 % intervals of data/three_storey_ambient hold the truth, and how far the
+# errors are from the Cramer-Rao bound of the spectrum that acted.
+#
+#   tests/benchmarks/ambient.sh [SEEDS [--white]]
+#
+# --white: forces that are white and independent, as the case then says. NumPy
+# and SciPy, of PYTHON, default python3.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+cd -- "$root"
+seeds=${1:-100}
+white=${2:-}
+if ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
+  echo "skipped: no SciPy"
+  exit 0
+fi
+build=${PINODE_BUILD_DIR:-build-release}
+if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
+  apps/install_packages.sh apps/packages.txt tests/packages.txt
+  cmake --preset release >/dev/null
+  cmake --build --preset release --parallel "$(nproc)" --target pinode_update
+fi
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+
+# run SEED: its records, and the fit of each of the case's descriptions.
+run() {
+  local seed=$1 folder=$work/$1
+  "${PYTHON:-python3}" data/three_storey_ambient/generate.py \
+    --output "$folder" --seed "$seed" $white
+  # The same record by a case that takes the loads as white and independent.
+  sed 's/^excitation = "ambient"/&\n[record.ambient]\nknots = 1\ncorrelated = false/' \
+    "$folder/three_storey_ambient.toml" >"$folder/independent.toml"
+  for case in three_storey_ambient independent; do
+    "$build/apps/pinode_update" --case="$folder/$case.toml" --threads=1 \
+      --output_dir="$folder/$case" --noprogress >/dev/null 2>&1 || true
+  done
+  rm -f "$folder/wind.csv.gz"
+}
+export -f run
+export work build white PYTHON
+seq "$seeds" | xargs -P "$(nproc)" -I{} bash -c 'run {}'
+"${PYTHON:-python3}" tests/benchmarks/ambient/score.py "$work" $white

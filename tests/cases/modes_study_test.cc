@@ -1,0 +1,164 @@
+// What pinode_modes' identification reaches over many records: how often its
+// intervals hold the truth, how often it misses modes or sees some that are not
+// there. Run by hand (ctest --preset study); tests/README.md has the figures.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "pinode/base/constants.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/base/statistics.h"
+#include "pinode/modal/identify_modes.h"
+#include "pinode/modal/testing.h"
+
+namespace pinode {
+namespace {
+
+// How often intervals hold the truth.
+struct Coverage {
+  int inside = 0;
+  int count = 0;
+  void Add(double error, double half_width) {
+    ++count;
+    if (std::abs(error) <= half_width) ++inside;
+  }
+  double percent() const { return 100.0 * inside / std::max(1, count); }
+};
+
+struct ModesStudy {
+  std::vector<Coverage> frequency, damping;  // per mode
+  std::vector<Coverage> shape;               // per mode, all entries
+  int missed = 0;
+  int spurious = 0;
+  int modes = 0;
+};
+
+ModesStudy RunStudy(const TestChain& chain, double step, Eigen::Index samples,
+                    const std::vector<int>& derivatives,
+                    const TestExcitation& excitation, int seeds) {
+  ModesStudy study;
+  const size_t count = static_cast<size_t>(chain.masses());
+  study.frequency.resize(count);
+  study.damping.resize(count);
+  study.shape.resize(count);
+  std::mutex mutex;
+  ParallelFor(seeds, DefaultThreads(), [&](int seed, int) {
+    const ResponseRecord record =
+        SimulateChain(chain, step, samples, static_cast<unsigned>(seed + 1),
+                      derivatives, excitation);
+    ModesOfRecord result;
+    std::string error;
+    ASSERT_TRUE(IdentifyModes(record, {}, &result, &error)) << error;
+    const std::lock_guard<std::mutex> lock(mutex);
+    std::vector<bool> used(result.modes.size(), false);
+    for (size_t m = 0; m < count; ++m) {
+      const int row = static_cast<int>(m);
+      const Vector shape = chain.shapes.col(row);
+      ++study.modes;
+      int best = -1;
+      double nearest = 0.02;
+      for (size_t i = 0; i < used.size(); ++i) {
+        if (used[i]) continue;
+        const double apart =
+            std::abs(result.modes[i].frequency_hz / chain.frequency_hz[row] -
+                     1.0) +
+            0.1 * (1.0 - ComplexMac(result.modes[i].shape,
+                                    shape.cast<std::complex<double>>()));
+        if (apart < nearest) {
+          nearest = apart;
+          best = static_cast<int>(i);
+        }
+      }
+      if (best < 0) {
+        ++study.missed;
+        continue;
+      }
+      used[static_cast<size_t>(best)] = true;
+      const IdentifiedMode& mode = result.modes[static_cast<size_t>(best)];
+      const double t = StudentQuantile(mode.degrees_of_freedom);
+      study.frequency[m].Add(mode.frequency_hz - chain.frequency_hz[row],
+                             t * mode.frequency_sigma);
+      study.damping[m].Add(mode.damping_ratio - chain.damping_ratio,
+                           t * mode.damping_sigma);
+      Eigen::Index largest = 0;
+      mode.shape.cwiseAbs().maxCoeff(&largest);
+      for (Eigen::Index i = 0; i < shape.size(); ++i) {
+        if (i == largest) continue;
+        study.shape[m].Add(mode.shape[i].real() - shape[i] / shape[largest],
+                           t * mode.shape_sigma_real[i]);
+        study.shape[m].Add(mode.shape[i].imag(),
+                           t * mode.shape_sigma_imaginary[i]);
+      }
+    }
+    study.spurious +=
+        static_cast<int>(std::count(used.begin(), used.end(), false));
+  });
+  return study;
+}
+
+void Report(const std::string& name, const TestChain& chain,
+            const ModesStudy& study) {
+  Coverage all;
+  std::printf("%s\n", name.c_str());
+  for (size_t m = 0; m < study.frequency.size(); ++m) {
+    std::printf(
+        "  %8.4f Hz: frequency %5.1f %%, damping %5.1f %%, shape %5.1f "
+        "%%\n",
+        chain.frequency_hz[static_cast<int>(m)], study.frequency[m].percent(),
+        study.damping[m].percent(), study.shape[m].percent());
+    for (const Coverage* c :
+         {&study.frequency[m], &study.damping[m], &study.shape[m]}) {
+      all.inside += c->inside;
+      all.count += c->count;
+    }
+  }
+  std::printf("  all %.1f %%; missed %d of %d, spurious %d\n", all.percent(),
+              study.missed, study.modes, study.spurious);
+}
+
+void ExpectHonest(const ModesStudy& study) {
+  for (size_t m = 0; m < study.frequency.size(); ++m) {
+    EXPECT_GE(study.frequency[m].percent(), 89.0);
+    EXPECT_GE(study.shape[m].percent(), 89.0);
+    EXPECT_GE(study.damping[m].percent(), 85.0);
+  }
+  EXPECT_LE(study.missed, 0.05 * study.modes);
+  EXPECT_LE(study.spurious, 0.02 * study.modes);
+}
+
+TEST(ModesStudy, ThreeStoreysUnderColouredForces) {
+  const TestChain chain(3, 2000.0);
+  TestExcitation excitation;
+  excitation.memory = 0.9;
+  const ModesStudy study = RunStudy(chain, 0.01, 60000, {2}, excitation, 200);
+  Report("three storeys, accelerations, 10 min at 100 Hz", chain, study);
+  ExpectHonest(study);
+}
+
+TEST(ModesStudy, MixedQuantities) {
+  const TestChain chain(5, 1500.0, 0.015);
+  const ModesStudy study = RunStudy(chain, 0.02, 60000, {2, 1, 0}, {}, 200);
+  Report(
+      "five storeys, accelerations, velocities, displacements, 20 min at "
+      "50 Hz",
+      chain, study);
+  ExpectHonest(study);
+}
+
+TEST(ModesStudy, CloselySpacedModes) {
+  Matrix stiffness(2, 2);
+  stiffness << 1.0, 0.01, 0.01, 1.0;
+  const double w = kTwoPi * 1.2;
+  const TestChain chain(w * w * stiffness, 0.01);
+  const ModesStudy study = RunStudy(chain, 0.05, 36000, {2}, {}, 100);
+  Report("two modes 1 % apart at 1.2 Hz, 30 min at 20 Hz", chain, study);
+  EXPECT_LE(study.missed, 10);  // both in 95 of 100
+}
+
+}  // namespace
+}  // namespace pinode
