@@ -3,7 +3,8 @@
 
 Writes wind.csv.gz (accelerations of the floors), C_mass.csv, C_stiffness.csv and
 truth.json.  --seed gives another realisation, --white forces of flat spectra
-that have nothing to do with each other.
+that have nothing to do with each other, --loss 2 0.1 a structure whose second
+storey has lost a tenth of its stiffness.
 
 The wind's force on floor j has the one-sided spectrum of a longitudinal gust
 after von Karman, S(f) ~ 1 / (1 + 70.8 (f L / U)^2)^(5/6), which falls with
@@ -53,7 +54,7 @@ def force_root(frequency, white):
                               np.outer(FORCE, FORCE))
 
 
-def record(seed, white):
+def record(seed, white, storey):
     """Accelerations (samples by floors) with noise, and the noise's sigma."""
     rng = np.random.default_rng(seed)
     samples = int(round(DURATION * RATE))
@@ -64,7 +65,7 @@ def record(seed, white):
     force = 0.5 * np.sqrt(period * RATE) * np.einsum(
         "kij,kj->ki", force_root(frequency, white), normal)
     w = 2 * np.pi * frequency[:, None, None]
-    dynamic = (reference.chain(FRAME.STOREY) - w**2 * np.diag(FRAME.MASS) +
+    dynamic = (reference.chain(storey) - w**2 * np.diag(FRAME.MASS) +
                1j * w * FRAME.damping_matrix())
     motion = np.linalg.solve(dynamic, force[:, :, None])[:, :, 0]
     spectrum = np.zeros((period // 2 + 1, 3), dtype=complex)
@@ -87,9 +88,12 @@ def main():
     parser.add_argument("--output", default=HERE)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--white", action="store_true")
+    parser.add_argument("--loss", type=float, nargs=2, default=[1, 0.0])
     args = parser.parse_args()
+    storey = FRAME.STOREY.copy()
+    storey[int(args.loss[0]) - 1] *= 1 - args.loss[1]
     reference.prepare_output(HERE, args.output)
-    values, sigma = record(args.seed, args.white)
+    values, sigma = record(args.seed, args.white, storey)
     write_record(os.path.join(args.output, "wind.csv.gz"), values)
     a0, a1 = FRAME.rayleigh_coefficients()
     prior = FRAME.PRIOR_DAMPING_FACTOR
@@ -98,18 +102,18 @@ def main():
     reference.write_matrix(
         os.path.join(args.output, "C_stiffness.csv"),
         prior * a1 * reference.chain(FRAME.PRIOR_STOREY))
-    hertz, shapes = FRAME.frequencies(reference.chain(FRAME.STOREY))
+    hertz, shapes = FRAME.frequencies(reference.chain(storey))
     damping = np.diag(shapes.T @ FRAME.damping_matrix() @ shapes)
     truth = {
         "hertz": list(hertz),
         "modal_damping_ratio": list(damping / (4 * np.pi * hertz)),
         "groups": dict(zip(
             ["k1", "k2", "k3"],
-            FRAME.STOREY / FRAME.PRIOR_STOREY - 1.0)),
+            storey / FRAME.PRIOR_STOREY - 1.0)),
         "noise_sigma": list(sigma),
     }
     truth["groups"].update(c_mass=1 / prior - 1, c_stiffness=1 / prior - 1)
-    assert abs(hertz[0] - 2.8) < 0.01
+    assert args.loss[1] > 0 or abs(hertz[0] - 2.8) < 0.01
     reference.write_json(os.path.join(args.output, "truth.json"), truth)
 
 

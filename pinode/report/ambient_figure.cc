@@ -63,6 +63,7 @@ Figure MakeAmbientFigure(const ReportInput& input, int record) {
   FigureScript script(figure.id, 900, 60 + 230 * rows);
   script.Line("set multiplot layout " + std::to_string(rows) + "," +
               std::to_string(columns));
+  script.Line("set key outside top right horizontal");
   script.Line("set xlabel 'frequency, Hz'");
   script.Line("set ylabel 'density, dB'");
   const double hz = input.problem->description.HzPerModelFrequency();

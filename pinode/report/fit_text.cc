@@ -121,7 +121,7 @@ std::vector<std::pair<std::string, std::string>> SolutionFacts(
   if (!summary.stages.empty()) {
     facts.emplace_back(
         "Shooting",
-        summary.records.empty() ? "no records, measured modes alone"
+        summary.records.empty() ? "no records of measured loads"
         : summary.single_shooting
             ? "the last stage was a free run over each whole record"
             : "the records stay cut into segments: the free run over "

@@ -198,6 +198,19 @@ std::string Verdict(const ReportInput& input) {
            Join(holdouts, ", ") + "." + ModeSentence(summary);
   }
   std::string verdict = "Usable, but untested";
+  if (worst_training == nullptr && !summary.ambient.empty()) {
+    std::vector<std::string> records;
+    for (const AmbientScore& score : summary.ambient) {
+      records.push_back("'" + score.name + "' (probability " +
+                        ReadableNumber(score.probability, 2) + ")");
+    }
+    return "Usable. The spectra of " +
+           std::string(records.size() == 1 ? "ambient record "
+                                           : "the ambient records ") +
+           Join(records, ", ") +
+           " differ from those of the model by no more than chance." +
+           ModeSentence(summary);
+  }
   if (worst_training != nullptr) {
     verdict += ": the updated model follows the training record " +
                Prediction(*worst_training) + ".";

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# From wind to modes, and from modes to storeys, with the programs alone.
+#
+#   tests/programs/modes_test.sh PROGRAM_DIR
+set -euo pipefail
+
+programs=$(cd -- "$1" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/three_storey_ambient" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+cp -- "$data"/*.toml "$data"/*.csv "$data"/*.gz "$scratch"
+cd -- "$scratch"
+
+tested=pinode_modes
+source "$here/testing.sh"
+
+# Value of KEY in line NUMBER of the entries of FILE that are called so.
+Entry() {
+  grep -E "^ *\"?$1\"? ?[:=]" "$3" | sed -n "$2p" | grep -oE -- '-?[0-9][0-9.e-]*' |
+    head -1
+}
+# Within LIMIT of each other.
+Near() {
+  awk -v a="$1" -v b="$2" -v limit="$3" \
+    'BEGIN { exit !(a - b <= limit && b - a <= limit) }' || Fail "$1, expected $2"
+}
+
+Run 0 pinode_modes --case=three_storey_ambient.toml --output_dir=D
+for file in modes.json modes.csv modes.toml report.html; do
+  [[ -s D/$file ]] || Fail "no $file"
+done
+[[ $(grep -c '"frequency_hz"' D/modes.json) -eq 3 ]] || Fail "three modes"
+Near "$(Entry frequency_hz 1 D/modes.json)" 2.7996 0.03
+Near "$(Entry frequency_hz 2 D/modes.json)" 7.6003 0.04
+Near "$(Entry frequency_hz 3 D/modes.json)" 11.3994 0.05
+grep -q '<svg' D/report.html || Fail "no figure"
+Refused "exists" --case=three_storey_ambient.toml --output_dir=D
+Run 0 pinode_modes --case=three_storey_ambient.toml --output_dir=D --overwrite
+
+# The modes in the place of the record: the storeys that the spectra give, too.
+{
+  sed '/^\[\[record\]\]/,$d; /^name    = "c_/,/^matrix/d' \
+    three_storey_ambient.toml | awk '
+      /^\[\[group\]\]/ { held = $0; next }
+      held != "" { if ($0 ~ /^name/) print held; held = "" }
+      { print }'
+  cat D/modes.toml
+} >modes_case.toml
+Run 0 pinode_update --case=modes_case.toml --output_dir=U --progress=false
+Run 0 pinode_update --case=three_storey_ambient.toml --output_dir=L \
+  --progress=false
+for name in k1 k2 k3; do
+  by_modes=$(awk -F, -v name="$name" '$1 == name { print $4 }' U/parameters.csv)
+  by_spectra=$(awk -F, -v name="$name" '$1 == name { print $4 }' L/parameters.csv)
+  Near "$by_modes" "$by_spectra" 0.02
+done
+# What was found goes on as a case.
+Run 0 pinode_check --case=L/model.toml
+
+Refused "missing" --output_dir=E
+Refused "two.toml" --case=two.toml --output_dir=E
+sed 's/^excitation/window = [0.0, 1.5]\n&/' three_storey_ambient.toml >short.toml
+Refused "too few" --case=short.toml --output_dir=E
+sed 's/^title/[modes]\nhighest_hz = 80\n[nothing]\n&/; /^\[nothing\]/d' \
+  three_storey_ambient.toml >high.toml
+Refused "high.toml" --case=high.toml --output_dir=E
+tested=pinode_update
+sed 's/^excitation.*/&\n  start = "rest"/' three_storey_ambient.toml >start.toml
+Refused "has no meaning" --case=start.toml --output_dir=E
+tested=pinode_simulate
+Refused "cannot be simulated" --case=three_storey_ambient.toml --output_dir=E
