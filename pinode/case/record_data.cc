@@ -19,6 +19,7 @@
 #include "pinode/record/resample.h"
 #include "pinode/record/table.h"
 #include "pinode/record/time_column.h"
+#include "pinode/record/universal_file.h"
 
 namespace pinode {
 namespace {
@@ -132,7 +133,7 @@ class RecordDataReader {
       columns.insert(columns.begin(), section_.time_column);
     }
     Table table;
-    if (!ReadCsvTable(path, columns, &table, &error)) {
+    if (!ReadTable(path, columns, &table, &error)) {
       return table_.errors()->FailAsIs(error);
     }
     TimeGrid grid;
