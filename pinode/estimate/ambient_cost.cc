@@ -30,6 +30,10 @@ constexpr double kCostLeft = 1e-6;
 // Of a channel's density over that of the band: noise below it makes no
 // difference.
 constexpr double kSmallestNoise = 1e-7;
+// Damping ratios for which lines are taken together: half that of the model's
+// least damped mode, within these.
+constexpr double kLeastDamping = 5e-4;
+constexpr double kMostDamping = 0.01;
 // Parts of the band that are looked at for themselves, and points of a figure.
 constexpr Eigen::Index kMostParts = 40;
 constexpr Eigen::Index kGridPoints = 400;
@@ -167,14 +171,20 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
     }
     highest = std::max(highest, 2.0 * lowest);
   }
-  lines_ =
+  SpectralLines lines =
       FindSpectralLines(record.samples, record.sampling_step, lowest, highest);
+  total_lines_ = static_cast<double>(lines.frequency.size());
   for (Eigen::Index c = 0; c < channels; ++c) {
     scales_[c] = std::sqrt(std::max(
-        lines_.values.row(c).squaredNorm() / std::max<double>(1.0, num_lines()),
+        lines.values.row(c).squaredNorm() / std::max(1.0, total_lines_),
         1e-300));
-    lines_.values.row(c) /= scales_[c];
+    lines.values.row(c) /= scales_[c];
   }
+  double ratio = kMostDamping;
+  for (const double found : modes.damping_ratio) {
+    if (found > 0.0) ratio = std::min(ratio, 0.5 * found);
+  }
+  lines_ = GroupLines(lines, 0.25 * std::max(ratio, kLeastDamping));
   const int knots = record.knots > 0
                         ? record.knots
                         : std::max(2, 1 + static_cast<int>(std::lround(
@@ -182,7 +192,7 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
   spectrum_ = std::make_unique<LoadSpectrum>(lowest, highest, knots,
                                              static_cast<int>(loads_.cols()),
                                              record.correlated);
-  offset_ = OffsetOf(lines_);
+  offset_ = OffsetOf(lines);
 }
 
 bool AmbientCost::SetModel(const Vector& free) {
@@ -293,20 +303,27 @@ bool AmbientCost::AccumulateLines(Eigen::Index first, Eigen::Index last,
     for (Eigen::Index k = begin; k < end; ++k) {
       if (!FactorizeLine(k, &factor)) return false;
       const auto lower = factor.matrixL();
-      const ComplexVector z = lower.solve(lines_.values.col(k));
-      *cost += 2.0 * factor.matrixLLT().diagonal().real().array().log().sum() +
-               z.squaredNorm();
+      const double count = lines_.count[k];
+      // L^-1 (sum Y Y^H) L^-H.
+      ComplexMatrix powers =
+          lower.solve(lines_.products[static_cast<size_t>(k)]);
+      powers = lower.solve(powers.adjoint().eval());
+      *cost += 2.0 * count *
+                   factor.matrixLLT().diagonal().real().array().log().sum() +
+               powers.diagonal().real().sum();
       if (sums == nullptr) continue;
       spectrum_->Weigh(lines_.frequency[k], &below, &above);
       const ComplexMatrix h = lower.solve(transfer_[static_cast<size_t>(k)]);
       const ComplexMatrix inverse =
           lower.solve(ComplexMatrix::Identity(channels, channels));
       const Eigen::Index place = (k - begin) * square;
-      Flatten(ComplexMatrix::Identity(channels, channels) - z * z.adjoint(),
+      const double weight_of_lines = std::sqrt(count);
+      Flatten((count * ComplexMatrix::Identity(channels, channels) - powers) /
+                  weight_of_lines,
               misfit.segment(place, square));
       Eigen::Index column = 0;
       const auto set = [&](const ComplexMatrix& w) {
-        Flatten(w, rows.col(column++).segment(place, square));
+        Flatten(weight_of_lines * w, rows.col(column++).segment(place, square));
       };
       for (int side = 0; side < 2; ++side) {
         const double weight = side == 0 ? below : (two ? above : 0.0);
@@ -403,8 +420,9 @@ void AmbientCost::StartUnknowns() {
   double measured = 0.0;
   double unit = 0.0;
   for (size_t k = 0; k < transfer_.size(); ++k) {
-    unit += transfer_[k].squaredNorm();
-    measured += lines_.values.col(static_cast<Eigen::Index>(k)).squaredNorm();
+    unit +=
+        lines_.count[static_cast<Eigen::Index>(k)] * transfer_[k].squaredNorm();
+    measured += lines_.products[k].diagonal().real().sum();
   }
   unknowns_.resize(spectrum_->num_unknowns() + scales_.size());
   unknowns_ << spectrum_->Uniform(0.5 * measured / std::max(unit, 1e-300)),
@@ -412,7 +430,8 @@ void AmbientCost::StartUnknowns() {
   for (Eigen::Index c = 0; c < scales_.size(); ++c) {
     std::vector<double> powers;
     for (Eigen::Index k = 0; k < num_lines(); ++k) {
-      powers.push_back(std::norm(lines_.values(c, k)));
+      powers.push_back(lines_.products[static_cast<size_t>(k)](c, c).real() /
+                       lines_.count[k]);
     }
     const auto middle = powers.begin() + static_cast<long>(powers.size() / 2);
     std::nth_element(powers.begin(), middle, powers.end());
@@ -544,7 +563,7 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   score->name = record_.name;
   score->lowest_frequency = lines_.frequency[0];
   score->highest_frequency = lines_.frequency[lines - 1];
-  score->num_lines = static_cast<int>(lines);
+  score->num_lines = static_cast<int>(total_lines_);
   score->explained = Vector::Zero(channels);
   const Eigen::Index parts =
       std::clamp<Eigen::Index>(lines / (8 * channels + 40), 1, kMostParts);
@@ -556,25 +575,35 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   std::vector<ComplexMatrix> products(static_cast<size_t>(parts),
                                       ComplexMatrix::Zero(channels, channels));
   std::vector<double> counts(static_cast<size_t>(parts), 0.0);
+  std::vector<double> starts(static_cast<size_t>(parts), kInfinity);
+  std::vector<double> ends(static_cast<size_t>(parts), 0.0);
+  double seen = 0.0;
   Vector total = Vector::Zero(channels);
   Eigen::LLT<ComplexMatrix> factor;
   for (Eigen::Index k = 0; k < lines; ++k) {
     if (!FactorizeLine(k, &factor)) return false;
-    const ComplexVector y = lines_.values.col(k);
-    const ComplexVector z = factor.matrixL().solve(y);
-    const size_t part = static_cast<size_t>(k * parts / lines);
-    products[part] += z * z.adjoint();
-    counts[part] += 1.0;
+    const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
+    const ComplexMatrix half = factor.matrixL().solve(y);
+    const size_t part = std::min(
+        products.size() - 1,
+        static_cast<size_t>(seen * static_cast<double>(parts) / total_lines_));
+    const double count = lines_.count[k];
+    seen += count;
+    products[part] += factor.matrixL().solve(half.adjoint().eval());
+    counts[part] += count;
+    starts[part] = std::min(starts[part], lines_.frequency[k]);
+    ends[part] = std::max(ends[part], lines_.frequency[k]);
     const Eigen::Index point = k * points / lines;
     const Vector power = factor.reconstructedMatrix().diagonal().real();
-    score->frequencies[point] += lines_.frequency[k];
-    score->measured.col(point) += y.cwiseAbs2();
-    score->modelled.col(point) += power;
-    score->lines[point] += 1.0;
-    total += power;
+    score->frequencies[point] += count * lines_.frequency[k];
+    score->measured.col(point) += y.diagonal().real();
+    score->modelled.col(point) += count * power;
+    score->lines[point] += count;
+    total += count * power;
     for (Eigen::Index c = 0; c < channels; ++c) {
       score->explained[c] +=
-          power[c] - std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + c]);
+          count *
+          (power[c] - std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + c]));
     }
   }
   score->frequencies.array() /= score->lines.array();
@@ -598,6 +627,7 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   // channels^2, and the variance 2 channels^2 of a chi^2, where n is large.
   const double square = static_cast<double>(channels * channels);
   for (size_t p = 0; p < products.size(); ++p) {
+    if (counts[p] == 0.0) continue;
     const ComplexMatrix off =
         products[p] / counts[p] - ComplexMatrix::Identity(channels, channels);
     const double value = counts[p] / kTaperedLines * off.squaredNorm();
@@ -605,11 +635,8 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
     const double deviation = (value - square) / std::sqrt(2.0 * square);
     if (p == 0 || deviation > score->worst_deviation) {
       score->worst_deviation = deviation;
-      const Eigen::Index count = static_cast<Eigen::Index>(products.size());
-      const Eigen::Index place = static_cast<Eigen::Index>(p);
-      score->worst_from = lines_.frequency[lines * place / count];
-      score->worst_to =
-          lines_.frequency[std::min(lines - 1, lines * (place + 1) / count)];
+      score->worst_from = starts[p];
+      score->worst_to = ends[p];
     }
   }
   score->degrees_of_freedom =

@@ -31,8 +31,9 @@ namespace pinode {
 //   gradient  sum tr W_p - z^H W_p z,     information  sum tr(W_p W_q),
 //
 // of groups, loads and noise together, from which the latter are eliminated.
-// Work per line: n^3 of the n DOFs for the transfer function, and channels^2
-// times the square of the unknowns that take part in it.
+// Lines within an eighth of a mode's bandwidth are one. Work per line: n^3 of
+// the n DOFs for the transfer function, and channels^2 times the square of the
+// unknowns that take part in it.
 //
 // The frequency domain was taken rather than innovations in time: a spectrum
 // that nobody knows needs no filter there, modes beyond the band no model, and
@@ -47,7 +48,8 @@ class AmbientCost final : public CostPart {
   AmbientCost(const AmbientRecord& record, const StructuralDynamics& dynamics,
               const ParameterLayout& layout, int num_threads);
 
-  int num_lines() const { return static_cast<int>(lines_.frequency.size()); }
+  // Groups of lines.
+  int num_lines() const { return static_cast<int>(lines_.size()); }
 
   [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
   [[nodiscard]] bool Linearize(const Vector& free,
@@ -108,7 +110,8 @@ class AmbientCost final : public CostPart {
   Vector derivatives_;  // 0, 1, 2 of each channel
   Vector scales_;       // of the channels
   std::vector<Column> columns_;
-  SpectralLines lines_;  // over the scales
+  LineGroups lines_;  // over the scales
+  double total_lines_ = 0.0;
   std::unique_ptr<LoadSpectrum> spectrum_;
   double offset_ = 0.0;                     // makes the cost positive
   Matrix mass_, damping_, stiffness_;       // at the last free parameters

@@ -73,6 +73,30 @@ SpectralLines FindSpectralLines(const Matrix& samples, double step,
   return lines;
 }
 
+LineGroups GroupLines(const SpectralLines& lines, double width) {
+  LineGroups groups;
+  std::vector<double> frequencies;
+  std::vector<double> counts;
+  Eigen::Index first = 0;
+  while (first < lines.frequency.size()) {
+    Eigen::Index last = first + 1;
+    while (last < lines.frequency.size() &&
+           lines.frequency[last] - lines.frequency[first] <
+               width * lines.frequency[first]) {
+      ++last;
+    }
+    const auto y = lines.values.middleCols(first, last - first);
+    groups.products.emplace_back(y * y.adjoint());
+    frequencies.push_back(lines.frequency.segment(first, last - first).mean());
+    counts.push_back(static_cast<double>(last - first));
+    first = last;
+  }
+  const Eigen::Index size = static_cast<Eigen::Index>(counts.size());
+  groups.frequency = Eigen::Map<const Vector>(frequencies.data(), size);
+  groups.count = Eigen::Map<const Vector>(counts.data(), size);
+  return groups;
+}
+
 LoadSpectrum::LoadSpectrum(double lowest, double highest, int knots, int areas,
                            bool correlated)
     : log_lowest_(std::log(lowest)),

@@ -24,6 +24,19 @@ struct SpectralLines {
 SpectralLines FindSpectralLines(const Matrix& samples, double step,
                                 double lowest, double highest);
 
+// Neighbouring lines within a band so narrow that S is the same for all of
+// them: their products are all that the likelihood wants. How many there are
+// does not grow with the record.
+struct LineGroups {
+  Vector frequency;                        // means
+  Vector count;                            // of lines
+  std::vector<Eigen::MatrixXcd> products;  // sum of Y Y^H
+
+  Eigen::Index size() const { return frequency.size(); }
+};
+// Bands `width` times the frequency wide.
+LineGroups GroupLines(const SpectralLines& lines, double width);
+
 // sum_b t_b(f) P_b with triangles over log f around knots that divide a band
 // evenly, each side times a power of f that is one at the knot: with the powers
 // of a spectrum between its knots, f^(-5/3) is met exactly. Of the P_b = L_b
