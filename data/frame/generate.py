@@ -332,7 +332,8 @@ def case_lines(state, frequencies):
         "frequency_tolerance = 1e-6",
         "[model.reduction]", 'method = "serep"',
         f"keep = [{quoted(KEPT[:6])},", f"        {quoted(KEPT[6:])}]",
-        f"compare = {len(KEPT)}"]
+        f"compare = {len(KEPT)}",
+        "renew = true   # the basis follows the parameters"]
     for group in AS_BUILT:
         kind = "mass" if group.startswith("mass") else "stiffness"
         lines += ["[[group]]", f'name = "{group}"', f'adds_to = "{kind}"',

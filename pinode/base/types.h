@@ -10,6 +10,8 @@ namespace pinode {
 using Vector = Eigen::VectorXd;
 using RowVector = Eigen::RowVectorXd;
 using Matrix = Eigen::MatrixXd;
+using ComplexVector = Eigen::VectorXcd;
+using ComplexMatrix = Eigen::MatrixXcd;
 
 }  // namespace pinode
 

@@ -22,7 +22,7 @@ class AmbientReader {
 
   bool Read(std::vector<std::string>* remarks) {
     if (!section_.table.errors()->ok() ||
-        !table_.AllowKeys({"dofs", "proportional_to_mass", "correlated",
+        !table_.AllowKeys({"dofs", "proportional_to_mass", "base", "correlated",
                            "knots", "band_hz"})) {
       return false;
     }
@@ -66,6 +66,16 @@ class AmbientReader {
                            "'" + name + "' is no direction of the model");
       }
       AddLoad("mass in " + name, model.mass * model.influence.col(direction));
+    }
+    for (const std::string& name : table_.Strings("base")) {
+      const int direction = model.DirectionIndex(name);
+      if (direction < 0) {
+        return table_.Fail("base",
+                           "'" + name + "' is no direction of the model");
+      }
+      const Eigen::Index before = record_->base.cols();
+      record_->base.conservativeResize(model.num_dofs(), before + 1);
+      record_->base.col(before) = model.influence.col(direction);
     }
     record_->correlated = table_.Boolean("correlated", true);
     record_->knots = table_.Integer("knots", 0, 0);

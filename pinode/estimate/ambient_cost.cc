@@ -1,5 +1,6 @@
 #include "pinode/estimate/ambient_cost.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -7,39 +8,43 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/load_information.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
 
 using Complex = std::complex<double>;
-using ComplexMatrix = Eigen::MatrixXcd;
-using ComplexVector = Eigen::VectorXcd;
 
 // Of the model's lowest and highest frequency, and of half the sampling rate.
 constexpr double kBelowLowest = 0.3;
 constexpr double kAboveHighest = 1.5;
 constexpr double kBelowNyquist = 0.8;
-// Neighbouring lines that share a score: the taper ties them together.
-constexpr Eigen::Index kStretch = 8;
-// Pieces that threads take; a fixed number, so that sums are the same.
+// Pieces that threads take.
 constexpr int kPieces = 16;
 // Of the fit of loads and noise: iterations, and what it may leave of the cost.
-constexpr int kMostIterations = 60;
-constexpr double kCostLeft = 1e-6;
+constexpr int kMostIterations = 40;
+constexpr double kCostLeft = 0.01;
 // Of a channel's density over that of the band: noise below it makes no
 // difference.
 constexpr double kSmallestNoise = 1e-7;
+// Of the largest pivot of a group's matrix: nothing below it.
+constexpr double kSmallestPivot = 1e-13;
+// Modes up to so much of the band's end are loaded each for itself, if no more
+// than these.
+constexpr double kNearBand = 1.5;
+constexpr Eigen::Index kMostModalLoads = 24;
+// Lines over whose mean noise is looked for.
+constexpr double kLinesOfNoise = 32.0;
+// What the intensities that covariances are held to weigh, in lines; the least
+// of one beside that at the next knot, and beside the mean of all.
+constexpr double kPriorLines = 2.0;
+constexpr double kLeastOfNeighbour = 0.1;
+constexpr double kLeastOfMean = 1e-3;
 // Damping ratios for which lines are taken together: half that of the model's
 // least damped mode, within these.
 constexpr double kLeastDamping = 5e-4;
 constexpr double kMostDamping = 0.01;
-// Parts of the band that are looked at for themselves, and points of a figure.
-constexpr Eigen::Index kMostParts = 40;
-constexpr Eigen::Index kGridPoints = 400;
-// By how much the taper makes powers of neighbouring lines fluctuate together:
-// sum h^4 / (sum h^2)^2 times the samples.
-constexpr double kTaperedLines = 1.06;
 
 int DerivativeOf(Quantity quantity) {
   switch (quantity) {
@@ -53,27 +58,49 @@ int DerivativeOf(Quantity quantity) {
   }
 }
 
-// A Hermitian matrix as as many numbers, with tr(A B) as their product.
-template <typename Target>
-void Flatten(const ComplexMatrix& a, Target target) {
-  const Eigen::Index n = a.rows();
-  Eigen::Index place = 0;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    target[place++] = a(j, j).real();
-    for (Eigen::Index i = j + 1; i < n; ++i) {
-      target[place++] = kRootTwo * a(i, j).real();
-      target[place++] = kRootTwo * a(i, j).imag();
+// Solves with an information matrix whose unknowns have any units; `damping` is
+// relative to its diagonal.
+class InformationSolver {
+ public:
+  InformationSolver(const Matrix& information, double damping)
+      : scale_(information.rows()) {
+    for (Eigen::Index i = 0; i < scale_.size(); ++i) {
+      const double own = information(i, i);
+      scale_[i] = own > 0.0 ? 1.0 / std::sqrt(own) : 0.0;
     }
+    Matrix scaled = scale_.asDiagonal() * information * scale_.asDiagonal();
+    scaled.diagonal().setConstant(1.0 + damping + kRidge);
+    factor_.compute(scaled);
   }
-}
+  // False where rounding has made it indefinite.
+  bool ok() const { return factor_.info() == Eigen::Success; }
+  Matrix Solve(const Matrix& right) const {
+    return scale_.asDiagonal() *
+           factor_.solve(Matrix(scale_.asDiagonal() * right));
+  }
 
-// b_i >= 0 of (A + ridge) x = b for an information matrix of any units.
-Eigen::LDLT<Matrix> Factorize(const Matrix& information, double damping) {
-  Matrix matrix = information;
-  const double floor = 1e-12 * information.diagonal().maxCoeff();
-  matrix.diagonal().array() +=
-      (damping + 1e-10) * information.diagonal().array() + floor;
-  return matrix.ldlt();
+ private:
+  static constexpr double kRidge = 1e-10;
+  Vector scale_;
+  Eigen::LLT<Matrix> factor_;
+};
+
+// G = left right^T with as few columns as G has rank, or G itself.
+void FindFactors(const Matrix& g, ComplexMatrix* left, ComplexMatrix* right) {
+  Eigen::ColPivHouseholderQR<Matrix> factor(g.rows(), g.cols());
+  factor.setThreshold(kSmallestPivot);
+  factor.compute(g);
+  const Eigen::Index rank = factor.rank();
+  if (2 * rank < g.rows()) {
+    const Matrix q = factor.householderQ() * Matrix::Identity(g.rows(), rank);
+    const Matrix upper =
+        factor.matrixR().topRows(rank).triangularView<Eigen::Upper>();
+    *left = q.cast<Complex>();
+    *right = (factor.colsPermutation() * upper.transpose()).cast<Complex>();
+  } else {
+    *left = g.cast<Complex>();
+    *right = ComplexMatrix::Identity(g.rows(), g.rows());
+  }
 }
 
 // The cost of a model as good as the means of neighbouring lines, and room
@@ -98,23 +125,6 @@ double OffsetOf(const SpectralLines& lines) {
 
 }  // namespace
 
-// By loads and noise, then groups.
-struct AmbientCost::Sums {
-  Vector gradient;
-  Matrix information;
-  Matrix products;
-
-  explicit Sums(int size = 0)
-      : gradient(Vector::Zero(size)),
-        information(Matrix::Zero(size, size)),
-        products(Matrix::Zero(size, size)) {}
-  void Add(const Sums& other) {
-    gradient += other.gradient;
-    information += other.information;
-    products += other.products;
-  }
-};
-
 AmbientCost::AmbientCost(const AmbientRecord& record,
                          const StructuralDynamics& dynamics,
                          const ParameterLayout& layout, int num_threads)
@@ -132,14 +142,15 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
     sensors_.row(c) = channel.weights.transpose();
     derivatives_[c] = DerivativeOf(channel.quantity);
   }
-  loads_ =
-      record.loads.size() > 0 ? record.loads : Matrix(sensors_.transpose());
-  loads_.colwise().normalize();
   for (size_t j = 0; j < dynamics.groups().size(); ++j) {
     const GroupTerm& term = dynamics.groups()[j];
     const int free = layout.FreeIndex(static_cast<int>(j));
     if (free < 0 || term.follows != GroupTerm::Follows::kNothing) continue;
-    columns_.push_back({free, term.group.target, &term.group.matrix});
+    Column column;
+    column.free = free;
+    column.target = term.group.target;
+    FindFactors(term.group.matrix, &column.left, &column.right);
+    columns_.push_back(std::move(column));
   }
   double lowest = record.lowest_frequency;
   double highest = record.highest_frequency;
@@ -171,6 +182,7 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
     }
     highest = std::max(highest, 2.0 * lowest);
   }
+  SetLoads(modes, highest);
   SpectralLines lines =
       FindSpectralLines(record.samples, record.sampling_step, lowest, highest);
   total_lines_ = static_cast<double>(lines.frequency.size());
@@ -195,6 +207,38 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
   offset_ = OffsetOf(lines);
 }
 
+void AmbientCost::SetLoads(const ModalProperties& modes, double highest) {
+  const StructuralModel& model = dynamics_.model();
+  loads_ = record_.loads;
+  if (loads_.size() == 0 && record_.base.size() == 0) {
+    // Modes far above the band take part in little but its stiffness.
+    const Eigen::Index near =
+        (modes.frequency_hz.array() < kNearBand * highest).count();
+    loads_ = near > 0 && near <= kMostModalLoads
+                 ? Matrix(model.mass * modes.mode_shapes.leftCols(near))
+                 : Matrix(sensors_.transpose());
+  }
+  loads_.colwise().normalize();
+  const Eigen::Index forces = loads_.cols();
+  base_ = record_.base;
+  if (base_.size() == 0) base_.resize(dynamics_.num_dofs(), 0);
+  const Eigen::Index directions = base_.cols();
+  loads_.conservativeResize(dynamics_.num_dofs(), forces + directions);
+  direct_ = Matrix::Zero(scales_.size(), forces + directions);
+  for (Eigen::Index d = 0; d < directions; ++d) {
+    const Vector load = -model.mass * base_.col(d);
+    const double unit = 1.0 / std::max(load.norm(), 1e-300);
+    base_.col(d) *= unit;
+    loads_.col(forces + d) = unit * load;
+    for (Eigen::Index c = 0; c < scales_.size(); ++c) {
+      if (record_.channels[static_cast<size_t>(c)].quantity ==
+          Quantity::kAbsoluteAcceleration) {
+        direct_(c, forces + d) = sensors_.row(c).dot(base_.col(d));
+      }
+    }
+  }
+}
+
 bool AmbientCost::SetModel(const Vector& free) {
   if (!free.allFinite()) {
     failure_ = "the parameters are not finite";
@@ -209,6 +253,7 @@ bool AmbientCost::SetModel(const Vector& free) {
   mass_ = model.mass;
   damping_ = model.damping;
   stiffness_ = model.stiffness;
+  loads_.rightCols(base_.cols()) = -mass_ * base_;
   return true;
 }
 
@@ -236,6 +281,8 @@ ComplexVector AmbientCost::ChannelFactors(double frequency) const {
 void AmbientCost::FindTransfer() {
   transfer_.resize(static_cast<size_t>(num_lines()));
   const ComplexMatrix loads = loads_.cast<Complex>();
+  const ComplexMatrix direct =
+      (scales_.cwiseInverse().asDiagonal() * direct_).cast<Complex>();
   ParallelFor(kPieces, num_threads_, [&](int piece, int) {
     const size_t last =
         transfer_.size() * static_cast<size_t>(piece + 1) / kPieces;
@@ -243,7 +290,8 @@ void AmbientCost::FindTransfer() {
          k < last; ++k) {
       const double f = lines_.frequency[static_cast<Eigen::Index>(k)];
       transfer_[k] = ChannelFactors(f).asDiagonal() *
-                     (sensors_ * DynamicStiffness(f).solve(loads));
+                         (sensors_ * DynamicStiffness(f).solve(loads)) +
+                     direct;
     }
   });
 }
@@ -268,154 +316,6 @@ bool AmbientCost::FactorizeLine(Eigen::Index line,
   return factor->info() == Eigen::Success;
 }
 
-bool AmbientCost::AccumulateLines(Eigen::Index first, Eigen::Index last,
-                                  bool with_groups, double* cost,
-                                  Sums* sums) const {
-  const Eigen::Index channels = scales_.size();
-  const Eigen::Index square = channels * channels;
-  const int per_knot = spectrum_->per_knot();
-  const int loads = spectrum_->num_unknowns();
-  const Eigen::Index groups =
-      with_groups ? static_cast<Eigen::Index>(columns_.size()) : 0;
-  const Eigen::Index active = 2 * per_knot + channels + groups;
-  Matrix rows(square * kStretch, active);
-  Vector misfit(square * kStretch);
-  std::vector<int> places(static_cast<size_t>(active));
-  *cost = 0.0;
-  const ComplexMatrix load_columns = loads_.cast<Complex>();
-  const ComplexMatrix sensor_columns = sensors_.transpose().cast<Complex>();
-  Eigen::LLT<ComplexMatrix> factor;
-  Eigen::Index begin = first;
-  while (begin < last) {
-    // Lines between the same two knots.
-    double below = 0.0;
-    double above = 0.0;
-    const int knot = spectrum_->Weigh(lines_.frequency[begin], &below, &above);
-    Eigen::Index end = begin;
-    while (end < std::min(last, begin + kStretch) &&
-           spectrum_->Weigh(lines_.frequency[end], &below, &above) == knot) {
-      ++end;
-    }
-    const Matrix root = spectrum_->Root(unknowns_, knot);
-    const bool two = spectrum_->num_knots() > 1;
-    const Matrix next_root =
-        two ? spectrum_->Root(unknowns_, knot + 1) : Matrix(root);
-    for (Eigen::Index k = begin; k < end; ++k) {
-      if (!FactorizeLine(k, &factor)) return false;
-      const auto lower = factor.matrixL();
-      const double count = lines_.count[k];
-      // L^-1 (sum Y Y^H) L^-H.
-      ComplexMatrix powers =
-          lower.solve(lines_.products[static_cast<size_t>(k)]);
-      powers = lower.solve(powers.adjoint().eval());
-      *cost += 2.0 * count *
-                   factor.matrixLLT().diagonal().real().array().log().sum() +
-               powers.diagonal().real().sum();
-      if (sums == nullptr) continue;
-      spectrum_->Weigh(lines_.frequency[k], &below, &above);
-      const ComplexMatrix h = lower.solve(transfer_[static_cast<size_t>(k)]);
-      const ComplexMatrix inverse =
-          lower.solve(ComplexMatrix::Identity(channels, channels));
-      const Eigen::Index place = (k - begin) * square;
-      const double weight_of_lines = std::sqrt(count);
-      Flatten((count * ComplexMatrix::Identity(channels, channels) - powers) /
-                  weight_of_lines,
-              misfit.segment(place, square));
-      Eigen::Index column = 0;
-      const auto set = [&](const ComplexMatrix& w) {
-        Flatten(weight_of_lines * w, rows.col(column++).segment(place, square));
-      };
-      for (int side = 0; side < 2; ++side) {
-        const double weight = side == 0 ? below : (two ? above : 0.0);
-        const ComplexMatrix g = h * (side == 0 ? root : next_root);
-        for (const auto& [i, j] : spectrum_->entries()) {
-          const ComplexMatrix half = weight * h.col(i) * g.col(j).adjoint();
-          set(half + half.adjoint());
-        }
-      }
-      for (Eigen::Index c = 0; c < channels; ++c) {
-        set(2.0 * std::exp(2.0 * unknowns_[loads + c]) * inverse.col(c) *
-            inverse.col(c).adjoint());
-      }
-      if (groups == 0) continue;
-      const double f = lines_.frequency[k];
-      const double w = kTwoPi * f;
-      const auto stiffness = DynamicStiffness(f);
-      const ComplexMatrix by_loads = stiffness.solve(load_columns);
-      const ComplexMatrix by_sensors = stiffness.solve(sensor_columns);
-      ComplexMatrix covariance =
-          below * (root * root.transpose()).cast<Complex>();
-      if (two) {
-        covariance +=
-            above * (next_root * next_root.transpose()).cast<Complex>();
-      }
-      const ComplexMatrix right = covariance * h.adjoint();
-      const ComplexMatrix left = lower.solve(ComplexMatrix(
-          ChannelFactors(f).asDiagonal() * by_sensors.transpose()));
-      const ComplexMatrix moved = by_loads * right;
-      for (const Column& group : columns_) {
-        const Complex by = group.target == MatrixGroup::Target::kStiffness
-                               ? Complex(1.0, 0.0)
-                           : group.target == MatrixGroup::Target::kDamping
-                               ? Complex(0.0, w)
-                               : Complex(-w * w, 0.0);
-        const ComplexMatrix half =
-            -by * (left * (group.matrix->cast<Complex>() * moved));
-        set(half + half.adjoint());
-      }
-    }
-    if (sums != nullptr) {
-      size_t at = 0;
-      for (int side = 0; side < 2; ++side) {
-        // Without a second knot its rows are zero.
-        const int from = (two ? knot + side : 0) * per_knot;
-        for (int e = 0; e < per_knot; ++e) places[at++] = from + e;
-      }
-      for (Eigen::Index i = 0; i < channels + groups; ++i) {
-        places[at++] = loads + static_cast<int>(i);
-      }
-      const auto part = rows.topRows((end - begin) * square);
-      const Vector score =
-          part.transpose() * misfit.head((end - begin) * square);
-      const Matrix information = part.transpose() * part;
-      for (size_t i = 0; i < places.size(); ++i) {
-        sums->gradient[places[i]] += score[static_cast<Eigen::Index>(i)];
-        for (size_t j = 0; j < places.size(); ++j) {
-          const Eigen::Index a = static_cast<Eigen::Index>(i);
-          const Eigen::Index b = static_cast<Eigen::Index>(j);
-          sums->information(places[i], places[j]) += information(a, b);
-          sums->products(places[i], places[j]) += score[a] * score[b];
-        }
-      }
-    }
-    begin = end;
-  }
-  return std::isfinite(*cost);
-}
-
-bool AmbientCost::Accumulate(bool with_groups, double* cost, Sums* sums) const {
-  const int size =
-      num_nuisance() + (with_groups ? static_cast<int>(columns_.size()) : 0);
-  std::vector<Sums> parts(kPieces, Sums(sums != nullptr ? size : 0));
-  std::vector<double> costs(kPieces, 0.0);
-  std::vector<char> ok(kPieces, 1);
-  const Eigen::Index lines = num_lines();
-  ParallelFor(kPieces, num_threads_, [&](int piece, int) {
-    const size_t p = static_cast<size_t>(piece);
-    ok[p] = AccumulateLines(lines * piece / kPieces,
-                            lines * (piece + 1) / kPieces, with_groups,
-                            &costs[p], sums != nullptr ? &parts[p] : nullptr);
-  });
-  *cost = offset_;
-  if (sums != nullptr) *sums = Sums(size);
-  for (size_t p = 0; p < kPieces; ++p) {
-    if (!ok[p]) return false;
-    *cost += costs[p];
-    if (sums != nullptr) sums->Add(parts[p]);
-  }
-  return std::isfinite(*cost);
-}
-
 void AmbientCost::StartUnknowns() {
   double measured = 0.0;
   double unit = 0.0;
@@ -425,20 +325,26 @@ void AmbientCost::StartUnknowns() {
     measured += lines_.products[k].diagonal().real().sum();
   }
   unknowns_.resize(spectrum_->num_unknowns() + scales_.size());
-  unknowns_ << spectrum_->Uniform(0.5 * measured / std::max(unit, 1e-300)),
+  unknowns_ << spectrum_->Intensities(
+      Matrix::Constant(spectrum_->num_areas(), spectrum_->num_knots(),
+                       0.5 * measured / std::max(unit, 1e-300))),
       Vector::Zero(scales_.size());
+  // Noise is no more than the least of the density.
   for (Eigen::Index c = 0; c < scales_.size(); ++c) {
-    std::vector<double> powers;
+    double least = kInfinity;
+    double sum = 0.0;
+    double count = 0.0;
     for (Eigen::Index k = 0; k < num_lines(); ++k) {
-      powers.push_back(lines_.products[static_cast<size_t>(k)](c, c).real() /
-                       lines_.count[k]);
+      sum += lines_.products[static_cast<size_t>(k)](c, c).real();
+      count += lines_.count[k];
+      if (count < kLinesOfNoise) continue;
+      least = std::min(least, sum / count);
+      sum = count = 0.0;
     }
-    const auto middle = powers.begin() + static_cast<long>(powers.size() / 2);
-    std::nth_element(powers.begin(), middle, powers.end());
+    if (!std::isfinite(least)) least = sum / std::max(1.0, count);
     unknowns_[spectrum_->num_unknowns() + c] =
-        0.5 * std::log(std::max(0.1 * *middle, kSmallestNoise));
+        0.5 * std::log(std::max(0.5 * least, kSmallestNoise));
   }
-  unknowns_known_ = true;
 }
 
 double AmbientCost::SmallestNoise() const {
@@ -453,9 +359,44 @@ void AmbientCost::HoldNoise(Sums* sums) const {
     sums->information.row(c).setZero();
     sums->information.col(c).setZero();
     sums->information(c, c) = 1.0;
+    if (sums->products.size() == 0) continue;
     sums->products.row(c).setZero();
     sums->products.col(c).setZero();
   }
+}
+
+void AmbientCost::AddPrior(double* cost, Sums* sums) const {
+  const Eigen::Index per_knot = spectrum_->per_knot();
+  for (Eigen::Index b = 0; b < prior_.cols(); ++b) {
+    const Matrix root = spectrum_->Root(unknowns_, static_cast<int>(b));
+    const Matrix half = root.triangularView<Eigen::Lower>().solve(
+        Matrix(prior_.col(b).cwiseSqrt().asDiagonal()));
+    const Matrix inverse = root.triangularView<Eigen::Lower>().solve(
+        Matrix::Identity(root.rows(), root.cols()));
+    *cost += kPriorLines * (2.0 * root.diagonal().array().abs().log().sum() +
+                            half.squaredNorm());
+    if (sums == nullptr) continue;
+    const Matrix precision = inverse.transpose() * inverse;
+    const Matrix pull = precision * prior_.col(b).asDiagonal() * precision;
+    sums->gradient.segment(b * per_knot, per_knot) +=
+        ByLoadEntries(*spectrum_, root, kPriorLines * (precision - pull));
+    LoadInformation information(*spectrum_);
+    information.Add(precision.cast<Complex>(), kPriorLines, 1.0, 0.0);
+    sums->information.block(b * per_knot, b * per_knot, per_knot, per_knot) +=
+        information.Finish(root, root).topLeftCorner(per_knot, per_knot);
+  }
+}
+
+Vector AmbientCost::Moved(const Vector& unknowns, const Vector& step) const {
+  constexpr double kMostFall = 0.1;  // of a variance
+  const Eigen::Index noise = scales_.size();
+  const Eigen::Index loads = unknowns.size() - noise;
+  Vector moved(unknowns.size());
+  moved << spectrum_->Moved(unknowns.head(loads), step.head(loads)),
+      (unknowns.tail(noise).array() +
+       0.5 * (1.0 + 2.0 * step.tail(noise).array()).max(kMostFall).log())
+          .max(SmallestNoise());
+  return moved;
 }
 
 bool AmbientCost::FitUnknowns(double* cost) {
@@ -463,22 +404,24 @@ bool AmbientCost::FitUnknowns(double* cost) {
   Sums sums;
   if (!Accumulate(false, cost, &sums)) return false;
   double damping = 1e-4;
-  const double smallest = SmallestNoise();
-  const Eigen::Index noise = scales_.size();
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     HoldNoise(&sums);
-    const Vector step =
-        Factorize(sums.information, damping).solve(-sums.gradient);
+    const InformationSolver solver(sums.information, damping);
+    if (!solver.ok()) {
+      damping = std::max(1e-6, 10.0 * damping);
+      if (damping > 1e8) break;
+      continue;
+    }
+    const Vector step = solver.Solve(-sums.gradient);
     const double promised = -0.5 * sums.gradient.dot(step);
-    if (!(promised > kCostLeft) && damping <= 1e-4) break;
+    if (!(promised > kCostLeft)) break;
     const Vector before = unknowns_;
-    unknowns_ += step;
-    unknowns_.tail(noise) = unknowns_.tail(noise).cwiseMax(smallest);
+    unknowns_ = Moved(before, step);
     double next = 0.0;
     Sums next_sums;
     if (unknowns_.allFinite() && Accumulate(false, &next, &next_sums) &&
         next <= *cost) {
-      const bool done = *cost - next < kCostLeft && damping <= 1e-2;
+      const bool done = *cost - next < kCostLeft;
       *cost = next;
       sums = std::move(next_sums);
       damping = std::max(1e-9, 0.1 * damping);
@@ -493,18 +436,64 @@ bool AmbientCost::FitUnknowns(double* cost) {
   return true;
 }
 
+double AmbientCost::NumFitted() const {
+  double ignored = 0.0;
+  Sums sums;
+  if (!Accumulate(false, &ignored, &sums)) return 0.0;
+  Sums prior;
+  prior.gradient = Vector::Zero(sums.gradient.size());
+  prior.information =
+      Matrix::Zero(sums.information.rows(), sums.information.cols());
+  AddPrior(&ignored, &prior);
+  const InformationSolver solver(sums.information, 0.0);
+  const double held =
+      solver.ok() ? solver.Solve(prior.information).trace() : 0.0;
+  return static_cast<double>(num_nuisance()) - held +
+         static_cast<double>(columns_.size());
+}
+
+bool AmbientCost::FirstUnknowns(double* cost) {
+  prior_.resize(0, 0);
+  LoadSpectrum correlated = *spectrum_;
+  *spectrum_ = correlated.Uncorrelated();
+  StartUnknowns();
+  if (!FitUnknowns(cost)) {
+    *spectrum_ = correlated;
+    return false;
+  }
+  spectrum_->SetPowers(unknowns_);
+  if (correlated.correlated()) {
+    const int knots = spectrum_->num_knots();
+    Matrix intensities(spectrum_->num_areas(), knots);
+    for (int b = 0; b < knots; ++b) {
+      intensities.col(b) = spectrum_->Root(unknowns_, b).diagonal().cwiseAbs2();
+    }
+    prior_ = intensities;
+    for (int b = 0; b < knots; ++b) {
+      prior_.col(b) =
+          prior_.col(b).cwiseMax(kLeastOfMean * intensities.col(b).mean());
+      for (const int next : {b - 1, b + 1}) {
+        if (next < 0 || next == knots) continue;
+        prior_.col(b) =
+            prior_.col(b).cwiseMax(kLeastOfNeighbour * intensities.col(next));
+      }
+    }
+    const Vector noise = unknowns_.tail(scales_.size());
+    correlated.SetPowers(*spectrum_);
+    *spectrum_ = correlated;
+    unknowns_.resize(spectrum_->num_unknowns() + noise.size());
+    unknowns_ << spectrum_->Intensities(prior_), noise;
+  }
+  unknowns_known_ = FitUnknowns(cost);
+  return unknowns_known_;
+}
+
 bool AmbientCost::Evaluate(const Vector& free, double* cost) {
   if (!SetModel(free)) return false;
   FindTransfer();
-  if (!unknowns_known_) {
-    StartUnknowns();
-    if (!FitUnknowns(cost)) {
-      unknowns_known_ = false;
-      return false;
-    }
-    spectrum_->SetPowers(unknowns_);
-  } else if (linearized_at_.size() == free.size()) {
-    unknowns_ = unknowns_there_ + follow_ * (free - linearized_at_);
+  if (!unknowns_known_) return FirstUnknowns(cost);
+  if (linearized_at_.size() == free.size()) {
+    unknowns_ = Moved(unknowns_there_, follow_ * (free - linearized_at_));
     double ignored = 0.0;
     // Too far away for a straight line.
     if (!Accumulate(false, &ignored, nullptr)) unknowns_ = unknowns_there_;
@@ -520,10 +509,14 @@ bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
   const Eigen::Index nuisance = num_nuisance();
   const Eigen::Index groups = static_cast<Eigen::Index>(columns_.size());
   const Matrix cross = sums.information.bottomLeftCorner(groups, nuisance);
-  const Eigen::LDLT<Matrix> factor =
-      Factorize(sums.information.topLeftCorner(nuisance, nuisance), 0.0);
+  const InformationSolver solver(
+      sums.information.topLeftCorner(nuisance, nuisance), 0.0);
+  if (!solver.ok()) {
+    failure_ = "the information on loads and noise is not positive definite";
+    return false;
+  }
   // Rows: what a group's score owes to loads and noise.
-  const Matrix owed = factor.solve(cross.transpose()).transpose();
+  const Matrix owed = solver.Solve(cross.transpose()).transpose();
   const Vector gradient =
       sums.gradient.tail(groups) - owed * sums.gradient.head(nuisance);
   Matrix hessian = sums.information.bottomRightCorner(groups, groups) -
@@ -552,99 +545,6 @@ bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
   linearized_at_ = free;
   unknowns_there_ = unknowns_;
   return system->gradient.allFinite() && system->hessian.allFinite();
-}
-
-bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
-  double cost = 0.0;
-  if (!Evaluate(free, &cost)) return false;
-  const Eigen::Index channels = scales_.size();
-  const Eigen::Index lines = num_lines();
-  *score = AmbientScore();
-  score->name = record_.name;
-  score->lowest_frequency = lines_.frequency[0];
-  score->highest_frequency = lines_.frequency[lines - 1];
-  score->num_lines = static_cast<int>(total_lines_);
-  score->explained = Vector::Zero(channels);
-  const Eigen::Index parts =
-      std::clamp<Eigen::Index>(lines / (8 * channels + 40), 1, kMostParts);
-  const Eigen::Index points = std::min<Eigen::Index>(lines, kGridPoints);
-  score->frequencies = Vector::Zero(points);
-  score->measured = Matrix::Zero(channels, points);
-  score->modelled = Matrix::Zero(channels, points);
-  score->lines = Vector::Zero(points);
-  std::vector<ComplexMatrix> products(static_cast<size_t>(parts),
-                                      ComplexMatrix::Zero(channels, channels));
-  std::vector<double> counts(static_cast<size_t>(parts), 0.0);
-  std::vector<double> starts(static_cast<size_t>(parts), kInfinity);
-  std::vector<double> ends(static_cast<size_t>(parts), 0.0);
-  double seen = 0.0;
-  Vector total = Vector::Zero(channels);
-  Eigen::LLT<ComplexMatrix> factor;
-  for (Eigen::Index k = 0; k < lines; ++k) {
-    if (!FactorizeLine(k, &factor)) return false;
-    const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
-    const ComplexMatrix half = factor.matrixL().solve(y);
-    const size_t part = std::min(
-        products.size() - 1,
-        static_cast<size_t>(seen * static_cast<double>(parts) / total_lines_));
-    const double count = lines_.count[k];
-    seen += count;
-    products[part] += factor.matrixL().solve(half.adjoint().eval());
-    counts[part] += count;
-    starts[part] = std::min(starts[part], lines_.frequency[k]);
-    ends[part] = std::max(ends[part], lines_.frequency[k]);
-    const Eigen::Index point = k * points / lines;
-    const Vector power = factor.reconstructedMatrix().diagonal().real();
-    score->frequencies[point] += count * lines_.frequency[k];
-    score->measured.col(point) += y.diagonal().real();
-    score->modelled.col(point) += count * power;
-    score->lines[point] += count;
-    total += count * power;
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      score->explained[c] +=
-          count *
-          (power[c] - std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + c]));
-    }
-  }
-  score->frequencies.array() /= score->lines.array();
-  for (Matrix* density : {&score->measured, &score->modelled}) {
-    for (Eigen::Index point = 0; point < points; ++point) {
-      density->col(point) =
-          density->col(point).cwiseProduct(scales_.cwiseAbs2()) /
-          score->lines[point];
-    }
-  }
-  score->explained.array() /= total.array();
-  score->noise_sigma.resize(channels);
-  for (Eigen::Index c = 0; c < channels; ++c) {
-    score->channels.push_back(record_.channels[static_cast<size_t>(c)].name);
-    // A one-sided density up to half the sampling rate.
-    score->noise_sigma[c] = scales_[c] *
-                            std::exp(unknowns_[spectrum_->num_unknowns() + c]) *
-                            std::sqrt(0.5 / record_.sampling_step);
-  }
-  // n |Q - I|^2 of the mean Q of n products z z^H has the expectation
-  // channels^2, and the variance 2 channels^2 of a chi^2, where n is large.
-  const double square = static_cast<double>(channels * channels);
-  for (size_t p = 0; p < products.size(); ++p) {
-    if (counts[p] == 0.0) continue;
-    const ComplexMatrix off =
-        products[p] / counts[p] - ComplexMatrix::Identity(channels, channels);
-    const double value = counts[p] / kTaperedLines * off.squaredNorm();
-    score->chi_square += value;
-    const double deviation = (value - square) / std::sqrt(2.0 * square);
-    if (p == 0 || deviation > score->worst_deviation) {
-      score->worst_deviation = deviation;
-      score->worst_from = starts[p];
-      score->worst_to = ends[p];
-    }
-  }
-  score->degrees_of_freedom =
-      std::max(1, static_cast<int>(square * static_cast<double>(parts)) -
-                      num_nuisance() - static_cast<int>(columns_.size()));
-  score->probability =
-      ChiSquareProbability(score->chi_square, score->degrees_of_freedom);
-  return true;
 }
 
 }  // namespace pinode

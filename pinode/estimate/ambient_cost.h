@@ -16,6 +16,7 @@
 #include "pinode/estimate/ambient_spectrum.h"
 #include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 
@@ -32,8 +33,8 @@ namespace pinode {
 //
 // of groups, loads and noise together, from which the latter are eliminated.
 // Lines within an eighth of a mode's bandwidth are one. Work per line: n^3 of
-// the n DOFs for the transfer function, and channels^2 times the square of the
-// unknowns that take part in it.
+// the n DOFs for the transfer function, areas^4 for the loads, and for each
+// group n^2 times the rank of its matrix.
 //
 // The frequency domain was taken rather than innovations in time: a spectrum
 // that nobody knows needs no filter there, modes beyond the band no model, and
@@ -71,9 +72,17 @@ class AmbientCost final : public CostPart {
   struct Column {
     int free = -1;
     MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
-    const Matrix* matrix = nullptr;
+    // Its matrix is left right^T, num_dofs x rank.
+    Eigen::MatrixXcd left, right;
   };
-  struct Sums;
+  // By loads and noise, then groups.
+  struct Sums {
+    Vector gradient;
+    Matrix information;
+    Matrix products;
+  };
+  struct IntervalSums;
+  class LineSums;
 
   // The model at `free`; notes why where there is none.
   [[nodiscard]] bool SetModel(const Vector& free);
@@ -82,6 +91,8 @@ class AmbientCost final : public CostPart {
       double frequency) const;
   // Of displacements to what the channels measure, over their scales.
   Eigen::VectorXcd ChannelFactors(double frequency) const;
+  // Where forces act, as the record says or leaves to be found.
+  void SetLoads(const ModalProperties& modes, double highest);
   void FindTransfer();
   // Cost, and where `sums` is not null its derivatives by loads and noise, with
   // those by the groups behind them where asked for.
@@ -89,30 +100,50 @@ class AmbientCost final : public CostPart {
                                 Sums* sums) const;
   [[nodiscard]] bool AccumulateLines(Eigen::Index first, Eigen::Index last,
                                      bool with_groups, double* cost,
-                                     Sums* sums) const;
+                                     std::vector<IntervalSums>* sums) const;
+  void AddInterval(const IntervalSums& interval, Sums* sums) const;
   // S_y of a line; false where it is not positive definite.
   [[nodiscard]] bool FactorizeLine(Eigen::Index line,
                                    Eigen::LLT<Eigen::MatrixXcd>* factor) const;
   // Loads and noise for the transfer function as it is.
   [[nodiscard]] bool FitUnknowns(double* cost);
+  // The same from nothing: loads that have nothing in common first, which are
+  // then what covariances are held to.
+  [[nodiscard]] bool FirstUnknowns(double* cost);
   void StartUnknowns();
+  // Adds what prior_ costs.
+  void AddPrior(double* cost, Sums* sums) const;
+  // The unknowns after a step; noise moves in its variance and vanishes in no
+  // step.
+  Vector Moved(const Vector& unknowns, const Vector& step) const;
   // Noise that would vanish takes no part any more.
   double SmallestNoise() const;
   void HoldNoise(Sums* sums) const;
+  // Unknowns that the record determines: all but what the prior does.
+  double NumFitted() const;
   int num_nuisance() const { return static_cast<int>(unknowns_.size()); }
 
   const AmbientRecord& record_;
   const StructuralDynamics& dynamics_;
   const ParameterLayout& layout_;
   const int num_threads_;
-  Matrix loads_;        // num_dofs x areas, of unit size
-  Matrix sensors_;      // channels x num_dofs
+  // num_dofs x areas, at the last free parameters: forces of unit size, then
+  // what accelerations of the base do, -M times base_.
+  Matrix loads_;
+  Matrix base_;     // num_dofs x directions
+  Matrix direct_;   // channels x areas: of the base in absolute accelerations
+  Matrix sensors_;  // channels x num_dofs
   Vector derivatives_;  // 0, 1, 2 of each channel
   Vector scales_;       // of the channels
   std::vector<Column> columns_;
   LineGroups lines_;  // over the scales
   double total_lines_ = 0.0;
   std::unique_ptr<LoadSpectrum> spectrum_;
+  // Intensities of the loads at the knots, areas x knots: covariances are as if
+  // a few lines of the loads themselves had been seen with these. Forces on a
+  // mode far from a knot tell nothing of themselves there, and an estimate
+  // alone would find them perfectly correlated. Empty: none.
+  Matrix prior_;
   double offset_ = 0.0;                     // makes the cost positive
   Matrix mass_, damping_, stiffness_;       // at the last free parameters
   std::vector<Eigen::MatrixXcd> transfer_;  // per line: channels x areas

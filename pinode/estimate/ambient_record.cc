@@ -5,6 +5,12 @@
 #include "pinode/base/statistics.h"
 
 namespace pinode {
+namespace {
+
+// Their covariances are half the square of this at each knot.
+constexpr Eigen::Index kMostCorrelatedAreas = 40;
+
+}  // namespace
 
 bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
                             std::string* error) const {
@@ -53,6 +59,20 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
        (loads.colwise().squaredNorm().array() <= 0.0).any() ||
        static_cast<Eigen::Index>(areas.size()) != loads.cols())) {
     return fail("its loads need a finite number for each DOF, and a name each");
+  }
+  if (base.size() > 0 &&
+      (base.rows() != dofs || !base.allFinite() ||
+       (base.colwise().squaredNorm().array() <= 0.0).any())) {
+    return fail("motions of its base need a finite number for each DOF");
+  }
+  const Eigen::Index given = loads.cols() + base.cols();
+  const Eigen::Index areas_of_all =
+      given > 0 ? given : static_cast<Eigen::Index>(channels.size());
+  if (correlated && areas_of_all > kMostCorrelatedAreas) {
+    return fail("its " + std::to_string(areas_of_all) +
+                " loads have too many covariances, expected " +
+                std::to_string(kMostCorrelatedAreas) +
+                " loads at most, or such that are not correlated");
   }
   if (knots < 0) return fail("its number of knots must not be negative");
   const double nyquist = 0.5 / sampling_step;

@@ -28,13 +28,18 @@ struct AmbientRecord {
   std::vector<Observation> channels;
   Matrix samples;  // channels x samples, in the model's units; NaN: missing
 
-  // Where forces act, num_dofs x areas, and what they are called. Empty: where
-  // the channels measure, each in its direction. As long as a band holds no
-  // more modes than there are areas, any load on the structure does to its
-  // modes what some forces there do.
+  // Where forces act, num_dofs x areas, and what they are called. Empty, with
+  // an empty base: on each mode in and near the band that the model has at
+  // first or, where these are more than 24, where the channels measure. Any
+  // load on the structure does to its modes what such forces do.
   Matrix loads;
   std::vector<std::string> areas;
-  // False: forces of different areas have nothing in common.
+  // Where accelerations of the base act that nobody measured, num_dofs x
+  // directions: displacements of the DOFs as they follow it. Channels of
+  // absolute accelerations see it themselves.
+  Matrix base;
+  // False: forces of different areas, and motions of the base,
+  // have nothing in common.
   bool correlated = true;
   // Knots of the spectrum; 1: white; 0: one an octave of the band.
   int knots = 0;
@@ -82,6 +87,8 @@ struct AmbientScore {
 
 // Below this probability the model does not describe the record.
 inline constexpr double kLeastAmbientProbability = 1e-4;
+// Below this one its intervals are those of a sandwich.
+inline constexpr double kDoubtfulAmbientProbability = 0.05;
 
 }  // namespace pinode
 

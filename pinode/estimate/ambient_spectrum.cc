@@ -1,5 +1,7 @@
 #include "pinode/estimate/ambient_spectrum.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -103,6 +105,7 @@ LoadSpectrum::LoadSpectrum(double lowest, double highest, int knots, int areas,
       log_step_(knots > 1 ? std::log(highest / lowest) / (knots - 1) : 1.0),
       knots_(knots),
       areas_(areas),
+      correlated_(correlated),
       powers_(Vector::Zero(knots)) {
   CHECK(knots > 0 && areas > 0 && lowest > 0.0 && highest > lowest)
       << knots << " knots of " << areas << " areas from " << lowest << " to "
@@ -151,12 +154,46 @@ Matrix LoadSpectrum::Root(const Vector& unknowns, int knot) const {
   return root;
 }
 
-Vector LoadSpectrum::Uniform(double intensity) const {
+Vector LoadSpectrum::Moved(const Vector& unknowns, const Vector& step) const {
+  constexpr double kMostFall = 0.1;
+  Vector moved = unknowns;
+  for (int b = 0; b < knots_; ++b) {
+    const Matrix root = Root(unknowns, b);
+    const Matrix half =
+        root.triangularView<Eigen::Lower>().solve(Root(step, b));
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(half + half.transpose());
+    if (!half.allFinite() || eigen.info() != Eigen::Success) return unknowns;
+    const Vector scale =
+        (1.0 + eigen.eigenvalues().array()).max(kMostFall).sqrt();
+    // The factor of P = next next^T.
+    const Matrix next = root * eigen.eigenvectors() * scale.asDiagonal();
+    const Eigen::HouseholderQR<Matrix> qr(next.transpose());
+    const Matrix factor =
+        Matrix(qr.matrixQR().triangularView<Eigen::Upper>()).transpose();
+    for (int e = 0; e < per_knot(); ++e) {
+      const auto& [i, j] = entries_[static_cast<size_t>(e)];
+      moved[b * per_knot() + e] = factor(i, j);
+    }
+  }
+  return moved;
+}
+
+LoadSpectrum LoadSpectrum::Uncorrelated() const {
+  LoadSpectrum result = *this;
+  result.correlated_ = false;
+  result.entries_.clear();
+  for (int j = 0; j < areas_; ++j) result.entries_.emplace_back(j, j);
+  return result;
+}
+
+Vector LoadSpectrum::Intensities(const Matrix& areas_by_knots) const {
   Vector unknowns = Vector::Zero(num_unknowns());
   for (int b = 0; b < knots_; ++b) {
     for (int e = 0; e < per_knot(); ++e) {
       const auto& [i, j] = entries_[static_cast<size_t>(e)];
-      if (i == j) unknowns[b * per_knot() + e] = std::sqrt(intensity);
+      if (i == j) {
+        unknowns[b * per_knot() + e] = std::sqrt(areas_by_knots(i, b));
+      }
     }
   }
   return unknowns;

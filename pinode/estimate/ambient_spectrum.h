@@ -47,29 +47,42 @@ class LoadSpectrum {
                bool correlated);
 
   int num_areas() const { return areas_; }
+  bool correlated() const { return correlated_; }
   int num_knots() const { return knots_; }
   // Unknowns of one knot; those of knot b begin at b times that.
   int per_knot() const { return static_cast<int>(entries_.size()); }
   int num_unknowns() const { return knots_ * per_knot(); }
-  // Row and column of each unknown in L_b.
+  // Row and column of each unknown in L_b: its lower triangle by columns, or
+  // its diagonal.
   const std::vector<std::pair<int, int>>& entries() const { return entries_; }
 
   // The knot below a frequency (of two the lower one; 0 where there is but
   // one), and the weights of its P and of the one above.
   int Weigh(double frequency, double* below, double* above) const;
 
-  // Takes the powers between knots from what the traces of the P_b do there.
+  // Takes the powers between knots from what the traces of the P_b do there, or
+  // from another spectrum of as many knots.
   void SetPowers(const Vector& unknowns);
+  void SetPowers(const LoadSpectrum& other) { powers_ = other.powers_; }
+  // The same knots, for loads that have nothing in common.
+  LoadSpectrum Uncorrelated() const;
 
   Matrix Root(const Vector& unknowns, int knot) const;  // L_b
-  // P_b = intensity * I at all knots.
-  Vector Uniform(double intensity) const;
+  // The unknowns of P_b + L_b s^T + s L_b^T, s the matrices of `step`, which is
+  // what a step of the unknowns is to first order; eigenvalues, relative to
+  // P_b, fall to a tenth at most, so that it stays positive definite. A model
+  // whose spectra are linear in P_b is solved by few such steps, however long.
+  Vector Moved(const Vector& unknowns, const Vector& step) const;
+
+  // P_b = diag(column b).
+  Vector Intensities(const Matrix& areas_by_knots) const;
 
  private:
   double log_lowest_;
   double log_step_;
   int knots_;
   int areas_;
+  bool correlated_;
   std::vector<std::pair<int, int>> entries_;
   Vector powers_;  // between a knot and the next
 };

@@ -85,12 +85,11 @@ bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
 // Whether chance alone would not make the spectra of an ambient record differ
 // as they do from those of the model.
 bool AnyMisfit(const Vector& free, const Objective& objective) {
-  constexpr double kMisfit = 0.05;
   return std::any_of(objective.ambient().begin(), objective.ambient().end(),
                      [&free](const auto& record) {
                        AmbientScore score;
                        return !record->Score(free, &score) ||
-                              score.probability < kMisfit;
+                              score.probability < kDoubtfulAmbientProbability;
                      });
 }
 

@@ -11,9 +11,6 @@
 
 namespace pinode {
 
-using ComplexMatrix = Eigen::MatrixXcd;
-using ComplexVector = Eigen::VectorXcd;
-
 // The state matrix F of dh/dt = F h + G u as V diag(lambda) W, W = V^-1. In the
 // coordinates W h each mode goes its own way: the response z of a mode to an
 // input u goes from sample i to the next one by

@@ -14,8 +14,6 @@ namespace pinode {
 namespace {
 
 using Complex = std::complex<double>;
-using ComplexMatrix = Eigen::MatrixXcd;
-using ComplexVector = Eigen::VectorXcd;
 
 // Block (i, j) is R_(i + j + 1).
 Matrix HankelMatrix(const Matrix& correlations, int channels, int block_rows,

@@ -200,7 +200,9 @@ std::string Verdict(const ReportInput& input) {
   std::string verdict = "Usable, but untested";
   if (worst_training == nullptr && !summary.ambient.empty()) {
     std::vector<std::string> records;
+    double least = 1.0;
     for (const AmbientScore& score : summary.ambient) {
+      least = std::min(least, score.probability);
       records.push_back("'" + score.name + "' (probability " +
                         ReadableNumber(score.probability, 2) + ")");
     }
@@ -208,7 +210,10 @@ std::string Verdict(const ReportInput& input) {
            std::string(records.size() == 1 ? "ambient record "
                                            : "the ambient records ") +
            Join(records, ", ") +
-           " differ from those of the model by no more than chance." +
+           (least < kDoubtfulAmbientProbability
+                ? " differ from those of the model by a little more than "
+                  "chance; the intervals allow for it."
+                : " differ from those of the model by no more than chance.") +
            ModeSentence(summary);
   }
   if (worst_training != nullptr) {

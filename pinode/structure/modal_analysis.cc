@@ -14,9 +14,6 @@
 namespace pinode {
 namespace {
 
-using ComplexVector = Eigen::VectorXcd;
-using ComplexMatrix = Eigen::MatrixXcd;
-
 // Eigenvalues of the damped structure, and how much each undamped mode takes
 // part in each.
 struct DampedEigenvalues {

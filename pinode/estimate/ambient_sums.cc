@@ -1,0 +1,317 @@
+// Sums over the lines of an ambient record: the cost and its derivatives.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/estimate/ambient_cost.h"
+#include "pinode/estimate/load_information.h"
+
+namespace pinode {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Neighbouring lines that share a score: the taper ties them together.
+constexpr Eigen::Index kStretch = 8;
+// Pieces that threads take; a fixed number, so that sums are the same.
+constexpr int kPiecesOfBand = 16;
+
+// A Hermitian matrix as as many numbers, with tr(A B) as their product.
+template <typename Target>
+void Flatten(const ComplexMatrix& a, Target target) {
+  const Eigen::Index n = a.rows();
+  Eigen::Index place = 0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    target[place++] = a(j, j).real();
+    for (Eigen::Index i = j + 1; i < n; ++i) {
+      target[place++] = kRootTwo * a(i, j).real();
+      target[place++] = kRootTwo * a(i, j).imag();
+    }
+  }
+}
+
+}  // namespace
+
+// Of the loads of a knot and the next, the noise, and groups where asked for.
+struct AmbientCost::IntervalSums {
+  int knot = 0;
+  Vector gradient;
+  Matrix information;
+  Matrix products;
+};
+
+// Sums over the lines between two knots; `stretch` sums of a few neighbours.
+class AmbientCost::LineSums {
+ public:
+  LineSums(const AmbientCost& cost, bool with_groups, int knot)
+      : cost_(cost),
+        spectrum_(*cost.spectrum_),
+        channels_(cost.scales_.size()),
+        groups_(with_groups ? static_cast<Eigen::Index>(cost.columns_.size())
+                            : 0),
+        square_(channels_ * channels_),
+        knot_(knot),
+        two_(spectrum_.num_knots() > 1),
+        root_(spectrum_.Root(cost.unknowns_, knot)),
+        next_root_(two_ ? spectrum_.Root(cost.unknowns_, knot + 1)
+                        : Matrix(root_)),
+        information_(spectrum_),
+        rows_(square_ * kStretch, channels_ + groups_),
+        misfit_(square_ * kStretch),
+        rest_(Matrix::Zero(channels_ + groups_, channels_ + groups_)) {
+    const Eigen::Index areas = spectrum_.num_areas();
+    for (Matrix& by_load : by_load_) by_load = Matrix::Zero(areas, areas);
+    const Matrix empty = Matrix::Zero(areas * areas, channels_ + groups_);
+    cross_ = {empty, empty};
+    loads_ = cost.loads_.cast<Complex>();
+    sensors_ = cost.sensors_.transpose().cast<Complex>();
+  }
+
+  // A line whose S_y has the factor `lower`, whose powers are L^-1 Y Y^H L^-H.
+  template <typename Lower>
+  void Add(Eigen::Index line, const Lower& lower, const ComplexMatrix& powers) {
+    const double count = cost_.lines_.count[line];
+    const double root_of_count = std::sqrt(count);
+    double below = 0.0;
+    double above = 0.0;
+    spectrum_.Weigh(cost_.lines_.frequency[line], &below, &above);
+    const ComplexMatrix h =
+        lower.solve(cost_.transfer_[static_cast<size_t>(line)]);
+    const ComplexMatrix inverse =
+        lower.solve(ComplexMatrix::Identity(channels_, channels_));
+    const ComplexMatrix off =
+        count * ComplexMatrix::Identity(channels_, channels_) - powers;
+    information_.Add(h.adjoint() * h, count, below, above);
+    const Matrix score = (h.adjoint() * off * h).real();
+    by_load_[0] += below * score;
+    by_load_[1] += above * score;
+    const Eigen::Index place = in_stretch_ * square_;
+    Flatten(off / root_of_count, misfit_.segment(place, square_));
+    const Vector noise =
+        2.0 * (2.0 * cost_.unknowns_.tail(channels_)).array().exp();
+    const ComplexMatrix seen = h.adjoint() * inverse;
+    for (Eigen::Index c = 0; c < channels_; ++c) {
+      Flatten(
+          root_of_count * noise[c] * inverse.col(c) * inverse.col(c).adjoint(),
+          rows_.col(c).segment(place, square_));
+      AddCross(c, count * noise[c] * seen.col(c) * seen.col(c).adjoint(), below,
+               above);
+    }
+    if (groups_ > 0) AddGroups(line, lower, h, below, above);
+    if (++in_stretch_ == kStretch) EndStretch();
+  }
+
+  // Ends this object.
+  IntervalSums Finish() {
+    EndStretch();
+    const Eigen::Index per_knot = spectrum_.per_knot();
+    const Eigen::Index rest = channels_ + groups_;
+    const Eigen::Index active = 2 * per_knot + rest;
+    const Eigen::Index areas = spectrum_.num_areas();
+    IntervalSums sums;
+    sums.knot = knot_;
+    Matrix& information = sums.information;
+    information.resize(active, active);
+    information.topLeftCorner(2 * per_knot, 2 * per_knot) =
+        information_.Finish(root_, next_root_);
+    for (Eigen::Index i = 0; i < rest; ++i) {
+      for (int side = 0; side < 2; ++side) {
+        information.col(2 * per_knot + i).segment(side * per_knot, per_knot) =
+            ByLoadEntries(spectrum_, side == 0 ? root_ : next_root_,
+                          Eigen::Map<const Matrix>(
+                              cross_[static_cast<size_t>(side)].col(i).data(),
+                              areas, areas));
+      }
+    }
+    information.bottomLeftCorner(rest, 2 * per_knot) =
+        information.topRightCorner(2 * per_knot, rest).transpose();
+    information.bottomRightCorner(rest, rest) = rest_;
+    sums.gradient = Vector::Zero(active);
+    for (const Vector& score : scores_) sums.gradient += score;
+    if (groups_ > 0) {
+      sums.products = Matrix::Zero(active, active);
+      for (const Vector& score : scores_) {
+        sums.products.selfadjointView<Eigen::Lower>().rankUpdate(score);
+      }
+      sums.products.triangularView<Eigen::StrictlyUpper>() =
+          sums.products.transpose().triangularView<Eigen::StrictlyUpper>();
+    }
+    return sums;
+  }
+
+ private:
+  // Of noise or a group i: H^H L^-H W L^-1 H summed.
+  void AddCross(Eigen::Index i, const ComplexMatrix& seen, double below,
+                double above) {
+    const Matrix real = seen.real();
+    const auto flat = Eigen::Map<const Vector>(real.data(), real.size());
+    cross_[0].col(i) += below * flat;
+    cross_[1].col(i) += above * flat;
+  }
+
+  template <typename Lower>
+  void AddGroups(Eigen::Index line, const Lower& lower, const ComplexMatrix& h,
+                 double below, double above) {
+    const double count = cost_.lines_.count[line];
+    const double f = cost_.lines_.frequency[line];
+    const double w = kTwoPi * f;
+    const auto stiffness = cost_.DynamicStiffness(f);
+    const ComplexMatrix by_loads = stiffness.solve(loads_);
+    const ComplexMatrix by_sensors = stiffness.solve(sensors_);
+    Matrix covariance = below * root_ * root_.transpose();
+    if (two_) covariance += above * next_root_ * next_root_.transpose();
+    const ComplexMatrix left = lower.solve(ComplexMatrix(
+        cost_.ChannelFactors(f).asDiagonal() * by_sensors.transpose()));
+    const ComplexMatrix right = covariance * h.adjoint();
+    const ComplexMatrix moved = by_loads * right;
+    const ComplexMatrix based =
+        cost_.base_ * right.bottomRows(cost_.base_.cols());
+    for (Eigen::Index g = 0; g < groups_; ++g) {
+      const Column& group = cost_.columns_[static_cast<size_t>(g)];
+      const Complex by = group.target == MatrixGroup::Target::kStiffness
+                             ? Complex(1.0, 0.0)
+                         : group.target == MatrixGroup::Target::kDamping
+                             ? Complex(0.0, w)
+                             : Complex(-w * w, 0.0);
+      const bool mass = group.target == MatrixGroup::Target::kMass;
+      const ComplexMatrix half =
+          (left * group.left) *
+          (group.right.transpose() * (mass ? ComplexMatrix(-by * moved - based)
+                                           : ComplexMatrix(-by * moved)));
+      const ComplexMatrix both = half + half.adjoint();
+      Flatten(std::sqrt(count) * both,
+              rows_.col(channels_ + g).segment(in_stretch_ * square_, square_));
+      AddCross(channels_ + g, count * (h.adjoint() * both * h), below, above);
+    }
+  }
+
+  void EndStretch() {
+    if (in_stretch_ == 0) return;
+    const Eigen::Index per_knot = spectrum_.per_knot();
+    const auto part = rows_.topRows(in_stretch_ * square_);
+    Vector score(2 * per_knot + channels_ + groups_);
+    score << ByLoadEntries(spectrum_, root_, by_load_[0]),
+        ByLoadEntries(spectrum_, next_root_, by_load_[1]),
+        part.transpose() * misfit_.head(in_stretch_ * square_);
+    if (groups_ > 0 || scores_.empty()) {
+      scores_.push_back(std::move(score));
+    } else {
+      scores_[0] += score;
+    }
+    rest_.noalias() += part.transpose() * part;
+    for (Matrix& by_load : by_load_) by_load.setZero();
+    in_stretch_ = 0;
+  }
+
+  const AmbientCost& cost_;
+  const LoadSpectrum& spectrum_;
+  const Eigen::Index channels_, groups_, square_;
+  const int knot_;
+  const bool two_;
+  const Matrix root_, next_root_;
+  ComplexMatrix loads_, sensors_;
+  LoadInformation information_;
+  // Of the stretch: rows of noise and groups, and what they should explain.
+  Matrix rows_;
+  Vector misfit_;
+  std::array<Matrix, 2> by_load_;  // sides
+  Eigen::Index in_stretch_ = 0;
+  std::array<Matrix, 2> cross_;  // sides: areas^2 x (channels + groups)
+  Matrix rest_;
+  std::vector<Vector> scores_;  // of stretches
+};
+
+bool AmbientCost::AccumulateLines(Eigen::Index first, Eigen::Index last,
+                                  bool with_groups, double* cost,
+                                  std::vector<IntervalSums>* sums) const {
+  *cost = 0.0;
+  Eigen::LLT<ComplexMatrix> factor;
+  std::unique_ptr<LineSums> lines;
+  int last_knot = -1;
+  for (Eigen::Index k = first; k < last; ++k) {
+    if (!FactorizeLine(k, &factor)) return false;
+    const auto lower = factor.matrixL();
+    // L^-1 (sum Y Y^H) L^-H.
+    ComplexMatrix powers = lower.solve(lines_.products[static_cast<size_t>(k)]);
+    powers = lower.solve(powers.adjoint().eval());
+    *cost += 2.0 * lines_.count[k] *
+                 factor.matrixLLT().diagonal().real().array().log().sum() +
+             powers.diagonal().real().sum();
+    if (sums == nullptr) continue;
+    double below = 0.0;
+    double above = 0.0;
+    const int knot = spectrum_->Weigh(lines_.frequency[k], &below, &above);
+    if (lines == nullptr || knot != last_knot) {
+      if (lines != nullptr) sums->push_back(lines->Finish());
+      lines = std::make_unique<LineSums>(*this, with_groups, knot);
+      last_knot = knot;
+    }
+    lines->Add(k, lower, powers);
+  }
+  if (lines != nullptr) sums->push_back(lines->Finish());
+  return std::isfinite(*cost);
+}
+
+void AmbientCost::AddInterval(const IntervalSums& interval, Sums* sums) const {
+  // Without a second knot its part is zero.
+  const Eigen::Index per_knot = spectrum_->per_knot();
+  const Eigen::Index active = interval.gradient.size();
+  std::vector<Eigen::Index> places;
+  for (int side = 0; side < 2; ++side) {
+    const Eigen::Index from =
+        (spectrum_->num_knots() > 1 ? interval.knot + side : 0) * per_knot;
+    for (Eigen::Index e = 0; e < per_knot; ++e) places.push_back(from + e);
+  }
+  for (Eigen::Index i = 2 * per_knot; i < active; ++i) {
+    places.push_back(spectrum_->num_unknowns() + i - 2 * per_knot);
+  }
+  for (Eigen::Index j = 0; j < active; ++j) {
+    const Eigen::Index to = places[static_cast<size_t>(j)];
+    sums->gradient[to] += interval.gradient[j];
+    for (Eigen::Index i = 0; i < active; ++i) {
+      const Eigen::Index row = places[static_cast<size_t>(i)];
+      sums->information(row, to) += interval.information(i, j);
+      if (interval.products.size() > 0) {
+        sums->products(row, to) += interval.products(i, j);
+      }
+    }
+  }
+}
+
+bool AmbientCost::Accumulate(bool with_groups, double* cost, Sums* sums) const {
+  std::vector<std::vector<IntervalSums>> parts(kPiecesOfBand);
+  std::vector<double> costs(kPiecesOfBand, 0.0);
+  std::vector<char> ok(kPiecesOfBand, 1);
+  const Eigen::Index lines = num_lines();
+  ParallelFor(kPiecesOfBand, num_threads_, [&](int piece, int) {
+    const size_t p = static_cast<size_t>(piece);
+    ok[p] = AccumulateLines(lines * piece / kPiecesOfBand,
+                            lines * (piece + 1) / kPiecesOfBand, with_groups,
+                            &costs[p], sums != nullptr ? &parts[p] : nullptr);
+  });
+  *cost = offset_;
+  if (sums != nullptr) {
+    const Eigen::Index size =
+        num_nuisance() +
+        (with_groups ? static_cast<Eigen::Index>(columns_.size()) : 0);
+    sums->gradient = Vector::Zero(size);
+    sums->information = Matrix::Zero(size, size);
+    sums->products =
+        Matrix::Zero(with_groups ? size : 0, with_groups ? size : 0);
+  }
+  for (size_t p = 0; p < kPiecesOfBand; ++p) {
+    if (!ok[p]) return false;
+    *cost += costs[p];
+    for (const IntervalSums& interval : parts[p]) AddInterval(interval, sums);
+  }
+  AddPrior(cost, sums);
+  return std::isfinite(*cost);
+}
+
+}  // namespace pinode
