@@ -214,7 +214,7 @@ void AmbientCost::SetLoads(const ModalProperties& modes, double highest) {
     // Modes far above the band take part in little but its stiffness.
     const Eigen::Index near =
         (modes.frequency_hz.array() < kNearBand * highest).count();
-    loads_ = near > 0 && near <= kMostModalLoads
+    loads_ = record_.correlated && near > 0 && near <= kMostModalLoads
                  ? Matrix(model.mass * modes.mode_shapes.leftCols(near))
                  : Matrix(sensors_.transpose());
   }

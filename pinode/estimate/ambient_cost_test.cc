@@ -18,10 +18,12 @@ using ::testing::HasSubstr;
 // simulated in steps of a fifth.
 AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
                             unsigned seed, double memory,
-                            const std::vector<int>& derivatives = {2}) {
+                            const std::vector<int>& derivatives = {2},
+                            bool base = false) {
   constexpr double kStep = 0.02;
   TestExcitation excitation;
   excitation.memory = memory;
+  excitation.base = base;
   const ResponseRecord fine = SimulateChain(
       chain, 0.2 * kStep, static_cast<Eigen::Index>(5.0 * seconds / kStep),
       seed, derivatives, excitation);
@@ -95,7 +97,8 @@ IdentificationProblem ProblemOfChain(const TestChain& chain, double spring,
 
 constexpr double kSpring = 900.0;
 
-// The chain whose modes have the damping of those two groups at 1.
+// The chain whose first and last mode have the damping of those two groups at
+// 1; those between have a little more.
 TestChain RayleighChain(int masses) { return TestChain(masses, kSpring); }
 
 TEST(AmbientCostTest, GradientIsThatOfTheCost) {
@@ -142,6 +145,30 @@ TEST(AmbientCostTest, FindsStoreysUnderColouredWind) {
     EXPECT_LT(k.sigma, 0.02);
   }
   EXPECT_GT(summary.ambient[0].explained.minCoeff(), 0.9);
+}
+
+// Absolute accelerations above a base whose motion nobody measured, in both
+// senses: what it does to the masses, and what sensors see of it. One motion
+// alone leaves so little open that two modes must have their damping exactly.
+TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
+  const TestChain chain = RayleighChain(2);
+  IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.1,
+                     RecordOfChain(chain, 600.0, 3, 0.9, {2}, /*base=*/true));
+  problem.ambient[0].base = Matrix::Ones(2, 1);
+  std::string error;
+  ASSERT_TRUE(problem.IsValid(&error)) << error;
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &summary, &model);
+  EXPECT_TRUE(summary.usable) << summary.message;
+  for (size_t i = 0; i < 2; ++i) {
+    const ParameterEstimate& k = summary.parameters[i];
+    EXPECT_NEAR(k.value, 0.0, 4.0 * k.sigma);
+    EXPECT_LT(k.sigma, 0.02);
+  }
 }
 
 TEST(AmbientCostTest, SaysWhatIsWrong) {

@@ -30,8 +30,9 @@ struct AmbientRecord {
 
   // Where forces act, num_dofs x areas, and what they are called. Empty, with
   // an empty base: on each mode in and near the band that the model has at
-  // first or, where these are more than 24, where the channels measure. Any
-  // load on the structure does to its modes what such forces do.
+  // first or, where these are more than 24 or loads are not correlated, where
+  // the channels measure. Any load on the structure does to its modes what such
+  // forces do.
   Matrix loads;
   std::vector<std::string> areas;
   // Where accelerations of the base act that nobody measured, num_dofs x

@@ -57,6 +57,10 @@ struct TestExcitation {
   double common = 0.7;
   // Noise of the sensors, of each channel's standard deviation.
   double sensor_noise = 0.02;
+  // Instead of forces the base moves, with the common noise as its
+  // acceleration; accelerations are absolute, displacements and velocities
+  // relative to it.
+  bool base = false;
 };
 
 // What sensors at all masses record, named "u1", "u2", ...: quantities
@@ -98,10 +102,13 @@ inline ResponseRecord SimulateChain(const TestChain& chain, double step,
   for (Eigen::Index k = -before; k < samples; ++k) {
     const double common = excitation.common * normal(random);
     for (Eigen::Index i = 2 * n; i < 3 * n; ++i) {
-      state[i] = excitation.memory * state[i] + common + normal(random);
+      state[i] = excitation.memory * state[i] + common +
+                 (excitation.base ? 0.0 : normal(random));
     }
     if (k >= 0) {
-      const Vector a = acceleration * state;
+      Vector a = acceleration * state;
+      // The force on unit masses is minus the base's acceleration.
+      if (excitation.base) a -= state.tail(n);
       for (Eigen::Index i = 0; i < n; ++i) {
         const int d = record.channels[static_cast<size_t>(i)].derivative;
         record.samples(i, k) = d == 2 ? a[i] : state[d * n + i];
