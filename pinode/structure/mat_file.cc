@@ -1,106 +1,24 @@
 #include "pinode/structure/mat_file.h"
 
-#include <hdf5.h>
 #include <matio.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <memory>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "pinode/base/file.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/matlab_file.h"
 #include "pinode/base/strings.h"
-#include "pinode/structure/mat5_structure.h"
 #include "pinode/structure/matrix_text.h"
 
 namespace pinode {
 namespace {
 
-// Version 2.0 (7.3 to its users) and the byte order behind MATLAB's header.
-constexpr std::string_view kMat73("\x00\x02IM", 4);
-// What zlib can make of a byte at best, rounded up.
-constexpr size_t kLargestExpansion = 1100;
-
-struct FileCloser {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-// HDF5 writes what goes wrong to standard error unless it is told not to.
-class QuietHdf5 {
- public:
-  QuietHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  QuietHdf5(const QuietHdf5&) = delete;
-  QuietHdf5& operator=(const QuietHdf5&) = delete;
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
-struct VariableFreer {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-
 bool IsDofVariable(const std::string& name) {
   const std::string lower = LowerCase(name);
   return lower == "dofs" || lower == "dof_names" || lower == "dof_map";
-}
-
-// Number `index` of `data`; NaN for what is no real type.
-double NumberAt(const void* data, matio_types type, size_t index) {
-  switch (type) {
-    case MAT_T_DOUBLE:
-      return static_cast<const double*>(data)[index];
-    case MAT_T_SINGLE:
-      return static_cast<const float*>(data)[index];
-    case MAT_T_INT8:
-      return static_cast<const int8_t*>(data)[index];
-    case MAT_T_UINT8:
-      return static_cast<const uint8_t*>(data)[index];
-    case MAT_T_INT16:
-      return static_cast<const int16_t*>(data)[index];
-    case MAT_T_UINT16:
-      return static_cast<const uint16_t*>(data)[index];
-    case MAT_T_INT32:
-      return static_cast<const int32_t*>(data)[index];
-    case MAT_T_UINT32:
-      return static_cast<const uint32_t*>(data)[index];
-    case MAT_T_INT64:
-      return static_cast<double>(static_cast<const int64_t*>(data)[index]);
-    case MAT_T_UINT64:
-      return static_cast<double>(static_cast<const uint64_t*>(data)[index]);
-    default:
-      return std::nan("");
-  }
-}
-
-size_t TypeSize(matio_types type) {
-  switch (type) {
-    case MAT_T_DOUBLE:
-    case MAT_T_INT64:
-    case MAT_T_UINT64:
-      return 8;
-    case MAT_T_SINGLE:
-    case MAT_T_INT32:
-    case MAT_T_UINT32:
-      return 4;
-    case MAT_T_INT16:
-    case MAT_T_UINT16:
-    case MAT_T_UTF16:
-      return 2;
-    case MAT_T_INT8:
-    case MAT_T_UINT8:
-    case MAT_T_UTF8:
-      return 1;
-    default:
-      return 0;
-  }
 }
 
 bool IsFull(const matvar_t& variable) {
@@ -131,7 +49,7 @@ bool FullEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
                  std::string* what) {
   const size_t rows = variable.dims[0];
   const size_t columns = variable.dims[1];
-  const size_t size = TypeSize(variable.data_type);
+  const size_t size = MatlabTypeSize(variable.data_type);
   if (variable.data == nullptr || size == 0 ||
       variable.nbytes < rows * columns * size) {
     *what = "has fewer data than its size needs: is the file whole?";
@@ -140,7 +58,7 @@ bool FullEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
   for (size_t j = 0; j < columns; ++j) {
     for (size_t i = 0; i < rows; ++i) {
       const double value =
-          NumberAt(variable.data, variable.data_type, j * rows + i);
+          MatlabNumberAt(variable.data, variable.data_type, j * rows + i);
       if (value != 0.0 && !AddEntry(i, j, value, entries, what)) return false;
     }
   }
@@ -153,7 +71,7 @@ bool SparseEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
   const size_t rows = variable.dims[0];
   const size_t columns = variable.dims[1];
   if (sparse == nullptr || sparse->jc == nullptr ||
-      sparse->njc != columns + 1 || TypeSize(variable.data_type) == 0) {
+      sparse->njc != columns + 1 || MatlabTypeSize(variable.data_type) == 0) {
     *what = "has no column pointers that fit its size: is the file whole?";
     return false;
   }
@@ -173,7 +91,7 @@ bool SparseEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
                 ", and at most " + std::to_string(rows) + " was expected";
         return false;
       }
-      if (!AddEntry(row, j, NumberAt(sparse->data, variable.data_type, k),
+      if (!AddEntry(row, j, MatlabNumberAt(sparse->data, variable.data_type, k),
                     entries, what)) {
         return false;
       }
@@ -205,7 +123,7 @@ bool BuildMatrix(const matvar_t& variable, SparseMatrix* matrix,
 bool CharacterRow(const matvar_t& variable, size_t row, std::string* text) {
   const size_t rows = variable.dims[0];
   const size_t columns = variable.dims[1];
-  const size_t size = TypeSize(variable.data_type);
+  const size_t size = MatlabTypeSize(variable.data_type);
   if (variable.data == nullptr || (size != 1 && size != 2) ||
       variable.nbytes < rows * columns * size) {
     return false;
@@ -256,12 +174,12 @@ bool BuildNames(const matvar_t& variable, std::vector<std::string>* names,
     return true;
   }
   if (IsFull(variable) && columns == 2 && variable.data != nullptr &&
-      variable.nbytes >= 2 * rows * TypeSize(variable.data_type)) {
+      variable.nbytes >= 2 * rows * MatlabTypeSize(variable.data_type)) {
     for (size_t i = 0; i < rows; ++i) {
       std::string name;
       for (const size_t index : {i, rows + i}) {
         const double number =
-            NumberAt(variable.data, variable.data_type, index);
+            MatlabNumberAt(variable.data, variable.data_type, index);
         if (!(number >= 0.0 && number <= 1e15 &&
               number == std::trunc(number))) {
           *what = "has no integer in row " + std::to_string(i + 1) +
@@ -298,7 +216,7 @@ bool CheckSize(const matvar_t& variable, size_t file_size, std::string* what) {
             (sparse ? "" : "; save larger ones sparse");
     return false;
   }
-  if (!sparse && rows * columns > kLargestExpansion * file_size) {
+  if (!sparse && rows * columns > kLargestMatlabExpansion * file_size) {
     *what = "is " + std::to_string(rows) + " x " + std::to_string(columns) +
             ", more than the file can hold: is it whole?";
     return false;
@@ -312,32 +230,11 @@ bool ReadMatFile(const std::string& path, MatrixContainer* container,
                  std::string* error) {
   CHECK(container != nullptr);
   CHECK(error != nullptr);
-  std::string content;
-  if (!ReadBinaryFile(path, &content, error)) return false;
-  const size_t file_size = content.size();
+  MatlabFile file;
+  if (!file.Open(path, error)) return false;
   std::string what;
-  const bool is_mat73 =
-      content.size() >= 128 && content.substr(124, 4) == kMat73;
-  if (!is_mat73 && !IsWholeMat5(content, &what)) {
-    *error = path + ": " + what +
-             ", and a whole MATLAB file of version 5 or 7.3 was expected";
-    return false;
-  }
-  content = std::string();
-  const QuietHdf5 quiet;
-  const std::unique_ptr<mat_t, FileCloser> file(
-      Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-  if (file == nullptr) {
-    *error = path +
-             ": cannot be opened, and a whole MATLAB file of version 5 or 7.3 "
-             "was expected";
-    return false;
-  }
   MatrixContainer result;
-  for (;;) {
-    const std::unique_ptr<matvar_t, VariableFreer> variable(
-        Mat_VarReadNextInfo(file.get()));
-    if (variable == nullptr) break;
+  while (const MatlabVariable variable = file.Next()) {
     const std::string name = variable->name == nullptr ? "" : variable->name;
     const bool is_names = IsDofVariable(name);
     const bool is_matrix =
@@ -348,13 +245,13 @@ bool ReadMatFile(const std::string& path, MatrixContainer* container,
     }
     NamedMatrix matrix;
     matrix.name = name;
-    bool good = CheckSize(*variable, file_size, &what);
+    bool good = CheckSize(*variable, file.size(), &what);
     if (good && is_matrix && variable->isComplex) {
       matrix.fault = "it is complex";
       result.matrices.push_back(std::move(matrix));
       continue;
     }
-    if (good && Mat_VarReadDataAll(file.get(), variable.get()) != 0) {
+    if (good && !file.ReadData(variable.get())) {
       what = "cannot be read: is the file whole?";
       good = false;
     }

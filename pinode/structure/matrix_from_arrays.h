@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/numpy_array.h"
 #include "pinode/base/types.h"
 #include "pinode/structure/matrix_container.h"
-#include "pinode/structure/numpy_array.h"
 
 namespace pinode {
 

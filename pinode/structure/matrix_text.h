@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pinode/base/file_text.h"
 #include "pinode/structure/finite_element_model.h"
 
 namespace pinode {
@@ -40,12 +41,6 @@ class LineReader {
   int number_ = 0;
 };
 
-std::string LowerCase(std::string_view text);
-
-// For messages: what the file says, in quotes, without control characters and
-// not too long.
-std::string Quote(std::string_view text);
-
 // "(row, column)" counted from 1, as files do; arguments count from 0.
 std::string EntryText(Eigen::Index row, Eigen::Index column);
 
@@ -54,9 +49,6 @@ std::string SizeText(Eigen::Index rows, Eigen::Index columns);
 
 // The words of a line; runs of blanks separate them.
 std::vector<std::string_view> SplitBlanks(std::string_view line);
-
-// The fields of a line, as they are between separators: possibly empty.
-std::vector<std::string_view> Split(std::string_view line, char separator);
 
 // Parses one matrix entry; false with *error set if it is no finite number.
 bool ParseEntry(const LineReader& lines, std::string_view text,

@@ -2,8 +2,8 @@
 // their announced length and hands out what its buffers held before, so its
 // numbers are only read from files that pass this.
 
-#ifndef PINODE_STRUCTURE_MAT5_STRUCTURE_H_
-#define PINODE_STRUCTURE_MAT5_STRUCTURE_H_
+#ifndef PINODE_BASE_MAT5_STRUCTURE_H_
+#define PINODE_BASE_MAT5_STRUCTURE_H_
 
 #include <string>
 
@@ -20,4 +20,4 @@ bool IsMat5(const std::string& content);
 
 }  // namespace pinode
 
-#endif  // PINODE_STRUCTURE_MAT5_STRUCTURE_H_
+#endif  // PINODE_BASE_MAT5_STRUCTURE_H_

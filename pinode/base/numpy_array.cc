@@ -1,11 +1,11 @@
-#include "pinode/structure/numpy_array.h"
+#include "pinode/base/numpy_array.h"
 
 #include <algorithm>
 #include <cstring>
 #include <string_view>
 
+#include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
-#include "pinode/structure/matrix_text.h"
 
 namespace pinode {
 namespace {

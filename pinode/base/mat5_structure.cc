@@ -1,4 +1,4 @@
-#include "pinode/structure/mat5_structure.h"
+#include "pinode/base/mat5_structure.h"
 
 #include <cstdint>
 #include <cstring>

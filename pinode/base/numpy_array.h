@@ -1,7 +1,7 @@
 // NumPy's own array format (numpy.lib.format, NEP 1), one array a file.
 
-#ifndef PINODE_STRUCTURE_NUMPY_ARRAY_H_
-#define PINODE_STRUCTURE_NUMPY_ARRAY_H_
+#ifndef PINODE_BASE_NUMPY_ARRAY_H_
+#define PINODE_BASE_NUMPY_ARRAY_H_
 
 #include <cstdint>
 #include <string>
@@ -46,4 +46,4 @@ NumpyArrayKind ParseNumpyArray(const std::string& bytes, NumpyArray* array,
 
 }  // namespace pinode
 
-#endif  // PINODE_STRUCTURE_NUMPY_ARRAY_H_
+#endif  // PINODE_BASE_NUMPY_ARRAY_H_
