@@ -14,12 +14,11 @@
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/unknown_force_section.h"
+#include "pinode/record/array_table.h"
 #include "pinode/record/at2.h"
 #include "pinode/record/prepare.h"
 #include "pinode/record/resample.h"
-#include "pinode/record/table.h"
 #include "pinode/record/time_column.h"
-#include "pinode/record/universal_file.h"
 
 namespace pinode {
 namespace {

@@ -758,10 +758,4 @@ bool ReadUniversalTable(const std::string& path,
   return true;
 }
 
-bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
-               Table* table, std::string* error) {
-  return IsUniversalFile(path) ? ReadUniversalTable(path, wanted, table, error)
-                               : ReadCsvTable(path, wanted, table, error);
-}
-
 }  // namespace pinode

@@ -96,11 +96,6 @@ bool IsUniversalFile(const std::string& path);
                                       const std::vector<std::string>& wanted,
                                       Table* table, std::string* error);
 
-// Of what a file's extension says: universal files, else CSV.
-[[nodiscard]] bool ReadTable(const std::string& path,
-                             const std::vector<std::string>& wanted,
-                             Table* table, std::string* error);
-
 }  // namespace pinode
 
 #endif  // PINODE_RECORD_UNIVERSAL_FILE_H_

@@ -84,14 +84,14 @@ TEST(UniversalFileTest, HistoriesAreATable) {
       folder.Write("x.UFF", FormatUniversalFile(Example()));
   Table table;
   std::string error;
-  ASSERT_TRUE(ReadTable(path, {"t", "3:-z"}, &table, &error)) << error;
+  ASSERT_TRUE(ReadUniversalTable(path, {"t", "3:-z"}, &table, &error)) << error;
   EXPECT_THAT(table.columns, ElementsAre("t", "3:-z"));
   ASSERT_EQ(table.num_rows(), 7);
   EXPECT_NEAR(table.values(3, 0), 0.03, 1e-12);
   EXPECT_NEAR(table.values(3, 1), std::sin(4.0) / 3.0, 1e-12);
-  ASSERT_TRUE(ReadTable(path, {}, &table, &error)) << error;
+  ASSERT_TRUE(ReadUniversalTable(path, {}, &table, &error)) << error;
   EXPECT_THAT(table.columns, ElementsAre("t", "3:y", "3:-z"));
-  EXPECT_FALSE(ReadTable(path, {"3:x"}, &table, &error));
+  EXPECT_FALSE(ReadUniversalTable(path, {"3:x"}, &table, &error));
   EXPECT_THAT(error, HasSubstr("'3:x'"));
 }
 
