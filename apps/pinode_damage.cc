@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/console_watch.h"
 #include "apps/fit_flags.h"
-#include "apps/fitting.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/file.h"
@@ -26,8 +26,9 @@
 #include "pinode/case/baseline_folder.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
+#include "pinode/case/damage_case.h"
 #include "pinode/case/damage_files.h"
-#include "pinode/case/grown_case.h"
+#include "pinode/case/fit_case.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
@@ -43,13 +44,6 @@ DEFINE_double(false_alarm_rate, 0.05,
 
 namespace pinode {
 namespace {
-
-// What changed, where the fit of the new state says so.
-struct JudgedChange {
-  bool judged = false;
-  bool interrupted = false;
-  DamageResult result;
-};
 
 bool ReadChangeFlags(ChangeOptions* options, std::string* error) {
   if (FLAGS_baseline.empty()) {
@@ -87,64 +81,6 @@ bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
     if (!ReadBaseline(folder, c, &baselines->back(), error)) return false;
   }
   return true;
-}
-
-// A healthy structure and its new state are the same model: candidates that no
-// baseline has are left out, the others stay, and nothing is chosen.
-bool TakeOverChoice(const std::vector<Baseline>& baselines, Case* c,
-                    std::string* error) {
-  if (c->candidates.empty()) return true;
-  std::vector<std::string> left_out;
-  for (const ModelCandidate& candidate : c->candidates) {
-    const bool known = std::any_of(
-        baselines.begin(), baselines.end(), [&](const Baseline& baseline) {
-          return std::count(baseline.parameter_names.begin(),
-                            baseline.parameter_names.end(),
-                            candidate.parameters[0]) > 0;
-        });
-    if (!known) left_out.push_back(candidate.name);
-  }
-  if (!LeaveOutOfCase(left_out, c, error)) return false;
-  c->problem.description.remarks.push_back(
-      "Model choice as in the baseline; left out: " +
-      (left_out.empty() ? std::string("none") : Join(left_out, ", ")) + ".");
-  return true;
-}
-
-// Compares the fit of the new state with the baselines. *c then has the
-// candidates that were let in. A fit that is not usable says nothing.
-JudgedChange JudgeChange(const IdentificationSummary& summary,
-                         const IdentifiedModel& model,
-                         const std::vector<Baseline>& baselines,
-                         const ChangeOptions& change, Case* c) {
-  JudgedChange judgement;
-  judgement.interrupted = summary.termination == Termination::kInterrupted;
-  if (!summary.usable || summary.covariance.size() == 0) return judgement;
-  DamageAnalysisOptions options;
-  options.change = change;
-  options.search = c->damage;
-  options.identification = c->options;
-  const FitFunction fit = FitWithProgress(FLAGS_progress);
-  options.fit =
-      [&](const std::string& what, const IdentificationProblem& problem,
-          const IdentificationOptions& fit_options, const IdentifiedModel* from,
-          IdentificationSummary* outcome, IdentifiedModel* found) {
-        fit(what, problem, fit_options, from, outcome, found);
-        if (outcome->termination == Termination::kInterrupted) {
-          judgement.interrupted = true;
-        }
-      };
-  std::string error;
-  DamageResult& result = judgement.result;
-  judgement.judged =
-      AnalyseDamage(c->problem, summary, model, baselines, options, &result,
-                    &error) &&
-      CaseWithCandidates(*c, result.added, result.problem, c, &error);
-  if (!judgement.judged) {
-    std::fprintf(stderr, "nothing can be said about changes: %s\n",
-                 error.c_str());
-  }
-  return judgement;
 }
 
 // The judgement, if there is one, and the report.
@@ -188,34 +124,35 @@ int main(int argc, char** argv) {
   ChangeOptions change;
   Case c;
   std::vector<Baseline> baselines;
+  IdentifiedModel begin_from;
   CatchInterrupts();
   Ranks ranks;
   if (!ranks.Agree(ReadChangeFlags(&change, &error) && ReadCase(&c, &error) &&
                        ReadBaselines(c, &baselines, &error) &&
-                       TakeOverChoice(baselines, &c, &error),
+                       PrepareForBaselines(baselines, &c, &begin_from, &error),
                    c, &error)) {
     return Refuse(error);
   }
   ranks.ShareWork(&c.options);
-  IdentifiedModel begin_from = BeginFromBaseline(baselines[0], c.problem);
-  if (RenewsBasis(c) && !RenewCase(c, begin_from, &c, &begin_from, &error)) {
-    return Refuse(error);
-  }
 
   // 2. The new state.
+  const FitWatch watch = ConsoleWatch(FLAGS_progress);
   ResultFolder folder;
   IdentificationSummary summary;
   IdentifiedModel model;
   if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
                   &error) ||
-      !FitCase(folder, &begin_from, FLAGS_progress, &c, &summary, &model,
-               &error)) {
+      !FitCase(folder, &begin_from, watch, &c, &summary, &model, &error)) {
     return Refuse(error);
   }
 
   // 3. What changed.
   const JudgedChange judgement =
-      JudgeChange(summary, model, baselines, change, &c);
+      JudgeChange(summary, model, baselines, change, watch, &c);
+  if (!judgement.why_not.empty()) {
+    std::fprintf(stderr, "nothing can be said about changes: %s\n",
+                 judgement.why_not.c_str());
+  }
   const DamageResult& result = judgement.result;
   if (judgement.judged) {
     summary = result.summary;

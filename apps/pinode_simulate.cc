@@ -9,22 +9,19 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "apps/program.h"
 #include "apps/ranks.h"
-#include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/csv_file.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
-#include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/parameter_layout.h"
-#include "pinode/estimate/score.h"
+#include "pinode/study/simulation.h"
 
 DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
 DEFINE_string(output_dir, "",
@@ -37,31 +34,6 @@ DEFINE_int64(seed, -1, "seed of the noise; negative: as the case says");
 
 namespace pinode {
 namespace {
-
-// Standard normal numbers that are the same with every standard library.
-class Gaussian {
- public:
-  explicit Gaussian(uint64_t seed) : random_(seed) {}
-  double operator()() {
-    // Box-Muller; the second number is not kept.
-    // Two statements: compilers may evaluate factors in either order.
-    const double radius = std::sqrt(-2.0 * std::log(Uniform()));
-    return radius * std::cos(kTwoPi * Uniform());
-  }
-
- private:
-  double Uniform() {
-    return (static_cast<double>(random_() >> 11) + 0.5) * 0x1.0p-53;
-  }
-  std::mt19937_64 random_;
-};
-
-// The first sample at which a channel (row) is not finite, else the last one.
-Eigen::Index FirstNotFinite(const Matrix& channels) {
-  Eigen::Index i = 0;
-  while (i + 1 < channels.cols() && channels.col(i).allFinite()) ++i;
-  return i;
-}
 
 bool CheckFlags(std::string* error) {
   if (FLAGS_case.empty()) {
@@ -76,33 +48,12 @@ bool CheckFlags(std::string* error) {
   return false;
 }
 
-// From where the response to record r is: rest, unless the case knows better.
-Vector StartOf(const IdentificationProblem& problem, size_t r,
-               const Vector& parameters) {
-  const IdentificationRecord& record = problem.records[r];
-  if (record.start == IdentificationRecord::Start::kKnown) {
-    return record.known_start;
-  }
-  if (record.excitation->periodic()) {
-    Vector start;
-    if (FindSteadyState(problem, static_cast<int>(r), parameters, &start)) {
-      return start;
-    }
-    std::printf("record %s: no steady state was found, simulated from rest\n",
-                record.name.c_str());
-  } else if (record.start == IdentificationRecord::Start::kFree) {
-    std::printf("record %s: its start is unknown, simulated from rest\n",
-                record.name.c_str());
-  }
-  return Vector::Zero(problem.dynamics->num_states());
-}
-
-// What the sensors of `record` show of a response: times and one column a
-// channel, each with noise of `percent` of its standard deviation.
+// What the sensors of `record` show: times and one column a channel, each with
+// noise of `percent` of its standard deviation.
 std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
                                      const IdentificationRecord& record,
-                                     const Matrix& response, double percent,
-                                     Gaussian* gaussian) {
+                                     const Matrix& sensors, double percent,
+                                     SensorNoise* noise) {
   std::vector<CsvColumn> columns;
   columns.push_back({"t", FileTimes(record)});
   std::printf("record %s: %d samples\n", record.name.c_str(),
@@ -111,12 +62,9 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
     const MeasuredChannel& channel = record.channels[i];
     const std::string& name = channel.observation.name;
     const std::string unit = problem.UnitOf(channel);
-    Vector values = response.row(static_cast<int>(i)).transpose() /
-                    channel.description.factor;
+    Vector values = sensors.row(static_cast<int>(i)).transpose();
     const double spread = StandardDeviationOfPresent(values);
-    for (double& value : values) {
-      value += 0.01 * percent * spread * (*gaussian)();
-    }
+    noise->AddTo(percent, &values);
     std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
                 name.c_str(), spread, unit.c_str(),
                 values.cwiseAbs().maxCoeff(), unit.c_str());
@@ -127,26 +75,27 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
 
 // Simulates record r and writes response_<record>.csv. *finite: whether the
 // response is.
-bool SimulateRecord(const IdentificationProblem& problem, size_t r,
-                    const Vector& parameters, double percent,
-                    Gaussian* gaussian, const std::string& folder, bool* finite,
-                    std::string* error) {
+bool WriteResponse(const IdentificationProblem& problem, size_t r,
+                   const Vector& parameters, double percent, SensorNoise* noise,
+                   const std::string& folder, bool* finite,
+                   std::string* error) {
   const IdentificationRecord& record = problem.records[r];
-  RecordScore score;
-  ScoreRecord(problem, static_cast<int>(r), parameters,
-              StartOf(problem, r, parameters), 0, &score);
-  *finite = score.finite;
-  if (!score.finite) {
-    std::fprintf(stderr,
-                 "record %s: the response is not finite from t = %g %s on\n",
-                 record.name.c_str(),
-                 FileTimes(record)[FirstNotFinite(score.prediction)],
-                 record.description.time_unit.c_str());
+  const SimulatedResponse response =
+      SimulateRecord(problem, static_cast<int>(r), parameters);
+  *finite = response.finite;
+  if (!response.remark.empty()) {
+    std::printf("record %s: %s\n", record.name.c_str(),
+                response.remark.c_str());
+  }
+  if (!response.finite) {
+    std::fprintf(
+        stderr, "record %s: the response is not finite from t = %g %s on\n",
+        record.name.c_str(), FileTimes(record)[response.first_not_finite],
+        record.description.time_unit.c_str());
   }
   return WriteCsv(
       folder + "/response_" + record.name + ".csv",
-      SensorColumns(problem, record, score.prediction, percent, gaussian),
-      error);
+      SensorColumns(problem, record, response.sensors, percent, noise), error);
 }
 
 }  // namespace
@@ -184,13 +133,13 @@ int main(int argc, char** argv) {
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
   }
-  Gaussian gaussian(summary.seed);
+  SensorNoise noise(summary.seed);
   const Vector parameters = ParameterLayout(c.problem).InitialValues();
   bool all_finite = true;
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
     bool finite = false;
-    if (!SimulateRecord(c.problem, r, parameters, summary.noise_percent,
-                        &gaussian, folder.working_path(), &finite, &error)) {
+    if (!WriteResponse(c.problem, r, parameters, summary.noise_percent, &noise,
+                       folder.working_path(), &finite, &error)) {
       return Refuse(error);
     }
     const IdentificationRecord& record = c.problem.records[r];

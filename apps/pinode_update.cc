@@ -14,13 +14,14 @@
 #include <cstdio>
 #include <string>
 
+#include "apps/console_watch.h"
 #include "apps/fit_flags.h"
-#include "apps/fitting.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
+#include "pinode/case/fit_case.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
@@ -59,13 +60,14 @@ int main(int argc, char** argv) {
   // 3. The fit, with a checkpoint after every iteration.
   IdentificationSummary summary;
   IdentifiedModel model;
-  if (!FitCase(folder, nullptr, FLAGS_progress, &c, &summary, &model, &error)) {
+  const FitWatch watch = ConsoleWatch(FLAGS_progress);
+  if (!FitCase(folder, nullptr, watch, &c, &summary, &model, &error)) {
     return Refuse(error);
   }
 
   const bool profiles = FLAGS_profiles || c.profiles.has_value();
   if (profiles && !ranks.Interrupted()) {
-    ProfileCase(folder, FLAGS_progress, &c, model, &summary);
+    ProfileCase(folder, watch, &c, model, &summary);
   }
   const bool cut_off = summary.termination == Termination::kInterrupted ||
                        (profiles && ranks.Interrupted());

@@ -1,22 +1,35 @@
-#include "apps/fitting.h"
+#include "pinode/case/fit_case.h"
 
 #include <chrono>
-#include <cstdio>
+#include <optional>
 #include <utility>
 
-#include "apps/program.h"
-#include "apps/progress_line.h"
 #include "pinode/case/checkpoint_file.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/profile.h"
 #include "pinode/estimate/progress.h"
-#include "pinode/study/growth.h"
 #include "pinode/study/step_check.h"
 #include "pinode/study/term_choice.h"
 
 namespace pinode {
 namespace {
+
+// Says once that checkpoints cannot be written.
+class CheckpointTrouble {
+ public:
+  explicit CheckpointTrouble(const FitWatch& watch) : watch_(watch) {}
+  void Tell(const std::string& what) {
+    if (!told_ && watch_.on_trouble) {
+      watch_.on_trouble("no checkpoint: " + what);
+    }
+    told_ = true;
+  }
+
+ private:
+  const FitWatch& watch_;
+  bool told_ = false;
+};
 
 // Whether a choice can begin with such a fit: candidates that are nearly the
 // same may keep it from converging.
@@ -48,7 +61,7 @@ bool GoOn(Checkpoint* checkpoint, Case* c, Case* all, std::string* error) {
 
 // After a fit of *c, which is `all` without what summary->choice has left out.
 void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
-                       bool show_progress, Case* c,
+                       const FitWatch& watch, Case* c,
                        IdentificationSummary* summary, IdentifiedModel* model) {
   if (summary->choice.complete) {
     summary->remarks.push_back(summary->choice.Sentence());
@@ -58,16 +71,14 @@ void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
   std::string error = "the fit with all candidates: " + summary->message;
   TermChoiceOptions options;
   options.identification = c->options;
-  options.fit = FitWithProgress(show_progress);
-  bool warned = false;
+  options.fit = WatchedFit(watch);
+  CheckpointTrouble trouble(watch);
   options.on_choice = [&](const Checkpoint& checkpoint) {
     if (!folder.writes()) return;
     std::string what;
     if (!WriteCheckpoint(folder.checkpoint_path(), ProblemIdentity(all.problem),
-                         checkpoint, &what) &&
-        !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
-      warned = true;
+                         checkpoint, &what)) {
+      trouble.Tell(what);
     }
   };
   TermFit fit{c->problem, *summary, *model};
@@ -83,7 +94,7 @@ void ChooseTermsOfCase(const Case& all, const ResultFolder& folder,
 
 // Finer steps where they would move what was found, and a fit that goes on with
 // them; says what is left. A fit that is not usable has its reason already.
-void SettleSteps(bool show_progress, Case* c, IdentificationSummary* summary,
+void SettleSteps(const FitWatch& watch, Case* c, IdentificationSummary* summary,
                  IdentifiedModel* model) {
   constexpr int kMostRounds = 2;
   constexpr double kTooFar = 2.0;  // deviations
@@ -102,8 +113,8 @@ void SettleSteps(bool show_progress, Case* c, IdentificationSummary* summary,
     const double linear_error = summary->linear_error;
     const double seconds = summary->seconds;
     const IdentifiedModel begin = *model;
-    FitWithProgress(show_progress)("finer steps", c->problem, options, &begin,
-                                   summary, model);
+    WatchedFit(watch)("finer steps", c->problem, options, &begin, summary,
+                      model);
     summary->way = way;
     summary->linear_error = linear_error;
     summary->seconds += seconds;
@@ -120,8 +131,25 @@ void SettleSteps(bool show_progress, Case* c, IdentificationSummary* summary,
 
 }  // namespace
 
+FitFunction WatchedFit(const FitWatch& watch) {
+  return [watch](const std::string& what, const IdentificationProblem& problem,
+                 const IdentificationOptions& options,
+                 const IdentifiedModel* begin, IdentificationSummary* summary,
+                 IdentifiedModel* model) {
+    IdentificationOptions watched = options;
+    if (watch.on_iteration) {
+      watched.callback = [&](const IdentificationProgress& progress) {
+        const bool go_on = !options.callback || options.callback(progress);
+        return watch.on_iteration(what, progress) && go_on;
+      };
+    }
+    Identify(problem, watched, begin, summary, model);
+    if (watch.on_end) watch.on_end();
+  };
+}
+
 bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
-             bool show_progress, Case* c, IdentificationSummary* summary,
+             const FitWatch& watch, Case* c, IdentificationSummary* summary,
              IdentifiedModel* model, std::string* error) {
   Checkpoint checkpoint;
   // Records are most of it.
@@ -139,25 +167,21 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
     begin_from = &checkpoint.model;
   }
   const ModelChoice& begun = checkpoint.choice;
-  ProgressLine line(show_progress);
-  CheckpointWriter writer(ProblemIdentity(c->problem),
-                          folder.checkpoint_path());
-  writer.set_choice(begun);
-  writer.set_profiles(checkpoint.profiles);
-  bool warned = false;
   IdentificationOptions options = c->options;
   if (!begun.empty()) BeginNearTheEnd(&options);
-  options.callback = [&](const IdentificationProgress& progress) {
-    std::string what;
-    if (folder.writes() && !writer.Update(progress, &what) && !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
-      warned = true;
-    }
-    line.Show("", progress);
-    return !Interrupted();
-  };
-  Identify(c->problem, options, begin_from, summary, model);
-  line.End();
+  CheckpointTrouble trouble(watch);
+  std::optional<CheckpointWriter> writer;
+  if (folder.writes()) {
+    writer.emplace(ProblemIdentity(c->problem), folder.checkpoint_path());
+    writer->set_choice(begun);
+    writer->set_profiles(checkpoint.profiles);
+    options.callback = [&](const IdentificationProgress& progress) {
+      std::string what;
+      if (!writer->Update(progress, &what)) trouble.Tell(what);
+      return true;
+    };
+  }
+  WatchedFit(watch)("", c->problem, options, begin_from, summary, model);
   summary->choice = begun;
   if (summary->termination == Termination::kInterrupted &&
       !checkpoint.profiles.empty()) {
@@ -167,21 +191,21 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
         "interrupted before its own.");
   }
   if (!all.candidates.empty()) {
-    ChooseTermsOfCase(all, folder, show_progress, c, summary, model);
+    ChooseTermsOfCase(all, folder, watch, c, summary, model);
   }
   if (RenewsBasis(*c) && summary->usable) {
     const ModelChoice choice = summary->choice;
-    RenewCaseUntilSettled(FitWithProgress(show_progress), c, summary, model);
+    RenewCaseUntilSettled(WatchedFit(watch), c, summary, model);
     if (summary->choice.empty() && !choice.empty()) {
       summary->choice = choice;
       summary->remarks.push_back(choice.Sentence());
     }
   }
-  SettleSteps(show_progress, c, summary, model);
+  SettleSteps(watch, c, summary, model);
   return true;
 }
 
-void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
+void ProfileCase(const ResultFolder& folder, const FitWatch& watch, Case* c,
                  const IdentifiedModel& model, IdentificationSummary* summary) {
   const auto begin = std::chrono::steady_clock::now();
   std::string error = "the fit did not converge";
@@ -197,45 +221,25 @@ void ProfileCase(const ResultFolder& folder, bool show_progress, Case* c,
   checkpoint.cost = summary->final_cost;
   checkpoint.model = model;
   checkpoint.choice = summary->choice;
-  bool warned = false;
+  CheckpointTrouble trouble(watch);
   options.callback = [&](const std::vector<ParameterProfile>& done, int of) {
-    if (show_progress) {
-      std::fprintf(stderr, "profiles: %zu of %d\n", done.size(), of);
-    }
+    if (watch.on_profile) watch.on_profile(done, of);
     checkpoint.profiles = done;
     if (!folder.writes()) return true;
     std::string what;
     if (!WriteCheckpoint(folder.checkpoint_path(), ProblemIdentity(c->problem),
-                         checkpoint, &what) &&
-        !warned) {
-      std::fprintf(stderr, "no checkpoint: %s\n", what.c_str());
-      warned = true;
+                         checkpoint, &what)) {
+      trouble.Tell(what);
     }
     return true;
   };
-  options.stop = Interrupted;
+  options.stop = watch.stop;
   if (summary->termination != Termination::kConverged ||
       !ProfileParameters(c->problem, *summary, model, c->options, options,
                          &summary->profiles, &error)) {
     c->problem.description.remarks.push_back("No profiles: " + error + ".");
   }
   summary->profile_seconds = SecondsSince(begin);
-}
-
-FitFunction FitWithProgress(bool show_progress) {
-  return [show_progress](
-             const std::string& what, const IdentificationProblem& problem,
-             const IdentificationOptions& options, const IdentifiedModel* begin,
-             IdentificationSummary* summary, IdentifiedModel* model) {
-    ProgressLine line(show_progress);
-    IdentificationOptions with_progress = options;
-    with_progress.callback = [&](const IdentificationProgress& progress) {
-      line.Show(what + "  ", progress);
-      return !Interrupted();
-    };
-    Identify(problem, with_progress, begin, summary, model);
-    line.End();
-  };
 }
 
 }  // namespace pinode

@@ -1,0 +1,74 @@
+#include "pinode/case/damage_case.h"
+
+#include <algorithm>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/grown_case.h"
+
+namespace pinode {
+namespace {
+
+bool TakeOverChoice(const std::vector<Baseline>& baselines, Case* c,
+                    std::string* error) {
+  if (c->candidates.empty()) return true;
+  std::vector<std::string> left_out;
+  for (const ModelCandidate& candidate : c->candidates) {
+    const bool known = std::any_of(
+        baselines.begin(), baselines.end(), [&](const Baseline& baseline) {
+          return std::count(baseline.parameter_names.begin(),
+                            baseline.parameter_names.end(),
+                            candidate.parameters[0]) > 0;
+        });
+    if (!known) left_out.push_back(candidate.name);
+  }
+  if (!LeaveOutOfCase(left_out, c, error)) return false;
+  c->problem.description.remarks.push_back(
+      "Model choice as in the baseline; left out: " +
+      (left_out.empty() ? std::string("none") : Join(left_out, ", ")) + ".");
+  return true;
+}
+
+}  // namespace
+
+bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
+                         IdentifiedModel* begin_from, std::string* error) {
+  if (baselines.empty()) {
+    *error = "there is no baseline, expected a result of healthy records";
+    return false;
+  }
+  if (!TakeOverChoice(baselines, c, error)) return false;
+  *begin_from = BeginFromBaseline(baselines[0], c->problem);
+  return !RenewsBasis(*c) || RenewCase(*c, *begin_from, c, begin_from, error);
+}
+
+JudgedChange JudgeChange(const IdentificationSummary& summary,
+                         const IdentifiedModel& model,
+                         const std::vector<Baseline>& baselines,
+                         const ChangeOptions& change, const FitWatch& watch,
+                         Case* c) {
+  JudgedChange judgement;
+  judgement.interrupted = summary.termination == Termination::kInterrupted;
+  if (!summary.usable || summary.covariance.size() == 0) return judgement;
+  DamageAnalysisOptions options;
+  options.change = change;
+  options.search = c->damage;
+  options.identification = c->options;
+  const FitFunction fit = WatchedFit(watch);
+  options.fit =
+      [&](const std::string& what, const IdentificationProblem& problem,
+          const IdentificationOptions& fit_options, const IdentifiedModel* from,
+          IdentificationSummary* outcome, IdentifiedModel* found) {
+        fit(what, problem, fit_options, from, outcome, found);
+        if (outcome->termination == Termination::kInterrupted) {
+          judgement.interrupted = true;
+        }
+      };
+  DamageResult& result = judgement.result;
+  judgement.judged = AnalyseDamage(c->problem, summary, model, baselines,
+                                   options, &result, &judgement.why_not) &&
+                     CaseWithCandidates(*c, result.added, result.problem, c,
+                                        &judgement.why_not);
+  return judgement;
+}
+
+}  // namespace pinode
