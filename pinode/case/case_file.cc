@@ -62,22 +62,21 @@ void RemarkOnModes(const IdentificationProblem& problem,
       "elements, libraries and networks take no part in these.");
 }
 
-// What a case is read for.
-enum class Purpose { kFit, kCheck, kSimulation };
-
 // Section by section, in the order in which one needs another.
 class CaseReader {
  public:
   CaseReader(const std::shared_ptr<const TomlValue>& source,
-             const std::string& path, Purpose purpose, std::string* error)
-      : simulation_(purpose == Purpose::kSimulation),
-        model_may_stand_alone_(purpose == Purpose::kCheck),
-        errors_(path, error),
+             const std::string& path, std::shared_ptr<const CaseData> data,
+             CasePurpose purpose, std::string* error)
+      : simulation_(purpose == CasePurpose::kSimulation),
+        model_may_stand_alone_(purpose == CasePurpose::kCheck),
+        errors_(path, error, data.get()),
         root_(*source, "", &errors_),
         description_(c_.problem.description),
         units_(description_.units) {
     c_.path = path;
     c_.source = source;
+    c_.data = std::move(data);
   }
 
   bool Read(Case* result) {
@@ -236,35 +235,36 @@ class CaseReader {
   std::shared_ptr<StructuralDynamics> dynamics_;
 };
 
-bool Read(const std::string& path, Purpose purpose, Case* result,
+bool Read(const std::string& path, CasePurpose purpose, Case* result,
           std::string* error) {
   std::string text;
   if (!ReadTextFile(path, &text, error)) return false;
   auto source = std::make_shared<TomlValue>();
   if (!ParseToml(text, path, source.get(), error)) return false;
-  return CaseReader(source, path, purpose, error).Read(result);
+  return CaseReader(source, path, nullptr, purpose, error).Read(result);
 }
 
 }  // namespace
 
 bool ReadCase(const std::string& path, Case* c, std::string* error) {
-  return Read(path, Purpose::kFit, c, error);
+  return Read(path, CasePurpose::kFit, c, error);
 }
 
-bool ReadCaseTree(const TomlValue& tree, const std::string& path, Case* c,
-                  std::string* error) {
-  return CaseReader(std::make_shared<TomlValue>(tree), path, Purpose::kFit,
-                    error)
+bool ReadCaseTree(const TomlValue& tree, const std::string& path,
+                  std::shared_ptr<const CaseData> data, CasePurpose purpose,
+                  Case* c, std::string* error) {
+  return CaseReader(std::make_shared<TomlValue>(tree), path, std::move(data),
+                    purpose, error)
       .Read(c);
 }
 
 bool ReadCaseForCheck(const std::string& path, Case* c, std::string* error) {
-  return Read(path, Purpose::kCheck, c, error);
+  return Read(path, CasePurpose::kCheck, c, error);
 }
 
 bool ReadCaseForSimulation(const std::string& path, Case* c,
                            std::string* error) {
-  return Read(path, Purpose::kSimulation, c, error);
+  return Read(path, CasePurpose::kSimulation, c, error);
 }
 
 }  // namespace pinode

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/case/case_data.h"
 #include "pinode/case/damage_section.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
@@ -25,7 +26,7 @@ struct TomlValue;
 // A case file, read and checked. Everything in `problem` is in the model's
 // units.
 struct Case {
-  std::string path;
+  std::string path;  // empty: from memory
 
   // Its description is complete: nothing in it is left to defaults.
   IdentificationProblem problem;
@@ -60,7 +61,12 @@ struct Case {
 
   // The text as a tree, from which model.toml is made.
   std::shared_ptr<const TomlValue> source;
+  // Arrays that the tree names in place of files; null: there are none.
+  std::shared_ptr<const CaseData> data;
 };
+
+// What a case is read for, see below.
+enum class CasePurpose { kFit, kCheck, kSimulation };
 
 // Reads the case file at `path` and all files that it names; see
 // pinode/case/README.md for every key. Includes the checks of
@@ -72,10 +78,14 @@ struct Case {
 [[nodiscard]] bool ReadCase(const std::string& path, Case* c,
                             std::string* error);
 
-// As ReadCase, of a case that is a tree already; `path`, which need not exist,
-// is where it stands for messages and relative paths.
+// As ReadCase, ReadCaseForCheck or ReadCaseForSimulation, of a case that is a
+// tree already, and names arrays in `data` (null: none) as well as files.
+// `path`, which need not exist, is where it stands for messages and relative
+// paths; empty: nowhere, and paths are those of the working directory.
 [[nodiscard]] bool ReadCaseTree(const TomlValue& tree, const std::string& path,
-                                Case* c, std::string* error);
+                                std::shared_ptr<const CaseData> data,
+                                CasePurpose purpose, Case* c,
+                                std::string* error);
 
 // As ReadCase, to be looked at: a model alone, with neither records nor modes,
 // is a case as well.

@@ -97,7 +97,13 @@ bool ReadSource(const TomlTable& table, const std::string& key,
     file = table.RequiredString(key);
   }
   if (!table.errors()->ok()) return false;
-  source->path = ResolvePath(table.errors()->path(), file);
+  source->path = ResolvePath(table, file);
+  const auto& arrays = table.errors()->data().sparse_matrices;
+  const auto array = arrays.find(source->path);
+  if (array != arrays.end()) {
+    source->array = array->second;
+    return true;
+  }
   std::error_code status;
   if (std::filesystem::exists(source->path, status)) return true;
   return table.Fail(

@@ -85,10 +85,14 @@ class SectionReader {
     }
     MatrixSource names;
     FiniteElementFiles& files = section_->files;
+    const TomlValue* dofs = table_.Find("dofs");
+    const bool listed =
+        dofs != nullptr && dofs->type == TomlValue::Type::kArray;
+    if (listed && !ReadDofNames(table_, &files.names)) return false;
     if (!ReadSource(table_, "mass", &files.mass) ||
         !ReadSource(table_, "damping", &files.damping) ||
         !ReadSource(table_, "stiffness", &files.stiffness) ||
-        !ReadSource(table_, "dofs", &names)) {
+        (!listed && !ReadSource(table_, "dofs", &names))) {
       return false;
     }
     files.dof_names = names.path;

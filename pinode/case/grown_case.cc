@@ -31,7 +31,9 @@ bool CaseOf(const Case& c, const TomlValue& tree,
             const IdentificationProblem& problem, Case* result,
             std::string* error) {
   Case grown;
-  if (!ReadCaseTree(tree, c.path, &grown, error)) return false;
+  if (!ReadCaseTree(tree, c.path, c.data, CasePurpose::kFit, &grown, error)) {
+    return false;
+  }
   if (!SameUnknowns(grown.problem, problem)) {
     *error = c.path + ": has other unknowns than what was made of it";
     return false;

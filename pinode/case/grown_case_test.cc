@@ -120,7 +120,9 @@ TEST_F(GrownCaseTest, EquationsAreReadAsTheyWereFound) {
       << error_;
   EXPECT_EQ(grown.problem.records[0].channels[0].values[3], 7.0);
   Case read;
-  ASSERT_TRUE(ReadCaseTree(*grown.source, c.path, &read, &error_)) << error_;
+  ASSERT_TRUE(ReadCaseTree(*grown.source, c.path, nullptr, CasePurpose::kFit,
+                           &read, &error_))
+      << error_;
   ExpectSameUnknowns(read.problem, found);
   EXPECT_TRUE(read.problem.dynamics->networks().empty());
   EXPECT_EQ(read.problem.dynamics->laws()[0].name, "nn_u");
@@ -157,7 +159,9 @@ TEST_F(GrownCaseTest, CandidatesAreReadAsTheyWereAdded) {
   ASSERT_TRUE(CaseWithCandidates(c, {mass, force}, extended, &grown, &error_))
       << error_;
   Case read;
-  ASSERT_TRUE(ReadCaseTree(*grown.source, c.path, &read, &error_)) << error_;
+  ASSERT_TRUE(ReadCaseTree(*grown.source, c.path, nullptr, CasePurpose::kFit,
+                           &read, &error_))
+      << error_;
   ExpectSameUnknowns(read.problem, extended);
   const LawTerm& law = read.problem.dynamics->laws()[0];
   const LawTerm& added = extended.dynamics->laws()[0];
@@ -189,7 +193,9 @@ TEST_F(RenewedCaseTest, IsReadAsItWasRenewed) {
   EXPECT_NE(ProblemHash(renewed.problem), ProblemHash(c.problem));
   EXPECT_EQ(ProblemIdentity(renewed.problem), ProblemIdentity(c.problem));
   Case read;
-  ASSERT_TRUE(ReadCaseTree(*renewed.source, c.path, &read, &error)) << error;
+  ASSERT_TRUE(ReadCaseTree(*renewed.source, c.path, nullptr, CasePurpose::kFit,
+                           &read, &error))
+      << error;
   const StructuralModel& a = renewed.problem.dynamics->model();
   const StructuralModel& b = read.problem.dynamics->model();
   EXPECT_LT((a.stiffness - b.stiffness).norm(), 1e-12 * a.stiffness.norm());

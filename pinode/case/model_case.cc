@@ -40,7 +40,7 @@ class ModelCaseWriter {
     SetNetworks();
     return WriteModelFiles(dynamics_, folder_, error_) && WriteGroups() &&
            SetElements() && SetLibraries() && SetForces() && SetRecords() &&
-           SetModes() && SetReferenceCurves() &&
+           SetModes() && SetReferenceCurves() && WriteArrays() &&
            WriteFileAtomically(
                Path("model.toml"),
                "# The model after the identification; see the keys' meaning "
@@ -216,7 +216,10 @@ class ModelCaseWriter {
 
   void MovePath(TomlValue* table, const char* key = "file") const {
     TomlValue* file = table->Find(key);
-    if (file == nullptr || file->type != TomlValue::Type::kString) return;
+    if (file == nullptr || file->type != TomlValue::Type::kString ||
+        (c_.data != nullptr && c_.data->Has(file->text))) {
+      return;
+    }
     std::error_code status;
     const fs::path from = fs::weakly_canonical(
         fs::absolute(ResolvePath(c_.path, file->text), status), status);
@@ -270,6 +273,12 @@ class ModelCaseWriter {
     if (curves == nullptr) return true;
     for (TomlValue& curve : curves->elements) MovePath(&curve);
     return true;
+  }
+
+  // The records of a case that was made in memory.
+  bool WriteArrays() {
+    return c_.data == nullptr ||
+           WriteCaseData(*c_.data, folder_, &root_, error_);
   }
 
   void SetScale(TomlValue* force) const {

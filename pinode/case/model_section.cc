@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "pinode/base/strings.h"
 #include "pinode/case/finite_element_section.h"
@@ -156,22 +157,6 @@ bool ReadDirections(const TomlTable& table, const std::string& key,
   return table.errors()->ok();
 }
 
-bool ReadDofNames(const TomlTable& table, std::vector<std::string>* names) {
-  *names = table.Strings("dofs");
-  if (!table.errors()->ok()) return false;
-  for (const std::string& name : *names) {
-    // Names appear in x[u1], d[a,b] and "a-b".
-    if (name.empty() || name == "ground" ||
-        name.find_first_of("[], \t\n\"") != std::string::npos) {
-      return table.Fail("dofs", "'" + name +
-                                    "' cannot be the name of a DOF; expected "
-                                    "a text without brackets, commas, blanks "
-                                    "and quotes, other than 'ground'");
-    }
-  }
-  return true;
-}
-
 // The key that is to be mended where a model is not valid.
 std::string KeyOf(const TomlTable& table, const std::string& message) {
   for (const char* key : {"mass", "stiffness", "damping"}) {
@@ -302,6 +287,27 @@ std::string ResolvePath(const std::string& case_path, const std::string& name) {
   return (fs::path(case_path).parent_path() / path).string();
 }
 
+std::string ResolvePath(const TomlTable& table, const std::string& name) {
+  const CaseErrors& errors = *table.errors();
+  return errors.data().Has(name) ? name : ResolvePath(errors.path(), name);
+}
+
+bool ReadDofNames(const TomlTable& table, std::vector<std::string>* names) {
+  *names = table.Strings("dofs");
+  if (!table.errors()->ok()) return false;
+  for (const std::string& name : *names) {
+    // Names appear in x[u1], d[a,b] and "a-b".
+    if (name.empty() || name == "ground" ||
+        name.find_first_of("[], \t\n\"") != std::string::npos) {
+      return table.Fail("dofs", "'" + name +
+                                    "' cannot be the name of a DOF; expected "
+                                    "a text without brackets, commas, blanks "
+                                    "and quotes, other than 'ground'");
+    }
+  }
+  return true;
+}
+
 bool ReadUnits(const TomlTable& root, UnitSystem* units) {
   const TomlTable table = root.Table("units", "[units]");
   if (!table.AllowKeys({"force", "length", "time"})) return false;
@@ -330,9 +336,14 @@ bool ReadMatrixKey(const TomlTable& table, const std::string& key,
   std::string source;
   Matrix result;
   if (value.type == TomlValue::Type::kString) {
-    source = ResolvePath(table.errors()->path(), value.text);
+    source = ResolvePath(table, value.text);
     std::string error;
-    if (!ReadMatrix(source, &result, &error)) {
+    const std::map<std::string, Matrix>& arrays =
+        table.errors()->data().matrices;
+    const auto array = arrays.find(source);
+    if (array != arrays.end()) {
+      result = array->second;
+    } else if (!ReadMatrix(source, &result, &error)) {
       return std::filesystem::exists(source)
                  ? table.errors()->FailAsIs(error)
                  : table.Fail(key, "'" + key + "' names the file '" +

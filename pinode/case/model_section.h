@@ -17,8 +17,14 @@ namespace pinode {
 
 // `name` as seen from the folder of the case file `case_path`.
 std::string ResolvePath(const std::string& case_path, const std::string& name);
+// The same of the case that `table` is in, and the name of an array as it is.
+std::string ResolvePath(const TomlTable& table, const std::string& name);
 
 struct FiniteElementSection;
+
+// Names of DOFs under `dofs`, as other parts of a case can write them.
+[[nodiscard]] bool ReadDofNames(const TomlTable& table,
+                                std::vector<std::string>* names);
 
 [[nodiscard]] bool ReadUnits(const TomlTable& root, UnitSystem* units);
 
@@ -36,9 +42,9 @@ struct ModelSection {
                                     const UnitSystem& units,
                                     ModelSection* section);
 
-// The matrix under `key` of `table`: a file's name, rows [[...], ...] or
-// {diagonal = [...]}. It is num_dofs x num_dofs and finite; otherwise the
-// message names the file, or the key. `what` is "the mass matrix", ...
+// The matrix under `key` of `table`: a file's or an array's name, rows [[...],
+// ...] or {diagonal = [...]}. It is num_dofs x num_dofs and finite; otherwise
+// the message names the file, or the key. `what` is "the mass matrix", ...
 [[nodiscard]] bool ReadMatrixKey(const TomlTable& table, const std::string& key,
                                  const std::string& what, int num_dofs,
                                  Matrix* matrix);

@@ -132,7 +132,11 @@ class RecordDataReader {
       columns.insert(columns.begin(), section_.time_column);
     }
     Table table;
-    if (!ReadTable(path, columns, &table, &error)) {
+    const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
+    const auto array = arrays.find(path);
+    if (!(array != arrays.end()
+              ? SelectColumns(array->second, columns, &table, &error)
+              : ReadTable(path, columns, &table, &error))) {
       return table_.errors()->FailAsIs(error);
     }
     TimeGrid grid;

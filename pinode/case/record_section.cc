@@ -77,7 +77,7 @@ class RecordReader {
     if (table_.Has("file")) {
       section_->file = table_.RequiredString("file");
       if (!table_.errors()->ok()) return false;
-      section_->file = ResolvePath(table_.errors()->path(), section_->file);
+      section_->file = ResolvePath(table_, section_->file);
       if (!FileExists(table_, section_->file)) return false;
     }
     section_->substeps = table_.Integer("substeps", 0, 0);

@@ -18,7 +18,10 @@ bool IsAt2File(const std::string& path) {
 
 bool FileExists(const TomlTable& table, const std::string& path) {
   std::error_code status;
-  if (std::filesystem::exists(path, status)) return true;
+  if (table.errors()->data().Has(path) ||
+      std::filesystem::exists(path, status)) {
+    return true;
+  }
   return table.Fail("file", "the file '" + path +
                                 "' does not exist, expected a CSV file with "
                                 "a header line, or a PEER .at2 file");
@@ -37,7 +40,7 @@ bool ReadSource(const std::string& record_file, SignalSection* signal) {
   if (table.Has("file")) {
     signal->file = table.RequiredString("file");
     if (!table.errors()->ok()) return false;
-    signal->file = ResolvePath(table.errors()->path(), signal->file);
+    signal->file = ResolvePath(table, signal->file);
     if (!FileExists(table, signal->file)) return false;
   }
   if (signal->file.empty()) {
@@ -68,6 +71,9 @@ bool ReadUnit(const UnitSystem& units, SignalSection* signal) {
     return false;
   }
   signal->unit = table.String("unit", "g");
+  if (!at2 && signal->unit == "model") {
+    signal->unit = UnitName(signal->dimension, units);
+  }
   if (at2 && signal->unit != "g") {
     return table.Fail("unit",
                       "unit '" + signal->unit + "' of an AT2 file, expected g");

@@ -46,6 +46,7 @@ bool IsVoltage(const TomlTable& table);
                               SignalSection* signal);
 
 // `unit`, which its dimension, scale and sign are known for, noise and offset.
+// "model": the unit that the case has for that dimension.
 [[nodiscard]] bool ReadUnit(const UnitSystem& units, SignalSection* signal);
 
 }  // namespace pinode

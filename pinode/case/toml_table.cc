@@ -16,7 +16,13 @@ const TomlValue& EmptyTable() {
 
 }  // namespace
 
+const CaseData& CaseErrors::data() const {
+  static const auto& none = *new CaseData();
+  return data_ == nullptr ? none : *data_;
+}
+
 bool CaseErrors::Fail(int line, const std::string& message) {
+  if (path_.empty()) return FailAsIs(message);
   return FailAsIs(path_ + (line > 0 ? ":" + std::to_string(line) : "") + ": " +
                   message);
 }

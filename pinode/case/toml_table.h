@@ -8,23 +8,29 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/case/case_data.h"
 #include "pinode/case/toml_value.h"
 
 namespace pinode {
 
-// The first error of a case file. Readers go on with defaults after a failure
-// and ask ok() before they use what they have read.
+// The first error of a case file, and where what it names is. Readers go on
+// with defaults after a failure and ask ok() before they use what they have
+// read.
 class CaseErrors {
  public:
-  // `error` receives the message; it must outlive this object.
-  CaseErrors(std::string path, std::string* error)
-      : path_(std::move(path)), error_(error) {}
+  // `path` is empty for a case in memory. `error` receives the message; it and
+  // `data` (nullptr: none) must outlive this object.
+  CaseErrors(std::string path, std::string* error,
+             const CaseData* data = nullptr)
+      : path_(std::move(path)), error_(error), data_(data) {}
 
   bool ok() const { return ok_; }
   const std::string& path() const { return path_; }
+  // Arrays that stand in for files.
+  const CaseData& data() const;
 
   // Each returns false, so that callers can return it.
-  // `path:line: message`; without the line where it is 0.
+  // `path:line: message`; without what is empty or 0.
   bool Fail(int line, const std::string& message);
   // A message that names its own file.
   bool FailAsIs(const std::string& message);
@@ -32,6 +38,7 @@ class CaseErrors {
  private:
   std::string path_;
   std::string* error_;
+  const CaseData* data_;
   bool ok_ = true;
 };
 

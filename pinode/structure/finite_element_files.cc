@@ -61,7 +61,9 @@ class ModelReader {
   ModelReader(const FiniteElementFiles& files, std::string* error)
       : sources_{&files.mass, &files.damping, &files.stiffness},
         names_path_(files.dof_names),
-        error_(error) {}
+        error_(error),
+        names_(files.names),
+        names_source_(files.names.empty() ? "" : "the list of DOFs") {}
 
   bool Read(FiniteElementModel* model) {
     for (const int role : {kMass, kStiffness}) {
@@ -109,6 +111,11 @@ class ModelReader {
     const std::string& path = sources_[role]->path;
     const std::string extension = Extension(path);
     LoadedMatrix& loaded = loaded_[role];
+    if (sources_[role]->array != nullptr) {
+      loaded.kind = LoadedMatrix::Kind::kWhole;
+      loaded.matrix = *sources_[role]->array;
+      return true;
+    }
     if (extension == ".op4" || extension == ".mat" || extension == ".npz") {
       if (WithoutGz(path) != path) {
         return Fail(path,
@@ -348,8 +355,8 @@ class ModelReader {
   }
 
   bool MergeByName() {
-    if (!names_path_.empty()) {
-      return Fail(names_path_,
+    if (!names_path_.empty() || !names_.empty()) {
+      return Fail(names_path_.empty() ? names_source_ : names_path_,
                   "matrices of Abaqus name their DOFs themselves, and no list "
                   "of names was expected");
     }

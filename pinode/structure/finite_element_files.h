@@ -4,6 +4,7 @@
 #ifndef PINODE_STRUCTURE_FINITE_ELEMENT_FILES_H_
 #define PINODE_STRUCTURE_FINITE_ELEMENT_FILES_H_
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct MatrixSource {
   // Which of several matrices of that name, from 1, as OP4 files of
   // superelements have them; 0: there is only one.
   int occurrence = 0;
+  // In place of a file: `path` is then what messages call it.
+  std::shared_ptr<const SparseMatrix> array;
 };
 
 struct FiniteElementFiles {
@@ -32,6 +35,8 @@ struct FiniteElementFiles {
   // CalculiX is one. Empty: what the matrices' files say; beside .sti or .mas,
   // the .dof file of the same name if there is one.
   std::string dof_names;
+  // In place of such a list, where it is not empty.
+  std::vector<std::string> names;
 };
 
 // Reads the matrices and checks them (FiniteElementModel::IsValid). The format

@@ -1,0 +1,146 @@
+#include "pinode/case/case_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+#include "pinode/base/file.h"
+#include "pinode/base/strings.h"
+#include "pinode/case/csv_file.h"
+#include "pinode/case/toml_value.h"
+#include "pinode/structure/matrix_io.h"
+#include "pinode/structure/matrix_market.h"
+
+namespace pinode {
+namespace {
+
+// "<record[0].file>" as part of a file's name, record_0_.file.
+std::string FileStem(const std::string& name) {
+  std::string stem;
+  for (const char c : name) {
+    if (c == '<' || c == '>') continue;
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                       c == '.' || c == '-' || c == '_';
+    stem += plain ? c : '_';
+  }
+  return stem;
+}
+
+bool WriteTable(const Table& table, const std::string& path,
+                std::string* error) {
+  std::vector<CsvColumn> columns;
+  for (size_t i = 0; i < table.columns.size(); ++i) {
+    columns.emplace_back(table.columns[i],
+                         table.values.col(static_cast<Eigen::Index>(i)));
+  }
+  return WriteCsv(path, columns, error);
+}
+
+class DataWriter {
+ public:
+  DataWriter(const CaseData& data, const std::string& folder,
+             std::string* error)
+      : data_(data), folder_(folder), error_(error) {}
+
+  bool Write(TomlValue* value) {
+    for (TomlValue& element : value->elements) {
+      if (!Write(&element)) return false;
+    }
+    for (auto& [key, entry] : value->entries) {
+      if (!Write(&entry)) return false;
+    }
+    return value->type != TomlValue::Type::kString || WriteArray(&value->text);
+  }
+
+ private:
+  std::string Path(const std::string& file) const {
+    return (std::filesystem::path(folder_) / file).string();
+  }
+
+  bool WriteArray(std::string* name) {
+    const auto table = data_.tables.find(*name);
+    const auto matrix = data_.matrices.find(*name);
+    const auto sparse = data_.sparse_matrices.find(*name);
+    const std::string stem = FileStem(*name);
+    if (table != data_.tables.end()) {
+      *name = stem + ".csv";
+      return WriteTable(table->second, Path(*name), error_);
+    }
+    if (matrix != data_.matrices.end()) {
+      *name = stem + ".mtx";
+      return WriteMatrixMarket(Path(*name), matrix->second, error_);
+    }
+    if (sparse != data_.sparse_matrices.end()) {
+      *name = stem + ".mtx";
+      return WriteMatrixMarket(Path(*name), *sparse->second, error_);
+    }
+    return true;
+  }
+
+  const CaseData& data_;
+  const std::string folder_;
+  std::string* error_;
+};
+
+}  // namespace
+
+bool CaseData::Has(const std::string& name) const {
+  return tables.count(name) > 0 || matrices.count(name) > 0 ||
+         sparse_matrices.count(name) > 0;
+}
+
+bool SelectColumns(const Table& table, const std::vector<std::string>& wanted,
+                   Table* selected, std::string* error) {
+  Table result;
+  result.path = table.path;
+  result.line_numbers = table.line_numbers;
+  std::vector<int> places;
+  for (const std::string& name : wanted.empty() ? table.columns : wanted) {
+    const int place = table.FindColumn(name);
+    if (place < 0) {
+      *error = table.path + ": there is no column '" + name + "'" +
+               NameHint(name, table.columns);
+      return false;
+    }
+    if (result.FindColumn(name) >= 0) continue;
+    if (table.values.col(place).array().isInf().any()) {
+      *error = table.path + ": column '" + name +
+               "' has an infinite number, expected finite ones, or NaN where "
+               "one is missing";
+      return false;
+    }
+    result.columns.push_back(name);
+    places.push_back(place);
+  }
+  result.values.resize(table.values.rows(),
+                       static_cast<Eigen::Index>(places.size()));
+  for (size_t i = 0; i < places.size(); ++i) {
+    result.values.col(static_cast<Eigen::Index>(i)) =
+        table.values.col(places[i]);
+  }
+  *selected = std::move(result);
+  return true;
+}
+
+bool WriteCaseData(const CaseData& data, const std::string& folder,
+                   TomlValue* tree, std::string* error) {
+  return DataWriter(data, folder, error).Write(tree);
+}
+
+bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
+                     const std::string& folder, std::string* error) {
+  std::error_code status;
+  std::filesystem::create_directories(folder, status);
+  if (status) {
+    *error = folder + ": cannot be created: " + status.message();
+    return false;
+  }
+  TomlValue named = tree;
+  return WriteCaseData(data, folder, &named, error) &&
+         WriteFileAtomically(
+             (std::filesystem::path(folder) / "case.toml").string(),
+             FormatToml(named), error);
+}
+
+}  // namespace pinode

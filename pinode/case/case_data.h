@@ -1,0 +1,51 @@
+// What stands in for files in a case that was made in memory.
+
+#ifndef PINODE_CASE_CASE_DATA_H_
+#define PINODE_CASE_CASE_DATA_H_
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/record/table.h"
+#include "pinode/structure/finite_element_model.h"
+
+namespace pinode {
+
+struct TomlValue;
+
+// Arrays by the names that a case has for them where it would name a file: a
+// record's `file`, a matrix, the export of a finite-element model. A name is
+// none of a file, such as "<record[0].file>".
+struct CaseData {
+  std::map<std::string, Table> tables;
+  std::map<std::string, Matrix> matrices;
+  std::map<std::string, std::shared_ptr<const SparseMatrix>> sparse_matrices;
+
+  bool Has(const std::string& name) const;
+};
+
+// The columns `wanted` of a table in memory as ReadCsvTable has them of a file:
+// in that order, a name twice once, all where none is named. False, with
+// *error, for a column that is not there, or that holds an infinite number.
+[[nodiscard]] bool SelectColumns(const Table& table,
+                                 const std::vector<std::string>& wanted,
+                                 Table* selected, std::string* error);
+
+// Writes to `folder`, which is there, a file for each array that a text in
+// *tree names, and names that file instead.
+[[nodiscard]] bool WriteCaseData(const CaseData& data,
+                                 const std::string& folder, TomlValue* tree,
+                                 std::string* error);
+
+// Writes the case that `tree` says as <folder>/case.toml, with the files of its
+// arrays beside it; `folder` is created where it is not there.
+[[nodiscard]] bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
+                                   const std::string& folder,
+                                   std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_CASE_DATA_H_
