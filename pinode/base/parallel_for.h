@@ -14,6 +14,10 @@ namespace pinode {
 void ParallelFor(int count, int num_threads,
                  const std::function<void(int index, int thread)>& task);
 
+// More are refused by whoever asks for them: a thread that cannot be had ends
+// the process.
+inline constexpr int kMostThreads = 1024;
+
 // Number of processors, at least 1.
 int DefaultThreads();
 

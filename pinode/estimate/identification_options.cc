@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include "pinode/base/parallel_for.h"
+
 namespace pinode {
 
 bool IdentificationOptions::IsValid(std::string* error) const {
@@ -21,8 +23,9 @@ bool IdentificationOptions::IsValid(std::string* error) const {
     message << "robust_scale is " << loss_scale << ", it must be positive";
   } else if (num_starts < 1) {
     message << "multistart is " << num_starts << ", it must be at least 1";
-  } else if (num_threads < 1) {
-    message << "threads is " << num_threads << ", it must be at least 1";
+  } else if (num_threads < 1 || num_threads > kMostThreads) {
+    message << "threads is " << num_threads << ", it must be from 1 to "
+            << kMostThreads;
   } else {
     return true;
   }
