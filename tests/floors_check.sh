@@ -7,7 +7,7 @@
 # the same floor do not see each other. Includes of the project are written
 # from its root, so that none escapes this check. Third parties that have one
 # door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case,
-# MPI in pinode/mpi.
+# MPI in pinode/mpi, pybind11 in pinode/python.
 #
 # Prints `file:line: what, and what was expected` for each violation and exits
 # 1 if there is one; exits 2 if there is nothing to check.
@@ -43,9 +43,10 @@ awk '
     floor["discover"] = floor["damage"] = 5
     floor["study"] = 6
     floor["case"] = floor["report"] = floor["mpi"] = 7
+    floor["python"] = 8
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics modal integrate " \
-                  "estimate discover damage study case report mpi", folders, " ")
+                  "estimate discover damage study case report mpi python", folders, " ")
   }
 
   function Fail(message) {
@@ -73,6 +74,9 @@ awk '
     }
     if (header ~ /^toml(\+\+)?[.\/]/ && FILENAME !~ /^pinode\/case\//) {
       Fail("includes " header ", expected toml++ in pinode/case only")
+    }
+    if (header ~ /^pybind11\// && FILENAME !~ /^pinode\/python\//) {
+      Fail("includes " header ", expected pybind11 in pinode/python only")
     }
     if (header == "mpi.h" && FILENAME !~ /^pinode\/mpi\//) {
       Fail("includes " header ", expected pinode/base/communicator.h")

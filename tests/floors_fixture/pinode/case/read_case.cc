@@ -4,3 +4,4 @@
 #include "pinode/estimate/problem.h"
 #include "pinode/report/figure.h"  // refused
 #include <gflags/gflags.h>         // refused
+#include <pybind11/pybind11.h>     // refused

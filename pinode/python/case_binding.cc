@@ -1,0 +1,300 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "pinode/case/result_files.h"
+#include "pinode/case/toml_value.h"
+#include "pinode/estimate/assessment.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/python/case_tree.h"
+#include "pinode/python/convert.h"
+#include "pinode/python/fit.h"
+#include "pinode/structure/modal_analysis.h"
+
+namespace pinode::python {
+namespace {
+
+namespace py = pybind11;
+
+CasePurpose PurposeOf(const std::string& name) {
+  if (name == "fit") return CasePurpose::kFit;
+  if (name == "check") return CasePurpose::kCheck;
+  if (name == "simulation") return CasePurpose::kSimulation;
+  throw Error("purpose is '" + name + "', expected fit, check or simulation");
+}
+
+const char* PurposeName(CasePurpose purpose) {
+  return purpose == CasePurpose::kFit     ? "fit"
+         : purpose == CasePurpose::kCheck ? "check"
+                                          : "simulation";
+}
+
+std::shared_ptr<CaseHandle> ReadFile(const std::string& path,
+                                     const std::string& purpose) {
+  auto handle = std::make_shared<CaseHandle>();
+  handle->purpose = PurposeOf(purpose);
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    switch (handle->purpose) {
+      case CasePurpose::kFit:
+        ok = ReadCase(path, &handle->c, &error);
+        break;
+      case CasePurpose::kCheck:
+        ok = ReadCaseForCheck(path, &handle->c, &error);
+        break;
+      case CasePurpose::kSimulation:
+        ok = ReadCaseForSimulation(path, &handle->c, &error);
+        break;
+    }
+  }
+  Require(ok, error);
+  return handle;
+}
+
+std::shared_ptr<CaseHandle> ReadTree(const py::object& tree,
+                                     const std::string& path,
+                                     const std::string& purpose) {
+  auto handle = std::make_shared<CaseHandle>();
+  handle->purpose = PurposeOf(purpose);
+  auto data = std::make_shared<CaseData>();
+  const TomlValue value = TreeFromPython(tree, data.get());
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = ReadCaseTree(value, path, data, handle->purpose, &handle->c, &error);
+  }
+  Require(ok, error);
+  return handle;
+}
+
+const CaseData& DataOf(const Case& c) {
+  static const auto& none = *new CaseData();
+  return c.data == nullptr ? none : *c.data;
+}
+
+py::list Parameters(const CaseHandle& handle) {
+  const ParameterLayout layout(handle.c.problem);
+  py::list list;
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    if (!layout.IsNamed(i)) continue;
+    const Parameter& parameter = layout.parameter(i);
+    py::dict entry;
+    entry["name"] = parameter.name;
+    entry["unit"] = parameter.unit;
+    entry["value"] = parameter.value;
+    entry["lower"] = parameter.lower;
+    entry["upper"] = parameter.upper;
+    entry["free"] = parameter.free;
+    list.append(std::move(entry));
+  }
+  return list;
+}
+
+py::list Records(const CaseHandle& handle) {
+  py::list list;
+  for (const IdentificationRecord& record : handle.c.problem.records) {
+    py::dict entry;
+    entry["name"] = record.name;
+    entry["role"] =
+        record.role == IdentificationRecord::Role::kTrain ? "train" : "holdout";
+    entry["num_samples"] = record.num_samples();
+    entry["step"] = record.sampling_step() / record.description.time_factor;
+    py::list channels;
+    for (const MeasuredChannel& channel : record.channels) {
+      channels.append(channel.observation.name);
+    }
+    entry["channels"] = std::move(channels);
+    entry["remarks"] = record.description.remarks;
+    list.append(std::move(entry));
+  }
+  for (const AmbientRecord& record : handle.c.problem.ambient) {
+    py::dict entry;
+    entry["name"] = record.name;
+    entry["role"] = "ambient";
+    entry["num_samples"] = record.samples.cols();
+    entry["step"] = record.sampling_step;
+    py::list channels;
+    for (const Observation& channel : record.channels) {
+      channels.append(channel.name);
+    }
+    entry["channels"] = std::move(channels);
+    entry["remarks"] = py::list();
+    list.append(std::move(entry));
+  }
+  return list;
+}
+
+// A record's measured channels as they are fitted, in the units of its file.
+py::dict Measured(const CaseHandle& handle, const std::string& name) {
+  for (const IdentificationRecord& record : handle.c.problem.records) {
+    if (record.name != name) continue;
+    py::dict columns;
+    columns["time"] = FromVector(FileTimes(record));
+    for (const MeasuredChannel& channel : record.channels) {
+      columns[py::str(channel.observation.name)] =
+          FromVector(channel.values / channel.description.factor);
+    }
+    return columns;
+  }
+  throw Error("there is no record '" + name + "'");
+}
+
+// Frequencies, damping ratios and shapes of the model as it is.
+py::dict Modes(const CaseHandle& handle) {
+  const StructuralDynamics& dynamics = *handle.c.problem.dynamics;
+  const StructuralModel model = dynamics.HeldModel(dynamics.Parameters());
+  if (model.num_dofs() == 0) {
+    throw Error(
+        "the motion of every DOF is prescribed, so that there are no "
+        "modes");
+  }
+  ModalProperties modes;
+  std::string error;
+  Require(
+      ComputeModes(model.mass, model.damping, model.stiffness, &modes, &error),
+      error);
+  py::dict result;
+  result["frequencies_hz"] = FromVector(
+      handle.c.problem.description.HzPerModelFrequency() * modes.frequency_hz);
+  result["damping_ratios"] = FromVector(modes.damping_ratio);
+  result["dofs"] = model.dof_names;
+  result["shapes"] = FromMatrix(modes.mode_shapes);
+  return result;
+}
+
+py::list Steps(const CaseHandle& handle) {
+  py::list list;
+  const std::vector<IdentificationRecord>& records = handle.c.problem.records;
+  for (size_t r = 0; r < records.size() && r < handle.c.substeps.size(); ++r) {
+    const SubstepChoice& choice = handle.c.substeps[r];
+    py::dict entry;
+    entry["record"] = records[r].name;
+    entry["integrator"] = IntegratorName(choice.integrator);
+    entry["substeps"] = choice.integrator == Integrator::kExponential
+                            ? records[r].exponential_steps
+                            : records[r].substeps;
+    entry["fastest_mode"] = choice.stability.largest_eigenvalue;
+    list.append(std::move(entry));
+  }
+  return list;
+}
+
+py::dict Check(const CaseHandle& handle) {
+  const IdentificationProblem& problem = handle.c.problem;
+  py::dict result;
+  result["steps"] = Steps(handle);
+  result["remarks"] = problem.description.remarks;
+  if (problem.records.empty() && problem.modal.empty() &&
+      problem.ambient.empty()) {
+    return result;
+  }
+  CheckFit(handle);
+  ProblemAssessment assessment;
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = AssessProblem(problem, handle.c.options, &assessment, &error);
+  }
+  if (!ok) {
+    result["not_assessed"] = error;
+    return result;
+  }
+  result["num_free"] = assessment.num_free;
+  result["num_residuals"] = assessment.num_residuals;
+  result["num_starts"] = assessment.num_starts;
+  result["undetermined"] = assessment.undetermined;
+  result["assessment_remarks"] = assessment.remarks;
+  py::list expected;
+  for (const ProblemAssessment::Expected& parameter : assessment.expected) {
+    py::dict entry;
+    entry["name"] = parameter.name;
+    entry["unit"] = parameter.unit;
+    entry["initial"] = parameter.initial;
+    entry["sigma"] = parameter.sigma;
+    expected.append(std::move(entry));
+  }
+  result["expected"] = std::move(expected);
+  return result;
+}
+
+}  // namespace
+
+void CheckFit(const CaseHandle& handle) {
+  if (handle.purpose == CasePurpose::kSimulation) {
+    throw Error(
+        "the case is for a simulation and has no measured responses, "
+        "expected one with values for its channels");
+  }
+  std::string error;
+  Require(handle.c.problem.IsValid(&error), error);
+}
+
+void BindCase(py::module_* module) {
+  using Handle = std::shared_ptr<CaseHandle>;
+  py::class_<CaseHandle, Handle>(*module, "CaseHandle")
+      .def_static("read", &ReadFile, py::arg("path"), py::arg("purpose"))
+      .def_static("from_tree", &ReadTree, py::arg("tree"), py::arg("path"),
+                  py::arg("purpose"))
+      .def("tree",
+           [](const CaseHandle& handle) {
+             return TreeToPython(*handle.c.source, DataOf(handle.c));
+           })
+      .def(
+          "toml",
+          [](const CaseHandle& handle) { return FormatToml(*handle.c.source); })
+      .def(
+          "save",
+          [](const CaseHandle& handle, const std::string& folder) {
+            std::string error;
+            Require(WriteCaseFolder(*handle.c.source, DataOf(handle.c), folder,
+                                    &error),
+                    error);
+          },
+          py::arg("folder"))
+      .def_property_readonly(
+          "path", [](const CaseHandle& handle) { return handle.c.path; })
+      .def_property_readonly(
+          "purpose",
+          [](const CaseHandle& handle) { return PurposeName(handle.purpose); })
+      .def_property_readonly("title",
+                             [](const CaseHandle& handle) {
+                               return handle.c.problem.description.title;
+                             })
+      .def_property_readonly(
+          "dofs",
+          [](const CaseHandle& handle) {
+            return handle.c.problem.dynamics->model().dof_names;
+          })
+      .def_property_readonly("mass",
+                             [](const Handle& handle) {
+                               return View(
+                                   handle->c.problem.dynamics->model().mass,
+                                   py::cast(handle));
+                             })
+      .def_property_readonly("damping",
+                             [](const Handle& handle) {
+                               return View(
+                                   handle->c.problem.dynamics->model().damping,
+                                   py::cast(handle));
+                             })
+      .def_property_readonly(
+          "stiffness",
+          [](const Handle& handle) {
+            return View(handle->c.problem.dynamics->model().stiffness,
+                        py::cast(handle));
+          })
+      .def("parameters", &Parameters)
+      .def("records", &Records)
+      .def("measured", &Measured, py::arg("record"))
+      .def("modes", &Modes)
+      .def("check", &Check);
+}
+
+}  // namespace pinode::python

@@ -1,0 +1,48 @@
+// Between Python's values and those of the library.
+
+#ifndef PINODE_PYTHON_CONVERT_H_
+#define PINODE_PYTHON_CONVERT_H_
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "pinode/base/types.h"
+#include "pinode/structure/finite_element_model.h"
+
+namespace pinode::python {
+
+// pinode.Error of Python, a ValueError: one sentence.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Throws *error where a function of the library has failed.
+inline void Require(bool ok, const std::string& error) {
+  if (!ok) throw Error(error);
+}
+
+// Arrays of NumPy with numbers; `where` is what messages call the value. Real
+// numbers only; masked entries become NaN.
+Vector ToVector(const pybind11::handle& value, const std::string& where);
+Matrix ToMatrix(const pybind11::handle& value, const std::string& where);
+// Of a full array, or of one of SciPy's sparse ones.
+SparseMatrix ToSparse(const pybind11::handle& value, const std::string& where);
+bool IsSparse(const pybind11::handle& value);
+
+// Arrays of NumPy with the numbers copied.
+pybind11::array_t<double> FromVector(const Vector& vector);
+pybind11::array_t<double> FromMatrix(const Matrix& matrix);
+// One that looks at the numbers of `matrix`, for as long as `owner` lives, and
+// cannot be written to.
+pybind11::array View(const Matrix& matrix, const pybind11::handle& owner);
+pybind11::array View(const Vector& vector, const pybind11::handle& owner);
+// (data, row indices, column pointers), as scipy.sparse.csc_array takes them.
+pybind11::tuple FromSparse(const SparseMatrix& matrix);
+
+}  // namespace pinode::python
+
+#endif  // PINODE_PYTHON_CONVERT_H_

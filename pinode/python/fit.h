@@ -1,0 +1,62 @@
+// What Python holds: a case, and a fit of it with what was found from it.
+
+#ifndef PINODE_PYTHON_FIT_H_
+#define PINODE_PYTHON_FIT_H_
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/case/case_file.h"
+#include "pinode/estimate/identification_summary.h"
+#include "pinode/study/damage_analysis.h"
+#include "pinode/study/refit.h"
+
+namespace pinode::python {
+
+struct CaseHandle {
+  Case c;
+  CasePurpose purpose = CasePurpose::kFit;
+};
+
+struct Fit {
+  Case c;  // as it was fitted: without terms that were left out, and so on
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  // What it is a part of; null: of neither.
+  std::shared_ptr<const DamageResult> damage;
+  std::shared_ptr<const Discovery> discovery;
+  double seconds = 0.0;  // on the clock
+  // Sentences on what went wrong beside it.
+  std::vector<std::string> troubles;
+};
+
+// How a fit is run.
+struct FitRequest {
+  int threads = 0;  // 0: as the case says
+  pybind11::object callback;
+  // Of the result folder; empty: none is written.
+  std::string output;
+  bool overwrite = false;
+  bool resume = false;
+};
+
+// Throws Error where the case has nothing to be fitted.
+void CheckFit(const CaseHandle& handle);
+// The options of the case with the request's threads.
+void SetThreads(const FitRequest& request, Case* c);
+
+// Writes a result folder as the programs do, report included.
+void SaveFit(const Fit& fit, const std::string& path, bool overwrite);
+
+// One file a part of the module; each adds to it what its name says.
+void BindCase(pybind11::module_* module);
+void BindFit(pybind11::module_* module);
+void BindStudy(pybind11::module_* module);
+void BindModes(pybind11::module_* module);
+
+}  // namespace pinode::python
+
+#endif  // PINODE_PYTHON_FIT_H_

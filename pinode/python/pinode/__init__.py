@@ -1,0 +1,89 @@
+"""Structural identification from matrices and records.
+
+    import pinode
+
+    case = pinode.Case(
+        pinode.Model(mass=M, stiffness=K, damping=C),
+        groups=[pinode.Group("k1", matrix=K1)],
+        records=[pinode.Record("quake", step=0.01, ground={"x": ag},
+                               interpolation="linear", start="rest",
+                               channels=pinode.channels("a", A,
+                                                        "absolute_acceleration"))],
+    )
+    fit = case.identify()
+    print(fit)
+
+A case has the parts that a case file has, under the names that it has for
+them, with arrays of NumPy (or SciPy) where that names files; numbers are in
+the units of the model unless a part says otherwise. What is wrong is raised as
+`pinode.Error`, a ValueError of one sentence.
+"""
+
+from ._pinode import Error, __version__
+from .case import Case, read_case
+from .modes import IdentifiedModes, identify_modes
+from .parts import (
+    Channel,
+    Element,
+    FiniteElementModel,
+    Group,
+    Library,
+    Mode,
+    Model,
+    Network,
+    Record,
+    ShearBuilding,
+    Unknown,
+    UnknownForce,
+    channels,
+)
+from .result import (
+    Damage,
+    Discovery,
+    Fit,
+    Parameter,
+    ResultFolder,
+    Simulation,
+    read_result,
+)
+
+Error.__module__ = "pinode"
+
+
+def __getattr__(name: str):
+    """Bridges, frames and figures, which are read when they are asked for."""
+    if name in ("calculix", "figures", "frames", "opensees"):
+        import importlib
+
+        return importlib.import_module("." + name, __name__)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+__all__ = [
+    "Case",
+    "Channel",
+    "Damage",
+    "Discovery",
+    "Element",
+    "Error",
+    "FiniteElementModel",
+    "Fit",
+    "Group",
+    "IdentifiedModes",
+    "Library",
+    "Mode",
+    "Model",
+    "Network",
+    "Parameter",
+    "Record",
+    "ResultFolder",
+    "ShearBuilding",
+    "Simulation",
+    "Unknown",
+    "UnknownForce",
+    "channels",
+    "identify_modes",
+    "read_case",
+    "read_result",
+    "__version__",
+]

@@ -1,0 +1,267 @@
+"""Models from CalculiX: a deck, the matrices that `ccx` exports from it, and a
+group for each element set.
+
+    export = pinode.calculix.export("frame.inp", ["columns_1", "brace_1"])
+    case = pinode.Case(
+        export.model(reduction={"method": "craig_bampton", "modes": 4},
+                     damping={"ratios": [0.01]}),
+        groups=export.groups, records=[...])
+
+Of each set the modulus is multiplied by a factor and the stiffness exported
+again; alpha = -0.1 of its group then means a tenth of the modulus lost.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ._pinode import Error
+from .parts import FiniteElementModel, Group
+
+
+class Export(NamedTuple):
+    """Matrices of a deck in `folder`: `mass`, `stiffness` (files), and a group
+    for each set that was changed."""
+
+    folder: Path
+    mass: Path
+    stiffness: Path
+    groups: list[Group]
+
+    def model(self, **keys: Any) -> FiniteElementModel:
+        """The model of these files; keys as for FiniteElementModel, such as
+        `reduction` and `damping`."""
+        return FiniteElementModel(str(self.mass), str(self.stiffness), **keys)
+
+
+class _Card(NamedTuple):
+    name: str  # "*ELASTIC", upper case
+    options: dict[str, str]  # upper case
+    line: str
+    data: list[str]
+
+    def text(self) -> list[str]:
+        return [self.line, *self.data]
+
+
+def export(
+    deck: str | os.PathLike[str],
+    sets: Sequence[str],
+    *,
+    masses: Sequence[str] = (),
+    factor: float = 2.0,
+    folder: str | os.PathLike[str] | None = None,
+    ccx: str = "ccx",
+    threads: int = 1,
+) -> Export:
+    """Exports the model of a deck, and of it with one set changed at a time.
+
+    sets: element sets of a section or of springs, whose stiffness becomes a
+        group of that name.
+    masses: element sets of a section, whose density becomes a group called
+        "mass_<set>".
+    folder: where the files stay; beside the deck, "<deck>_export", unless given.
+
+    Steps of the deck are left out, but for the supports of the first. Raises
+    pinode.Error where the deck or `ccx` do not do.
+    """
+    deck = Path(deck)
+    if not factor > 0.0 or factor in (1.0, float("inf")):
+        raise Error(f"factor is {factor!r}, expected a positive number other than 1")
+    if shutil.which(ccx) is None:
+        raise Error(f"there is no program '{ccx}', expected CalculiX (Debian: calculix-ccx)")
+    if isinstance(sets, str) or isinstance(masses, str):
+        raise Error("sets are one text, expected a list of names")
+    cards = _model_of(_read(deck))
+    place = Path(folder) if folder is not None else deck.with_name(deck.stem + "_export")
+    # All that can be wrong with a name, before anything is run.
+    jobs = [(name, name, "stiffness", _changed(cards, name, factor, deck)) for name in sets]
+    jobs += [
+        (f"mass_{name}", name, "mass", _changed(cards, name, factor, deck, "*DENSITY"))
+        for name in masses
+    ]
+    for name, *_ in jobs:
+        if not re.fullmatch(r"[A-Za-z0-9_.+-]+", name) or name == "model":
+            raise Error(f"set '{name}' cannot be the name of a group and a file")
+    place.mkdir(parents=True, exist_ok=True)
+    _run(ccx, place, "model", cards, threads)
+    groups = []
+    for name, _, target, changed in jobs:
+        _run(ccx, place, name, changed, threads)
+        suffix = "sti" if target == "stiffness" else "mas"
+        groups.append(
+            Group(name, adds_to=target, changed_export=str(place / f"{name}.{suffix}"),
+                  factor=factor, lower=-0.95)
+        )
+        (place / f"{name}.{'mas' if suffix == 'sti' else 'sti'}").unlink(missing_ok=True)
+    return Export(place, place / "model.mas", place / "model.sti", groups)
+
+
+def element_sets(deck: str | os.PathLike[str]) -> list[str]:
+    """The sets of a deck that `export` can change."""
+    found = []
+    for card in _model_of(_read(Path(deck))):
+        if (card.name.endswith(" SECTION") or card.name == "*SPRING") and "ELSET" in card.options:
+            found.append(card.options["ELSET"])
+    return list(dict.fromkeys(found))
+
+
+def _read(path: Path, depth: int = 0) -> list[_Card]:
+    try:
+        lines = path.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
+    except OSError as failure:
+        raise Error(f"{path}: cannot be read: {failure.strerror}") from None
+    cards: list[_Card] = []
+    for number, line in enumerate(lines, 1):
+        text = line.strip()
+        if not text or text.startswith("**"):
+            continue
+        if not text.startswith("*"):
+            if not cards:
+                raise Error(f"{path}:{number}: data before the first card")
+            cards[-1].data.append(line)
+            continue
+        words = [word.strip() for word in text.split(",")]
+        options = {}
+        for word in words[1:]:
+            key, _, value = word.partition("=")
+            options[key.strip().upper()] = value.strip()
+        card = _Card(" ".join(words[0].upper().split()), options, line, [])
+        if card.name == "*INCLUDE":
+            if depth > 8:
+                raise Error(f"{path}:{number}: includes are nested too deeply")
+            cards += _read(path.parent / options.get("INPUT", "").strip('"'), depth + 1)
+        else:
+            cards.append(card)
+    return cards
+
+
+def _model_of(cards: list[_Card]) -> list[_Card]:
+    """Without steps, but for the supports in the first."""
+    model, step = [], 0
+    inside = False
+    for card in cards:
+        if card.name == "*STEP":
+            inside, step = True, step + 1
+        elif card.name == "*END STEP":
+            inside = False
+        elif not inside or (step == 1 and card.name == "*BOUNDARY"):
+            model.append(card)
+    return model
+
+
+def _changed(
+    cards: list[_Card], name: str, factor: float, deck: Path, what: str = "*ELASTIC"
+) -> list[_Card]:
+    """The model with the set's modulus, spring constant or density times
+    `factor`; a material that other sets share is copied for it."""
+    wanted = str(name).upper()
+
+    def is_of(card: _Card) -> bool:
+        return card.options.get("ELSET", "").upper() == wanted
+
+    springs = [i for i, card in enumerate(cards) if card.name == "*SPRING" and is_of(card)]
+    if springs and what == "*ELASTIC":
+        result = list(cards)
+        for i in springs:
+            result[i] = _scaled_spring(cards[i], factor, deck)
+        return result
+    sections = [i for i, card in enumerate(cards)
+                if card.name.endswith(" SECTION") and is_of(card)]
+    if not sections:
+        known = ", ".join(dict.fromkeys(
+            card.options["ELSET"] for card in cards
+            if card.name.endswith(" SECTION") and "ELSET" in card.options))
+        raise Error(f"{deck}: no section has the element set '{name}', expected one of {known}")
+    result = list(cards)
+    for number, i in enumerate(sections):
+        material = cards[i].options.get("MATERIAL", "")
+        copy = f"P{number}_{wanted}"[:75]
+        result[i] = cards[i]._replace(line=re.sub(
+            r"(?i)(MATERIAL\s*=\s*)[^,\s]+", lambda m: m.group(1) + copy, cards[i].line))
+        result += _scaled_material(cards, material, copy, factor, deck, what)
+    return result
+
+
+def _scaled_material(
+    cards: list[_Card], material: str, copy: str, factor: float, deck: Path, what: str
+) -> list[_Card]:
+    begin = next((i for i, card in enumerate(cards)
+                  if card.name == "*MATERIAL"
+                  and card.options.get("NAME", "").upper() == material.upper()), None)
+    if begin is None:
+        raise Error(f"{deck}: there is no material '{material}'")
+    block = [_Card("*MATERIAL", {"NAME": copy}, f"*MATERIAL,NAME={copy}", [])]
+    found = False
+    for card in cards[begin + 1:]:
+        if card.name not in _OF_MATERIALS:
+            break
+        if card.name == what:
+            kind = card.options.get("TYPE", "ISO").upper()
+            if what == "*ELASTIC" and kind not in ("ISO", "ISOTROPIC", ""):
+                raise Error(f"{deck}: material '{material}' is elastic of type {kind}, "
+                            "expected an isotropic one")
+            card = card._replace(data=[_scaled(line, factor, deck) for line in card.data])
+            found = True
+        block.append(card)
+    if not found:
+        raise Error(f"{deck}: material '{material}' has no {what}")
+    return block
+
+
+_OF_MATERIALS = {
+    "*ELASTIC", "*DENSITY", "*EXPANSION", "*DAMPING", "*PLASTIC", "*CONDUCTIVITY",
+    "*SPECIFIC HEAT", "*DEPVAR", "*HYPERELASTIC", "*CREEP",
+}
+
+
+def _scaled(line: str, factor: float, deck: Path) -> str:
+    """The line with its first number times `factor`."""
+    words = line.split(",")
+    try:
+        words[0] = repr(float(words[0].upper().replace("D", "E")) * factor)
+    except ValueError:
+        raise Error(f"{deck}: '{line.strip()[:40]}', expected a number first") from None
+    return ",".join(words)
+
+
+def _scaled_spring(card: _Card, factor: float, deck: Path) -> _Card:
+    if "NONLINEAR" in card.options:
+        raise Error(f"{deck}: springs '{card.options['ELSET']}' are nonlinear, expected "
+                    "linear ones")
+    # Directions are whole numbers, constants have a point (CalculiX tells them
+    # apart so).
+    data = [_scaled(line, factor, deck) if "." in line.split(",")[0] else line
+            for line in card.data]
+    if data == card.data:
+        raise Error(f"{deck}: springs '{card.options['ELSET']}' have no constant with a "
+                    "decimal point")
+    return card._replace(data=data)
+
+
+def _run(ccx: str, folder: Path, name: str, cards: list[_Card], threads: int) -> None:
+    lines = [line for card in cards for line in card.text()]
+    lines += ["*STEP", "*FREQUENCY,SOLVER=MATRIXSTORAGE", "*END STEP", ""]
+    (folder / f"{name}.inp").write_text("\n".join(lines), encoding="utf-8",
+                                        errors="surrogateescape")
+    for suffix in ("sti", "mas", "dof"):
+        (folder / f"{name}.{suffix}").unlink(missing_ok=True)
+    done = subprocess.run(
+        [ccx, "-i", name], cwd=folder, capture_output=True, text=True, errors="replace",
+        check=False, env={**os.environ, "OMP_NUM_THREADS": str(threads)})
+    written = all((folder / f"{name}.{suffix}").exists() for suffix in ("sti", "mas", "dof"))
+    if "Job finished" not in done.stdout or not written:
+        said = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
+        wrong = next((line for line in said if "ERROR" in line.upper()), "")
+        raise Error(f"{folder / name}.inp: ccx failed: {wrong or ' '.join(said[-2:])[:200]}")
+    for suffix in ("12d", "cvg", "dat", "frd", "sta", "eig"):
+        (folder / f"{name}.{suffix}").unlink(missing_ok=True)
+
+
+__all__ = ["Export", "element_sets", "export"]

@@ -1,0 +1,344 @@
+"""Cases: a model with its unknowns, and what was measured of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _html, _pinode
+from ._pinode import Error
+from .parts import Record
+from .progress import watched
+
+if TYPE_CHECKING:
+    from .result import Damage, Discovery, Fit, ResultFolder, Simulation
+
+Progress = Callable[[Mapping[str, Any]], Any]
+
+# Keywords of a case, and their tables in a case file.
+_TABLES = {
+    "model": "model",
+    "groups": "group",
+    "elements": "element",
+    "libraries": "library",
+    "networks": "network",
+    "unknown_forces": "unknown_force",
+    "records": "record",
+    "modes": "mode",
+    "reference_curves": "reference_curve",
+}
+
+
+class Case:
+    """What is to be identified from what.
+
+    Everything is checked when a case is made: sizes, units, names, numbers, and
+    the integration steps. A model alone is a case, of which `modes` and `check`
+    can be asked; one whose channels have no values can be simulated.
+
+    model: a Model, ShearBuilding or FiniteElementModel.
+    groups, elements, libraries, networks, unknown_forces: its unknowns.
+    records, modes: what was measured.
+    units: {"force": "kN", "length": "mm"}; N, m and s unless given.
+    options: of the fit, as [options] of a case file.
+    Further tables of a case file (`modal`, `damage`, `profiles`, `discover`,
+        `simulate`) by name.
+    """
+
+    def __init__(
+        self,
+        model: Mapping[str, Any],
+        *,
+        groups: Sequence[Mapping[str, Any]] | None = None,
+        elements: Sequence[Mapping[str, Any]] | None = None,
+        libraries: Sequence[Mapping[str, Any]] | None = None,
+        networks: Sequence[Mapping[str, Any]] | None = None,
+        unknown_forces: Sequence[Mapping[str, Any]] | None = None,
+        records: Sequence[Mapping[str, Any]] | None = None,
+        modes: Sequence[Mapping[str, Any]] | None = None,
+        title: str | None = None,
+        units: Mapping[str, str] | None = None,
+        options: Mapping[str, Any] | None = None,
+        **tables: Any,
+    ) -> None:
+        given = {
+            "title": title,
+            "units": units,
+            "model": model,
+            "groups": groups,
+            "elements": elements,
+            "libraries": libraries,
+            "networks": networks,
+            "unknown_forces": unknown_forces,
+            "records": records,
+            "modes": modes,
+            "options": options,
+            **tables,
+        }
+        self._parts = {k: v for k, v in given.items() if v is not None}
+        tree = {_TABLES.get(k, k): v for k, v in self._parts.items()}
+        simulation = any(
+            isinstance(r, Record) and r.is_for_simulation for r in records or ()
+        )
+        self._handle = _pinode.CaseHandle.from_tree(
+            tree, "", "simulation" if simulation else "check"
+        )
+
+    @classmethod
+    def _of(cls, handle: Any, parts: dict[str, Any] | None = None) -> "Case":
+        case = cls.__new__(cls)
+        case._handle = handle
+        case._parts = parts
+        return case
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], *, simulation: bool = False) -> "Case":
+        """The case of a file; `simulation`: its responses are not read."""
+        purpose = "simulation" if simulation else "check"
+        return cls._of(_pinode.CaseHandle.read(os.fspath(path), purpose))
+
+    @classmethod
+    def from_dict(cls, tree: Mapping[str, Any], *, path: str = "") -> "Case":
+        """The case of the tables of a case file, with arrays in place of files.
+
+        path: where it would stand, for messages and relative paths.
+        """
+        return cls._of(_pinode.CaseHandle.from_tree(dict(tree), path, "check"))
+
+    def replace(self, **parts: Any) -> "Case":
+        """The same case with other parts, such as the records of another day."""
+        if self._parts is None:
+            tree = self._handle.tree()
+            tree.update((_TABLES.get(k, k), v) for k, v in parts.items())
+            return Case.from_dict(tree, path=self.path)
+        return Case(**{**self._parts, **parts})
+
+    # What it is.
+
+    @property
+    def path(self) -> str:
+        """Of its file; empty: from memory."""
+        return self._handle.path
+
+    @property
+    def title(self) -> str:
+        return self._handle.title
+
+    @property
+    def dofs(self) -> list[str]:
+        """Names of the degrees of freedom, in the order of the matrices."""
+        return self._handle.dofs
+
+    @property
+    def mass(self) -> np.ndarray:
+        """M, n x n, in the model's units."""
+        return self._handle.mass
+
+    @property
+    def damping(self) -> np.ndarray:
+        """C, n x n."""
+        return self._handle.damping
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        """K, n x n."""
+        return self._handle.stiffness
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Named parameters with their values before a fit, units and bounds."""
+        return {p["name"]: p for p in self._handle.parameters()}
+
+    @property
+    def records(self) -> dict[str, dict[str, Any]]:
+        """Of each record its role, samples, step (s) and channels."""
+        return {r["name"]: r for r in self._handle.records()}
+
+    def measured(self, record: str) -> dict[str, np.ndarray]:
+        """The record's `time` and channels as they are fitted: cut, resampled
+        and filtered as the case asks for, in the units of their file."""
+        return self._handle.measured(record)
+
+    def natural_modes(self) -> dict[str, Any]:
+        """Modes of the model as it is, ascending.
+
+        frequencies_hz: undamped, NaN where the stiffness is negative.
+        damping_ratios: fractions of critical.
+        shapes: n x modes, mass-normalised; dofs: of their rows.
+        """
+        return self._handle.modes()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tables of the case as a file has them, with arrays."""
+        return self._handle.tree()
+
+    def to_toml(self) -> str:
+        """The text of a case file; arrays go by names in <...>."""
+        return self._handle.toml()
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes case.toml, and files for its arrays, to `folder`."""
+        if self.path:
+            raise Error(f"the case is in a file already: {self.path}")
+        self._handle.save(os.fspath(folder))
+
+    # What can be done with it.
+
+    def check(self) -> dict[str, Any]:
+        """What an identification could find, without one.
+
+        expected: deviation of each free parameter, from the noise given or 5 %.
+        undetermined: what the sensors and the loads cannot see; remarks, sizes,
+        and the integration steps of each record.
+        """
+        return self._handle.check()
+
+    def simulate(
+        self, *, noise_percent: float | None = None, seed: int | None = None
+    ) -> "Simulation":
+        """The response of the model to the excitation of each record.
+
+        noise_percent: of each channel's standard deviation, added to it; as the
+            case says unless given. seed: of this noise.
+        """
+        from .result import Simulation
+
+        return Simulation(
+            _pinode.simulate(
+                self._handle,
+                noise_percent=-1.0 if noise_percent is None else noise_percent,
+                seed=seed,
+            )
+        )
+
+    def identify(
+        self,
+        *,
+        begin_from: "Fit | None" = None,
+        profiles: bool = False,
+        threads: int = 0,
+        progress: bool | None = None,
+        callback: Progress | None = None,
+        output: str | os.PathLike[str] = "",
+        overwrite: bool = False,
+        resume: bool = False,
+    ) -> "Fit":
+        """Finds the unknowns.
+
+        begin_from: a fit whose values this one begins from.
+        profiles: of the likelihood of each named free parameter, too.
+        threads: as the case says unless given.
+        progress: a bar; by default where there is a terminal or a notebook.
+        callback: called after each iteration with a dictionary (stage,
+            iteration, cost, free_run_error, ...); ends the fit where it returns
+            False.
+        output: a result folder, written as `pinode_update` does, with a
+            checkpoint on the way from which `resume` goes on.
+
+        Ctrl-C stops after the iteration and returns the best so far, whose
+        `termination` is "interrupted".
+        """
+        from .result import Fit
+
+        with watched(progress, callback) as call:
+            return Fit(
+                _pinode.identify(
+                    self._handle,
+                    begin_from=None if begin_from is None else begin_from._handle,
+                    profiles=profiles,
+                    threads=threads,
+                    callback=call,
+                    output=os.fspath(output),
+                    overwrite=overwrite,
+                    resume=resume,
+                )
+            )
+
+    def damage(
+        self,
+        baselines: "Sequence[Fit | ResultFolder | str | os.PathLike[str]]",
+        *,
+        threshold: float = 0.05,
+        false_alarm_rate: float = 0.05,
+        threads: int = 0,
+        progress: bool | None = None,
+        callback: Progress | None = None,
+    ) -> "Damage":
+        """Fits the case and says what has changed since healthy records.
+
+        baselines: fits of these, or their result folders.
+        threshold: loss of stiffness from which damage is called, a fraction.
+        false_alarm_rate: probability of calling a change where there is none.
+        """
+        from .result import Damage, _baselines
+
+        with watched(progress, callback) as call:
+            return Damage(
+                _pinode.damage(
+                    self._handle,
+                    None,
+                    _baselines(baselines),
+                    threshold=threshold,
+                    false_alarm_rate=false_alarm_rate,
+                    threads=threads,
+                    callback=call,
+                )
+            )
+
+    def discover(
+        self,
+        *,
+        threads: int = 0,
+        progress: bool | None = None,
+        callback: Progress | None = None,
+    ) -> "Discovery":
+        """Equations from the derivatives of smoothed records, without a fit
+        (`discover={"source": "derivatives"}` of the case); those in place of
+        trained networks are asked of a Fit."""
+        from .result import Discovery
+
+        with watched(progress, callback) as call:
+            return Discovery(
+                _pinode.discover(self._handle, None, threads=threads, callback=call)
+            )
+
+    def __repr__(self) -> str:
+        return (
+            f"Case({self.title or self.path or 'from memory'}: "
+            f"{len(self.dofs)} DOFs, {len(self.records)} records, "
+            f"{sum(p['free'] for p in self.parameters.values())} free parameters)"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [p["name"], p["value"], p["unit"], "free" if p["free"] else "fixed"]
+            for p in self.parameters.values()
+        ]
+        records = [
+            [r["name"], r["role"], r["num_samples"], r["step"], ", ".join(r["channels"])]
+            for r in self.records.values()
+        ]
+        return _html.section(
+            repr(self),
+            _html.table(["parameter", "value", "unit", ""], rows),
+            _html.table(["record", "role", "samples", "step", "channels"], records),
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        tree = self._handle.tree()
+        return _restore, (tree, self.path, self._handle.purpose)
+
+
+def _restore(tree: dict[str, Any], path: str, purpose: str) -> Case:
+    return Case._of(_pinode.CaseHandle.from_tree(tree, path, purpose))
+
+
+def read_case(path: str | os.PathLike[str], *, simulation: bool = False) -> Case:
+    """The case of a file; see Case.read."""
+    return Case.read(path, simulation=simulation)
+
+
+__all__ = ["Case", "read_case"]

@@ -1,0 +1,52 @@
+"""A progress bar in a terminal or a notebook."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+
+def _in_notebook() -> bool:
+    shell = sys.modules.get("IPython")
+    shell = shell.get_ipython() if shell is not None else None
+    return shell is not None and "IPKernelApp" in getattr(shell, "config", {})
+
+
+@contextlib.contextmanager
+def watched(
+    progress: bool | None, callback: Callable[[Mapping[str, Any]], Any] | None
+) -> Iterator[Callable[[Mapping[str, Any]], Any] | None]:
+    """What a fit is to call: the callback, a bar, both, or None."""
+    if progress is None:
+        progress = _in_notebook() or bool(getattr(sys.stderr, "isatty", bool)())
+    bar = None
+    if progress:
+        try:
+            from tqdm.auto import tqdm
+
+            bar = tqdm(desc="identify", unit=" iterations", leave=False)
+        except ImportError:
+            bar = None
+    if bar is None:
+        yield callback
+        return
+
+    def call(state: Mapping[str, Any]) -> Any:
+        bar.set_description(
+            (state["fit"] + " " if state["fit"] else "")
+            + f"stage {state['stage']}/{state['num_stages']}",
+            refresh=False,
+        )
+        bar.set_postfix_str(
+            f"cost {state['cost']:.6g}, free-run error {state['free_run_error']:.3g}",
+            refresh=False,
+        )
+        bar.update(max(0, state["iteration"] - bar.n))
+        return None if callback is None else callback(state)
+
+    try:
+        yield call
+    finally:
+        bar.close()

@@ -1,0 +1,509 @@
+"""What came out of a case."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import _html, _pinode
+from ._pinode import Error
+from .case import Case, Progress
+from .progress import watched
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+
+class Parameter(NamedTuple):
+    """A named parameter: in the model's units, with its 95 % interval.
+
+    sigma is infinite, and the interval without ends, where the data do not say;
+    both are NaN or infinite of fixed ones.
+    """
+
+    name: str
+    unit: str
+    initial: float
+    value: float
+    sigma: float
+    lower95: float
+    upper95: float
+    free: bool
+    at_bound: bool
+
+
+class RecordResult(NamedTuple):
+    """A record beside what the model predicts for it, in a free run.
+
+    time (s, or the unit of the record's file), and by channel the measured
+    values, the predicted ones and the standard deviation of what the sensor
+    reads about these (empty where it is not known), in `units`, those of the
+    record's file. states: [x; v; z] of the model in its units, states x
+    samples; start: the first of them.
+    """
+
+    time: np.ndarray
+    measured: dict[str, np.ndarray]
+    predicted: dict[str, np.ndarray]
+    deviation: dict[str, np.ndarray]
+    units: dict[str, str]
+    states: np.ndarray
+    start: np.ndarray
+
+
+class Simulation(Mapping):
+    """Responses by record: `time` (s), `channels` by name, `states` (states x
+    samples, model units), `finite`, `remark`."""
+
+    def __init__(self, records: dict[str, dict[str, Any]]) -> None:
+        self._records = records
+
+    def __getitem__(self, record: str) -> dict[str, Any]:
+        return self._records[record]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._records)
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def __repr__(self) -> str:
+        text = ", ".join(
+            f"{name}: {len(r['time'])} samples" + ("" if r["finite"] else ", not finite")
+            for name, r in self.items()
+        )
+        return f"Simulation({text})"
+
+
+class _Outcome:
+    """What fits, verdicts and equations have in common: a fit."""
+
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+        self._json: dict[str, Any] | None = None
+
+    @property
+    def usable(self) -> bool:
+        """Whether the result may be used; `message` says why not."""
+        return self._handle.usable
+
+    @property
+    def message(self) -> str:
+        return self._handle.message
+
+    @property
+    def termination(self) -> str:
+        """"converged", "no_convergence", "interrupted" or "failure"."""
+        return self._handle.termination
+
+    @property
+    def verdict(self) -> str:
+        """Whether the result may be used, and why, in a sentence or two."""
+        return self._handle.verdict
+
+    @property
+    def remarks(self) -> list[str]:
+        """What one should know of data and outcome, a sentence each."""
+        return self._handle.remarks + self._handle.troubles
+
+    @property
+    def seconds(self) -> float:
+        return self._handle.seconds
+
+    @property
+    def case(self) -> Case:
+        """The case as it was fitted: without terms that were left out."""
+        return Case._of(self._handle.case())
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        return {p["name"]: Parameter(**p) for p in self._handle.parameters()}
+
+    def __getitem__(self, name: str) -> float:
+        """The value of a named parameter."""
+        try:
+            return self.parameters[name].value
+        except KeyError:
+            raise KeyError(
+                f"there is no parameter '{name}'; there are "
+                + ", ".join(self.parameters)
+            ) from None
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Of the free named parameters, in the order of covariance_names."""
+        return self._handle.covariance
+
+    @property
+    def covariance_names(self) -> list[str]:
+        return self._handle.covariance_names
+
+    def record(self, name: str | None = None) -> RecordResult:
+        """A record of the case, the first unless it is named."""
+        if name is None:
+            records = self.json["records"]
+            if not records:
+                raise Error("the result has no record")
+            name = records[0]["name"]
+        return RecordResult(**self._handle.record(name))
+
+    @property
+    def records(self) -> dict[str, dict[str, Any]]:
+        """Scores of the free runs by record: role, nrmse, prior_nrmse,
+        channels."""
+        return {r["name"]: r for r in self.json["records"]}
+
+    @property
+    def modes(self) -> list[dict[str, Any]]:
+        """The model's modes before and after: initial_hz, updated_hz,
+        initial_damping, updated_damping, mac."""
+        return self.json["modes"]
+
+    @property
+    def mass(self) -> np.ndarray:
+        """M with the groups as they were found, n x n."""
+        return self._handle.matrices()["mass"]
+
+    @property
+    def damping(self) -> np.ndarray:
+        return self._handle.matrices()["damping"]
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        return self._handle.matrices()["stiffness"]
+
+    @property
+    def forces(self) -> dict[str, dict[str, Any]]:
+        """Unknown forces by name: time, force, lower95, upper95."""
+        return {f["name"]: f for f in self._handle.forces()}
+
+    @property
+    def profiles(self) -> dict[str, dict[str, Any]]:
+        """Profiles of the likelihood by parameter, where they were asked for."""
+        return {p["name"]: p for p in self._handle.profiles()}
+
+    @property
+    def loops(self) -> list[dict[str, Any]]:
+        """What elements, libraries and networks did along the predicted states:
+        term, deformation, rate, force, time, with their units."""
+        return self._handle.loops()
+
+    @property
+    def ambient(self) -> dict[str, dict[str, Any]]:
+        """Of ambient records the spectral densities, measured and modelled
+        (channels x frequencies), and what part of each channel is explained."""
+        return {a["name"]: a for a in self._handle.ambient()}
+
+    @property
+    def history(self) -> dict[str, np.ndarray]:
+        """A row an iteration: stage, iteration, cost, gradient_norm,
+        largest_gap."""
+        return {k: np.array(v) for k, v in self._handle.history().items()}
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """The content of result.json, "pinode-result-1"."""
+        if self._json is None:
+            self._json = json.loads(self._handle.json())
+        return self._json
+
+    def report(self) -> str:
+        """Verdict and tables, as the programs print them."""
+        return self._handle.report()
+
+    def save(self, folder: str | os.PathLike[str], *, overwrite: bool = False) -> None:
+        """Writes a result folder as the programs do, with the report."""
+        self._handle.save(os.fspath(folder), overwrite)
+
+    def to_pandas(self, what: str = "parameters") -> "DataFrame":
+        """A frame of pandas: "parameters", "history", "modes", or a record."""
+        from . import frames
+
+        return frames.frame(self, what)
+
+    def figures(self) -> "dict[str, Figure]":
+        """The figures of the report, drawn by matplotlib."""
+        from . import figures
+
+        return figures.all_figures(self)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self._handle.brief()})"
+
+    def _repr_html_(self) -> str:
+        parameters = [
+            [p.name, p.initial, p.value, p.lower95, p.upper95, p.unit]
+            for p in self.parameters.values()
+        ]
+        records = [
+            [r["name"], r["role"], r["nrmse"], r["prior_nrmse"]]
+            for r in self.records.values()
+        ]
+        return _html.section(
+            self.verdict,
+            _html.table(
+                ["parameter", "before", "value", "from", "to (95 %)", "unit"], parameters
+            ),
+            _html.table(["record", "role", "error", "error before"], records),
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (type(self), *self._handle.state())
+
+
+class Fit(_Outcome):
+    """An identified model."""
+
+    def discover(
+        self,
+        *,
+        options: Mapping[str, Any] | None = None,
+        threads: int = 0,
+        progress: bool | None = None,
+        callback: Progress | None = None,
+    ) -> "Discovery":
+        """Closed-form equations in place of the networks of the model.
+
+        options: as [discover] of a case file; those of the case unless given.
+        """
+        case = self.case if options is None else self.case.replace(discover=dict(options))
+        with watched(progress, callback) as call:
+            return Discovery(
+                _pinode.discover(
+                    case._handle, self._handle, threads=threads, callback=call
+                )
+            )
+
+    def damage(
+        self,
+        baselines: "Sequence[Fit | ResultFolder | str | os.PathLike[str]]",
+        *,
+        threshold: float = 0.05,
+        false_alarm_rate: float = 0.05,
+        threads: int = 0,
+        progress: bool | None = None,
+        callback: Progress | None = None,
+    ) -> "Damage":
+        """What has changed since healthy records; see Case.damage, which begins
+        the fit from the first of these."""
+        with watched(progress, callback) as call:
+            return Damage(
+                _pinode.damage(
+                    self.case._handle,
+                    self._handle,
+                    _baselines(baselines),
+                    threshold=threshold,
+                    false_alarm_rate=false_alarm_rate,
+                    threads=threads,
+                    callback=call,
+                )
+            )
+
+
+class Damage(_Outcome):
+    """A fit of new records beside healthy ones, and what has changed."""
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        self._found: dict[str, Any] | None = json.loads(_pinode.damage_json(handle))
+
+    @property
+    def damage_verdict(self) -> str:
+        """"no_damage", "damage", "nonlinear", "other_change" or "cannot_tell"."""
+        return "cannot_tell" if self._found is None else self._found["verdict"]
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        if self._found is None:
+            return "Nothing can be said about changes: " + "; ".join(
+                self._handle.troubles or [self.message]
+            )
+        return self._found["message"]
+
+    @property
+    def groups(self) -> dict[str, dict[str, Any]]:
+        """By group its change (-0.1: a tenth lost), lower95, upper95, the
+        probability of a loss beyond the threshold, damaged, reason."""
+        return {} if self._found is None else {g["name"]: g for g in self._found["groups"]}
+
+    @property
+    def damage_json(self) -> dict[str, Any] | None:
+        """The content of damage.json; None where nothing could be said."""
+        return self._found
+
+    def __repr__(self) -> str:
+        return f"Damage({self.sentence})"
+
+    def __str__(self) -> str:
+        return f"{self.sentence}\n\n{self.report()}"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [g["name"], g["change"], g["lower95"], g["upper95"], g["probability"]]
+            for g in self.groups.values()
+        ]
+        header = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
+        return _html.section(self.sentence, _html.table(header, rows)) + super()._repr_html_()
+
+
+class Discovery(_Outcome):
+    """A model with equations in place of its networks."""
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        self._found: dict[str, Any] = json.loads(_pinode.discovery_json(handle))
+        self._text: str = _pinode.equations_text(handle)
+
+    @property
+    def equations(self) -> list[dict[str, Any]]:
+        """By output the terms with basis, coefficient, lower95, upper95, unit."""
+        return self._found["equations"]
+
+    @property
+    def discovery_json(self) -> dict[str, Any]:
+        """The content of discover.json."""
+        return self._found
+
+    @property
+    def terms(self) -> dict[str, dict[str, float]]:
+        """Coefficients by output and basis."""
+        return {
+            e["output"]: {t["basis"]: t["coefficient"] for t in e["terms"]}
+            for e in self.equations
+        }
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"Discovery({' '.join(self._text.split())})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [e["output"], t["basis"], t["coefficient"], t["lower95"], t["upper95"], t["unit"]]
+            for e in self.equations
+            for t in e["terms"]
+        ]
+        header = ["output", "term", "coefficient", "from", "to (95 %)", "unit"]
+        return _html.section(self.message, _html.table(header, rows))
+
+
+def _restore(kind: type, tree: dict[str, Any], path: str, packed: bytes) -> _Outcome:
+    return kind(_pinode.FitHandle.from_state(tree, path, packed))
+
+
+def _baselines(given: Any) -> list[Any]:
+    """Handles of fits, and paths."""
+    if isinstance(given, (str, os.PathLike, _Outcome, ResultFolder)):
+        given = [given]
+    result: list[Any] = []
+    for entry in given:
+        if isinstance(entry, _Outcome):
+            result.append(entry._handle)
+        elif isinstance(entry, ResultFolder):
+            result.append(str(entry.path))
+        elif isinstance(entry, (str, os.PathLike)):
+            result.append(os.fspath(entry))
+        else:
+            raise Error(
+                f"a baseline is a value of type {type(entry).__name__}, expected "
+                "a Fit or a result folder"
+            )
+    return result
+
+
+class ResultFolder:
+    """A result folder on disk."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        file = self.path / "result.json"
+        try:
+            self.json: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as failure:
+            raise Error(f"{file}: is no result of pinode: {failure}") from None
+        if not isinstance(self.json, dict) or not str(self.json.get("schema")).startswith(
+            "pinode-result-"
+        ):
+            raise Error(f"{file}: is no result of pinode, expected its schema")
+
+    @property
+    def usable(self) -> bool:
+        return bool(self.json["usable"])
+
+    @property
+    def message(self) -> str:
+        return self.json["message"]
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        return {p["name"]: p for p in self.json["parameters"]}
+
+    def __getitem__(self, name: str) -> float:
+        return self.parameters[name]["value"]
+
+    @property
+    def records(self) -> dict[str, dict[str, Any]]:
+        return {r["name"]: r for r in self.json["records"]}
+
+    @property
+    def modes(self) -> list[dict[str, Any]]:
+        return self.json["modes"]
+
+    def prediction(self, record: str) -> dict[str, np.ndarray]:
+        """Columns of prediction_<record>.csv."""
+        return self.table(f"prediction_{record}.csv")
+
+    def table(self, name: str) -> dict[str, np.ndarray]:
+        """The columns of one of its CSV files with numbers."""
+        file = self.path / name
+        try:
+            with open(file, newline="", encoding="utf-8") as lines:
+                rows = list(csv.reader(lines))
+            header, body = rows[0], rows[1:]
+            numbers = np.array(
+                [[float(cell) if cell else np.nan for cell in row] for row in body]
+            ).reshape(len(body), len(header))
+        except (OSError, ValueError, IndexError) as failure:
+            raise Error(f"{file}: cannot be read as a table: {failure}") from None
+        return {name: numbers[:, i] for i, name in enumerate(header)}
+
+    def matrix(self, name: str) -> np.ndarray:
+        """One of its matrices, such as "K.mtx", full."""
+        from scipy.io import mmread
+
+        try:
+            matrix = mmread(self.path / name)
+        except (OSError, ValueError) as failure:
+            raise Error(f"{self.path / name}: cannot be read: {failure}") from None
+        return matrix.toarray() if hasattr(matrix, "toarray") else matrix
+
+    @property
+    def case(self) -> Case:
+        """The updated model as a case, model.toml."""
+        return Case.read(self.path / "model.toml")
+
+    @property
+    def damage(self) -> dict[str, Any] | None:
+        """The content of damage.json, where there is one."""
+        file = self.path / "damage.json"
+        return json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
+
+    def __repr__(self) -> str:
+        return f"ResultFolder({str(self.path)!r}: {self.message})"
+
+
+def read_result(path: str | os.PathLike[str]) -> ResultFolder:
+    """The result folder that a program, or `save`, has written."""
+    return ResultFolder(path)

@@ -1,0 +1,261 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/case/baseline_folder.h"
+#include "pinode/case/damage_case.h"
+#include "pinode/case/damage_files.h"
+#include "pinode/case/discover_files.h"
+#include "pinode/case/grown_case.h"
+#include "pinode/case/result_files.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/python/convert.h"
+#include "pinode/python/fit.h"
+#include "pinode/python/watch.h"
+#include "pinode/study/discovered_problem.h"
+#include "pinode/study/simulation.h"
+
+namespace pinode::python {
+namespace {
+
+namespace py = pybind11;
+
+// Of each record the times, what its sensors show, and the states.
+py::dict Simulate(const CaseHandle& handle, double noise_percent,
+                  const py::object& seed) {
+  const IdentificationProblem& problem = handle.c.problem;
+  if (problem.records.empty()) {
+    throw Error(
+        "the case has no record, expected one with an excitation or a "
+        "start");
+  }
+  if (!(noise_percent < 1e6)) {
+    throw Error("noise_percent must be a finite number");
+  }
+  SensorNoise noise(seed.is_none() ? handle.c.noise_seed
+                                   : seed.cast<std::uint64_t>());
+  const double percent =
+      noise_percent < 0.0 ? handle.c.noise_percent : noise_percent;
+  const Vector parameters = ParameterLayout(problem).InitialValues();
+  py::dict result;
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    SimulatedResponse response;
+    {
+      py::gil_scoped_release release;
+      response = SimulateRecord(problem, static_cast<int>(r), parameters);
+    }
+    py::dict channels;
+    for (size_t i = 0; i < record.channels.size(); ++i) {
+      Vector values =
+          response.sensors.row(static_cast<Eigen::Index>(i)).transpose();
+      noise.AddTo(percent, &values);
+      channels[py::str(record.channels[i].observation.name)] =
+          FromVector(values);
+    }
+    py::dict entry;
+    entry["time"] = FromVector(FileTimes(record));
+    entry["channels"] = std::move(channels);
+    entry["states"] = FromMatrix(response.states);
+    entry["finite"] = response.finite;
+    entry["remark"] = response.remark;
+    result[py::str(record.name)] = std::move(entry);
+  }
+  return result;
+}
+
+// The baselines are fits, or folders with results.
+std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
+  std::vector<Baseline> baselines;
+  for (const py::handle& entry : list) {
+    baselines.emplace_back();
+    std::string error;
+    if (py::isinstance<py::str>(entry)) {
+      Require(
+          ReadBaseline(entry.cast<std::string>(), c, &baselines.back(), &error),
+          error);
+      continue;
+    }
+    const auto fit = entry.cast<std::shared_ptr<Fit>>();
+    const std::string& title = fit->c.problem.description.title;
+    const std::string name = (title.empty() ? std::string("baseline") : title) +
+                             " " + std::to_string(baselines.size());
+    Require(BaselineFrom(name, fit->c.problem, fit->summary, fit->model,
+                         &baselines.back(), &error),
+            error);
+  }
+  return baselines;
+}
+
+std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
+                                 const py::list& baselines, double threshold,
+                                 double false_alarm_rate,
+                                 const FitRequest& request) {
+  CheckFit(handle);
+  ChangeOptions change;
+  change.threshold = threshold;
+  change.false_alarm_rate = false_alarm_rate;
+  std::string error;
+  Require(change.IsValid(&error), error);
+  auto fit = std::make_shared<Fit>();
+  fit->c = given != nullptr ? given->c : handle.c;
+  SetThreads(request, &fit->c);
+  if (FreeGroups(*fit->c.problem.dynamics).empty()) {
+    throw Error("no group is free, expected those whose change is asked for");
+  }
+  const std::vector<Baseline> healthy = ReadBaselines(baselines, fit->c);
+  IdentifiedModel begin_from;
+  if (given != nullptr) {
+    fit->summary = given->summary;
+    fit->model = given->model;
+    Require(!healthy.empty(),
+            "there is no baseline, expected a result of "
+            "healthy records");
+  } else {
+    Require(PrepareForBaselines(healthy, &fit->c, &begin_from, &error), error);
+  }
+  PythonWatch python(request.callback);
+  JudgedChange judgement;
+  bool ok = true;
+  python.Run([&] {
+    const FitWatch watch = python.watch();
+    ok =
+        given != nullptr || FitCase(ResultFolder(), &begin_from, watch, &fit->c,
+                                    &fit->summary, &fit->model, &error);
+    if (ok) {
+      judgement = JudgeChange(fit->summary, fit->model, healthy, change, watch,
+                              &fit->c);
+    }
+  });
+  Require(ok, error);
+  fit->troubles = python.troubles();
+  if (judgement.judged) {
+    auto damage = std::make_shared<DamageResult>(std::move(judgement.result));
+    fit->summary = damage->summary;
+    fit->model = damage->model;
+    fit->damage = std::move(damage);
+  } else if (!judgement.why_not.empty()) {
+    fit->troubles.push_back("nothing can be said about changes: " +
+                            judgement.why_not);
+  }
+  return fit;
+}
+
+// The terms of networks of `fit` (null: of what the records say), refitted
+// where the case asks for it.
+std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
+                                  const FitRequest& request) {
+  CheckFit(handle);
+  auto result = std::make_shared<Fit>();
+  Case c = fit != nullptr ? fit->c : handle.c;
+  SetThreads(request, &c);
+  c.discover = handle.c.discover;
+  c.discover.num_threads = c.options.num_threads;
+  const bool networks = c.discover.source == DiscoveryOptions::Source::kNetwork;
+  if (c.problem.num_train_records() == 0) {
+    throw Error("no training record, expected one to discover equations from");
+  }
+  if (networks && fit == nullptr) {
+    throw Error(
+        "equations come from the networks of a fit, expected one, or "
+        "source = 'derivatives'");
+  }
+  PythonWatch python(request.callback);
+  IdentificationOptions options = c.options;
+  const FitWatch watch = python.watch();
+  options.callback = [&watch](const IdentificationProgress& progress) {
+    return watch.on_iteration("refit", progress);
+  };
+  auto discovery = std::make_shared<Discovery>();
+  std::string error;
+  bool ok = false;
+  python.Run([&] {
+    IdentifiedModel model;
+    if (fit != nullptr) model = fit->model;
+    std::vector<DiscoveredEquation> equations;
+    ok = networks ? DiscoverFromNetworks(c.problem, model, c.discover,
+                                         &equations, &error)
+                  : DiscoverFromDerivatives(c.problem, c.discover, &equations,
+                                            &model, &error);
+    if (!ok) return;
+    *discovery = WithoutRefit(c.problem, equations);
+    result->c = c;
+    result->model = model;
+    if (discovery->num_terms() == 0) return;
+    if (c.discover.refit) {
+      ok = RefitEquations(c.problem, model, equations, c.discover, options,
+                          nullptr, discovery.get(), &error) &&
+           CaseWithEquations(c, discovery->equations, discovery->problem,
+                             /*given_steps=*/true, &result->c, &error);
+      result->summary = discovery->summary;
+      result->model = discovery->model;
+      return;
+    }
+    IdentificationProblem problem;
+    ok = MakeDiscoveredProblem(c.problem, model, equations, {}, &problem,
+                               &result->model, &error) &&
+         CaseWithEquations(c, equations, problem, /*given_steps=*/false,
+                           &result->c, &error);
+  });
+  Require(ok, error);
+  if (!discovery->refitted) {
+    result->summary.message = discovery->num_terms() == 0
+                                  ? "no term was found"
+                                  : "the equations were not refitted";
+  }
+  result->discovery = std::move(discovery);
+  return result;
+}
+
+}  // namespace
+
+void BindStudy(py::module_* module) {
+  module->def("simulate", &Simulate, py::arg("case"),
+              py::arg("noise_percent") = -1.0, py::arg("seed") = py::none());
+  module->def(
+      "damage",
+      [](const CaseHandle& handle, const Fit* fit, const py::list& baselines,
+         double threshold, double false_alarm_rate, int threads,
+         const py::object& callback) {
+        return AnalyseCase(handle, fit, baselines, threshold, false_alarm_rate,
+                           {threads, callback, "", false, false});
+      },
+      py::arg("case"), py::arg("fit"), py::arg("baselines"),
+      py::arg("threshold") = 0.05, py::arg("false_alarm_rate") = 0.05,
+      py::arg("threads") = 0, py::arg("callback") = py::none());
+  module->def(
+      "discover",
+      [](const CaseHandle& handle, const Fit* fit, int threads,
+         const py::object& callback) {
+        return DiscoverCase(handle, fit, {threads, callback, "", false, false});
+      },
+      py::arg("case"), py::arg("fit"), py::arg("threads") = 0,
+      py::arg("callback") = py::none());
+  module->def(
+      "damage_json",
+      [](const Fit& fit) {
+        return fit.damage == nullptr ? std::string("null")
+                                     : DamageAsJson(*fit.damage);
+      },
+      py::arg("fit"));
+  module->def(
+      "discovery_json",
+      [](const Fit& fit) {
+        return fit.discovery == nullptr ? std::string("null")
+                                        : DiscoveryAsJson(*fit.discovery);
+      },
+      py::arg("fit"));
+  module->def(
+      "equations_text",
+      [](const Fit& fit) {
+        return fit.discovery == nullptr ? std::string()
+                                        : EquationsAsText(*fit.discovery);
+      },
+      py::arg("fit"));
+}
+
+}  // namespace pinode::python

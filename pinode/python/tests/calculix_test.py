@@ -1,0 +1,130 @@
+"""Models from CalculiX, held against the frequencies that it finds itself."""
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+import pinode
+from pinode import calculix
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("ccx") is None, reason="CalculiX is not installed (calculix-ccx)")
+
+LENGTH, SIDE, ELEMENTS = 1.0, 0.05, 8
+YOUNG, DENSITY = 2.1e11, 7850.0
+
+
+def deck(young=YOUNG, spring=1e5, density=DENSITY, step="*STEP\n*STATIC\n*END STEP\n"):
+    """A cantilever of two halves with one material, and a spring at its end.
+    `young`, `density`: of the half at the support."""
+    lines = ["*NODE, NSET=all"]
+    for i in range(ELEMENTS + 1):
+        for j, (y, z) in enumerate([(0, 0), (1, 0), (1, 1), (0, 1)]):
+            lines.append(f"{4 * i + j + 1}, {LENGTH * i / ELEMENTS}, {SIDE * y}, {SIDE * z}")
+    lines.append(f"{4 * ELEMENTS + 9}, {LENGTH}, {SIDE}, 1.0")
+    for name, first in (("Near", 0), ("far", ELEMENTS // 2)):
+        lines.append(f"*Element, type=C3D8I, elset={name}")
+        for i in range(first, first + ELEMENTS // 2):
+            corners = [4 * i + k for k in (1, 2, 3, 4, 5, 6, 7, 8)]
+            lines.append(", ".join(map(str, [i + 1, *corners])))
+    lines += [
+        "*ELEMENT,TYPE=SPRINGA,ELSET=tie", f"100,{4 * ELEMENTS + 3},{4 * ELEMENTS + 9}",
+        "*SPRING,ELSET=tie", f"{spring:.6E}",
+        "** both halves are of one steel unless one is changed",
+        "*MATERIAL,NAME=steel", "*ELASTIC", f"{YOUNG},0.3", "*DENSITY", f"{DENSITY}",
+        "*MATERIAL,NAME=other", "*ELASTIC", f"{young},0.3", "*DENSITY", f"{density}",
+        "*SOLID SECTION,ELSET=far,MATERIAL=steel",
+        "*SOLID SECTION, ELSET=Near, MATERIAL="
+        + ("steel" if (young, density) == (YOUNG, DENSITY) else "other"),
+        "*BOUNDARY", "1,1,3", "2,1,3", "3,1,3", "4,1,3", f"{4 * ELEMENTS + 9},1,3"]
+    return "\n".join(lines) + "\n" + step
+
+
+def frequencies(folder, text):
+    """The lowest four in Hz, as CalculiX prints them."""
+    (folder / "own.inp").write_text(text)
+    subprocess.run(["ccx", "-i", "own"], cwd=folder, check=True, capture_output=True)
+    found = []
+    for line in (folder / "own.dat").read_text().splitlines():
+        words = line.split()
+        if "P A R T I C I P A T I O N" in line:
+            break
+        if len(words) == 5 and words[0].isdigit():
+            found.append(float(words[3]))
+    return np.array(found)
+
+
+FREQUENCY = "*STEP\n*FREQUENCY\n4\n*END STEP\n"
+
+
+@pytest.fixture(scope="module")
+def export(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("calculix")
+    (folder / "beam.inp").write_text(deck())
+    return calculix.export(folder / "beam.inp", ["Near", "FAR", "tie"], masses=["near"])
+
+
+def case(export, **initial):
+    groups = [pinode.Group(**{**g, "initial": initial.get(g["name"], 0.0)})
+              for g in export.groups]
+    return pinode.Case(export.model(reduction={"method": "modal", "modes": 12}),
+                       groups=groups)
+
+
+def test_sets_of_a_deck(tmp_path):
+    (tmp_path / "beam.inp").write_text(deck())
+    assert calculix.element_sets(tmp_path / "beam.inp") == ["tie", "far", "Near"]
+
+
+def test_frequencies_are_calculix_own(export, tmp_path):
+    own = frequencies(tmp_path, deck(step=FREQUENCY))
+    ours = case(export).natural_modes()["frequencies_hz"]
+    assert ours[:4] == pytest.approx(own, rel=1e-6)
+    # Two bending planes of a slender cantilever, the spring along one of them.
+    inertia, area = SIDE**4 / 12, SIDE**2
+    beam = 1.875104**2 / (2 * np.pi) * np.sqrt(YOUNG * inertia / (DENSITY * area))
+    assert own[0] == pytest.approx(beam, rel=0.02)
+
+
+@pytest.mark.parametrize("name, change, text", [
+    ("Near", -0.1, dict(young=0.9 * YOUNG)),
+    ("tie", 0.5, dict(spring=1.5e5)),
+    ("mass_near", 0.2, dict(density=1.2 * DENSITY))])
+def test_groups_change_as_the_deck_does(export, tmp_path, name, change, text):
+    own = frequencies(tmp_path, deck(step=FREQUENCY, **text))
+    ours = case(export, **{name: change}).natural_modes()["frequencies_hz"]
+    # The basis is that of the deck as it is.
+    assert ours[:4] == pytest.approx(own, rel=2e-3)
+    still = case(export).natural_modes()["frequencies_hz"]
+    shift, own_shift = ours[:4] - still[:4], own - still[:4]
+    most = np.argmax(np.abs(own_shift))
+    assert np.abs(own_shift[most]) > 1e-3 * own[most]
+    assert shift[most] == pytest.approx(own_shift[most], rel=0.05)
+
+
+@pytest.mark.parametrize("change, sets, message", [
+    ({}, ["nowhere"], "no section has the element set 'nowhere', expected one of far, Near"),
+    ({"*SPRING,ELSET=tie": "*SPRING,ELSET=tie,NONLINEAR"}, ["tie"], "nonlinear"),
+    ({"*ELASTIC\n": "*ELASTIC,TYPE=ORTHO\n"}, ["far"], "of type ORTHO"),
+    ({"MATERIAL=steel": "MATERIAL=tin"}, ["far"], "no material 'tin'"),
+    ({"*NODE, NSET=all": "*HEADING"}, ["far"], "ccx failed"),
+])
+def test_decks_that_do_not_do(tmp_path, change, sets, message):
+    text = deck()
+    for old, new in change.items():
+        text = text.replace(old, new)
+    (tmp_path / "beam.inp").write_text(text)
+    with pytest.raises(pinode.Error, match=message):
+        calculix.export(tmp_path / "beam.inp", sets)
+
+
+def test_what_is_not_there(tmp_path):
+    with pytest.raises(pinode.Error, match="cannot be read"):
+        calculix.export(tmp_path / "nowhere.inp", ["a"])
+    (tmp_path / "beam.inp").write_text(deck())
+    with pytest.raises(pinode.Error, match="no program 'ccy'"):
+        calculix.export(tmp_path / "beam.inp", ["far"], ccx="ccy")
+    with pytest.raises(pinode.Error, match="factor"):
+        calculix.export(tmp_path / "beam.inp", ["far"], factor=1.0)

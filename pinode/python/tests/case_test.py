@@ -1,0 +1,161 @@
+"""Cases from arrays and from files."""
+
+import os
+import pathlib
+import pickle
+
+import conftest
+import frame_testing
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+
+import pinode
+
+DATA = pathlib.Path(os.environ["PINODE_SOURCE_DIR"]) / "data"
+
+
+def test_has_the_matrices_and_modes_of_its_model(healthy):
+    assert np.array_equal(healthy.mass, frame_testing.MASS)
+    assert np.array_equal(healthy.stiffness, frame_testing.STIFFNESS)
+    assert healthy.dofs == ["u1", "u2", "u3"]
+    values = scipy.linalg.eigh(frame_testing.STIFFNESS, frame_testing.MASS,
+                               eigvals_only=True)
+    modes = healthy.natural_modes()
+    assert np.allclose(modes["frequencies_hz"], np.sqrt(values) / (2 * np.pi))
+    with pytest.raises(ValueError):
+        healthy.mass[0, 0] = 1.0  # of the case, which others look at
+
+
+def test_takes_sparse_matrices_lists_and_other_numbers():
+    mass = scipy.sparse.csr_matrix(frame_testing.MASS)
+    stiffness = frame_testing.STIFFNESS.astype(np.float32).tolist()
+    case = pinode.Case(pinode.Model(mass, stiffness, frame_testing.DAMPING))
+    assert np.array_equal(case.mass, frame_testing.MASS)
+    assert np.array_equal(case.stiffness, frame_testing.STIFFNESS)
+    whole = pinode.Case(pinode.FiniteElementModel(
+        mass, scipy.sparse.coo_matrix(frame_testing.STIFFNESS), dofs=["a", "b", "c"]))
+    assert whole.dofs == ["a", "b", "c"]
+    assert np.allclose(whole.natural_modes()["frequencies_hz"],
+                       case.natural_modes()["frequencies_hz"])
+
+
+def test_records_are_the_arrays(healthy):
+    ground, floors = frame_testing.measure()
+    measured = healthy.measured("healthy")
+    assert np.allclose(measured["time"], 0.01 * np.arange(len(ground)))
+    for i in range(3):
+        assert np.array_equal(measured[f"a{i + 1}"], floors[:, i])
+    assert healthy.records["healthy"]["num_samples"] == len(ground)
+
+
+def test_units_of_arrays_are_converted():
+    ground, floors = frame_testing.measure(samples=50)
+    record = pinode.Record(
+        "r", time=0.01 * np.arange(50), interpolation="held",
+        ground={"x": {"values": ground / 9.80665, "unit": "g"}},
+        channels=[pinode.Channel("a", 1e3 * floors[:, 0], dof="u1", unit="mm/s^2")])
+    case = pinode.Case(conftest.model(), groups=conftest.groups(), records=[record])
+    assert case.measured("r")["a"] == pytest.approx(1e3 * floors[:, 0])
+    fit = case.identify(callback=lambda state: False)
+    assert fit.termination == "interrupted"
+    assert fit.record("r").units == {"a": "mm/s^2"}
+
+
+def test_frames_of_pandas_and_missing_samples():
+    pandas = pytest.importorskip("pandas")
+    ground, floors = frame_testing.measure(samples=200)
+    floors = np.ma.masked_array(floors, mask=np.zeros(floors.shape, dtype=bool))
+    floors.mask[3, 0] = True
+    frame = pandas.DataFrame({"t": 0.01 * np.arange(200), "ag": ground})
+    frame["top"] = floors[:, 0].filled(np.nan)
+    case = pinode.Case(conftest.model(), groups=conftest.groups(), records=[
+        pinode.Record("r", file=frame, time="t", ground={"x": "ag"},
+                      interpolation="linear", start="rest",
+                      channels=[pinode.Channel("a1", "top", dof="u1"),
+                                pinode.Channel("masked", floors[:, 0], dof="u1")])])
+    for channel in ("a1", "masked"):
+        values = case.measured("r")[channel]
+        assert np.isnan(values[3]) and np.isfinite(np.delete(values, 3)).all()
+
+
+def test_files_are_cases_too():
+    case = pinode.read_case(DATA / "three_storey" / "three_storey.toml")
+    assert case.title == "Three-storey frame"
+    assert set(case.parameters) >= {"k1", "k2", "k3", "spring1.k3"}
+    assert "three_storey" in repr(pickle.loads(pickle.dumps(case)).path)
+    other = case.replace(title="Another")
+    assert other.title == "Another" and other.parameters == case.parameters
+
+
+def test_cases_are_written_and_pickled(healthy, tmp_path):
+    healthy.save(tmp_path / "case")
+    for other in (pinode.read_case(tmp_path / "case" / "case.toml"),
+                  pickle.loads(pickle.dumps(healthy)),
+                  pinode.Case.from_dict(healthy.to_dict())):
+        assert np.array_equal(other.stiffness, healthy.stiffness)
+        assert other.parameters == healthy.parameters
+        ours, theirs = healthy.measured("healthy"), other.measured("healthy")
+        assert all(np.array_equal(ours[k], theirs[k]) for k in ours)
+
+
+def test_simulation_agrees_with_another_integration():
+    ground, floors = frame_testing.measure(noise=0.0)
+    case = pinode.Case(
+        conftest.model(),
+        records=[pinode.Record("r", step=0.01, ground={"x": ground},
+                               interpolation="cubic", start="rest",
+                               channels=[pinode.Channel("a", dof="u3")])])
+    response = case.simulate()["r"]
+    error = response["channels"]["a"] - floors[:, 2]
+    assert response["finite"]
+    assert np.sqrt(np.mean(error**2)) < 1e-3 * np.std(floors[:, 2])
+    noisy = case.simulate(noise_percent=5.0, seed=3)["r"]["channels"]["a"]
+    again = case.simulate(noise_percent=5.0, seed=3)["r"]["channels"]["a"]
+    assert np.array_equal(noisy, again)
+    spread = np.std(noisy - response["channels"]["a"]) / np.std(noisy)
+    assert 0.04 < spread < 0.06
+    with pytest.raises(pinode.Error, match="simulation"):
+        case.identify()
+
+
+def test_check_says_what_is_not_seen(healthy):
+    check = healthy.check()
+    assert check["num_free"] == 3 and check["undetermined"] == []
+    assert {e["name"] for e in check["expected"]} == {"k1", "k2", "k3"}
+    twice = healthy.replace(groups=conftest.groups() + [
+        pinode.Group("same", frame_testing.STOREYS[0])])
+    assert any("same" in u for u in twice.check()["undetermined"])
+
+
+@pytest.mark.parametrize("change, message", [
+    (dict(groups=[pinode.Group("k1", np.eye(2))]),
+     r"<group\[0\].matrix>: the matrix of group 'k1' is 2 x 2, expected 3 x 3"),
+    (dict(groups=[pinode.Group("k1", storeys=1)]), "unknown key 'storeys'.*storey"),
+    (dict(groups=[pinode.Group("k1", np.eye(3, dtype=complex))]),
+     r"group\[0\].matrix has entries of type complex128"),
+    (dict(elements=[pinode.Element("e", "cubik", ("ground", "u1"))]), "cubik"),
+    (dict(records=[]), "nothing|training record|no record|expected"),
+    (dict(model=3), "a table"),
+    (dict(units={"length": "furlong"}), "furlong"),
+])
+def test_mistakes_are_sentences(healthy, change, message):
+    with pytest.raises(pinode.Error, match=message) as caught:
+        healthy.replace(**change).identify()
+    assert isinstance(caught.value, ValueError)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_contains_itself_is_refused():
+    tree = {}
+    tree["model"] = tree
+    with pytest.raises(pinode.Error, match="nested too deeply"):
+        pinode.Case.from_dict(tree)
+
+
+def test_reprs(healthy):
+    assert "3 DOFs, 1 records, 3 free parameters" in repr(healthy)
+    assert "<table>" in healthy._repr_html_()
+    assert repr(pinode.Group("k1", np.eye(3))) == (
+        "Group(name='k1', adds_to='stiffness', matrix=array of 3 x 3)")

@@ -1,0 +1,209 @@
+"""Models as OpenSees prints them, against published frequencies.
+
+Bathe and Wilson's frame and the seven-storey portal frame of OpenSees'
+verification examples, assembled here.
+"""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import pinode
+from pinode import opensees
+
+
+def beam(ends, area, inertia, young):
+    """K of a plane frame member over x, y and rotation of both ends."""
+    (x1, y1), (x2, y2) = ends
+    length = np.hypot(x2 - x1, y2 - y1)
+    c, s = (x2 - x1) / length, (y2 - y1) / length
+    a, b = young * area / length, young * inertia / length**3
+    local = np.zeros((6, 6))
+    local[np.ix_([0, 3], [0, 3])] = [[a, -a], [-a, a]]
+    local[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = b * np.array([
+        [12, 6 * length, -12, 6 * length],
+        [6 * length, 4 * length**2, -6 * length, 2 * length**2],
+        [-12, -6 * length, 12, -6 * length],
+        [6 * length, 2 * length**2, -6 * length, 4 * length**2]])
+    turn = np.kron(np.eye(2), [[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    return turn.T @ local @ turn
+
+
+class Frame:
+    """Nodes by number with three DOFs each; those at y = 0 are fixed."""
+
+    def __init__(self, widths, heights):
+        xs = np.concatenate([[0.0], np.cumsum(widths)])
+        ys = np.concatenate([[0.0], np.cumsum(heights)])
+        self.columns = len(xs)
+        self.places = {1 + i * len(xs) + j: (x, y)
+                       for i, y in enumerate(ys) for j, x in enumerate(xs)}
+        self.dofs, count = {}, 0
+        for node, (_, y) in self.places.items():
+            fixed = y == 0.0
+            self.dofs[node] = [-1] * 3 if fixed else list(range(count, count + 3))
+            count += 0 if fixed else 3
+        self.mass = np.zeros((count, count))
+        self.stiffness = np.zeros((count, count))
+
+    def add(self, one, other, area, inertia, young, mass_per_length=0.0):
+        ends = self.places[one], self.places[other]
+        where = np.array(self.dofs[one] + self.dofs[other])
+        free = where >= 0
+        matrix = beam(ends, area, inertia, young)
+        self.stiffness[np.ix_(where[free], where[free])] += matrix[np.ix_(free, free)]
+        half = mass_per_length * np.hypot(*np.subtract(*ends)) / 2
+        for node in (one, other):
+            self.add_mass(node, half)
+
+    def add_mass(self, node, mass):
+        for equation in self.dofs[node][:2]:
+            if equation >= 0:
+                self.mass[equation, equation] += mass
+
+    def print_matrices(self, folder):
+        """As printA -file does."""
+        for name, matrix in (("M", self.mass), ("K", self.stiffness)):
+            np.savetxt(folder / f"{name}.out", matrix, fmt="%.15e", delimiter=" ")
+
+
+def bathe_and_wilson():
+    frame = Frame([20.0] * 10, [10.0] * 9)
+    n = frame.columns
+    for node in frame.places:
+        if node > n and node % n != 0:  # a beam to the right
+            frame.add(node, node + 1, 3.0, 1.0, 432000.0, 3.0)
+        if node + n in frame.places:
+            frame.add(node, node + n, 3.0, 1.0, 432000.0, 3.0)
+    return frame
+
+
+def omega_squared(model):
+    return scipy.linalg.eigh(model.stiffness, model.mass, eigvals_only=True)
+
+
+def test_bathe_and_wilsons_frame(tmp_path):
+    frame = bathe_and_wilson()
+    frame.print_matrices(tmp_path)
+    model = opensees.read(tmp_path / "M.out", tmp_path / "K.out", dofs=frame.dofs)
+    assert len(model.equations) == 297 and len(model.dofs) == 198
+    assert omega_squared(model)[:3] == pytest.approx([0.589541, 5.52695, 16.5878],
+                                                     rel=5e-6)
+    case = pinode.Case(pinode.Model(model.mass, model.stiffness, dofs=model.dofs,
+                                    influence=model.influence))
+    assert case.natural_modes()["frequencies_hz"][0] == pytest.approx(
+        np.sqrt(0.589541) / (2 * np.pi), rel=1e-6)
+    # What follows statically meets no force.
+    shape = model.expansion @ scipy.linalg.eigh(model.stiffness, model.mass)[1][:, 0]
+    force = frame.stiffness @ shape
+    light = frame.mass.diagonal() == 0.0
+    assert np.abs(force[light]).max() < 1e-9 * np.abs(force[~light]).max()
+
+
+# Of wide-flange sections: area (in^2), second moment (in^4).
+SECTIONS = {
+    "W14X176": (51.7, 2150.0), "W14X211": (62.1, 2670.0), "W14X246": (72.3, 3230.0),
+    "W14X287": (84.4, 3910.0), "W24X110": (32.5, 3330.0), "W24X130": (38.3, 4020.0),
+    "W24X160": (47.1, 5120.0)}
+OUTER = ["W14X246"] * 3 + ["W14X211"] * 2 + ["W14X176"] * 2
+INNER = ["W14X287"] * 3 + ["W14X246"] * 2 + ["W14X211"] * 2
+BEAMS = ["W24X160"] * 2 + ["W24X130"] * 2 + ["W24X110"] * 3
+
+
+def portal():
+    """Two bays and seven storeys; kip, in, s. The floors' masses act along x
+    alone, and the nodes of a floor move together along x."""
+    frame = Frame([360.0] * 2, [162.0] * 2 + [156.0] * 5)
+    n = frame.columns
+    equal = []
+    for storey in range(7):
+        for line in range(n):
+            node = 1 + storey * n + line
+            name = (INNER if line == 1 else OUTER)[storey]
+            frame.add(node, node + n, *SECTIONS[name], 29500.0)
+        left = 1 + (storey + 1) * n
+        for line in range(n - 1):
+            frame.add(left + line, left + line + 1, *SECTIONS[BEAMS[storey]], 29500.0)
+            equal.append((left, left + line + 1, [1]))
+        frame.mass[frame.dofs[left][0], frame.dofs[left][0]] += 0.49
+    return frame, equal
+
+
+PERIODS = [1.2732, 0.4313, 0.2420, 0.1602, 0.1190, 0.0951, 0.0795]  # s
+
+
+def test_seven_storey_portal_frame(tmp_path):
+    frame, equal = portal()
+    frame.print_matrices(tmp_path)
+    model = opensees.read(tmp_path / "M.out", tmp_path / "K.out", dofs=frame.dofs,
+                          equal=equal)
+    assert len(model.dofs) == 7
+    assert list(model.influence) == ["x"]
+    periods = 2 * np.pi / np.sqrt(omega_squared(model))
+    assert np.round(periods, 4) == pytest.approx(PERIODS, abs=1.01e-4)
+
+
+def test_equations_that_dofs_share():
+    """The same frame as the transformation handler prints it: one equation for
+    what moves together."""
+    frame, equal = portal()
+    link = np.eye(len(frame.mass))
+    numbers = np.arange(len(frame.mass))
+    for leader, follower, _ in equal:
+        numbers[frame.dofs[follower][0]] = frame.dofs[leader][0]
+    kept = sorted(set(numbers))
+    link = (numbers[:, None] == np.array(kept)).astype(float)
+    dofs = {node: [kept.index(numbers[e]) if e >= 0 else -1 for e in equations]
+            for node, equations in frame.dofs.items()}
+    shared = opensees.condense(link.T @ frame.mass @ link, link.T @ frame.stiffness @ link,
+                               dofs=dofs)
+    tied = opensees.condense(frame.mass, frame.stiffness, dofs=frame.dofs, equal=equal)
+    assert shared.dofs == tied.dofs
+    assert omega_squared(shared) == pytest.approx(omega_squared(tied), rel=1e-9)
+
+
+def test_groups_follow_the_model():
+    frame, equal = portal()
+    model = opensees.condense(frame.mass, frame.stiffness, dofs=frame.dofs, equal=equal)
+    part = portal()[0]
+    part.stiffness[:] = 0.0
+    part.add(1, 4, *SECTIONS[OUTER[0]], 29500.0)
+    group = model.condense(part.stiffness)
+    # dw^2/dalpha of the condensed model is that of the whole one.
+    values, shapes = scipy.linalg.eigh(model.stiffness, model.mass)
+    slope = shapes[:, 0] @ group @ shapes[:, 0]
+    step = 1e-4
+    moved = opensees.condense(frame.mass, frame.stiffness + step * part.stiffness,
+                              dofs=frame.dofs, equal=equal)
+    assert slope == pytest.approx((omega_squared(moved)[0] - values[0]) / step, rel=1e-3)
+
+
+@pytest.mark.parametrize("text, message", [
+    ("", "0 rows"), ("1 2\n3\n", ":2: 1 numbers, expected 2"), ("1 a\n", ":1: '1 a'"),
+    ("1 2\n", "1 rows of 2"), ("nan\n", "not finite")])
+def test_bad_files(tmp_path, text, message):
+    path = tmp_path / "M.out"
+    path.write_text(text)
+    with pytest.raises(pinode.Error, match=message):
+        opensees.read_matrix(path)
+    with pytest.raises(pinode.Error, match="cannot be read"):
+        opensees.read_matrix(tmp_path / "nowhere")
+
+
+def test_what_does_not_fit_together():
+    one, two = np.eye(1), np.eye(2)
+    dofs = {1: [0, 1]}
+    for arguments, message in [
+            ((one, two), "2 rows, expected 1"),
+            ((two, np.ones(2)), "expected a square one"),
+            ((two, two, [["a", 1], [1, 1]]), "no array of numbers"),
+            ((0 * two, two), "mass matrix is zero"),
+            ((np.diag([1.0, 0.0]), np.zeros((2, 2))), "not held by the stiffness")]:
+        with pytest.raises(pinode.Error, match=message):
+            opensees.condense(*arguments, dofs=dofs)
+    with pytest.raises(pinode.Error, match="equation 1 is no DOF"):
+        opensees.condense(two, two, dofs={1: [0, -1]})
+    with pytest.raises(pinode.Error, match="equation 7"):
+        opensees.condense(two, two, dofs={1: [0, 7]})
+    with pytest.raises(pinode.Error, match="node 5 has no DOF"):
+        opensees.condense(two, two, dofs=dofs, equal=[(1, 5, [1])])

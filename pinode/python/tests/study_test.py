@@ -1,0 +1,139 @@
+"""Damage, equations, unknown forces, measured modes, modes of records alone."""
+
+import pickle
+
+import conftest
+import frame_testing
+import numpy as np
+import pytest
+import scipy.linalg
+
+import pinode
+
+
+def test_damage_from_fits_folders_and_pickles(baseline, damaged, tmp_path):
+    damage = damaged.damage([pickle.loads(pickle.dumps(baseline))])
+    assert damage.damage_verdict == "damage" and "k1" in damage.sentence
+    baseline.save(tmp_path / "healthy")
+    again = damaged.damage(tmp_path / "healthy")
+    assert again.groups["k1"]["change"] == pytest.approx(damage.groups["k1"]["change"],
+                                                         abs=1e-6)
+    fit = damaged.identify()
+    assert fit.damage(pinode.read_result(tmp_path / "healthy")).damage_verdict == "damage"
+    other = pickle.loads(pickle.dumps(damage))
+    assert other.sentence == damage.sentence and other.groups == damage.groups
+    assert "changes" in damage.figures()
+    assert "k1" in damage._repr_html_()
+
+
+def test_no_damage_where_there_is_none(healthy, baseline):
+    now = healthy.replace(records=[conftest.record("now", seed=5)])
+    assert now.damage([baseline]).damage_verdict == "no_damage"
+
+
+def test_baselines_that_are_none_are_refused(damaged, healthy):
+    with pytest.raises(pinode.Error, match="no baseline"):
+        damaged.damage([])
+    with pytest.raises(pinode.Error, match="value of type int"):
+        damaged.damage([3])
+    stopped = healthy.identify(callback=lambda state: False)
+    with pytest.raises(pinode.Error):
+        damaged.damage([stopped])
+    with pytest.raises(pinode.Error, match="threshold"):
+        damaged.damage([stopped], threshold=-1.0)
+
+
+def free_vibration(cubic, seconds=6.0, step=0.01):
+    """x, v of m x'' + c x' + k x + cubic x^3 = 0 by Runge-Kutta of fine steps."""
+    def rate(s):
+        return np.array([s[1], -(100.0 * s[0] + 0.5 * s[1] + cubic * s[0] ** 3)])
+
+    fine = 10
+    h, state, rows = step / fine, np.array([0.1, 0.0]), []
+    for i in range(int(seconds / step) * fine):
+        if i % fine == 0:
+            rows.append(state)
+        k1 = rate(state)
+        k2 = rate(state + h / 2 * k1)
+        k3 = rate(state + h / 2 * k2)
+        k4 = rate(state + h * k3)
+        state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return np.array(rows)
+
+
+def oscillator(**parts):
+    states = free_vibration(3000.0)
+    noise = np.random.default_rng(3).standard_normal(states.shape)
+    return pinode.Case(
+        pinode.Model([[1.0]], [[100.0]], [[0.5]]),
+        records=[pinode.Record(
+            "free", step=0.01, start={"x": [0.1], "v": [0.0]},
+            channels=[
+                pinode.Channel("x", states[:, 0] + 1e-4 * noise[:, 0], "displacement",
+                               dof="u1"),
+                pinode.Channel("v", states[:, 1] + 1e-3 * noise[:, 1], "velocity",
+                               dof="u1")])],
+        **parts)
+
+
+def test_library_expressions_and_elements_find_a_spring():
+    library = oscillator(libraries=[pinode.Library(
+        "nl", ["x[u1]"], "u1", ["x[u1]^3"], acts_as="force")]).identify()
+    element = oscillator(elements=[pinode.Element(
+        "spring", "cubic", ("ground", "u1"), {"k3": pinode.Unknown(0.0)})]).identify()
+    assert element["spring.k3"] == pytest.approx(3000.0, rel=0.01)
+    assert abs(library["nl.x[u1]^3"]) == pytest.approx(3000.0, rel=0.01)
+    assert "loops" in element.figures()
+
+
+def test_networks_become_equations():
+    case = oscillator(
+        networks=[pinode.Network("nn", ["x[u1]", "v[u1]"], ["u1"], layers=[8])],
+        options={"max_iterations": 60})
+    fit = case.identify()
+    found = fit.discover()
+    terms = found.terms["u1"]
+    assert terms["x[u1]^3"] == pytest.approx(-3000.0, rel=0.05)
+    assert "x[u1]^3" in str(found)
+    other = pickle.loads(pickle.dumps(found))
+    assert other.terms == found.terms
+
+
+def test_measured_modes_alone():
+    true = frame_testing.STIFFNESS - 0.1 * frame_testing.STOREYS[0]
+    values, shapes = scipy.linalg.eigh(true, frame_testing.MASS)
+    case = pinode.Case(
+        pinode.Model(frame_testing.MASS, frame_testing.STIFFNESS),
+        groups=conftest.groups(),
+        modes=[pinode.Mode(np.sqrt(value) / (2 * np.pi), shape=shape,
+                           dofs=["u1", "u2", "u3"])
+               for value, shape in zip(values, shapes.T)])
+    fit = case.identify()
+    assert fit["k1"] == pytest.approx(-0.1, abs=1e-6)
+
+
+def test_modes_of_records_alone():
+    random = np.random.default_rng(4)
+    step, samples = 0.02, 20000
+    values, _ = scipy.linalg.eigh(frame_testing.STIFFNESS, frame_testing.MASS)
+    inverse = np.linalg.inv(frame_testing.MASS)
+    damping = 8e-4 * frame_testing.STIFFNESS
+    a = np.block([[np.zeros((3, 3)), np.eye(3)],
+                  [-inverse @ frame_testing.STIFFNESS, -inverse @ damping]])
+    power = scipy.linalg.expm(step * a)
+    gain = np.linalg.solve(a, power - np.eye(6))[:, 3:] @ inverse
+    state, rows = np.zeros(6), np.empty((samples, 3))
+    loads = 1e3 * random.standard_normal((samples, 3))
+    for i in range(samples):
+        rows[i] = a[3:] @ state + inverse @ loads[i]
+        state = power @ state + gain @ loads[i]
+    modes = pinode.identify_modes(rows, step=step, names=["u1", "u2", "u3"])
+    assert len(modes) == 3
+    truth = np.sqrt(values) / (2 * np.pi)
+    for mode, hz in zip(modes, truth):
+        assert abs(mode["frequency_hz"] - hz) < 4 * mode["frequency_sigma"] + 1e-3 * hz
+    assert modes.shapes.shape == (3, 3)
+    with pytest.raises(pinode.Error, match="'step' is missing"):
+        pinode.identify_modes(rows)
+    with pytest.raises(pinode.Error):
+        pinode.identify_modes(rows[:10], step=step)
