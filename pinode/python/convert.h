@@ -25,6 +25,20 @@ inline void Require(bool ok, const std::string& error) {
   if (!ok) throw Error(error);
 }
 
+// A value that cannot be a T is an Error.
+template <typename T>
+T Cast(const pybind11::handle& value, const std::string& where,
+       const std::string& expected) {
+  try {
+    return value.cast<T>();
+  } catch (const pybind11::cast_error&) {
+    throw Error(where + " is a value of type " +
+                std::string(pybind11::str(
+                    pybind11::type::handle_of(value).attr("__name__"))) +
+                ", expected " + expected);
+  }
+}
+
 // Arrays of NumPy with numbers; `where` is what messages call the value. Real
 // numbers only; masked entries become NaN.
 Vector ToVector(const pybind11::handle& value, const std::string& where);

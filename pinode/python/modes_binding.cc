@@ -41,12 +41,15 @@ py::dict ModeAsDict(const IdentifiedMode& mode) {
 // Of one set-up after the other: name, channel names, derivatives, samples
 // (samples x channels) and the step in seconds.
 ResponseRecord RecordFrom(const py::handle& setup) {
-  const auto parts = setup.cast<py::tuple>();
+  const auto parts = Cast<py::tuple>(setup, "a set-up", "a tuple");
   if (parts.size() != 5) throw Error("a set-up has five parts");
   ResponseRecord record;
-  record.name = parts[0].cast<std::string>();
-  const auto names = parts[1].cast<std::vector<std::string>>();
-  const auto derivatives = parts[2].cast<std::vector<int>>();
+  record.name = Cast<std::string>(parts[0], "its name", "a text");
+  const std::string where = "record '" + record.name + "': ";
+  const auto names = Cast<std::vector<std::string>>(parts[1], where + "names",
+                                                    "a list of texts");
+  const auto derivatives = Cast<std::vector<int>>(
+      parts[2], where + "derivatives", "a list of whole numbers");
   if (names.size() != derivatives.size()) {
     throw Error("record '" + record.name +
                 "': " + std::to_string(names.size()) + " channels and " +
@@ -58,7 +61,7 @@ ResponseRecord RecordFrom(const py::handle& setup) {
   }
   record.samples =
       ToMatrix(parts[3], "record '" + record.name + "'").transpose();
-  record.sampling_step = parts[4].cast<double>();
+  record.sampling_step = Cast<double>(parts[4], where + "step", "a number");
   std::string error;
   Require(record.IsValid(&error), error);
   return record;

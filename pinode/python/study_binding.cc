@@ -36,8 +36,10 @@ py::dict Simulate(const CaseHandle& handle, double noise_percent,
   if (!(noise_percent < 1e6)) {
     throw Error("noise_percent must be a finite number");
   }
-  SensorNoise noise(seed.is_none() ? handle.c.noise_seed
-                                   : seed.cast<std::uint64_t>());
+  SensorNoise noise(
+      seed.is_none()
+          ? handle.c.noise_seed
+          : Cast<std::uint64_t>(seed, "seed", "a whole number from 0 to 2^64"));
   const double percent =
       noise_percent < 0.0 ? handle.c.noise_percent : noise_percent;
   const Vector parameters = ParameterLayout(problem).InitialValues();
@@ -80,7 +82,8 @@ std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
           error);
       continue;
     }
-    const auto fit = entry.cast<std::shared_ptr<Fit>>();
+    const auto fit = Cast<std::shared_ptr<Fit>>(entry, "a baseline",
+                                                "a fit or a result folder");
     const std::string& title = fit->c.problem.description.title;
     const std::string name = (title.empty() ? std::string("baseline") : title) +
                              " " + std::to_string(baselines.size());
