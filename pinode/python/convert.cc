@@ -100,6 +100,14 @@ SparseMatrix FromCompressed(const py::object& columns,
 
 }  // namespace
 
+std::string Error::WithoutZeros(std::string sentence) {
+  for (size_t at = sentence.find('\0'); at != std::string::npos;
+       at = sentence.find('\0', at)) {
+    sentence.replace(at, 1, "\\0");
+  }
+  return sentence;
+}
+
 Vector ToVector(const py::handle& value, const std::string& where) {
   const Dense dense = ToDense(value, 1, where);
   return Eigen::Map<const Vector>(dense.data(), dense.size());

@@ -17,7 +17,12 @@ namespace pinode::python {
 // pinode.Error of Python, a ValueError: one sentence.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  // What Python passes may have zero bytes, at which the sentence would end.
+  explicit Error(const std::string& sentence)
+      : std::runtime_error(WithoutZeros(sentence)) {}
+
+ private:
+  static std::string WithoutZeros(std::string sentence);
 };
 
 // Throws *error where a function of the library has failed.

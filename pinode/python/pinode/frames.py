@@ -20,6 +20,8 @@ def frame(outcome: Any, what: str) -> "pandas.DataFrame":
     except ImportError:
         raise Error("pandas is missing, expected it for frames") from None
 
+    if not isinstance(what, str):
+        raise Error(f"a frame of a {type(what).__name__}, expected a name")
     if what == "parameters":
         rows = list(outcome.parameters.values())
         columns = rows[0]._fields if rows else ["name"]

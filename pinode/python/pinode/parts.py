@@ -606,9 +606,11 @@ def _matrix(value: Any) -> Any:
     if not isinstance(value, (list, tuple)):
         return value
     try:
-        return np.asarray(value, dtype=float)
+        array = np.asarray(value)
     except (TypeError, ValueError):
         return value
+    # Others are refused by name when the case is made.
+    return array.astype(float) if array.dtype.kind in "biuf" else value
 
 
 def _list(values: Any) -> Any:

@@ -135,6 +135,8 @@ def test_check_says_what_is_not_seen(healthy):
     (dict(groups=[pinode.Group("k1", storeys=1)]), "unknown key 'storeys'.*storey"),
     (dict(groups=[pinode.Group("k1", np.eye(3, dtype=complex))]),
      r"group\[0\].matrix has entries of type complex128"),
+    (dict(groups=[pinode.Group("k1", [np.eye(3, dtype=complex)[i] for i in range(3)])]),
+     "k1|complex|matrix"),
     (dict(elements=[pinode.Element("e", "cubik", ("ground", "u1"))]), "cubik"),
     (dict(records=[]), "nothing|training record|no record|expected"),
     (dict(model=3), "a table"),

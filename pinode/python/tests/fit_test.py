@@ -85,6 +85,11 @@ def test_output_is_written_with_the_fit(healthy, tmp_path):
         healthy.identify(output=tmp_path / "out")
 
 
+def test_zero_bytes_do_not_end_a_sentence(healthy):
+    with pytest.raises(pinode.Error, match=r"\\0.*expected|\\0/result.json"):
+        healthy.damage(["\0"])
+
+
 def test_what_is_no_result_is_refused(tmp_path):
     with pytest.raises(pinode.Error, match="is no result of pinode"):
         pinode.read_result(tmp_path)
