@@ -108,6 +108,27 @@ double MemorylessMeanSquare(const Vector& residuals) {
   return count > 0 ? sum / count : 0.0;
 }
 
+DifferencedVariance VarianceOfDifferences(const Vector& values) {
+  constexpr int kOrder = 8;
+  constexpr double kSquares = 12870.0;  // C(16, 8), the sum of their squares
+  // Sum of the squared correlations of such differences of white noise, C(32,
+  // 16) / C(16, 8)^2: by so much fewer of them are independent.
+  constexpr double kCorrelation = 601080390.0 / (kSquares * kSquares);
+  // NaN spreads to the differences that a missing sample enters.
+  Vector differences = values;
+  for (int i = 0; i < kOrder && differences.size() > 0; ++i) {
+    const Eigen::Index n = differences.size() - 1;
+    differences = (differences.tail(n) - differences.head(n)).eval();
+  }
+  DifferencedVariance variance;
+  const int count = CountPresent(differences);
+  if (count == 0) return variance;
+  const double rms = RmsOfPresent(differences);
+  variance.value = rms * rms / kSquares;
+  variance.deviation = variance.value * std::sqrt(2.0 * kCorrelation / count);
+  return variance;
+}
+
 double StudentQuantile(double degrees) {
   constexpr double z = 1.959963984540054;
   if (!(degrees >= 1.0)) degrees = 1.0;

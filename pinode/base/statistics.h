@@ -31,6 +31,16 @@ double AutocorrelationTime(const Vector& residuals);
 // than two are left.
 double MemorylessMeanSquare(const Vector& residuals);
 
+// The variance of white noise, with its standard deviation, from what a series
+// has above about a third of its sampling rate: the mean square of its
+// differences of order 8 over C(16, 8), and next to nothing of what is below.
+// Over runs of samples without a gap (NaN: missing); zero where there is none.
+struct DifferencedVariance {
+  double value = 0.0;
+  double deviation = 0.0;
+};
+DifferencedVariance VarianceOfDifferences(const Vector& values);
+
 // 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
 double StudentQuantile(double degrees);
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/gaussian_testing.h"
 
 namespace pinode {
 namespace {
@@ -108,6 +109,41 @@ TEST(MemorylessMeanSquare, TellsNoiseFromASmoothSignal) {
   EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.012);
   EXPECT_EQ(MemorylessMeanSquare(Vector::Zero(10)), 0.0);
   EXPECT_EQ(MemorylessMeanSquare(Vector::Unit(10, 3)), 0.0);
+}
+
+TEST(VarianceOfDifferences, IsThatOfTheNoiseBesideAMotion) {
+  const Vector noise = 0.5 * Autoregressive(0.0, 20000, 3);
+  const DifferencedVariance alone = VarianceOfDifferences(noise);
+  EXPECT_NEAR(alone.value, 0.25, 3.0 * alone.deviation);
+  EXPECT_NEAR(alone.deviation / alone.value, 0.01905, 1e-5);
+  // A sine of amplitude 3, eight samples a period: (2 sin(pi / 8))^16 / C(16,
+  // 8) of its mean square is left.
+  Vector sine(noise.size());
+  for (Eigen::Index i = 0; i < sine.size(); ++i) {
+    sine[i] = 3.0 * std::sin(0.25 * kPi * static_cast<double>(i) + 0.1);
+  }
+  const double left = 4.5 * std::pow(2.0 * std::sin(kPi / 8.0), 16.0) / 12870.0;
+  EXPECT_NEAR(VarianceOfDifferences(sine).value, left, 1e-3 * left);
+  EXPECT_NEAR(VarianceOfDifferences(noise + sine).value, alone.value, 1e-4);
+  // The deviation is the spread over stretches of the series, to its own 7 %.
+  const Vector gaussian = 0.5 * testing::Gaussian(4).Draw(20000);
+  Vector stretches(100);
+  for (Eigen::Index k = 0; k < stretches.size(); ++k) {
+    stretches[k] = VarianceOfDifferences(gaussian.segment(200 * k, 200)).value;
+  }
+  const double spread = 0.25 * std::sqrt(2.0 * 3.6289 / 192.0);
+  EXPECT_NEAR(StandardDeviationOfPresent(stretches), spread, 0.2 * spread);
+}
+
+TEST(VarianceOfDifferences, PassesOverGaps) {
+  const double missing = std::nan("");
+  Vector values = 0.5 * Autoregressive(0.0, 20000, 3);
+  for (Eigen::Index i = 0; i < values.size(); i += 20) values[i] = missing;
+  const DifferencedVariance variance = VarianceOfDifferences(values);
+  EXPECT_NEAR(variance.value, 0.25, 3.0 * variance.deviation);
+  EXPECT_EQ(VarianceOfDifferences(Vector::Constant(30, missing)).value, 0.0);
+  EXPECT_EQ(VarianceOfDifferences(Vector::Ones(8)).value, 0.0);
+  EXPECT_EQ(VarianceOfDifferences(Vector()).deviation, 0.0);
 }
 
 // NIST/SEMATECH e-Handbook, section 1.3.6.7.2.

@@ -11,27 +11,6 @@ namespace {
 // The least positive noise of a channel that never moves.
 constexpr double kNoSpread = 1e-290;
 
-// Noise of the sensors of `record` that were in a training record.
-void TakeFromSameSensors(const IdentificationProblem& problem,
-                         const std::vector<Vector>& train_sigmas,
-                         const IdentificationRecord& record, Vector* sigmas) {
-  size_t t = 0;
-  for (const IdentificationRecord& train : problem.records) {
-    if (train.role != IdentificationRecord::Role::kTrain) continue;
-    const Vector& known = train_sigmas[t++];
-    for (int c = 0; c < sigmas->size(); ++c) {
-      const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-      if (channel.sigma > 0.0) continue;
-      for (size_t o = 0; o < train.channels.size(); ++o) {
-        if (train.channels[o].fit &&
-            train.channels[o].observation.name == channel.observation.name) {
-          (*sigmas)[c] = known[static_cast<int>(o)];
-        }
-      }
-    }
-  }
-}
-
 }  // namespace
 
 Vector AssumedNoise(const IdentificationRecord& record,
@@ -83,18 +62,44 @@ bool AreValidSigmas(const IdentificationProblem& problem,
   return true;
 }
 
+bool FindTrainedSensor(const IdentificationProblem& problem,
+                       const MeasuredChannel& channel, TrainedSensor* sensor) {
+  bool found = false;
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const IdentificationRecord& train = problem.records[r];
+    if (train.role != IdentificationRecord::Role::kTrain) continue;
+    for (size_t c = 0; c < train.channels.size(); ++c) {
+      if (train.channels[c].fit &&
+          train.channels[c].observation.name == channel.observation.name) {
+        *sensor = {r, static_cast<int>(c)};
+        found = true;
+      }
+    }
+  }
+  return found;
+}
+
 std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
                                       const std::vector<Vector>& sigmas,
                                       const NoiseTuning& tuning) {
   std::vector<Vector> all;
   size_t t = 0;
   for (const IdentificationRecord& record : problem.records) {
-    if (record.role == IdentificationRecord::Role::kTrain) {
-      all.push_back(sigmas[t++]);
-      continue;
+    all.push_back(record.role == IdentificationRecord::Role::kTrain
+                      ? sigmas[t++]
+                      : AssumedNoise(record, tuning));
+  }
+  for (size_t r = 0; r < all.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    if (record.role == IdentificationRecord::Role::kTrain) continue;
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      TrainedSensor sensor;
+      if (record.channels[c].sigma > 0.0 ||
+          !FindTrainedSensor(problem, record.channels[c], &sensor)) {
+        continue;
+      }
+      all[r][static_cast<int>(c)] = all[sensor.record][sensor.channel];
     }
-    all.push_back(AssumedNoise(record, tuning));
-    TakeFromSameSensors(problem, sigmas, record, &all.back());
   }
   return all;
 }

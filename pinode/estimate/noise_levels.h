@@ -26,6 +26,15 @@ std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
                                   const std::vector<Vector>& sigmas,
                                   std::string* error);
 
+// Where the sensor of `channel` (by its name) was fitted: the last training
+// record, and its channel there. False: nowhere.
+struct TrainedSensor {
+  size_t record = 0;
+  int channel = 0;
+};
+bool FindTrainedSensor(const IdentificationProblem& problem,
+                       const MeasuredChannel& channel, TrainedSensor* sensor);
+
 // After it, of all records: `sigmas` of the training records; elsewhere that of
 // the same sensor (by its name) in a training record, or what is assumed.
 std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,

@@ -11,6 +11,7 @@
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/force_bands.h"
 #include "pinode/estimate/free_run_start.h"
+#include "pinode/estimate/holdout_noise.h"
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/prediction_band.h"
@@ -115,22 +116,6 @@ void ScoreRecords(const IdentificationProblem& problem,
   }
 }
 
-// Whether the noise of a channel is given, or was found in a training record of
-// the same sensor; what is assumed instead says nothing about measurements.
-bool IsNoiseKnown(const IdentificationProblem& problem,
-                  const MeasuredChannel& channel) {
-  if (channel.sigma > 0.0) return true;
-  for (const IdentificationRecord& record : problem.records) {
-    if (record.role != IdentificationRecord::Role::kTrain) continue;
-    for (const MeasuredChannel& other : record.channels) {
-      if (other.fit && other.observation.name == channel.observation.name) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
 // What measurements have to be expected about the predictions, and how many of
 // them are there.
 void BandPredictions(const IdentificationProblem& problem,
@@ -141,12 +126,21 @@ void BandPredictions(const IdentificationProblem& problem,
   const CovarianceEstimate& covariance = certainty.covariance;
   for (size_t r = 0; r < summary->records.size(); ++r) {
     RecordScore& score = summary->records[r];
+    const Vector sigmas = HoldoutNoise(problem, static_cast<int>(r),
+                                       model.sigmas, summary->records);
     score.deviations = PredictionDeviations(
         problem, static_cast<int>(r), model.parameters, covariance.covariance,
-        model.sigmas[r], score, options.num_threads);
+        sigmas, score, options.num_threads);
+    const std::string remark =
+        HoldoutNoiseRemark(problem.records[r], model.sigmas[r], sigmas);
+    if (!remark.empty()) summary->remarks.push_back(remark);
     for (size_t c = 0; c < score.channels.size(); ++c) {
       const MeasuredChannel& channel = problem.records[r].channels[c];
-      if (!IsNoiseKnown(problem, channel)) {
+      score.channels[c].sigma = sigmas[static_cast<int>(c)];
+      // What is assumed of other sensors says nothing about measurements.
+      TrainedSensor sensor;
+      if (!(channel.sigma > 0.0) &&
+          !FindTrainedSensor(problem, channel, &sensor)) {
         if (score.deviations.size() > 0) {
           score.deviations.row(static_cast<int>(c)).setConstant(kNaN);
         }
@@ -318,6 +312,7 @@ void ReportOutcome(const IdentificationProblem& problem,
   }
   ScoreRecords(problem, layout.InitialValues(), certainty.starts, summary,
                model);
+  summary->remarks = SignRemarks(problem, model->parameters);
   BandPredictions(problem, options, certainty, *model, summary);
   if (!problem.modal.empty()) {
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
@@ -325,7 +320,6 @@ void ReportOutcome(const IdentificationProblem& problem,
   }
   ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);
-  summary->remarks = SignRemarks(problem, model->parameters);
   summary->forces = EstimateForces(
       problem, layout, model->parameters,
       certainty.known ? certainty.covariance.covariance : Matrix(),

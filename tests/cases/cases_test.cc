@@ -108,6 +108,19 @@ TEST_P(Duffing, IsRecoveredExactly) {
 INSTANTIATE_TEST_SUITE_P(Shooting, Duffing,
                          ::testing::Values("single", "multiple"));
 
+// Of the samples of each channel, those within the 95 % band.
+void ExpectBands(const std::string& what, const CaseRun& run) {
+  for (const RecordScore& record : run.summary.records) {
+    for (const ChannelScore& channel : record.channels) {
+      ReportFigure(what + record.name + ", " + channel.name +
+                       ", share within the 95 % band",
+                   Between(0.93, 0.97), channel.band_coverage);
+      EXPECT_GE(channel.band_coverage, 0.93) << channel.name;
+      EXPECT_LE(channel.band_coverage, 0.97) << channel.name;
+    }
+  }
+}
+
 class ThreeStorey : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(ThreeStorey, FindsStoreysAndSpring) {
@@ -151,6 +164,7 @@ TEST_P(ThreeStorey, FindsStoreysAndSpring) {
   }
   ExpectFigure(what + "hold-out nrmse, worst channel, in noise floors", 1.2,
                worst);
+  if (!noisy) ExpectBands(what, run);
 }
 
 INSTANTIATE_TEST_SUITE_P(Grounds, ThreeStorey,
