@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """The steel frame of `frame` under broadband forces that nobody measures.
 
-Writes record.csv.gz (ten minutes at 100 Hz of the six accelerometers, 2 % noise)
-and frame_ambient.toml, whose matrices are those of ../frame.  Nothing of
+Writes record.csv.gz (ten minutes at 100 Hz of the six accelerometers, 2 % noise),
+frame_ambient.toml, whose matrices are those of ../frame, and frame_modes.toml,
+the same model for measured modes, which are to follow.  Nothing of
 that is committed; a study makes as many as it wants:
 
     generate.py --output FOLDER [--seed N] [--change columns_1_east=-0.03 ...]
@@ -129,7 +130,7 @@ def record(seed, changes, cache):
     return values + sigma * rng.standard_normal(values.shape)
 
 
-def case_lines():
+def model_lines():
     """The model and groups of ../frame; one floor's mass is known, for without
     a force the scale of mass and stiffness is open."""
     with open(os.path.join(FOLDER, "truth.json"), encoding="utf-8") as file:
@@ -140,6 +141,17 @@ def case_lines():
     lines[1] = 'title = "Steel frame, ambient"'
     place = lines.index('name = "mass_3"')
     lines.insert(place + 1, "free = false   # weighed")
+    return lines
+
+
+def modes_lines():
+    """What modes tell of: they are undamped."""
+    lines = model_lines()
+    return lines[:lines.index('name = "c_mass"') - 1]
+
+
+def case_lines():
+    lines = model_lines()
     lines += ["[[record]]", 'name = "ambient"', 'file = "record.csv.gz"',
               "sampling_rate_hz = %g" % RATE, 'excitation = "ambient"']
     for column, dof in zip(FRAME.HEADER[3:], FRAME.SENSORS):
@@ -147,6 +159,24 @@ def case_lines():
                   '  quantity = "absolute_acceleration"', f'  dof = "{dof}"',
                   '  unit = "m/s^2"']
     return lines
+
+
+def write(folder, values):
+    """The cases and the record (samples by sensors)."""
+    os.makedirs(folder, exist_ok=True)
+    relative = os.path.relpath(FOLDER, folder)
+    for name, lines in (("frame_ambient.toml", case_lines()),
+                        ("frame_modes.toml", modes_lines())):
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            for line in lines:
+                for key in ("mass = ", "stiffness = ", "changed_export = "):
+                    if line.startswith(key) and ".gz" in line:
+                        line = line.replace('= "', f'= "{relative}/')
+                file.write(line + "\n")
+    text = [",".join(FRAME.HEADER[3:])]
+    text += [",".join("%.5g" % v for v in row) for row in values]
+    with open(os.path.join(folder, "record.csv.gz"), "wb") as file:
+        file.write(gzip.compress(("\n".join(text) + "\n").encode(), 1, mtime=0))
 
 
 def main():
@@ -163,22 +193,7 @@ def main():
         if group not in FRAME.AS_BUILT:
             parser.error(f"no group {group}")
         changes[group] = float(value)
-    os.makedirs(args.output, exist_ok=True)
-    relative = os.path.relpath(FOLDER, args.output)
-    lines = []
-    for line in case_lines():
-        for key in ("mass = ", "stiffness = ", "changed_export = "):
-            if line.startswith(key) and ".gz" in line:
-                line = line.replace('= "', f'= "{relative}/')
-        lines.append(line)
-    with open(os.path.join(args.output, "frame_ambient.toml"), "w",
-              encoding="utf-8") as file:
-        file.write("\n".join(lines) + "\n")
-    text = [",".join(FRAME.HEADER[3:])]
-    text += [",".join("%.5g" % v for v in row)
-             for row in record(args.seed, changes, args.cache)]
-    with open(os.path.join(args.output, "record.csv.gz"), "wb") as file:
-        file.write(gzip.compress(("\n".join(text) + "\n").encode(), 1, mtime=0))
+    write(args.output, record(args.seed, changes, args.cache))
 
 
 if __name__ == "__main__":

@@ -13,13 +13,10 @@
 
 namespace pinode {
 namespace testing {
-namespace {
 
 std::string FromRoot(const std::string& path) {
   return path[0] == '/' ? path : std::string(PINODE_SOURCE_DIR) + "/" + path;
 }
-
-}  // namespace
 
 const RecordScore& CaseRun::Record(const std::string& name) const {
   for (const RecordScore& record : summary.records) {

@@ -27,8 +27,9 @@ struct CaseRun {
   double Nrmse(const std::string& record, const std::string& channel) const;
 };
 
-// `path` relative to the project's root, or absolute. A case that cannot be
-// read fails the test.
+// `path` relative to the project's root, or absolute.
+std::string FromRoot(const std::string& path);
+// A case that cannot be read fails the test; `path` as above.
 Case ReadCaseOrFail(const std::string& path);
 // Begins from `begin`, or from the case's own values.
 CaseRun RunCase(Case c, const IdentifiedModel* begin = nullptr);

@@ -1,0 +1,144 @@
+// data/bridge_ambient: modes of a long-span girder from two set-ups, two pairs
+// of them 1.2 % apart, and what it is made of, from wind and traffic that
+// nobody measured.
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "pinode/base/figure_testing.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/base/statistics.h"
+#include "pinode/case/modes_section.h"
+#include "pinode/modal/merge_setups.h"
+#include "tests/cases/measure.h"
+
+namespace pinode {
+namespace testing {
+namespace {
+
+constexpr char kCase[] = "data/bridge_ambient/bridge_ambient.toml";
+// Below 3 Hz; between there and 10 Hz there are fourteen more.
+constexpr size_t kModesInBand = 10;
+constexpr size_t kModes = 24;
+
+nlohmann::json ReadTruth() {
+  std::ifstream file(FromRoot("data/bridge_ambient/truth.json"));
+  return nlohmann::json::parse(file);
+}
+
+// At `places`.
+Vector TrueShape(const nlohmann::json& truth, int mode,
+                 const std::vector<std::string>& places) {
+  const nlohmann::json& all = truth["shapes"][std::to_string(mode + 1)];
+  Vector shape(static_cast<Eigen::Index>(places.size()));
+  for (size_t i = 0; i < all.size(); ++i) {
+    const auto at = std::find(places.begin(), places.end(),
+                              truth["places"][i].get<std::string>());
+    if (at != places.end()) shape[at - places.begin()] = all[i].get<double>();
+  }
+  return shape;
+}
+
+// The identified mode that is nearest in frequency among those of such a shape.
+int Nearest(const MergedModes& found, double frequency, const Vector& shape) {
+  int best = -1;
+  for (size_t i = 0; i < found.modes.size(); ++i) {
+    const IdentifiedMode& mode = found.modes[i].mode;
+    const auto apart = [&](const IdentifiedMode& m) {
+      return std::abs(m.frequency_hz - frequency);
+    };
+    if (ComplexMac(mode.shape, shape.cast<std::complex<double>>()) > 0.9 &&
+        (best < 0 ||
+         apart(mode) < apart(found.modes[static_cast<size_t>(best)].mode))) {
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+TEST(BridgeAmbient, ModesOfTwoSetupsWithinTheirIntervals) {
+  ModesCase c;
+  std::string error;
+  ASSERT_TRUE(ReadModesCase(FromRoot(kCase), &c, &error)) << error;
+  std::vector<SetupModes> setups;
+  for (const ResponseRecord& record : c.records) {
+    ModesOfRecord modes;
+    ASSERT_TRUE(IdentifyModes(record, c.options, &modes, &error)) << error;
+    EXPECT_TRUE(modes.remarks.empty()) << modes.remarks[0];
+    SetupModes setup;
+    setup.name = record.name;
+    for (const ResponseChannel& channel : record.channels) {
+      setup.places.push_back(channel.name);
+    }
+    setup.modes = modes.modes;
+    setups.push_back(std::move(setup));
+  }
+  MergedModes merged;
+  ASSERT_TRUE(MergeSetups(setups, c.merge, &merged, &error)) << error;
+  ASSERT_EQ(merged.places.size(), 16u);
+  const nlohmann::json truth = ReadTruth();
+  const std::vector<double> hertz = truth["hertz"];
+  const std::vector<double> ratios = truth["damping_ratio"];
+  ASSERT_EQ(hertz.size(), kModes);
+
+  int inside = 0;
+  int entries = 0;
+  for (size_t m = 0; m < kModesInBand; ++m) {
+    const Vector shape = TrueShape(truth, static_cast<int>(m), merged.places);
+    const int i = Nearest(merged, hertz[m], shape);
+    ASSERT_GE(i, 0) << hertz[m] << " Hz is missing";
+    const MergedMode& found = merged.modes[static_cast<size_t>(i)];
+    const IdentifiedMode& mode = found.mode;
+    EXPECT_GE(std::min(found.in_setups[0], found.in_setups[1]), 0) << hertz[m];
+    EXPECT_NEAR(mode.frequency_hz, hertz[m], 3.5 * mode.frequency_sigma);
+    EXPECT_LT(mode.frequency_sigma, 0.002 * hertz[m]);
+    EXPECT_NEAR(mode.damping_ratio, ratios[m], 3.5 * mode.damping_sigma);
+    EXPECT_GT(ComplexMac(mode.shape, shape.cast<std::complex<double>>()), 0.99)
+        << hertz[m];
+    Eigen::Index largest = 0;
+    mode.shape.cwiseAbs().maxCoeff(&largest);
+    const double t = StudentQuantile(mode.degrees_of_freedom);
+    for (Eigen::Index p = 0; p < shape.size(); ++p) {
+      if (p == largest) continue;
+      ++entries;
+      inside += std::abs(mode.shape[p].real() - shape[p] / shape[largest]) <=
+                t * mode.shape_sigma_real[p];
+    }
+  }
+  ReportFigure("bridge_ambient: shape entries inside their intervals, %",
+               AtLeast(89.0), 100.0 * inside / entries);
+  EXPECT_GE(inside, 0.89 * entries);
+
+  // And no others, there or above.
+  for (const MergedMode& found : merged.modes) {
+    const IdentifiedMode& mode = found.mode;
+    double apart = mode.frequency_hz;
+    for (const double f : hertz) {
+      apart = std::min(apart, std::abs(f - mode.frequency_hz));
+    }
+    EXPECT_LT(apart, 4.0 * mode.frequency_sigma + 1e-3 * mode.frequency_hz)
+        << "no mode is at " << mode.frequency_hz << " Hz";
+  }
+}
+
+TEST(BridgeAmbient, GroupsWithinTheirIntervals) {
+  const CaseRun run = RunCase(ReadCaseOrFail(kCase));
+  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_EQ(run.summary.ambient.size(), 2u);
+  for (const ParameterEstimate& found : run.summary.parameters) {
+    const double truth = ReadTruth()["groups"][found.name];
+    ReportFigure("bridge_ambient: " + found.name + ", deviations", AtMost(3.5),
+                 std::abs(found.value - truth) / found.sigma);
+    EXPECT_NEAR(found.value, truth, 3.5 * found.sigma) << found.name;
+  }
+}
+
+}  // namespace
+}  // namespace testing
+}  // namespace pinode
