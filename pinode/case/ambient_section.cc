@@ -5,6 +5,7 @@
 
 #include "pinode/case/model_section.h"
 #include "pinode/case/record_data.h"
+#include "pinode/modal/response_record.h"
 
 namespace pinode {
 namespace {
@@ -43,7 +44,11 @@ class AmbientReader {
     for (const std::string& remark : measured.description.remarks) {
       remarks->push_back("Record '" + section_.name + "': " + remark);
     }
-    return ReadLoads() && ReadBand() && Check();
+    if (!ReadLoads() || !ReadBand() || !Check()) return false;
+    for (const std::string& fault : FindChannelFaults(Responses())) {
+      remarks->push_back("Record '" + section_.name + "': " + fault);
+    }
+    return true;
   }
 
  private:
@@ -106,6 +111,16 @@ class AmbientReader {
                          "positive and smaller");
     }
     return true;
+  }
+
+  // The channels alone; what they measure does not matter here.
+  ResponseRecord Responses() const {
+    ResponseRecord responses;
+    responses.samples = record_->samples;
+    for (const Observation& channel : record_->channels) {
+      responses.channels.push_back({channel.name, 2});
+    }
+    return responses;
   }
 
   bool Check() {

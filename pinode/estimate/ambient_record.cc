@@ -3,12 +3,55 @@
 #include <cmath>
 
 #include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+#include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
 namespace {
 
 // Their covariances are half the square of this at each knot.
 constexpr Eigen::Index kMostCorrelatedAreas = 40;
+// Of the model's lowest mode in the band: below it spectral lines are no longer
+// independent numbers.
+constexpr double kFewestCyclesOfMode = 20.0;
+
+// Whether a channel is the other times a number, but for rounding.
+bool IsCopy(const Vector& a, const Vector& b) {
+  constexpr double kRounding = 1e-10;
+  double aa = 0.0;
+  double bb = 0.0;
+  double ab = 0.0;
+  const double mean_a = MeanOfPresent(a);
+  const double mean_b = MeanOfPresent(b);
+  for (Eigen::Index k = 0; k < a.size(); ++k) {
+    const double x = a[k] - mean_a;
+    const double y = b[k] - mean_b;
+    if (std::isnan(x) || std::isnan(y)) continue;
+    aa += x * x;
+    bb += y * y;
+    ab += x * y;
+  }
+  return ab * ab > (1.0 - kRounding) * aa * bb;
+}
+
+// Of the model as it is at first, inside the band of the record; 0: none.
+double LowestModeInBand(const AmbientRecord& record,
+                        const StructuralDynamics& dynamics) {
+  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
+  const double highest = record.highest_frequency > 0.0
+                             ? record.highest_frequency
+                             : 0.5 / record.sampling_step;
+  ModalProperties modes;
+  std::string ignored;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &ignored)) {
+    return 0.0;
+  }
+  for (const double f : modes.frequency_hz) {
+    if (f > 0.0 && f >= record.lowest_frequency && f <= highest) return f;
+  }
+  return 0.0;
+}
 
 }  // namespace
 
@@ -53,6 +96,13 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
     if (!(StandardDeviationOfPresent(values) > 0.0)) {
       return fail(where + "has the same value in every sample");
     }
+    for (size_t other = 0; other < c; ++other) {
+      if (IsCopy(values, samples.row(static_cast<Eigen::Index>(other)))) {
+        return fail(where + "is channel '" + channels[other].name +
+                    "' once more, expected sensors with a noise of their own; "
+                    "leave one of the two out");
+      }
+    }
   }
   if (loads.size() > 0 &&
       (loads.rows() != dofs || !loads.allFinite() ||
@@ -83,6 +133,13 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
   }
   if (!dynamics.prescribed().empty()) {
     return fail("motions of the model are prescribed, which it does not have");
+  }
+  const double cycles = LowestModeInBand(*this, dynamics) *
+                        static_cast<double>(samples.cols()) * sampling_step;
+  if (cycles > 0.0 && cycles < kFewestCyclesOfMode) {
+    return fail("it holds " + FormatNumber(cycles, 3) +
+                " cycles of the model's lowest mode in the band, expected " +
+                FormatNumber(kFewestCyclesOfMode, 3) + " and more");
   }
   return true;
 }

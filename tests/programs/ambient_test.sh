@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Ambient records that are not what they should be, and a verdict from modes
+# alone.
+#
+#   tests/programs/ambient_test.sh PROGRAM_DIR
+set -euo pipefail
+
+programs=$(cd -- "$1" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/three_storey_ambient" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+cp -- "$data"/*.toml "$data"/*.csv "$scratch"
+cd -- "$scratch"
+gzip -dc "$data/wind.csv.gz" >wind.csv
+sed -i 's/wind.csv.gz/wind.csv/' three_storey_ambient.toml
+
+tested=pinode_update
+source "$here/testing.sh"
+
+Near() {
+  awk -v a="$1" -v b="$2" -v limit="$3" \
+    'BEGIN { exit !(a != "" && (a - b)^2 <= limit^2) }' || Fail "$1, expected $2"
+}
+
+# NAME PROGRAM: a case NAME.toml with the record as the awk PROGRAM, which sees
+# columns $1 to $3, leaves it.
+Spoil() {
+  awk -F, -v OFS=, "NR > 1 { $2 } { print }" wind.csv >"$1.csv"
+  sed "s/wind.csv/$1.csv/" three_storey_ambient.toml >"$1.toml"
+}
+Window() {
+  sed "s/^excitation/window = [$1, $2]\n&/" three_storey_ambient.toml
+}
+
+# Said in one line, and nothing done.
+Window 0.0 5.0 >short.toml
+Refused "14 cycles of the model's lowest mode" --case=short.toml --output_dir=E
+Spoil dead '$2 = 0.25'
+Refused "channel 'a2' has the same value in every sample" --case=dead.toml \
+  --output_dir=E
+Spoil copied '$3 = -2 * $1'
+Refused "channel 'a3' is channel 'a1' once more" --case=copied.toml \
+  --output_dir=E
+tested=pinode_modes
+sed 's/^title/[modes]\nmax_order = 200\n&/' three_storey_ambient.toml >order.toml
+Refused "order.toml" --case=order.toml --output_dir=E
+Refused "channel 'u2' is dead" --case=dead.toml --output_dir=E
+
+# Said, and done: what is left is of use.
+Spoil clipped '$2 = $2 > 0.4 ? 0.4 : $2 < -0.4 ? -0.4 : $2'
+Spoil stuck '$2 = NR % 4 == 2 ? $2 : last; last = $2'
+for state in clipped stuck; do
+  Run 0 pinode_modes --case=$state.toml --output_dir=modes_$state
+  grep -q "Channel 'u2' \(is clipped\|repeats itself\)" stdout ||
+    Fail "nothing of a channel that is $state"
+  Run 0 pinode_check --case=$state.toml
+  grep -q "Channel 'a2' \(is clipped\|repeats itself\)" stdout ||
+    Fail "nothing of a channel that is $state"
+done
+Run 0 pinode_modes --case=copied.toml --output_dir=modes_copied
+grep -q "Channel 'u3' is channel 'u1' once more" stdout || Fail "not copied"
