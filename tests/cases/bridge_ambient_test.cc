@@ -1,6 +1,5 @@
 // data/bridge_ambient: modes of a long-span girder from two set-ups, two pairs
-// of them 1.2 % apart, and what it is made of, from wind and traffic that
-// nobody measured.
+// of them 1.2 % apart. Its groups are found in bridge_ambient_study_test.cc.
 
 #include <algorithm>
 #include <cmath>
@@ -32,14 +31,21 @@ nlohmann::json ReadTruth() {
   return nlohmann::json::parse(file);
 }
 
+// "left6", the combination of DOFs by which it goes.
+std::string PlaceOf(const std::string& channel) {
+  const bool left = channel.rfind("left", 0) == 0;
+  const std::string node = channel.substr(left ? 4 : 5);
+  return "1 w" + node + " + " + (left ? "" : "-") + "11 t" + node;
+}
+
 // At `places`.
 Vector TrueShape(const nlohmann::json& truth, int mode,
                  const std::vector<std::string>& places) {
   const nlohmann::json& all = truth["shapes"][std::to_string(mode + 1)];
-  Vector shape(static_cast<Eigen::Index>(places.size()));
+  Vector shape = Vector::Zero(static_cast<Eigen::Index>(places.size()));
   for (size_t i = 0; i < all.size(); ++i) {
-    const auto at = std::find(places.begin(), places.end(),
-                              truth["places"][i].get<std::string>());
+    const std::string channel = truth["places"][i];
+    const auto at = std::find(places.begin(), places.end(), PlaceOf(channel));
     if (at != places.end()) shape[at - places.begin()] = all[i].get<double>();
   }
   return shape;
@@ -124,18 +130,6 @@ TEST(BridgeAmbient, ModesOfTwoSetupsWithinTheirIntervals) {
     }
     EXPECT_LT(apart, 4.0 * mode.frequency_sigma + 1e-3 * mode.frequency_hz)
         << "no mode is at " << mode.frequency_hz << " Hz";
-  }
-}
-
-TEST(BridgeAmbient, GroupsWithinTheirIntervals) {
-  const CaseRun run = RunCase(ReadCaseOrFail(kCase));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
-  ASSERT_EQ(run.summary.ambient.size(), 2u);
-  for (const ParameterEstimate& found : run.summary.parameters) {
-    const double truth = ReadTruth()["groups"][found.name];
-    ReportFigure("bridge_ambient: " + found.name + ", deviations", AtMost(3.5),
-                 std::abs(found.value - truth) / found.sigma);
-    EXPECT_NEAR(found.value, truth, 3.5 * found.sigma) << found.name;
   }
 }
 

@@ -35,9 +35,9 @@ Window() {
 
 # Said in one line, and nothing done.
 Window 0.0 5.0 >short.toml
-Refused "14 cycles of the model's lowest mode" --case=short.toml --output_dir=E
+Refused "13.4 cycles of the model's lowest mode" --case=short.toml --output_dir=E
 Spoil dead '$2 = 0.25'
-Refused "channel 'a2' has the same value in every sample" --case=dead.toml \
+Refused "channel 'a2': it has the same value in every sample" --case=dead.toml \
   --output_dir=E
 Spoil copied '$3 = -2 * $1'
 Refused "channel 'a3' is channel 'a1' once more" --case=copied.toml \
@@ -45,7 +45,7 @@ Refused "channel 'a3' is channel 'a1' once more" --case=copied.toml \
 tested=pinode_modes
 sed 's/^title/[modes]\nmax_order = 200\n&/' three_storey_ambient.toml >order.toml
 Refused "order.toml" --case=order.toml --output_dir=E
-Refused "channel 'u2' is dead" --case=dead.toml --output_dir=E
+Refused "channel 'a2': it has the same value in every sample" --case=dead.toml --output_dir=E
 
 # Said, and done: what is left is of use.
 Spoil clipped '$2 = $2 > 0.4 ? 0.4 : $2 < -0.4 ? -0.4 : $2'
@@ -60,3 +60,51 @@ for state in clipped stuck; do
 done
 Run 0 pinode_modes --case=copied.toml --output_dir=modes_copied
 grep -q "Channel 'u3' is channel 'u1' once more" stdout || Fail "not copied"
+
+# A verdict from modes alone: two stretches of the record as baselines, a third
+# as it is and as if the second storey had lost a tenth, by the ratios of that
+# frame's modes to the healthy one's (NumPy).
+ByModes() {
+  Run 0 pinode_modes --case="$1.toml" --output_dir="modes_$1"
+  { sed '/^\[\[record\]\]/,$d; /^name    = "c_/,/^matrix/d' \
+      three_storey_ambient.toml | awk '
+        /^\[\[group\]\]/ { held = $0; next }
+        held != "" { if ($0 ~ /^name/) print held; held = "" }
+        { print }'
+    cat "modes_$1/modes.toml"; } >"by_modes_$1.toml"
+}
+for stretch in "first 0.0 200.0" "second 200.0 400.0" "third 400.0 599.0"; do
+  read -r name from to <<<"$stretch"
+  Window "$from" "$to" >"$name.toml"
+  ByModes "$name"
+done
+awk '
+  BEGIN {
+    ratio[1] = "0.98266616 0.9612952 1.00970587 1"
+    ratio[2] = "0.99599111 1 0.93127807 0.95110204"
+    ratio[3] = "0.96930353 0.97132 1 1.09081094"
+  }
+  /^\[\[mode\]\]/ { split(ratio[++mode], r, " ") }
+  mode && /^frequency = / { $3 *= r[1] }
+  mode && /^shape = / {
+    for (i = 1; i <= NF; ++i) {
+      for (dof = 1; dof <= 3; ++dof) {
+        if ($i !~ "\"?u" dof "\"?$") continue
+        end = $(i + 2); sub(/^[-0-9.e]+/, "", end)
+        $(i + 2) = ($(i + 2) + 0) * r[dof + 1] end
+      }
+    }
+  }
+  { print }' by_modes_third.toml >by_modes_damaged.toml
+cmp -s by_modes_third.toml by_modes_damaged.toml && Fail "nothing is damaged"
+for name in first second; do
+  Run 0 pinode_update --case=by_modes_$name.toml --output_dir=D_$name \
+    --progress=false
+done
+Run 0 pinode_damage --baseline=D_first,D_second --case=by_modes_third.toml \
+  --output_dir=healthy --progress=false
+grep -qF '"verdict": "no_damage"' healthy/damage.json || Fail "not healthy"
+Run 0 pinode_damage --baseline=D_first,D_second --case=by_modes_damaged.toml \
+  --output_dir=damaged --progress=false
+grep -qF '"verdict": "damage"' damaged/damage.json || Fail "no damage"
+Near "$(awk '$1 == "k2" { print $2; exit }' stdout)" -10 2.0

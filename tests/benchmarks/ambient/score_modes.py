@@ -82,7 +82,9 @@ def bridge_ambient(case):
     frequency = np.linspace(0.002, case.FLAT, 20000)
     force = np.abs(case.forces(frequency, np.random.default_rng(1)) @ real)**2
     sensors = case.sensors(stations)
-    return (hertz, sensors @ shapes, case.columns(stations), (0.2, 3.0),
+    places = [f"1 w{node} + {arm} t{node}" for node in stations
+              for arm in ("11", "-11")]
+    return (hertz, sensors @ shapes, places, (0.2, 3.0),
             shares(frequency, hertz, ratios, sensors @ real, force))
 
 
