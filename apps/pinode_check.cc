@@ -1,8 +1,9 @@
 // Reads a case and everything it names, fits nothing, and says what an
 // identification could find from it.
 //
-// Sample run:
+// Sample runs:
 //   pinode_check --case=data/three_storey/three_storey.toml
+//   pinode_check --case=data/three_storey/three_storey.toml --plan=2
 
 #include <gflags/gflags.h>
 
@@ -13,6 +14,7 @@
 
 #include "apps/program.h"
 #include "apps/ranks.h"
+#include "apps/sensor_planning.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/estimate/assessment.h"
@@ -20,6 +22,10 @@
 #include "pinode/structure/modal_analysis.h"
 
 DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+DEFINE_int32(plan, 0,
+             "plan this many sensors: those that tell most about the groups, "
+             "of the places that [plan] names or all; responses need not have "
+             "been measured");
 
 namespace pinode {
 namespace {
@@ -262,7 +268,8 @@ int main(int argc, char** argv) {
   if (!ParseFlags(argc, argv,
                   "pinode_check --case=FILE\n\n"
                   "Reads a case and all it names, fits nothing, and prints "
-                  "modes, steps, sizes and\nwhat the sensors cannot see.",
+                  "modes, steps, sizes and\nwhat the sensors cannot see; with "
+                  "--plan where to put sensors.",
                   &status)) {
     return status;
   }
@@ -270,8 +277,17 @@ int main(int argc, char** argv) {
     return Refuse("pinode_check runs in one process, expected no launcher");
   }
   if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
+  if (FLAGS_plan < 0) return Refuse("--plan is negative, expected sensors");
   Case c;
   std::string error;
+  if (FLAGS_plan > 0) {
+    PlannedSensors planned;
+    if (!PlanForCase(FLAGS_case, FLAGS_plan, &planned, &error)) {
+      return Refuse(error);
+    }
+    std::printf("%s", planned.text.c_str());
+    return planned.all_determined ? kExitDone : kExitNotUsable;
+  }
   if (!ReadCaseForCheck(FLAGS_case, &c, &error)) return Refuse(error);
   if (!c.problem.description.title.empty())
     std::printf("%s\n\n", c.problem.description.title.c_str());

@@ -49,7 +49,7 @@ bool CheckFlags(std::string* error) {
 }
 
 // What the sensors of `record` show: times and one column a channel, each with
-// noise of `percent` of its standard deviation.
+// noise of `percent` of its standard deviation; negative: of its own sigma.
 std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
                                      const IdentificationRecord& record,
                                      const Matrix& sensors, double percent,
@@ -64,7 +64,11 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
     const std::string unit = problem.UnitOf(channel);
     Vector values = sensors.row(static_cast<int>(i)).transpose();
     const double spread = StandardDeviationOfPresent(values);
-    noise->AddTo(percent, &values);
+    const double own = spread > 0.0
+                           ? 100.0 * channel.sigma /
+                                 (std::abs(channel.description.factor) * spread)
+                           : 0.0;
+    noise->AddTo(percent < 0.0 ? own : percent, &values);
     std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
                 name.c_str(), spread, unit.c_str(),
                 values.cwiseAbs().maxCoeff(), unit.c_str());
@@ -125,6 +129,7 @@ int main(int argc, char** argv) {
   summary.case_path = c.path;
   summary.noise_percent =
       FLAGS_noise_percent >= 0.0 ? FLAGS_noise_percent : c.noise_percent;
+  const bool by_sigma = FLAGS_noise_percent < 0.0 && c.noise_is_sigma;
   summary.seed =
       FLAGS_seed >= 0 ? static_cast<uint64_t>(FLAGS_seed) : c.noise_seed;
 
@@ -138,7 +143,8 @@ int main(int argc, char** argv) {
   bool all_finite = true;
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
     bool finite = false;
-    if (!WriteResponse(c.problem, r, parameters, summary.noise_percent, &noise,
+    if (!WriteResponse(c.problem, r, parameters,
+                       by_sigma ? -1.0 : summary.noise_percent, &noise,
                        folder.working_path(), &finite, &error)) {
       return Refuse(error);
     }

@@ -68,7 +68,9 @@ class CaseReader {
   CaseReader(const std::shared_ptr<const TomlValue>& source,
              const std::string& path, std::shared_ptr<const CaseData> data,
              CasePurpose purpose, std::string* error)
-      : simulation_(purpose == CasePurpose::kSimulation),
+      : simulation_(purpose == CasePurpose::kSimulation ||
+                    purpose == CasePurpose::kPlanning),
+        planning_(purpose == CasePurpose::kPlanning),
         model_may_stand_alone_(purpose == CasePurpose::kCheck),
         errors_(path, error, data.get()),
         root_(*source, "", &errors_),
@@ -82,7 +84,9 @@ class CaseReader {
   bool Read(Case* result) {
     if (!ReadHead() || !ReadModel() || !ReadDynamics() || !ReadData() ||
         !Check() || !ReadDamage(root_, c_.problem, &c_.damage) ||
-        !ReadProfiles(root_, c_.problem, &c_.profiles) || !SetSteps()) {
+        !ReadProfiles(root_, c_.problem, &c_.profiles) || !SetSteps() ||
+        (planning_ && !ReadPlan(root_, units_, c_.finite_element.get(),
+                                sections_, c_.problem, &c_.plan))) {
       return false;
     }
     if (!simulation_) FixTrainingStarts(&c_.problem);
@@ -95,12 +99,14 @@ class CaseReader {
     if (!root_.AllowKeys({"title", "units", "model", "group", "element",
                           "library", "network", "unknown_force", "record",
                           "modal", "mode", "options", "simulate", "discover",
-                          "damage", "profiles", "reference_curve", "modes"})) {
+                          "damage", "profiles", "reference_curve", "modes",
+                          "plan"})) {
       return false;
     }
     description_.title = root_.String("title");
     return ReadUnits(root_, &units_) && ReadOptions(root_, &c_.options) &&
-           ReadSimulate(root_, &c_.noise_percent, &c_.noise_seed);
+           ReadSimulate(root_, &c_.noise_percent, &c_.noise_is_sigma,
+                        &c_.noise_seed);
   }
 
   bool ReadModel() {
@@ -118,10 +124,11 @@ class CaseReader {
   // them; the numbers of the records are read after the terms, which decide on
   // the number of states.
   bool ReadDynamics() {
-    if (!ReadRecordSections(
-            root_, units_, model_.model,
-            simulation_ ? RecordPurpose::kSimulation : RecordPurpose::kFit,
-            &sections_)) {
+    if (!ReadRecordSections(root_, units_, model_.model,
+                            planning_     ? RecordPurpose::kPlanning
+                            : simulation_ ? RecordPurpose::kSimulation
+                                          : RecordPurpose::kFit,
+                            &sections_)) {
       return false;
     }
     SetAmbientApart();
@@ -194,7 +201,7 @@ class CaseReader {
 
   bool Check() {
     if (!CheckNames(c_.problem, &errors_)) return false;
-    if (simulation_) return true;
+    if (simulation_) return planning_ || CheckNoise();
     if (model_may_stand_alone_ && c_.problem.records.empty() &&
         c_.problem.modal.empty() && c_.problem.ambient.empty()) {
       return true;
@@ -210,19 +217,52 @@ class CaseReader {
            errors_.Fail(0, message);
   }
 
+  // Of simulations by each channel's sigma.
+  bool CheckNoise() {
+    for (size_t r = 0; c_.noise_is_sigma && r < sections_.size(); ++r) {
+      for (size_t c = 0; c < sections_[r].channels.size(); ++c) {
+        if (c_.problem.records[r].channels[c].sigma > 0.0) continue;
+        return sections_[r].channels[c].signal.table.Fail(
+            "sigma",
+            "'sigma' is missing, expected it where [simulate] has noise = "
+            "\"sigma\"");
+      }
+    }
+    return true;
+  }
+
   bool SetSteps() {
     for (size_t r = 0; r < sections_.size(); ++r) {
       c_.problem.records[r].substeps = sections_[r].substeps;
       c_.problem.records[r].integrator = sections_[r].integrator;
     }
+    // Fine enough for sensors wherever they are put.
+    std::vector<std::vector<MeasuredChannel>> own;
+    for (IdentificationRecord& record : c_.problem.records) {
+      own.push_back(record.channels);
+      for (int i = 0; planning_ && i < dynamics_->num_dofs(); ++i) {
+        MeasuredChannel channel;
+        channel.observation.name =
+            dynamics_->model().dof_names[static_cast<size_t>(i)];
+        channel.observation.quantity = Quantity::kAbsoluteAcceleration;
+        channel.observation.weights = Vector::Unit(dynamics_->num_dofs(), i);
+        channel.values = Vector::Zero(record.num_samples());
+        record.channels.push_back(std::move(channel));
+      }
+    }
     int failed = 0;
     std::string message;
-    return SetSubsteps(&c_.problem, &c_.substeps, &failed, &message) ||
-           sections_[static_cast<size_t>(failed)].table.Fail("substeps",
-                                                             message);
+    const bool chosen =
+        SetSubsteps(&c_.problem, &c_.substeps, &failed, &message);
+    for (size_t r = 0; r < own.size(); ++r) {
+      c_.problem.records[r].channels = std::move(own[r]);
+    }
+    return chosen || sections_[static_cast<size_t>(failed)].table.Fail(
+                         "substeps", message);
   }
 
   const bool simulation_;
+  const bool planning_;
   const bool model_may_stand_alone_;
   Case c_;
   CaseErrors errors_;
@@ -235,12 +275,17 @@ class CaseReader {
   std::shared_ptr<StructuralDynamics> dynamics_;
 };
 
+bool ReadSourceTree(const std::string& path, TomlValue* source,
+                    std::string* error) {
+  std::string text;
+  return ReadTextFile(path, &text, error) &&
+         ParseToml(text, path, source, error);
+}
+
 bool Read(const std::string& path, CasePurpose purpose, Case* result,
           std::string* error) {
-  std::string text;
-  if (!ReadTextFile(path, &text, error)) return false;
   auto source = std::make_shared<TomlValue>();
-  if (!ParseToml(text, path, source.get(), error)) return false;
+  if (!ReadSourceTree(path, source.get(), error)) return false;
   return CaseReader(source, path, nullptr, purpose, error).Read(result);
 }
 
@@ -265,6 +310,17 @@ bool ReadCaseForCheck(const std::string& path, Case* c, std::string* error) {
 bool ReadCaseForSimulation(const std::string& path, Case* c,
                            std::string* error) {
   return Read(path, CasePurpose::kSimulation, c, error);
+}
+
+bool ReadCaseForPlanning(const std::string& path, const std::string& force_dof,
+                         Case* c, std::string* error) {
+  auto source = std::make_shared<TomlValue>();
+  if (!ReadSourceTree(path, source.get(), error) ||
+      !MoveForces(path, force_dof, source.get(), error)) {
+    return false;
+  }
+  return CaseReader(source, path, nullptr, CasePurpose::kPlanning, error)
+      .Read(c);
 }
 
 }  // namespace pinode

@@ -12,6 +12,7 @@
 #include "pinode/base/types.h"
 #include "pinode/case/case_data.h"
 #include "pinode/case/damage_section.h"
+#include "pinode/case/plan_section.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
@@ -41,8 +42,10 @@ struct Case {
   // (pinode/study/reduced_structure.h); null where the case has none.
   std::shared_ptr<const ReducedStructure> finite_element;
 
-  // [simulate]: noise in per cent of each channel's standard deviation.
+  // [simulate]: noise in per cent of each channel's standard deviation, or of
+  // each channel's own sigma.
   double noise_percent = 0.0;
+  bool noise_is_sigma = false;
   std::uint64_t noise_seed = 1;
 
   // [discover]: where pinode_discover looks for equations.
@@ -59,6 +62,9 @@ struct Case {
   // [damage]: what pinode_damage looks for beside changes of groups.
   DamageSearch damage;
 
+  // [plan]: which sensors could be where; by ReadCaseForPlanning alone.
+  SensorRequest plan;
+
   // The text as a tree, from which model.toml is made.
   std::shared_ptr<const TomlValue> source;
   // Arrays that the tree names in place of files; null: there are none.
@@ -66,7 +72,7 @@ struct Case {
 };
 
 // What a case is read for, see below.
-enum class CasePurpose { kFit, kCheck, kSimulation };
+enum class CasePurpose { kFit, kCheck, kSimulation, kPlanning };
 
 // Reads the case file at `path` and all files that it names; see
 // pinode/case/README.md for every key. Includes the checks of
@@ -96,6 +102,14 @@ enum class CasePurpose { kFit, kCheck, kSimulation };
 // are NaN), a record may do without a file, and nothing need be free.
 [[nodiscard]] bool ReadCaseForSimulation(const std::string& path, Case* c,
                                          std::string* error);
+
+// As ReadCaseForSimulation, to plan sensors: records need no channel, and
+// Case::plan says which sensors there could be. Each of `plan.excite` is a case
+// of its own: with `force_dof` not empty the first force of each record acts
+// there, and no other force or ground motion does.
+[[nodiscard]] bool ReadCaseForPlanning(const std::string& path,
+                                       const std::string& force_dof, Case* c,
+                                       std::string* error);
 
 }  // namespace pinode
 

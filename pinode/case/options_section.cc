@@ -75,9 +75,15 @@ bool ReadProfiles(const TomlTable& root, const IdentificationProblem& problem,
 }
 
 bool ReadSimulate(const TomlTable& root, double* noise_percent,
-                  std::uint64_t* seed) {
+                  bool* noise_is_sigma, std::uint64_t* seed) {
   const TomlTable table = root.Table("simulate", "[simulate]");
-  if (!table.AllowKeys({"noise_percent", "seed"})) return false;
+  if (!table.AllowKeys({"noise", "noise_percent", "seed"})) return false;
+  *noise_is_sigma = table.Has("noise");
+  table.Choice("noise", {"sigma"}, "sigma");
+  if (*noise_is_sigma && table.Has("noise_percent")) {
+    return table.Fail("noise_percent",
+                      "'noise_percent' beside 'noise', expected one of them");
+  }
   *noise_percent = table.NonNegativeNumber("noise_percent", 0.0);
   *seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
   return table.errors()->ok();

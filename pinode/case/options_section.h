@@ -20,8 +20,10 @@ namespace pinode {
 [[nodiscard]] bool ReadProfiles(
     const TomlTable& root, const IdentificationProblem& problem,
     std::optional<std::vector<std::string>>* parameters);
+// *noise_is_sigma: every channel has its own `sigma` for noise, and no per
+// cent.
 [[nodiscard]] bool ReadSimulate(const TomlTable& root, double* noise_percent,
-                                std::uint64_t* seed);
+                                bool* noise_is_sigma, std::uint64_t* seed);
 
 }  // namespace pinode
 

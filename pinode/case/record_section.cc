@@ -46,7 +46,9 @@ class RecordReader {
                RecordPurpose purpose, RecordSection* section)
       : units_(units),
         model_(model),
-        simulation_(purpose == RecordPurpose::kSimulation),
+        simulation_(purpose == RecordPurpose::kSimulation ||
+                    purpose == RecordPurpose::kPlanning),
+        planning_(purpose == RecordPurpose::kPlanning),
         responses_only_(purpose == RecordPurpose::kResponses),
         section_(section),
         table_(section->table) {}
@@ -246,7 +248,7 @@ class RecordReader {
       }
       section_->channels.push_back(std::move(channel));
     }
-    if (table_.errors()->ok() && section_->channels.empty()) {
+    if (table_.errors()->ok() && section_->channels.empty() && !planning_) {
       return table_.Fail("channel",
                          "it has no [[record.channel]], expected "
                          "at least one measured response");
@@ -382,8 +384,9 @@ class RecordReader {
     }
     if (simulation_) {
       return table_.Fail("excitation",
-                         "loads that nobody measured cannot be simulated, "
-                         "expected measured ones");
+                         std::string("loads that nobody measured cannot be ") +
+                             (planning_ ? "planned for" : "simulated") +
+                             ", expected measured ones");
     }
     for (const char* key :
          {"ground", "force", "motion", "covariate", "start", "start_samples",
@@ -408,6 +411,7 @@ class RecordReader {
   const UnitSystem& units_;
   const StructuralModel& model_;
   const bool simulation_;
+  const bool planning_;
   const bool responses_only_;
   RecordSection* section_;
   TomlTable& table_;

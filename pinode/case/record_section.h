@@ -66,6 +66,7 @@ struct RecordSection {
 enum class RecordPurpose {
   kFit,
   kSimulation,  // measured responses are not read, nor need there be a file
+  kPlanning,    // as a simulation; there need be no channel
   // Measured responses alone: a channel needs no DOF, and is at the place that
   // its name says.
   kResponses,

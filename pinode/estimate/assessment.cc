@@ -39,9 +39,8 @@ void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
   if (modes != nullptr) assessment->num_residuals += modes->num_residuals();
 }
 
-// First precisions of what keeps curves and unknown forces smooth, as the fit
-// has them: what no data reach follows from its neighbours. Networks' weights
-// are left to the data.
+}  // namespace
+
 Vector SmoothnessPrecisions(const ParameterLayout& layout,
                             const EvidenceTuning& tuning) {
   Vector precisions = FirstDecays(layout, tuning, nullptr);
@@ -53,24 +52,22 @@ Vector SmoothnessPrecisions(const ParameterLayout& layout,
   return precisions;
 }
 
-// Deviations of the free named parameters; infinite in the null space.
-void Expect(const ParameterLayout& layout, const CovarianceEstimate& covariance,
-            ProblemAssessment* assessment) {
+std::vector<ExpectedDeviation> ExpectedDeviations(const ParameterLayout& layout,
+                                                  const Matrix& covariance,
+                                                  const Matrix& null_space) {
+  std::vector<ExpectedDeviation> expected;
   for (int j = 0; j < layout.num_free(); ++j) {
     const int index = layout.free()[static_cast<size_t>(j)];
     if (!layout.IsNamed(index)) continue;
     const bool determined =
-        covariance.null_space.cols() == 0 ||
-        covariance.null_space.row(j).cwiseAbs().maxCoeff() < 0.1;
+        null_space.cols() == 0 || null_space.row(j).cwiseAbs().maxCoeff() < 0.1;
     const Parameter& parameter = layout.parameter(index);
-    assessment->expected.push_back(
-        {parameter.name, parameter.unit, parameter.value,
-         determined ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
-                    : std::numeric_limits<double>::infinity()});
+    expected.push_back({parameter.name, parameter.unit, parameter.value,
+                        determined ? std::sqrt(std::max(0.0, covariance(j, j)))
+                                   : std::numeric_limits<double>::infinity()});
   }
+  return expected;
 }
-
-}  // namespace
 
 bool AssessProblem(const IdentificationProblem& problem,
                    const IdentificationOptions& options,
@@ -142,7 +139,10 @@ bool AssessProblem(const IdentificationProblem& problem,
   const bool sizes_known = !shooting.train_records().empty() ||
                            !problem.ambient.empty() ||
                            problem.modal.HasSigmas();
-  if (sizes_known) Expect(layout, covariance, assessment);
+  if (sizes_known) {
+    assessment->expected = ExpectedDeviations(layout, covariance.covariance,
+                                              covariance.null_space);
+  }
   Vector first_values = layout.InitialValues();
   FindSigns(problem, &first_values);
   assessment->remarks = SignRemarks(problem, first_values);

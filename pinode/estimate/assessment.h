@@ -6,10 +6,21 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/types.h"
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/tuning.h"
 
 namespace pinode {
+
+// What a free named parameter is expected to be found within.
+struct ExpectedDeviation {
+  std::string name;
+  std::string unit;
+  double initial = 0.0;
+  double sigma = 0.0;
+};
 
 struct ProblemAssessment {
   int num_free = 0;
@@ -21,13 +32,7 @@ struct ProblemAssessment {
   // (CanFitWithInputNoise) and the model runs freely. Infinite where the data
   // do not determine it. Empty where there are only measured modes whose errors
   // are not known.
-  struct Expected {
-    std::string name;
-    std::string unit;
-    double initial = 0.0;
-    double sigma = 0.0;
-  };
-  std::vector<Expected> expected;
+  std::vector<ExpectedDeviation> expected;
   // Directions of named parameters along which the cost does not change: data,
   // priors, and what keeps curves and unknown forces smooth.
   std::vector<std::string> undetermined;
@@ -42,6 +47,19 @@ struct ProblemAssessment {
                                  const IdentificationOptions& options,
                                  ProblemAssessment* assessment,
                                  std::string* error);
+
+// First precisions of what keeps curves and unknown forces smooth, one per
+// decay group, as the fit has them: what no data reach follows from its
+// neighbours. Networks' weights are left to the data.
+Vector SmoothnessPrecisions(const ParameterLayout& layout,
+                            const EvidenceTuning& tuning);
+
+// Of all free named parameters; infinite where a direction of `null_space`
+// (num_free x count) has a tenth or more of one. `covariance`: num_free x
+// num_free.
+std::vector<ExpectedDeviation> ExpectedDeviations(const ParameterLayout& layout,
+                                                  const Matrix& covariance,
+                                                  const Matrix& null_space);
 
 }  // namespace pinode
 
