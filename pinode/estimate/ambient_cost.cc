@@ -20,8 +20,6 @@ using Complex = std::complex<double>;
 constexpr double kBelowLowest = 0.3;
 constexpr double kAboveHighest = 1.5;
 constexpr double kBelowNyquist = 0.8;
-// Pieces that threads take.
-constexpr int kPieces = 16;
 // Of the fit of loads and noise: iterations, and what it may leave of the cost.
 constexpr int kMostIterations = 40;
 constexpr double kCostLeft = 0.01;
@@ -127,11 +125,13 @@ double OffsetOf(const SpectralLines& lines) {
 
 AmbientCost::AmbientCost(const AmbientRecord& record,
                          const StructuralDynamics& dynamics,
-                         const ParameterLayout& layout, int num_threads)
+                         const ParameterLayout& layout, int num_threads,
+                         Communicator* communicator)
     : record_(record),
       dynamics_(dynamics),
       layout_(layout),
-      num_threads_(num_threads) {
+      num_threads_(num_threads),
+      communicator_(CommunicatorOrSingle(communicator)) {
   const Eigen::Index channels =
       static_cast<Eigen::Index>(record.channels.size());
   sensors_.resize(channels, dynamics.num_dofs());
@@ -278,20 +278,19 @@ ComplexVector AmbientCost::ChannelFactors(double frequency) const {
   return factors;
 }
 
-void AmbientCost::FindTransfer() {
+void AmbientCost::FindTransfer(bool all) {
   transfer_.resize(static_cast<size_t>(num_lines()));
   const ComplexMatrix loads = loads_.cast<Complex>();
   const ComplexMatrix direct =
       (scales_.cwiseInverse().asDiagonal() * direct_).cast<Complex>();
   ParallelFor(kPieces, num_threads_, [&](int piece, int) {
-    const size_t last =
-        transfer_.size() * static_cast<size_t>(piece + 1) / kPieces;
-    for (size_t k = transfer_.size() * static_cast<size_t>(piece) / kPieces;
-         k < last; ++k) {
-      const double f = lines_.frequency[static_cast<Eigen::Index>(k)];
-      transfer_[k] = ChannelFactors(f).asDiagonal() *
-                         (sensors_ * DynamicStiffness(f).solve(loads)) +
-                     direct;
+    if (!all && RankOf(piece) != communicator_.rank()) return;
+    for (Eigen::Index k = FirstLine(piece); k < FirstLine(piece + 1); ++k) {
+      const double f = lines_.frequency[k];
+      transfer_[static_cast<size_t>(k)] =
+          ChannelFactors(f).asDiagonal() *
+              (sensors_ * DynamicStiffness(f).solve(loads)) +
+          direct;
     }
   });
 }
@@ -490,7 +489,8 @@ bool AmbientCost::FirstUnknowns(double* cost) {
 
 bool AmbientCost::Evaluate(const Vector& free, double* cost) {
   if (!SetModel(free)) return false;
-  FindTransfer();
+  // The first guess looks at all lines.
+  FindTransfer(/*all=*/!unknowns_known_);
   if (!unknowns_known_) return FirstUnknowns(cost);
   if (linearized_at_.size() == free.size()) {
     unknowns_ = Moved(unknowns_there_, follow_ * (free - linearized_at_));

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/ambient_record.h"
@@ -45,9 +46,12 @@ namespace pinode {
 // Eng. Struct. Dyn. 30 (2001) 1129 (spectral density approach).
 class AmbientCost final : public CostPart {
  public:
-  // `record` is valid; all must outlive this object.
+  // `record` is valid; all must outlive this object. The ranks of
+  // `communicator` (nullptr: a single process) share the lines, and come to the
+  // same bits as one process does.
   AmbientCost(const AmbientRecord& record, const StructuralDynamics& dynamics,
-              const ParameterLayout& layout, int num_threads);
+              const ParameterLayout& layout, int num_threads,
+              Communicator* communicator = nullptr);
 
   // Groups of lines.
   int num_lines() const { return static_cast<int>(lines_.size()); }
@@ -82,7 +86,18 @@ class AmbientCost final : public CostPart {
     Matrix products;
   };
   struct IntervalSums;
+  // Of a piece of the band.
+  struct PieceSums;
   class LineSums;
+
+  // The band is summed in so many pieces, whoever has them, so that sums are
+  // the same.
+  static constexpr int kPieces = 16;
+  Eigen::Index FirstLine(int piece) const {
+    return num_lines() * Eigen::Index{piece} / kPieces;
+  }
+  // Whose a piece is.
+  int RankOf(int piece) const { return piece * communicator_.size() / kPieces; }
 
   // The model at `free`; notes why where there is none.
   [[nodiscard]] bool SetModel(const Vector& free);
@@ -93,7 +108,8 @@ class AmbientCost final : public CostPart {
   Eigen::VectorXcd ChannelFactors(double frequency) const;
   // Where forces act, as the record says or leaves to be found.
   void SetLoads(const ModalProperties& modes, double highest);
-  void FindTransfer();
+  // Of all lines, or of those of this rank's pieces.
+  void FindTransfer(bool all);
   // Cost, and where `sums` is not null its derivatives by loads and noise, with
   // those by the groups behind them where asked for.
   [[nodiscard]] bool Accumulate(bool with_groups, double* cost,
@@ -101,6 +117,10 @@ class AmbientCost final : public CostPart {
   [[nodiscard]] bool AccumulateLines(Eigen::Index first, Eigen::Index last,
                                      bool with_groups, double* cost,
                                      std::vector<IntervalSums>* sums) const;
+  // Makes known to all ranks what each has found of its pieces. False where one
+  // does not answer.
+  [[nodiscard]] bool Exchange(bool with_sums, bool with_groups,
+                              std::vector<PieceSums>* pieces) const;
   void AddInterval(const IntervalSums& interval, Sums* sums) const;
   // S_y of a line; false where it is not positive definite.
   [[nodiscard]] bool FactorizeLine(Eigen::Index line,
@@ -127,6 +147,7 @@ class AmbientCost final : public CostPart {
   const StructuralDynamics& dynamics_;
   const ParameterLayout& layout_;
   const int num_threads_;
+  Communicator& communicator_;
   // num_dofs x areas, at the last free parameters: forces of unit size, then
   // what accelerations of the base do, -M times base_.
   Matrix loads_;

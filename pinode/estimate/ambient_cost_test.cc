@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/ranks_testing.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/modal/testing.h"
 #include "pinode/record/resample.h"
@@ -125,6 +126,44 @@ TEST(AmbientCostTest, GradientIsThatOfTheCost) {
     EXPECT_NEAR(slope, system.gradient[i],
                 0.03 * std::abs(slope) + 0.05 * std::sqrt(system.hessian(i, i)))
         << "parameter " << i;
+  }
+}
+
+// The band is summed in the same pieces, whoever has them.
+TEST(AmbientCostTest, RanksFindTheSameBits) {
+  const TestChain chain = RayleighChain(3);
+  const IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.05, RecordOfChain(chain, 80.0, 4, 0.5));
+  const ParameterLayout layout(problem);
+  struct Found {
+    CondensedSystem system;
+    Matrix products;
+    AmbientScore score;
+  };
+  const auto find = [&](Communicator* ranks) {
+    Found found;
+    AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 1, ranks);
+    const Vector free = layout.Free(layout.InitialValues());
+    EXPECT_TRUE(cost.Linearize(free, &found.system)) << cost.Failure();
+    EXPECT_TRUE(cost.Linearize(0.99 * free, &found.system)) << cost.Failure();
+    found.products = cost.score_products();
+    EXPECT_TRUE(cost.Score(free, &found.score));
+    return found;
+  };
+  const Found alone = find(nullptr);
+  for (const int size : {2, 3}) {
+    std::vector<Found> all(static_cast<size_t>(size));
+    testing::ThreadRanks(size).Run([&](Communicator* ranks) {
+      all[static_cast<size_t>(ranks->rank())] = find(ranks);
+    });
+    for (const Found& found : all) {
+      EXPECT_EQ(found.system.cost, alone.system.cost);
+      EXPECT_EQ(found.system.gradient, alone.system.gradient);
+      EXPECT_EQ(found.system.hessian, alone.system.hessian);
+      EXPECT_EQ(found.products, alone.products);
+      EXPECT_EQ(found.score.chi_square, alone.score.chi_square);
+      EXPECT_EQ(found.score.modelled, alone.score.modelled);
+    }
   }
 }
 

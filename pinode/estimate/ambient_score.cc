@@ -23,6 +23,7 @@ constexpr double kTaperedLines = 1.06;
 bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   double cost = 0.0;
   if (!Evaluate(free, &cost)) return false;
+  FindTransfer(/*all=*/true);
   const Eigen::Index channels = scales_.size();
   const Eigen::Index lines = num_lines();
   *score = AmbientScore();

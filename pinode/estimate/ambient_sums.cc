@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "pinode/base/constants.h"
@@ -19,8 +21,6 @@ using Complex = std::complex<double>;
 
 // Neighbouring lines that share a score: the taper ties them together.
 constexpr Eigen::Index kStretch = 8;
-// Pieces that threads take; a fixed number, so that sums are the same.
-constexpr int kPiecesOfBand = 16;
 
 // A Hermitian matrix as as many numbers, with tr(A B) as their product.
 template <typename Target>
@@ -44,6 +44,12 @@ struct AmbientCost::IntervalSums {
   Vector gradient;
   Matrix information;
   Matrix products;
+};
+
+struct AmbientCost::PieceSums {
+  bool ok = false;
+  double cost = 0.0;
+  std::vector<IntervalSums> intervals;
 };
 
 // Sums over the lines between two knots; `stretch` sums of a few neighbours.
@@ -284,17 +290,92 @@ void AmbientCost::AddInterval(const IntervalSums& interval, Sums* sums) const {
   }
 }
 
+bool AmbientCost::Exchange(bool with_sums, bool with_groups,
+                           std::vector<PieceSums>* pieces) const {
+  const int ranks = communicator_.size();
+  if (ranks == 1) return true;
+  // What a piece's intervals are follows from its lines.
+  std::vector<std::vector<int>> knots(kPieces);
+  for (int p = 0; with_sums && p < kPieces; ++p) {
+    std::vector<int>& own = knots[static_cast<size_t>(p)];
+    double below = 0.0;
+    double above = 0.0;
+    for (Eigen::Index k = FirstLine(p); k < FirstLine(p + 1); ++k) {
+      const int knot = spectrum_->Weigh(lines_.frequency[k], &below, &above);
+      if (own.empty() || own.back() != knot) own.push_back(knot);
+    }
+  }
+  const Eigen::Index active =
+      2 * spectrum_->per_knot() + scales_.size() +
+      (with_groups ? static_cast<Eigen::Index>(columns_.size()) : 0);
+  const bool with_products = with_groups && !columns_.empty();
+  const Eigen::Index of_interval =
+      active + (with_products ? 2 : 1) * active * active;
+  const auto size_of = [&](int p) {
+    return 2 + static_cast<Eigen::Index>(knots[static_cast<size_t>(p)].size()) *
+                   of_interval;
+  };
+  std::vector<int64_t> sizes(static_cast<size_t>(ranks), 0);
+  for (int p = 0; p < kPieces; ++p) {
+    sizes[static_cast<size_t>(RankOf(p))] += size_of(p);
+  }
+  // Pieces are ranked in their order.
+  Vector numbers(std::accumulate(sizes.begin(), sizes.end(), int64_t{0}));
+  const auto pass = [&](bool writes) {
+    double* at = numbers.data();
+    const auto next = [&at, writes](Eigen::Index count, double* here) {
+      if (writes) {
+        std::copy_n(here, count, at);
+      } else {
+        std::copy_n(at, count, here);
+      }
+      at += count;
+    };
+    for (int p = 0; p < kPieces; ++p) {
+      if (writes != (RankOf(p) == communicator_.rank())) {
+        at += size_of(p);
+        continue;
+      }
+      PieceSums& piece = (*pieces)[static_cast<size_t>(p)];
+      const std::vector<int>& of_piece = knots[static_cast<size_t>(p)];
+      double* const end = at + size_of(p);
+      double ok = piece.ok ? 1.0 : 0.0;
+      next(1, &ok);
+      next(1, &piece.cost);
+      piece.ok = ok != 0.0;
+      piece.intervals.resize(piece.ok ? of_piece.size() : 0);
+      for (size_t i = 0; i < piece.intervals.size(); ++i) {
+        IntervalSums& interval = piece.intervals[i];
+        interval.knot = of_piece[i];
+        interval.gradient.resize(active);
+        interval.information.resize(active, active);
+        next(active, interval.gradient.data());
+        next(active * active, interval.information.data());
+        if (!with_products) continue;
+        interval.products.resize(active, active);
+        next(active * active, interval.products.data());
+      }
+      // Of one that has failed nothing more is known.
+      if (writes) std::fill(at, end, 0.0);
+      at = end;
+    }
+  };
+  pass(true);
+  if (!communicator_.Gather(sizes, numbers.data())) return false;
+  pass(false);
+  return true;
+}
+
 bool AmbientCost::Accumulate(bool with_groups, double* cost, Sums* sums) const {
-  std::vector<std::vector<IntervalSums>> parts(kPiecesOfBand);
-  std::vector<double> costs(kPiecesOfBand, 0.0);
-  std::vector<char> ok(kPiecesOfBand, 1);
-  const Eigen::Index lines = num_lines();
-  ParallelFor(kPiecesOfBand, num_threads_, [&](int piece, int) {
-    const size_t p = static_cast<size_t>(piece);
-    ok[p] = AccumulateLines(lines * piece / kPiecesOfBand,
-                            lines * (piece + 1) / kPiecesOfBand, with_groups,
-                            &costs[p], sums != nullptr ? &parts[p] : nullptr);
+  std::vector<PieceSums> pieces(kPieces);
+  ParallelFor(kPieces, num_threads_, [&](int p, int) {
+    if (RankOf(p) != communicator_.rank()) return;
+    PieceSums& piece = pieces[static_cast<size_t>(p)];
+    piece.ok = AccumulateLines(FirstLine(p), FirstLine(p + 1), with_groups,
+                               &piece.cost,
+                               sums != nullptr ? &piece.intervals : nullptr);
   });
+  if (!Exchange(sums != nullptr, with_groups, &pieces)) return false;
   *cost = offset_;
   if (sums != nullptr) {
     const Eigen::Index size =
@@ -305,10 +386,12 @@ bool AmbientCost::Accumulate(bool with_groups, double* cost, Sums* sums) const {
     sums->products =
         Matrix::Zero(with_groups ? size : 0, with_groups ? size : 0);
   }
-  for (size_t p = 0; p < kPiecesOfBand; ++p) {
-    if (!ok[p]) return false;
-    *cost += costs[p];
-    for (const IntervalSums& interval : parts[p]) AddInterval(interval, sums);
+  for (const PieceSums& piece : pieces) {
+    if (!piece.ok) return false;
+    *cost += piece.cost;
+    for (const IntervalSums& interval : piece.intervals) {
+      AddInterval(interval, sums);
+    }
   }
   AddPrior(cost, sums);
   return std::isfinite(*cost);

@@ -24,7 +24,8 @@ Objective::Objective(const IdentificationProblem& problem,
   }
   for (const AmbientRecord& record : problem.ambient) {
     ambient_.push_back(std::make_unique<AmbientCost>(
-        record, *problem.dynamics, layout, options.num_threads));
+        record, *problem.dynamics, layout, options.num_threads,
+        options.communicator));
   }
 }
 
