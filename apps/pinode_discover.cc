@@ -10,6 +10,7 @@
 //   pinode_update   --case=C.toml --output_dir=D
 //   pinode_discover --model=D --case=C.toml --output_dir=E
 //   pinode_simulate --case=E/model.toml --output_dir=F
+//   mpirun -n 4 pinode_discover --model=D --case=C.toml --output_dir=E
 
 #include <gflags/gflags.h>
 
@@ -76,7 +77,6 @@ bool CheckModelFlag(const Case& c, std::string* error) {
 // where terms come from records).
 bool ReadInput(Case* c, IdentifiedModel* model, std::string* error) {
   if (!ReadFitFlags(c, error) || !CheckModelFlag(*c, error)) return false;
-  c->discover.num_threads = c->options.num_threads;
   if (FLAGS_model.empty()) return true;
   Checkpoint checkpoint;
   if (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c->problem, &checkpoint,
@@ -106,6 +106,7 @@ class RefitWatch {
   RefitWatch(const ResultFolder& folder, const std::string& problem_hash)
       : line_(FLAGS_progress),
         path_(folder.checkpoint_path()),
+        writes_(folder.writes()),
         problem_hash_(problem_hash) {}
 
   void Watch(DiscoveryOptions* discover, IdentificationOptions* options) {
@@ -132,6 +133,7 @@ class RefitWatch {
   }
 
   void Save(const std::vector<DiscoveredEquation>& equations) {
+    if (!writes_) return;
     const Clock::time_point now = Clock::now();
     if (now - written_ < std::chrono::seconds(1)) return;
     written_ = now;
@@ -145,6 +147,7 @@ class RefitWatch {
 
   ProgressLine line_;
   const std::string path_;
+  const bool writes_;
   const std::string problem_hash_;
   std::string which_;
   Clock::time_point written_;
@@ -159,14 +162,17 @@ bool RefitTerms(const Case& c, const IdentifiedModel& model,
                 std::string* error) {
   const std::string problem_hash = ProblemIdentity(c.problem);
   std::vector<DiscoveredEquation> resumed;
-  if (!folder.resume_path().empty() &&
-      !ReadDiscoverCheckpoint(folder.resume_path(), problem_hash, equations,
-                              &resumed, error)) {
-    return false;
+  if (!folder.resume_path().empty()) {
+    const bool ok = ReadDiscoverCheckpoint(folder.resume_path(), problem_hash,
+                                           equations, &resumed, error);
+    // All ranks have read it before it is written anew.
+    if (!CommunicatorOrSingle(c.options.communicator).AllTrue(ok)) {
+      if (ok) *error = folder.resume_path() + ": not all ranks can read it";
+      return false;
+    }
   }
   *discovery = WithoutRefit(c.problem, equations);
   if (!c.discover.refit || discovery->num_terms() == 0) return true;
-  CatchInterrupts();
   DiscoveryOptions discover = c.discover;
   IdentificationOptions options = c.options;
   RefitWatch watch(folder, problem_hash);
@@ -250,15 +256,17 @@ int main(int argc, char** argv) {
                   &status)) {
     return status;
   }
-  if (NumLaunchedRanks() > 1) {
-    return Refuse("pinode_discover runs in one process, expected no launcher");
-  }
-
   // 1. Everything that can be wrong with the input, before any work.
   std::string error;
   Case c;
   IdentifiedModel model;
-  if (!ReadInput(&c, &model, &error)) return Refuse(error);
+  Ranks ranks;
+  if (!ranks.Agree(ReadInput(&c, &model, &error), c, &error)) {
+    return Refuse(error);
+  }
+  ranks.ShareWork(&c.options);
+  c.discover.num_threads = c.options.num_threads;
+  c.discover.communicator = c.options.communicator;
 
   // 2. Terms from the networks, along the predicted states; or from records.
   std::vector<DiscoveredEquation> equations;
@@ -267,10 +275,19 @@ int main(int argc, char** argv) {
   // 3. The terms in place of the networks, fitted to the trajectories.
   ResultFolder folder;
   Discovery discovery;
-  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &error) ||
+  CatchInterrupts();
+  if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
+                  &error) ||
       !RefitTerms(c, model, equations, folder, &discovery, &error)) {
     return Refuse(error);
   }
+
+  const bool usable = discovery.num_terms() > 0 &&
+                      (!discovery.refitted || discovery.summary.usable);
+  const int status_of_fit = IsInterrupted(discovery) ? kExitInterrupted
+                            : usable                 ? kExitDone
+                                                     : kExitNotUsable;
+  if (!ranks.is_first()) return status_of_fit;
 
   // 4. The model that has the equations, and a report.
   const double seconds =
@@ -300,9 +317,6 @@ int main(int argc, char** argv) {
   std::printf("Results: %s\n", folder.final_path().c_str());
   if (IsInterrupted(discovery)) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
-    return kExitInterrupted;
   }
-  const bool usable = discovery.num_terms() > 0 &&
-                      (!discovery.refitted || discovery.summary.usable);
-  return usable ? kExitDone : kExitNotUsable;
+  return status_of_fit;
 }

@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "pinode/base/ranks_testing.h"
+#include "pinode/discover/ensemble.h"
+#include "pinode/discover/lasso.h"
+#include "pinode/discover/regression_problem.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/multiple_shooting.h"
 #include "pinode/estimate/profile.h"
@@ -142,6 +145,47 @@ TEST(Ranks, FitTogether) {
       EXPECT_EQ(one.profiles[p].name, alone.profiles[p].name);
       EXPECT_EQ(one.profiles[p].points.size(), alone.profiles[p].points.size());
       EXPECT_NEAR(one.profiles[p].upper95, alone.profiles[p].upper95, 1e-8);
+    }
+  }
+}
+
+// Bags of an ensemble, more and fewer than ranks.
+TEST(Ranks, DrawBagsTogether) {
+  testing::Gaussian random(4);
+  RegressionOutput output;
+  output.name = "y";
+  output.theta.resize(300, 8);
+  for (int j = 0; j < 8; ++j) {
+    output.candidates.push_back("c" + std::to_string(j));
+    output.theta.col(j) = random.Draw(300);
+  }
+  output.y =
+      2.0 * output.theta.col(1) - output.theta.col(6) + 0.1 * random.Draw(300);
+  RegressionProblem problem;
+  problem.outputs = {output};
+  for (const int bags : {11, 2}) {
+    EnsembleOptions options;
+    options.num_bags = bags;
+    options.library_fraction = 0.8;
+    std::string error;
+    Ensemble alone;
+    ASSERT_TRUE(
+        RunEnsemble(problem, LassoLearner({}, {}), options, &alone, &error))
+        << error;
+    std::vector<Ensemble> found(3);
+    testing::ThreadRanks(3).Run([&](Communicator* ranks) {
+      EnsembleOptions own = options;
+      own.communicator = ranks;
+      std::string unused;
+      EXPECT_TRUE(RunEnsemble(problem, LassoLearner({}, {}), own,
+                              &found[static_cast<size_t>(ranks->rank())],
+                              &unused));
+    });
+    for (const Ensemble& one : found) {
+      EXPECT_EQ(one.num_offered, alone.num_offered);
+      EXPECT_EQ(one.inclusion_probability, alone.inclusion_probability);
+      EXPECT_EQ(one.median, alone.median);
+      EXPECT_EQ(one.coefficients, alone.coefficients);
     }
   }
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/discover/candidate_library.h"
 #include "pinode/discover/coefficient_map.h"
@@ -68,6 +69,8 @@ struct DiscoveryOptions {
   double library_fraction = 1.0;
   uint64_t seed = 1;
   int num_threads = 1;
+  // Ranks that share the bags; nullptr: a single process.
+  Communicator* communicator = nullptr;
 
   // After the refit through the ODE a term is dropped if it adds less than
   // this fraction of `tolerance`, or is not worth its price, (xi /

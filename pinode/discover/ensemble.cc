@@ -37,6 +37,42 @@ struct Bag {
   Vector free;
 };
 
+// Which rank has a bag.
+int RankOfBag(size_t bag, size_t count, int ranks) {
+  return static_cast<int>(bag * static_cast<size_t>(ranks) / count);
+}
+
+// Makes known to all ranks what each has learned from its bags, `count`
+// unknowns each.
+bool ExchangeBags(Eigen::Index count, Communicator* ranks,
+                  std::vector<Bag>* bags) {
+  if (ranks->size() == 1) return true;
+  // Offered or not, then coefficients; the bags of a rank follow each other.
+  Matrix numbers(2 * count, static_cast<Eigen::Index>(bags->size()));
+  std::vector<int64_t> sizes(static_cast<size_t>(ranks->size()), 0);
+  for (size_t b = 0; b < bags->size(); ++b) {
+    const int owner = RankOfBag(b, bags->size(), ranks->size());
+    sizes[static_cast<size_t>(owner)] += numbers.rows();
+    if (owner != ranks->rank()) continue;
+    auto column = numbers.col(static_cast<Eigen::Index>(b));
+    for (Eigen::Index i = 0; i < count; ++i) {
+      column[i] = (*bags)[b].offered[static_cast<size_t>(i)] ? 1.0 : 0.0;
+    }
+    column.tail(count) = (*bags)[b].free;
+  }
+  if (!ranks->Gather(sizes, numbers.data())) return false;
+  for (size_t b = 0; b < bags->size(); ++b) {
+    const auto column = numbers.col(static_cast<Eigen::Index>(b));
+    Bag& bag = (*bags)[b];
+    bag.offered.assign(static_cast<size_t>(count), false);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      bag.offered[static_cast<size_t>(i)] = column[i] != 0.0;
+    }
+    bag.free = column.tail(count);
+  }
+  return true;
+}
+
 void CheckLasso(const LassoOptions& lasso, const SelectionOptions& selection,
                 double independent_fraction) {
   std::string error;
@@ -145,7 +181,12 @@ bool RunEnsemble(const RegressionProblem& problem, const SparseLearner& learner,
                 1, count);
 
   std::vector<Bag> bags(static_cast<size_t>(options.num_bags));
+  Communicator& ranks = CommunicatorOrSingle(options.communicator);
   ParallelFor(options.num_bags, options.num_threads, [&](int b, int) {
+    if (RankOfBag(static_cast<size_t>(b), bags.size(), ranks.size()) !=
+        ranks.rank()) {
+      return;
+    }
     std::seed_seq seed{static_cast<uint32_t>(options.seed),
                        static_cast<uint32_t>(options.seed >> 32),
                        static_cast<uint32_t>(b)};
@@ -174,6 +215,10 @@ bool RunEnsemble(const RegressionProblem& problem, const SparseLearner& learner,
     bag.free = learner(system, map);
     CHECK_EQ(bag.free.size(), count) << "the learner's result";
   });
+  if (!ExchangeBags(count, &ranks, &bags)) {
+    *error = "a rank does not answer";
+    return false;
+  }
 
   const auto size = static_cast<Eigen::Index>(map.num_coefficients());
   Ensemble created;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/discover/coefficient_map.h"
 #include "pinode/discover/lasso.h"
@@ -55,6 +56,9 @@ struct EnsembleOptions {
   double inclusion_threshold = 0.6;
   uint64_t seed = 1;
   int num_threads = 1;
+  // Ranks that share the bags, each of which calls RunEnsemble with the same
+  // problem; nullptr: a single process.
+  Communicator* communicator = nullptr;
 
   // On failure *error names the option and the violated constraint.
   [[nodiscard]] bool IsValid(std::string* error) const;
@@ -82,8 +86,8 @@ struct Ensemble {
 // Proceedings of the Royal Society A 478 (2022) 20210904; bagging: L. Breiman
 // 1996): runs `learner` on many bags of time blocks and candidates.
 // Coefficients bound by an equality are offered together. The same seed gives
-// the same bags with any number of threads. False for an invalid problem or
-// option.
+// the same bags with any number of threads and ranks. False for an invalid
+// problem or option, or where a rank does not answer.
 [[nodiscard]] bool RunEnsemble(const RegressionProblem& problem,
                                const SparseLearner& learner,
                                const EnsembleOptions& options,

@@ -212,6 +212,7 @@ class OutputRegression {
     ensemble_options.library_fraction = options_.library_fraction;
     ensemble_options.seed = options_.seed;
     ensemble_options.num_threads = options_.num_threads;
+    ensemble_options.communicator = options_.communicator;
     Ensemble ensemble;
     if (!RunEnsemble(problem_, Learner(selection), ensemble_options, &ensemble,
                      error)) {

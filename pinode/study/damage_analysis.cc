@@ -124,6 +124,7 @@ class Analyst {
       if (!healthy.IsFitted()) {
         IdentificationOptions options = healthy.options;
         options.num_threads = identification_.num_threads;
+        options.communicator = identification_.communicator;
         BeginNearTheEnd(&options);
         fit_("healthy", fit.problem, options, nullptr, &fit.summary,
              &fit.model);
@@ -140,14 +141,44 @@ class Analyst {
 
   bool HealthyStates(const Candidates& candidates,
                      std::vector<GroupState>* states, std::string* error) {
-    states->clear();
-    for (size_t i = 0; i < baselines_.size(); ++i) {
-      GroupState state;
-      if (!StateNear(fits_of_healthy_[i], groups_, candidates,
-                     identification_.num_threads, &state, error)) {
+    Communicator& ranks = CommunicatorOrSingle(identification_.communicator);
+    states->assign(baselines_.size(), GroupState());
+    bool ok = true;
+    for (size_t i = 0; ok && i < baselines_.size(); ++i) {
+      if (RankOfBaseline(i, ranks.size()) != ranks.rank()) continue;
+      ok = StateNear(fits_of_healthy_[i], groups_, candidates,
+                     identification_.num_threads, &(*states)[i], error);
+    }
+    if (ranks.size() == 1) return ok;
+    if (!ranks.AllTrue(ok)) {
+      // Of one that has none every rank finds so.
+      if (ok) *error = "the model with all kinds of change in it is not finite";
+      return false;
+    }
+    return ExchangeStates(&ranks, states, error);
+  }
+
+  // Baselines are shared by the ranks.
+  int RankOfBaseline(size_t i, int num_ranks) const {
+    return static_cast<int>(i * static_cast<size_t>(num_ranks) /
+                            baselines_.size());
+  }
+  bool ExchangeStates(Communicator* ranks, std::vector<GroupState>* states,
+                      std::string* error) const {
+    for (size_t i = 0; i < states->size(); ++i) {
+      GroupState& state = (*states)[i];
+      const int owner = RankOfBaseline(i, ranks->size());
+      Vector numbers(state.values.size() + state.covariance.size());
+      numbers << state.values, state.covariance.reshaped();
+      if (!ranks->Broadcast(owner, &numbers)) {
+        *error = "a rank does not answer";
         return false;
       }
-      states->push_back(std::move(state));
+      // n + n^2 of them.
+      const auto n = static_cast<Eigen::Index>(std::lround(
+          std::sqrt(static_cast<double>(numbers.size()) + 0.25) - 0.5));
+      state.values = numbers.head(n);
+      state.covariance = numbers.tail(n * n).reshaped(n, n);
     }
     return true;
   }
