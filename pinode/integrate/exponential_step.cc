@@ -110,12 +110,13 @@ ParameterizedMap ExponentialStep::LinearPart(
 }
 
 ExponentialStep::Response ExponentialStep::MakeResponse(
-    const ParameterizedMap& rate, double duration) const {
-  const ParameterizedMap map = ForcedExponential(rate, duration, kTerms);
+    const ParameterizedMap& map, bool with_all) const {
   Response response;
   response.all = map.value;
   response.local = map.value(laws_.states(), Eigen::all);
-  response.all_table = StackRows(map.derivatives, nullptr, map.value.cols());
+  if (with_all) {
+    response.all_table = StackRows(map.derivatives, nullptr, map.value.cols());
+  }
   response.local_table =
       StackRows(map.derivatives, &laws_.states(), map.value.cols());
   return response;
@@ -128,8 +129,10 @@ void ExponentialStep::Prepare(const StructuralDynamics::Prepared& prepared,
     return;
   }
   const ParameterizedMap rate = LinearPart(prepared, with_parameters);
-  half_ = MakeResponse(rate, 0.5 * step);
-  whole_ = MakeResponse(rate, step);
+  ParameterizedMap half;
+  whole_ =
+      MakeResponse(ForcedExponential(rate, step, kTerms, &half), /*all=*/true);
+  half_ = MakeResponse(half, /*all=*/false);
   theta_ = prepared.theta;
   step_ = step;
   has_parameters_ = with_parameters;

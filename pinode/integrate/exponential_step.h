@@ -75,13 +75,14 @@ class ExponentialStep {
   struct Response {
     Matrix all;            // 2n x (2n + 3 (inputs + outputs))
     RowMajorMatrix local;  // the rows of it that laws look at
-    // Their derivatives by the groups' parameters, one below the other.
+    // Their derivatives by the groups' parameters, one below the other; of a
+    // whole step both, of half of one those of local rows.
     Matrix all_table;
     Matrix local_table;
   };
   enum Stage { kSecond, kThird, kFourth, kEnd };
 
-  Response MakeResponse(const ParameterizedMap& rate, double duration) const;
+  Response MakeResponse(const ParameterizedMap& map, bool with_all) const;
   // [F G L] and its derivatives by the groups' parameters.
   ParameterizedMap LinearPart(const StructuralDynamics::Prepared& prepared,
                               bool with_parameters) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace pinode {
 namespace {
@@ -18,6 +19,68 @@ Vector InputUnits(const Matrix& columns) {
   }
   return units;
 }
+
+// exp(A) by its series after halvings, with all that lies on the way: of the
+// derivative along dA each matrix is worked out beside the one that it belongs
+// to.
+class Series {
+ public:
+  // At least `halvings` of them.
+  Series(const Matrix& a, int halvings) {
+    constexpr double kSmall = 0.5;  // |A| at which so many terms are enough
+    const double norm = a.cwiseAbs().colwise().sum().maxCoeff();
+    const int squarings = std::max(
+        halvings, static_cast<int>(std::ceil(std::log2(norm / kSmall))));
+    share_ = std::exp2(-squarings);
+    a_ = share_ * a;
+    sums_.push_back(Matrix::Identity(a.rows(), a.cols()));
+    for (int k = kTermsOfSeries; k >= 1; --k) {
+      Matrix sum = a_ * sums_.back() / k;
+      sum.diagonal().array() += 1.0;
+      sums_.push_back(std::move(sum));
+    }
+    squares_.push_back(sums_.back());
+    for (int s = 0; s < squarings; ++s) {
+      squares_.push_back(squares_.back() * squares_.back());
+    }
+  }
+
+  const Matrix& whole() const { return squares_.back(); }
+  // exp(A / 2), where there are halvings.
+  const Matrix& half() const { return squares_[squares_.size() - 2]; }
+
+  // The derivative of whole() along `da`, and of half() where it is asked for.
+  Matrix Derivative(const Matrix& da, Matrix* half) const {
+    // A group moves a few rows.
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < da.rows(); ++i) {
+      if (!da.row(i).isZero(0.0)) rows.push_back(i);
+    }
+    const Matrix moved = share_ * da(rows, Eigen::all);
+    Matrix sum = Matrix::Zero(da.rows(), da.cols());
+    Matrix next(da.rows(), da.cols());
+    for (int k = kTermsOfSeries; k >= 1; --k) {
+      const Matrix& value = sums_[static_cast<size_t>(kTermsOfSeries - k)];
+      next.noalias() = a_ * sum;
+      next(rows, Eigen::all) += moved * value;
+      sum = next / k;
+    }
+    for (size_t s = 0; s + 1 < squares_.size(); ++s) {
+      if (half != nullptr && s + 2 == squares_.size()) *half = sum;
+      next.noalias() = squares_[s] * sum;
+      next.noalias() += sum * squares_[s];
+      sum.swap(next);
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr int kTermsOfSeries = 14;
+  double share_ = 1.0;
+  Matrix a_;
+  std::vector<Matrix> sums_;  // from the last term on
+  std::vector<Matrix> squares_;
+};
 
 }  // namespace
 
@@ -35,8 +98,12 @@ ParameterizedMap Product(const ParameterizedMap& left,
 
 ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
                                    double duration, Eigen::Index terms) {
-  constexpr double kSmall = 0.5;  // |A| at which so many terms are enough
-  constexpr int kExponentialTerms = 14;
+  return ForcedExponential(rate, duration, terms, nullptr);
+}
+
+ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
+                                   double duration, Eigen::Index terms,
+                                   ParameterizedMap* half) {
   const Eigen::Index ns = rate.value.rows();
   const Eigen::Index ni = rate.value.cols() - ns;
   const Eigen::Index size = ns + terms * ni;
@@ -51,39 +118,29 @@ ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
                              input_unit.asDiagonal();
     return a;
   };
-  ParameterizedMap a{augmented(rate.value), {}};
-  for (const Matrix& derivative : rate.derivatives) {
-    a.derivatives.push_back(augmented(derivative));
-  }
-  a.value.block(ns, ns + ni, (terms - 1) * ni, (terms - 1) * ni).setIdentity();
-  const double norm = a.value.cwiseAbs().colwise().sum().maxCoeff();
-  const int squarings =
-      std::max(0, static_cast<int>(std::ceil(std::log2(norm / kSmall))));
-  const double share = std::exp2(-squarings);
-  a.value *= share;
-  for (Matrix& derivative : a.derivatives) derivative *= share;
-  ParameterizedMap sum;
-  sum.value = Matrix::Identity(size, size);
-  sum.derivatives.assign(a.derivatives.size(), Matrix::Zero(size, size));
-  for (int k = kExponentialTerms; k >= 1; --k) {
-    sum = Product(a, sum);
-    sum.value /= k;
-    sum.value.diagonal().array() += 1.0;
-    for (Matrix& derivative : sum.derivatives) derivative /= k;
-  }
-  for (int s = 0; s < squarings; ++s) sum = Product(sum, sum);
-  const auto own = [&](const Matrix& whole) {
+  Matrix a = augmented(rate.value);
+  a.block(ns, ns + ni, (terms - 1) * ni, (terms - 1) * ni).setIdentity();
+  const Series series(a, half != nullptr ? 1 : 0);
+  // `share`: of the duration, by which the inputs' derivatives count.
+  const auto own = [&](const Matrix& whole, double share) {
     Matrix rows = unit.cwiseInverse().asDiagonal() * whole.topRows(ns);
     rows.leftCols(ns) = rows.leftCols(ns) * unit.asDiagonal();
+    double factor = 1.0;
     for (Eigen::Index k = 0; k < terms; ++k) {
       auto block = rows.middleCols(ns + k * ni, ni);
-      block = block * input_unit.cwiseInverse().asDiagonal();
+      block = block * (factor * input_unit.cwiseInverse()).asDiagonal();
+      factor /= share;
     }
     return rows;
   };
-  ParameterizedMap result{own(sum.value), {}};
-  for (const Matrix& derivative : sum.derivatives) {
-    result.derivatives.push_back(own(derivative));
+  ParameterizedMap result{own(series.whole(), 1.0), {}};
+  if (half != nullptr) *half = {own(series.half(), 0.5), {}};
+  for (const Matrix& derivative : rate.derivatives) {
+    Matrix by_half;
+    const Matrix whole = series.Derivative(
+        augmented(derivative), half != nullptr ? &by_half : nullptr);
+    result.derivatives.push_back(own(whole, 1.0));
+    if (half != nullptr) half->derivatives.push_back(own(by_half, 0.5));
   }
   return result;
 }

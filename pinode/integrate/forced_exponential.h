@@ -27,6 +27,12 @@ ParameterizedMap Product(const ParameterizedMap& left,
 ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
                                    double duration, Eigen::Index terms);
 
+// The same, and that of half the duration in its own share of it, which comes
+// before the last squaring.
+ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
+                                   double duration, Eigen::Index terms,
+                                   ParameterizedMap* half);
+
 }  // namespace pinode
 
 #endif  // PINODE_INTEGRATE_FORCED_EXPONENTIAL_H_
