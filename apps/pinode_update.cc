@@ -30,6 +30,18 @@ DEFINE_bool(profiles, false,
             "profile the likelihood of each named free parameter after the "
             "fit, as [profiles] in the case does");
 
+namespace pinode {
+namespace {
+
+// Restoring forces, searches for terms, responses of all DOFs.
+bool LooksAtStates(const Case& c) {
+  return !c.problem.dynamics->IsLinear() || !c.candidates.empty() ||
+         c.finite_element != nullptr;
+}
+
+}  // namespace
+}  // namespace pinode
+
 int main(int argc, char** argv) {
   using namespace pinode;
   const auto begin = std::chrono::steady_clock::now();
@@ -49,6 +61,7 @@ int main(int argc, char** argv) {
   Ranks ranks;
   if (!ranks.Agree(ReadFitFlags(&c, &error), c, &error)) return Refuse(error);
   ranks.ShareWork(&c.options);
+  c.options.keep_states = LooksAtStates(c);
 
   // 2. A folder that nobody sees until it is complete, even if interrupted.
   ResultFolder folder;

@@ -35,12 +35,21 @@ bool IsConstant(const Vector& values) {
   return lowest == highest;
 }
 
-// One file on its own grid, its columns as they are.
+// One file on its own grid.
 struct SourceFile {
   double start_time = 0.0;
   double step = 0.0;
   int num_samples = 0;
-  std::map<std::string, Vector> columns;  // key "" for the motion of an AT2
+  Vector motion;  // of an AT2
+  Table table;    // of any other
+  TimeGrid grid;
+
+  // As it is.
+  Vector Column(const std::string& name) const {
+    return table.columns.empty()
+               ? motion
+               : OnTimeGrid(table, table.FindColumn(name), grid);
+  }
 };
 
 class RecordDataReader {
@@ -120,7 +129,7 @@ class RecordDataReader {
       }
       file.step = motion.sampling_step * second;
       file.num_samples = static_cast<int>(motion.acceleration.size());
-      file.columns[""] = std::move(motion.acceleration);
+      file.motion = std::move(motion.acceleration);
       if (file.num_samples < 2) {
         return table_.errors()->FailAsIs(
             path + ": has fewer than two samples, expected a time history");
@@ -131,7 +140,7 @@ class RecordDataReader {
     if (!section_.time_column.empty()) {
       columns.insert(columns.begin(), section_.time_column);
     }
-    Table table;
+    Table& table = file.table;
     const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
     const auto array = arrays.find(path);
     if (!(array != arrays.end()
@@ -139,7 +148,7 @@ class RecordDataReader {
               : ReadTable(path, columns, &table, &error))) {
       return table_.errors()->FailAsIs(error);
     }
-    TimeGrid grid;
+    TimeGrid& grid = file.grid;
     TimeColumnOptions options;
     options.factor = section_.time_factor;
     options.unit = units_.time;
@@ -159,9 +168,6 @@ class RecordDataReader {
     file.start_time = grid.start_time;
     file.step = grid.step;
     file.num_samples = grid.num_samples();
-    for (const std::string& column : columns) {
-      file.columns[column] = OnTimeGrid(table, table.FindColumn(column), grid);
-    }
     files_.emplace(path, std::move(file));
     return true;
   }
@@ -172,7 +178,7 @@ class RecordDataReader {
     Channel channel;
     channel.name = signal.label;
     channel.unit = signal.unit;
-    channel.values = file.columns.at(signal.column);
+    channel.values = file.Column(signal.column);
     std::string error;
     if (!ConvertChannel(signal.dimension, units_, signal.sign, &channel,
                         &error)) {
@@ -252,6 +258,7 @@ class RecordDataReader {
         return false;
       }
     }
+    files_.clear();
     std::string error;
     if (!merged_.IsValid(&error)) {
       return table_.errors()->Fail(table_.line(), error);
@@ -406,7 +413,11 @@ class RecordDataReader {
       channel.observation.quantity = section.quantity;
       channel.observation.weights = section.weights;
       channel.fit = section.fit;
-      channel.values = merged_.FindChannel(section.signal.label)->values;
+      // Nobody looks at it there any more.
+      const auto source = std::find_if(
+          merged_.channels.begin(), merged_.channels.end(),
+          [&](const Channel& c) { return c.name == section.signal.label; });
+      channel.values = std::move(source->values);
       const int present = CountPresent(channel.values);
       if (!simulation_ && present < 2) {
         return section.signal.table.Fail(

@@ -102,10 +102,10 @@ bool AssessProblem(const IdentificationProblem& problem,
   point.sigmas = sigmas;
   const int segment_samples =
       FirstSegmentSamples(problem, options.tuning.stages);
+  TrajectoryOutlines trajectories;
   const auto find_trajectories = [&](int samples) {
     return InitialTrajectories(problem, samples, point.free,
-                               options.tuning.stages, &shooting,
-                               &point.trajectories);
+                               options.tuning.stages, &shooting, &trajectories);
   };
   // Linear dynamics need no segments to stay near the record, and are solved
   // for at once in one piece.
@@ -121,16 +121,18 @@ bool AssessProblem(const IdentificationProblem& problem,
   // What the data tell about a trajectory in one piece. Where the record does
   // not run so before the fit, segments that are held together nearly as
   // firmly.
-  shooting.SetSegments(0, point.trajectories);
+  if (!shooting.SetSegmentsAlong(0, trajectories)) return fail();
   if (!plain()) {
-    shooting.SetSegments(segment_samples, point.trajectories);
+    if (!shooting.SetSegmentsAlong(segment_samples, trajectories))
+      return fail();
     shooting.SetGapPenalty(kFirmness * std::max(1.0, shooting.DataCurvature()));
     if (!plain()) {
       return fail();
     }
   } else if (CanFitWithInputNoise(problem, options.loss) &&
-             !InputNoiseCovariance(problem, layout, shooting_options,
-                                   precisions, &point)) {
+             (!shooting.Trajectories(trajectories, &point.trajectories) ||
+              !InputNoiseCovariance(problem, layout, shooting_options,
+                                    precisions, &point))) {
     return fail();
   }
   CovarianceEstimate& covariance = point.covariance;

@@ -21,23 +21,32 @@ constexpr int kLags = 20;
 // Random sign vectors per channel for the trace of the induced noise.
 constexpr int kProbes = 6;
 
+// Samples of a block for each record, by residuals, channels x samples.
+std::vector<int> BlockLengths(const std::vector<Matrix>& residuals) {
+  std::vector<int> lengths;
+  for (const Matrix& record : residuals) {
+    double time = 1.0;
+    for (int c = 0; c < record.rows(); ++c) {
+      time = std::max(time, AutocorrelationTime(record.row(c)));
+    }
+    // Blocks long against the memory of the residuals, but enough of them.
+    const int samples = static_cast<int>(record.cols());
+    lengths.push_back(std::clamp(static_cast<int>(std::ceil(8.0 * time)), 5,
+                                 std::max(5, samples / 12)));
+  }
+  return lengths;
+}
+
 // Sum of g g' over blocks of consecutive samples, g = sum_i J_i' r_i being a
 // block's score. The samples of each record come in their order.
 class BlockScores {
  public:
   BlockScores(const std::vector<Matrix>& residuals, int num_free)
-      : score_(Vector::Zero(num_free)),
+      : lengths_(BlockLengths(residuals)),
+        score_(Vector::Zero(num_free)),
         products_(Matrix::Zero(num_free, num_free)) {
     for (const Matrix& record : residuals) {
-      double time = 1.0;
-      for (int c = 0; c < record.rows(); ++c) {
-        time = std::max(time, AutocorrelationTime(record.row(c)));
-      }
-      // Blocks long against the memory of the residuals, but enough of them.
-      const int samples = static_cast<int>(record.cols());
-      samples_.push_back(samples);
-      lengths_.push_back(std::clamp(static_cast<int>(std::ceil(8.0 * time)), 5,
-                                    std::max(5, samples / 12)));
+      samples_.push_back(static_cast<int>(record.cols()));
     }
   }
 
@@ -66,8 +75,8 @@ class BlockScores {
   Matrix products() const { return products_.selfadjointView<Eigen::Lower>(); }
 
  private:
-  std::vector<int> samples_;
   std::vector<int> lengths_;
+  std::vector<int> samples_;
   Vector score_;
   Matrix products_;
   double count_ = 0.0;
@@ -243,6 +252,68 @@ bool AddInflated(const Vector& free, const std::vector<Matrix>& drawn,
       });
 }
 
+// What the residuals say of the parameters' covariance.
+class Scores {
+ public:
+  // `step`: by which residuals are moved to a draw. Where each sample's
+  // derivatives are looked at, all that asks for them is found in one pass.
+  [[nodiscard]] bool Compute(const Vector& free, const Vector& step,
+                             MultipleShooting* shooting) {
+    by_modes_ =
+        shooting->IsByModes() && shooting->MovedResiduals(free, step, &drawn_);
+    if (by_modes_) return true;
+    std::vector<Matrix> residuals;
+    if (!shooting->WeightedResiduals(free, false, &residuals, nullptr)) {
+      return false;
+    }
+    drawn_ = residuals;
+    BlockScores blocks(residuals, static_cast<int>(free.size()));
+    if (!shooting->VisitWeightedResiduals(
+            free, true,
+            [&](size_t r, int first, const Matrix& part, const Matrix& rows) {
+              const Vector move = rows * step;
+              drawn_[r].middleCols(first, part.cols()) +=
+                  Eigen::Map<const Matrix>(move.data(), part.rows(),
+                                           part.cols());
+              blocks.Add(r, first, part, rows);
+            })) {
+      return false;
+    }
+    products_ = blocks.products();
+    count_ = blocks.count();
+    return true;
+  }
+
+  // Residuals at a draw from the posterior.
+  const std::vector<Matrix>& drawn() const { return drawn_; }
+
+  // The sum of g g' over blocks, and their number. Ends drawn().
+  [[nodiscard]] bool Sum(const Vector& free, MultipleShooting* shooting,
+                         Matrix* products, double* count) {
+    if (by_modes_) {
+      std::vector<Matrix>& residuals = drawn_;
+      products_ = Matrix::Zero(free.size(), free.size());
+      count_ = 0.0;
+      if (!shooting->MovedResiduals(free, Vector::Zero(free.size()),
+                                    &residuals) ||
+          !shooting->AddScores(free, BlockLengths(residuals), &products_,
+                               &count_)) {
+        return false;
+      }
+      products_ = Matrix(products_.selfadjointView<Eigen::Lower>());
+    }
+    *products = products_;
+    *count = count_;
+    return true;
+  }
+
+ private:
+  bool by_modes_ = false;
+  std::vector<Matrix> drawn_;
+  Matrix products_;
+  double count_ = 0.0;
+};
+
 bool HasNoisyInput(const IdentificationProblem& problem,
                    const std::vector<int>& records) {
   return std::any_of(records.begin(), records.end(), [&problem](int r) {
@@ -316,11 +387,9 @@ bool EstimateCovariance(const IdentificationProblem& problem,
                         Objective* objective, CovarianceEstimate* estimate) {
   using Covariance = IdentificationOptions::Covariance;
   CondensedSystem system;
-  std::vector<Matrix> residuals;
   MultipleShooting& shooting = objective->shooting();
   Matrix inverse_root;
   if (!objective->Linearize(free, &system) ||
-      !shooting.WeightedResiduals(free, false, &residuals, nullptr) ||
       !InvertInformation(system.hessian, &inverse_root,
                          &estimate->null_space)) {
     return false;
@@ -329,38 +398,23 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   estimate->method = "plain";
   estimate->quantile = StudentQuantile(1e6);
   if (choice == Covariance::kPlain) return true;
-  if (residuals.empty()) {
+  if (shooting.train_records().empty()) {
     return choice == Covariance::kSandwich || AnyMisfit(free, *objective)
                ? SandwichAmbient(system.hessian, *objective, estimate)
                : true;
   }
 
-  // Everything that asks for the Jacobian, in one pass over it.
-  const int num_free = layout.num_free();
-  Matrix information = Matrix::Zero(num_free, num_free);
-  std::vector<Matrix> drawn = residuals;
-  const Vector step = StepToADraw(inverse_root);
-  BlockScores scores(residuals, num_free);
-  if (!shooting.VisitWeightedResiduals(
-          free, true,
-          [&](size_t r, int first, const Matrix& part, const Matrix& rows) {
-            information.selfadjointView<Eigen::Lower>().rankUpdate(
-                rows.transpose());
-            const Vector move = rows * step;
-            drawn[r].middleCols(first, part.cols()) +=
-                Eigen::Map<const Matrix>(move.data(), part.rows(), part.cols());
-            scores.Add(r, first, part, rows);
-          })) {
-    return false;
-  }
+  // The priors' share of the Hessian is theirs in the middle as well.
+  Matrix middle = system.hessian - shooting.Information();
+  Scores scores;
+  if (!scores.Compute(free, StepToADraw(inverse_root), &shooting)) return false;
   const bool automatic = choice == Covariance::kAuto;
   const bool noisy_input = HasNoisyInput(problem, shooting.train_records());
-  if (automatic && !noisy_input && !AnyAutocorrelated(drawn)) return true;
+  if (automatic && !noisy_input && !AnyAutocorrelated(scores.drawn())) {
+    return true;
+  }
 
-  // The priors' share of the Hessian is theirs in the middle as well.
   const Matrix inverse = estimate->covariance;
-  Matrix middle =
-      system.hessian - Matrix(information.selfadjointView<Eigen::Lower>());
   if (automatic && noisy_input) {
     estimate->method = "input noise";
     if (!AddInputNoise(problem, layout, free, sigmas, &shooting, &middle)) {
@@ -370,12 +424,14 @@ bool EstimateCovariance(const IdentificationProblem& problem,
     // More knots than blocks: scores of blocks cannot say how well each is
     // known. Noise with a memory counts as one sample per autocorrelation time.
     estimate->method = "inflated";
-    if (!AddInflated(free, drawn, &shooting, &middle)) return false;
+    if (!AddInflated(free, scores.drawn(), &shooting, &middle)) return false;
   } else {
     estimate->method = "sandwich";
-    middle += scores.count() / std::max(1.0, scores.count() - 1.0) *
-              scores.products();
-    estimate->quantile = StudentQuantile(scores.count() - 1.0);
+    Matrix products;
+    double count = 0.0;
+    if (!scores.Sum(free, &shooting, &products, &count)) return false;
+    middle += count / std::max(1.0, count - 1.0) * products;
+    estimate->quantile = StudentQuantile(count - 1.0);
   }
   estimate->covariance = inverse * middle * inverse;
   return estimate->covariance.allFinite();

@@ -1,7 +1,6 @@
 #include "pinode/estimate/fit.h"
 
 #include <algorithm>
-#include <memory>
 #include <string>
 #include <utility>
 
@@ -81,15 +80,12 @@ bool Fit::Prepare(const Vector& parameters, int segment_samples,
   solver_.ResetRadius();
   objective_.shooting().SetSigmas(current_.sigmas);
   objective_.priors().SetDecays(current_.decays);
-  std::vector<Matrix> states;
   if (!InitialTrajectories(context_.problem, segment_samples, current_.free,
                            context_.tuning().stages, &objective_.shooting(),
-                           &states)) {
+                           &current_.trajectories)) {
     summary_.message = objective_.Failure();
     return false;
   }
-  current_.trajectories =
-      std::make_shared<const std::vector<Matrix>>(std::move(states));
   best_ = current_;
   return true;
 }
@@ -176,12 +172,6 @@ bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
   return true;
 }
 
-void Fit::ForgetTrajectories() {
-  const auto none = std::make_shared<const std::vector<Matrix>>();
-  best_.trajectories = none;
-  current_.trajectories = none;
-}
-
 void Fit::FitInputNoise() {
   if (!summary_.single_shooting ||
       options_.covariance != IdentificationOptions::Covariance::kAuto ||
@@ -191,10 +181,11 @@ void Fit::FitInputNoise() {
   InputNoiseFit fit;
   fit.free = best_.free;
   fit.sigmas = best_.sigmas;
-  fit.trajectories = *best_.trajectories;
-  std::string error;
+  std::string error = "there is no finite trajectory";
   const double largest_gap = objective_.shooting().LargestGap();
-  if (FitWithInputNoise(
+  if (objective_.shooting().Trajectories(best_.trajectories,
+                                         &fit.trajectories) &&
+      FitWithInputNoise(
           context_.problem, layout_, shooting_options_, best_.decays,
           [&](const Vector& free, double cost) {
             return progress_.GoOn(free, cost, largest_gap);
@@ -202,8 +193,6 @@ void Fit::FitInputNoise() {
           &fit, &error)) {
     best_.free = fit.free;
     best_.sigmas = fit.sigmas;
-    best_.trajectories =
-        std::make_shared<const std::vector<Matrix>>(fit.trajectories);
     best_.cost = fit.cost;
     input_noise_ = std::move(fit);
   } else if (!interrupted()) {

@@ -43,8 +43,6 @@ class Fit {
   int stage() const { return stage_; }
   bool converged() const { return converged_; }
   bool interrupted() const { return progress_.interrupted(); }
-  // Gives back most of its memory, where its states are asked for no more.
-  void ForgetTrajectories();
   // Set where the fit ended with the excitation's errors as unknowns.
   const std::optional<InputNoiseFit>& input_noise() const {
     return input_noise_;

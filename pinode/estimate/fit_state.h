@@ -3,7 +3,6 @@
 #ifndef PINODE_ESTIMATE_FIT_STATE_H_
 #define PINODE_ESTIMATE_FIT_STATE_H_
 
-#include <memory>
 #include <vector>
 
 #include "pinode/base/constants.h"
@@ -14,6 +13,7 @@
 #include "pinode/estimate/objective.h"
 #include "pinode/estimate/optimality.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/trajectory_outline.h"
 
 namespace pinode {
 
@@ -22,10 +22,7 @@ struct FitState {
   Vector free;
   std::vector<Vector> sigmas;  // per training record
   Vector decays;
-  // Per training record; states of the same fit share them, for they are most
-  // of the memory of a long record.
-  std::shared_ptr<const std::vector<Matrix>> trajectories =
-      std::make_shared<const std::vector<Matrix>>();
+  TrajectoryOutlines trajectories;
   double free_run_error = kInfinity;
   // Of the samples, what the fit has not used up.
   double share_left = 1.0;

@@ -16,18 +16,27 @@ bool PlaceAtFit(const IdentificationProblem& problem,
   if (model.parameters.size() != layout.num_parameters()) return false;
   std::vector<Vector> sigmas;
   std::vector<Vector> scales;
-  std::vector<Matrix> trajectories;
+  std::vector<Vector> starts;
   for (const int record : shooting.train_records()) {
     const size_t r = static_cast<size_t>(record);
     if (r >= scores.size() || r >= model.sigmas.size() || !scores[r].finite ||
-        scores[r].states.cols() != problem.records[r].num_samples() ||
         model.sigmas[r].size() !=
             static_cast<Eigen::Index>(problem.records[r].channels.size())) {
       return false;
     }
     sigmas.push_back(model.sigmas[r]);
-    trajectories.push_back(scores[r].states);
-    scales.push_back(StateScales(problem, scores[r].states));
+    const Eigen::Index states = problem.dynamics->num_states();
+    if (scores[r].start.size() == states &&
+        scores[r].state_mean_squares.size() == states) {
+      starts.push_back(scores[r].start);
+      scales.push_back(StateScalesOf(problem, scores[r].state_mean_squares));
+    } else if (scores[r].states.rows() == states &&
+               scores[r].states.cols() == problem.records[r].num_samples()) {
+      starts.push_back(scores[r].states.col(0));
+      scales.push_back(StateScales(problem, scores[r].states));
+    } else {
+      return false;
+    }
   }
   shooting.SetSigmas(sigmas);
   objective->priors().SetDecays(
@@ -35,7 +44,7 @@ bool PlaceAtFit(const IdentificationProblem& problem,
           ? model.decays
           : Vector(Vector::Zero(layout.num_decay_groups())));
   shooting.SetStateScales(scales);
-  shooting.SetSegments(0, trajectories);
+  shooting.SetWholeRecords(starts);
   return true;
 }
 

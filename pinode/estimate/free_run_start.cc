@@ -56,8 +56,7 @@ Vector SmoothedStart(const IdentificationProblem& problem, int record,
   MultipleShooting shooting(beginning, layout, MultipleShooting::Options());
   shooting.SetSigmas({sigmas});
   shooting.SetStateScales({GuessStateScales(beginning, beginning.records[0])});
-  shooting.SetSegments(0,
-                       {Matrix::Zero(ns, beginning.records[0].num_samples())});
+  shooting.SetSegmentsAtRest(0);
   // The free parameters take the values given; fixed ones are the problem's.
   double cost = 0.0;
   if (!shooting.Evaluate(layout.Free(parameters), &cost)) {

@@ -71,6 +71,11 @@ struct IdentificationOptions {
   // Whether predictions get bands. Fits that are only compared need none.
   bool prediction_bands = true;
 
+  // Whether the states of the free runs are kept in the summary, 8 bytes a
+  // state and sample: for what looks at restoring forces, or searches for
+  // terms.
+  bool keep_states = true;
+
   // Number of starts for multistart; the first is the given one, the others
   // are drawn within bounds and priors, networks from other seeds.
   int num_starts = 1;

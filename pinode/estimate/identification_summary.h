@@ -51,7 +51,9 @@ struct RecordScore {
   std::vector<ChannelScore> channels;
   Vector start;       // num_states
   Matrix prediction;  // channels x samples, of the sensors as they are
-  Matrix states;      // num_states x samples
+  // num_states x samples; empty without IdentificationOptions::keep_states.
+  Matrix states;
+  Vector state_mean_squares;  // over all samples
   // Standard deviations of what the sensors read about the prediction, channels
   // x samples, see PredictionDeviations; empty: not known; NaN of a channel
   // whose noise is not.

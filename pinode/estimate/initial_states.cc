@@ -128,10 +128,14 @@ Vector GuessStateScales(const IdentificationProblem& problem,
 }
 
 Vector StateScales(const IdentificationProblem& problem, const Matrix& states) {
+  return StateScalesOf(problem, states.rowwise().squaredNorm() /
+                                    static_cast<double>(states.cols()));
+}
+
+Vector StateScalesOf(const IdentificationProblem& problem,
+                     const Vector& mean_squares) {
   const int n = problem.dynamics->num_dofs();
-  Vector scales =
-      (states.rowwise().squaredNorm() / static_cast<double>(states.cols()))
-          .cwiseSqrt();
+  Vector scales = mean_squares.cwiseSqrt();
   const auto lift = [&scales](int first, int count) {
     if (count == 0) return;
     const double largest = scales.segment(first, count).maxCoeff();
@@ -147,28 +151,28 @@ Vector StateScales(const IdentificationProblem& problem, const Matrix& states) {
 bool InitialTrajectories(const IdentificationProblem& problem,
                          int segment_samples, const Vector& free,
                          const StageTuning& tuning, MultipleShooting* shooting,
-                         std::vector<Matrix>* trajectories) {
-  const int ns = problem.dynamics->num_states();
-  trajectories->clear();
+                         TrajectoryOutlines* trajectories) {
   std::vector<Vector> scales;
   for (int r : shooting->train_records()) {
-    const IdentificationRecord& record =
-        problem.records[static_cast<size_t>(r)];
-    trajectories->push_back(Matrix::Zero(ns, record.num_samples()));
-    scales.push_back(GuessStateScales(problem, record));
+    scales.push_back(
+        GuessStateScales(problem, problem.records[static_cast<size_t>(r)]));
   }
   // Two passes: the second knows the scales of the unmeasured states.
   for (int pass = 0; pass < 2; ++pass) {
-    shooting->SetSegments(segment_samples, *trajectories);
+    if (pass == 0) {
+      shooting->SetSegmentsAtRest(segment_samples);
+    } else if (!shooting->SetSegmentsAlong(segment_samples, *trajectories)) {
+      return false;
+    }
     shooting->SetStateScales(scales);
     shooting->SetGapPenalty(tuning.first_gap_penalty);
     double cost = 0.0;
     if (!shooting->Evaluate(free, &cost) ||
-        !shooting->Trajectories(free, trajectories)) {
+        !shooting->Outline(free, trajectories)) {
       return false;
     }
-    for (size_t r = 0; r < trajectories->size(); ++r) {
-      scales[r] = StateScales(problem, (*trajectories)[r]);
+    for (size_t r = 0; r < scales.size(); ++r) {
+      scales[r] = StateScalesOf(problem, trajectories->records[r].mean_squares);
     }
   }
   return true;

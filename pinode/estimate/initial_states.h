@@ -22,8 +22,11 @@ Vector GuessStateScales(const IdentificationProblem& problem,
 // RMS of each state over a trajectory (num_states x samples), never below a
 // thousandth of the largest of its kind (displacements, velocities, internal).
 Vector StateScales(const IdentificationProblem& problem, const Matrix& states);
+// The same from the states' mean squares.
+Vector StateScalesOf(const IdentificationProblem& problem,
+                     const Vector& mean_squares);
 
-// States at every sample of every training record by the iterated
+// Trajectories of every training record by the iterated
 // Rauch-Tung-Striebel smoother inside `shooting` (whose sigmas are set), on the
 // model with the parameters `free` and segments of `segment_samples` joined
 // softly: accelerations alone suffice. False where no finite trajectory is
@@ -32,7 +35,7 @@ Vector StateScales(const IdentificationProblem& problem, const Matrix& states);
                                        int segment_samples, const Vector& free,
                                        const StageTuning& tuning,
                                        MultipleShooting* shooting,
-                                       std::vector<Matrix>* trajectories);
+                                       TrajectoryOutlines* trajectories);
 
 }  // namespace pinode
 

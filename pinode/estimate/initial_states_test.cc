@@ -45,9 +45,11 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
                    problem_.records[0].channels[static_cast<size_t>(c)].values);
   }
   shooting.SetSigmas({sigmas});
+  TrajectoryOutlines trajectories;
   std::vector<Matrix> states;
   ASSERT_TRUE(InitialTrajectories(problem_, 25, Vector::Zero(3), StageTuning(),
-                                  &shooting, &states));
+                                  &shooting, &trajectories));
+  ASSERT_TRUE(shooting.Trajectories(trajectories, &states));
   ASSERT_GT(shooting.num_segments(0), 3);
   ASSERT_EQ(states.size(), 1u);
   ASSERT_EQ(states[0].cols(), truth_.cols());

@@ -1,37 +1,16 @@
 #include "pinode/estimate/linear_record.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
-#include "pinode/base/parallel_for.h"
+#include "pinode/integrate/history_pass.h"
 
 namespace pinode {
 namespace {
 
-// Samples whose histories are at hand at a time.
-constexpr int kBlockSamples = 128;
-// Blocks that are never parted between threads or ranks.
-constexpr int kBlocksOfAPiece = 16;
-constexpr int kPieceSamples = kBlockSamples * kBlocksOfAPiece;
 // Each has a Gram matrix of its own.
 constexpr size_t kMostPatterns = 4;
-
-// What finding a later state costs beside summing a piece.
-constexpr double kSkipShare = 0.08;
-
-// Where share `index` of `count` begins in pieces begin ... end, so that all
-// are done at the same time although each first passes what lies before its
-// own.
-int FairBound(int begin, int end, int index, int count) {
-  if (index == 0) return begin;
-  if (index == count) return end;
-  // From share to share what is left to a moving target shrinks by kSkipShare.
-  const double all = std::pow(1.0 - kSkipShare, count);
-  const double target = (end - begin * all) / (1.0 - all);
-  const double bound =
-      target - (target - begin) * std::pow(1.0 - kSkipShare, index);
-  return std::clamp(static_cast<int>(std::lround(bound)), begin, end);
-}
 
 // Of the equations of all channels together, more than this are not kept by
 // channel.
@@ -126,7 +105,7 @@ bool LinearRecord::FindPatterns() {
 }
 
 bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
-                            Tables* tables) {
+                            int num_threads, Tables* tables) {
   const bool by_parameters = HasParameters(point.columns);
   const bool by_start = HasStart(point.columns);
   if (!response_.Prepare(*problem_.dynamics, *point.prepared, grid_,
@@ -142,8 +121,9 @@ bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
   const int constant = response_.ConstantRow(tables->contents);
   tables->predictions =
       response_.Values(tables->contents, observation_, point.start);
-  std::vector<Matrix> ideal = response_.Derivatives(
-      tables->contents, observation_, point.start, by_start, by_parameters);
+  std::vector<Matrix> ideal =
+      response_.Derivatives(tables->contents, observation_, point.start,
+                            by_start, by_parameters, num_threads);
   tables->derivatives.assign(record_.channels.size(), Matrix());
   size_t fitted = 0;
   const auto value = [&](int sensor) {
@@ -249,8 +229,7 @@ void LinearRecord::AddBlock(const Tables& tables, int first,
 void LinearRecord::Condense(const Tables& tables, const Sums& sums,
                             ByChannel* equations) const {
   const size_t count = tables.apart ? record_.channels.size() : 1;
-  equations->costs =
-      tables.apart ? sums.costs : Vector::Constant(1, sums.costs.sum());
+  equations->costs = sums.costs;
   equations->end_state =
       response_.States(tables.contents, tables.start).transpose() * sums.end;
   equations->gradients =
@@ -280,7 +259,7 @@ void LinearRecord::Condense(const Tables& tables, const Sums& sums,
 }
 
 LinearRecord::Sums LinearRecord::SumPieces(
-    const Tables& tables, int pieces, int num_threads,
+    const Tables& tables, int num_threads,
     const Communicator& communicator) const {
   const Eigen::Index rows = tables.predictions.rows();
   Sums zero;
@@ -299,37 +278,22 @@ LinearRecord::Sums LinearRecord::SumPieces(
 
   const int samples = record_.num_samples();
   const int ranks = communicator.size();
+  const HistoryPass pass(response_, tables.contents, grid_, 0, samples);
+  const int pieces = pass.num_pieces();
   const int begin = FairBound(0, pieces, communicator.rank(), ranks);
   const int end = FairBound(0, pieces, communicator.rank() + 1, ranks);
-  const int threads = std::max(1, std::min(num_threads, end - begin));
-  std::vector<Sums> sums(static_cast<size_t>(threads), zero);
-  const auto sum_piece = [&](int k, ModalResponse::State* state, Sums* into) {
-    Matrix histories;
-    const int last = std::min(samples, (k + 1) * kPieceSamples);
-    for (int first = k * kPieceSamples; first < last; first += kBlockSamples) {
-      response_.Advance(tables.contents, grid_, first,
-                        std::min(kBlockSamples, last - first), state,
-                        &histories);
-      AddBlock(tables, first, histories, into);
-    }
-    if (last == samples) into->end = histories.rightCols(1);
-  };
-  // Each thread finds for itself where its pieces begin.
-  ParallelFor(threads, threads, [&](int t, int) {
-    ModalResponse::State state = response_.Begin(tables.contents);
-    const int from = FairBound(begin, end, t, threads);
-    const int to = FairBound(begin, end, t + 1, threads);
-    if (from == to) return;
-    for (int first = 0; first < from * kPieceSamples; first += kBlockSamples) {
-      response_.Advance(tables.contents, grid_, first, kBlockSamples, &state,
-                        nullptr);
-    }
-    for (int k = from; k < to; ++k) {
-      sum_piece(k, &state, &sums[static_cast<size_t>(t)]);
-    }
-  });
-  for (int t = 1; t < threads; ++t) sums[0].Add(sums[static_cast<size_t>(t)]);
-  return sums[0];
+  const int shares = HistoryPass::NumShares(begin, end, num_threads);
+  std::vector<Sums> sums(static_cast<size_t>(shares), zero);
+  pass.Visit(begin, end, shares,
+             [&](int share, int first, const Matrix& histories) {
+               Sums* into = &sums[static_cast<size_t>(share)];
+               AddBlock(tables, first, histories, into);
+               if (first + histories.cols() == samples) {
+                 into->end = histories.rightCols(1);
+               }
+             });
+  for (int s = 1; s < shares; ++s) sums[0].Add(sums[static_cast<size_t>(s)]);
+  return std::move(sums[0]);
 }
 
 bool LinearRecord::HasBeenAt(const Point& point, const ByChannel& known) const {
@@ -358,7 +322,13 @@ bool LinearRecord::Evaluate(const Point& point, int num_threads,
                              : Vector::Ones(1);
   const Eigen::Index columns =
       point.columns == SegmentColumns::kNone ? 0 : found->gradients.rows();
-  equations->cost = weights.dot(found->costs);
+  equations->squares = 2.0 * found->costs;
+  equations->cost = found->costs.sum();
+  if (found->apart) {
+    equations->cost = weights.dot(found->costs);
+  } else {
+    equations->squares.array() *= point.sigmas->array().square();
+  }
   equations->end_state = found->end_state;
   equations->gradient = found->gradients.topRows(columns) * weights;
   equations->hessian = Matrix::Zero(columns, columns);
@@ -379,13 +349,11 @@ bool LinearRecord::Sum(const Point& point, int num_threads,
   Tables tables;
   tables.apart = apart;
   if (!Tabulate(point, apart ? Vector(Vector::Ones(channels)) : *point.sigmas,
-                &tables)) {
+                num_threads, &tables)) {
     return false;
   }
   Communicator& ranks = CommunicatorOrSingle(communicator);
-  const int pieces =
-      (record_.num_samples() + kPieceSamples - 1) / kPieceSamples;
-  Condense(tables, SumPieces(tables, pieces, num_threads, ranks), equations);
+  Condense(tables, SumPieces(tables, num_threads, ranks), equations);
   equations->parameters = *point.parameters;
   equations->start = point.start;
   equations->columns = point.columns;
@@ -416,35 +384,122 @@ bool LinearRecord::AddRanks(Communicator* ranks, ByChannel* equations) {
   return true;
 }
 
-bool LinearRecord::Visit(const Point& point, const Visitor& visitor) {
+bool LinearRecord::Visit(const Point& point, int num_threads,
+                         const Visitor& visitor) {
   Tables tables;
-  if (!Tabulate(point, *point.sigmas, &tables)) return false;
-  const int nc = static_cast<int>(record_.channels.size());
-  const int samples = record_.num_samples();
-  ModalResponse::State state = response_.Begin(tables.contents);
-  Matrix histories, jacobian, rows;
-  for (int first = 0; first < samples; first += kBlockSamples) {
-    const int count = std::min(kBlockSamples, samples - first);
-    response_.Advance(tables.contents, grid_, first, count, &state, &histories);
+  if (!Tabulate(point, *point.sigmas, num_threads, &tables)) return false;
+  const auto nc = static_cast<Eigen::Index>(record_.channels.size());
+  std::atomic<bool> finite = true;
+  const HistoryPass pass(response_, tables.contents, grid_, 0,
+                         record_.num_samples());
+  pass.Visit(num_threads, [&](int, int first, const Matrix& histories) {
     const Matrix residuals = Residuals(tables, first, histories);
-    if (!residuals.allFinite()) return false;
-    jacobian =
-        Matrix::Zero(static_cast<Eigen::Index>(nc) * count, tables.columns);
+    if (!residuals.allFinite()) finite = false;
+    if (!finite) return;
+    const Eigen::Index count = histories.cols();
+    Matrix jacobian = Matrix::Zero(nc * count, tables.columns);
     for (const Pattern& pattern : patterns_) {
       for (const int c : pattern.channels) {
         if (tables.columns == 0) continue;
-        rows.noalias() =
+        const Matrix rows =
             histories.transpose() * tables.derivatives[static_cast<size_t>(c)];
-        for (int i = 0; i < count; ++i) {
+        for (Eigen::Index i = 0; i < count; ++i) {
           if (!pattern.present.empty() &&
               !pattern.present[static_cast<size_t>(first + i)]) {
             continue;
           }
-          jacobian.row(Eigen::Index{i} * nc + c) = rows.row(i);
+          jacobian.row(i * nc + c) = rows.row(i);
         }
       }
     }
     visitor(first, residuals, jacobian);
+  });
+  return finite;
+}
+
+bool LinearRecord::Residuals(const Point& point, const Vector& step,
+                             int num_threads, Matrix* residuals) {
+  Tables tables;
+  if (!Tabulate(point, *point.sigmas, num_threads, &tables)) return false;
+  for (Eigen::Index c = 0; step.size() > 0 && c < tables.predictions.cols();
+       ++c) {
+    const Matrix& table = tables.derivatives[static_cast<size_t>(c)];
+    if (table.size() > 0) tables.predictions.col(c) += table * step;
+  }
+  residuals->resize(tables.predictions.cols(), record_.num_samples());
+  const HistoryPass pass(response_, tables.contents, grid_, 0,
+                         record_.num_samples());
+  pass.Visit(num_threads, [&](int, int first, const Matrix& histories) {
+    residuals->middleCols(first, histories.cols()) =
+        Residuals(tables, first, histories);
+  });
+  return residuals->allFinite();
+}
+
+// Sums Z r' (R x channels) of blocks: of the first one that ends in the share,
+// which others have begun, and of the one that goes on behind it.
+struct LinearRecord::ScoreShare {
+  Matrix head, tail;
+  bool has_head = false;
+  Matrix products;
+  double count = 0.0;
+};
+
+bool LinearRecord::AddScores(const Point& point, const Matrix& projection,
+                             int length, int num_threads, Matrix* products,
+                             double* count) {
+  Tables tables;
+  if (!Tabulate(point, *point.sigmas, num_threads, &tables)) return false;
+  const int samples = record_.num_samples();
+  ScoreShare zero;
+  zero.tail =
+      Matrix::Zero(tables.predictions.rows(), tables.predictions.cols());
+  zero.products = Matrix::Zero(products->rows(), products->cols());
+  const auto end_block = [&](const Matrix& sums, ScoreShare* share) {
+    Vector score = Vector::Zero(tables.columns);
+    for (Eigen::Index c = 0; c < sums.cols(); ++c) {
+      const Matrix& table = tables.derivatives[static_cast<size_t>(c)];
+      if (table.size() > 0) score += table.transpose() * sums.col(c);
+    }
+    share->products.selfadjointView<Eigen::Lower>().rankUpdate(
+        Vector(projection.transpose() * score));
+    share->count += 1.0;
+  };
+  const HistoryPass pass(response_, tables.contents, grid_, 0, samples);
+  const int num_shares =
+      HistoryPass::NumShares(0, pass.num_pieces(), num_threads);
+  std::vector<ScoreShare> shares(static_cast<size_t>(num_shares), zero);
+  pass.Visit(0, pass.num_pieces(), num_shares,
+             [&](int s, int first, const Matrix& histories) {
+               ScoreShare* share = &shares[static_cast<size_t>(s)];
+               const Matrix residuals = Residuals(tables, first, histories);
+               const int last = first + static_cast<int>(histories.cols());
+               for (int from = first; from < last;) {
+                 const int to = std::min(last, from + length - from % length);
+                 share->tail.noalias() +=
+                     histories.middleCols(from - first, to - from) *
+                     residuals.middleCols(from - first, to - from).transpose();
+                 from = to;
+                 if (to % length != 0 && to != samples) continue;
+                 if (share->has_head) {
+                   end_block(share->tail, share);
+                 } else {
+                   share->head = share->tail;
+                   share->has_head = true;
+                 }
+                 share->tail.setZero();
+               }
+             });
+  Matrix begun = zero.tail;
+  for (ScoreShare& share : shares) {
+    if (!share.has_head) {
+      begun += share.tail;
+      continue;
+    }
+    end_block(begun + share.head, &share);
+    begun = share.tail;
+    *products += share.products;
+    *count += share.count;
   }
   return true;
 }

@@ -57,6 +57,7 @@ class LinearRecord {
   // Columns: the start where `columns` have it, then all free parameters.
   struct Equations {
     double cost = 0.0;
+    Vector squares;   // of each channel, sum r^2 sigma^2
     Matrix hessian;   // J'J
     Vector gradient;  // J'r
     Vector end_state;
@@ -70,10 +71,22 @@ class LinearRecord {
 
   // Residuals r, channels x count, and their Jacobian, (channels * count) x
   // columns, channels fastest, of consecutive samples from `first` on; zero
-  // where missing or not fitted.
+  // where missing or not fitted. Called by several threads at a time.
   using Visitor = std::function<void(int first, const Matrix& residuals,
                                      const Matrix& jacobian)>;
-  [[nodiscard]] bool Visit(const Point& point, const Visitor& visitor);
+  [[nodiscard]] bool Visit(const Point& point, int num_threads,
+                           const Visitor& visitor);
+
+  // r + J step, channels x samples; `step`: one number a column, or nothing.
+  [[nodiscard]] bool Residuals(const Point& point, const Vector& step,
+                               int num_threads, Matrix* residuals);
+
+  // Scores g = P' sum_i J_i' r_i of blocks of `length` samples, the last of
+  // which may have fewer: adds the lower triangle of sum g g' to *products, and
+  // the number of blocks to *count. P: columns x any number.
+  [[nodiscard]] bool AddScores(const Point& point, const Matrix& projection,
+                               int length, int num_threads, Matrix* products,
+                               double* count);
 
  private:
   // Channels that miss the same samples.
@@ -85,17 +98,19 @@ class LinearRecord {
   struct Tables;
   // Sums over samples.
   struct Sums;
+  // Scores of a thread's share of the record.
+  struct ScoreShare;
   // The equations of each channel, whatever its noise.
   struct ByChannel {
     // Where they are from.
     Vector parameters;
     Vector start;
     SegmentColumns columns = SegmentColumns::kNone;
-    // False where there would be too many: all channels are one then, and have
-    // their noise in them.
+    // False where there would be too many: gradients and Hessians of all
+    // channels are one then, and all have their noise in them.
     bool apart = false;
 
-    Vector costs;
+    Vector costs;      // one a channel
     Matrix gradients;  // columns x channels
     std::vector<Matrix> hessians;
     Vector end_state;
@@ -107,7 +122,8 @@ class LinearRecord {
                const ObservationMap& observation);
   bool FindPatterns();
   // In units of `sigmas`.
-  bool Tabulate(const Point& point, const Vector& sigmas, Tables* tables);
+  bool Tabulate(const Point& point, const Vector& sigmas, int num_threads,
+                Tables* tables);
   // r of consecutive samples from their histories, channels x count.
   Matrix Residuals(const Tables& tables, int first,
                    const Matrix& histories) const;
@@ -124,7 +140,7 @@ class LinearRecord {
   // False where a rank does not answer.
   [[nodiscard]] static bool AddRanks(Communicator* ranks, ByChannel* equations);
   // Of this rank's pieces of `pieces`.
-  Sums SumPieces(const Tables& tables, int pieces, int num_threads,
+  Sums SumPieces(const Tables& tables, int num_threads,
                  const Communicator& communicator) const;
 
   const IdentificationProblem& problem_;

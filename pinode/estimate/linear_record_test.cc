@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -128,6 +129,56 @@ TEST_P(LinearRecordTest, EqualsWhatIsPropagatedStepByStep) {
     ASSERT_TRUE(
         linear->WeightedResiduals(free, false, &other_residuals, nullptr));
     ExpectNear(other_residuals[0], residuals[0], 1e-13);
+  }
+}
+
+// What is found without a look at each sample's derivatives, against these.
+TEST_P(LinearRecordTest, EqualsSumsOverTheJacobian) {
+  LinearFit fit(GetParam(), 9000);
+  fit.problem.records[0].channels[1].fit = false;
+  for (const int threads : {1, 3}) {
+    auto shooting = fit.Shoot(true, threads);
+    const Vector free = fit.layout->Free(fit.layout->InitialValues());
+    const int nf = fit.layout->num_free();
+    CondensedSystem system;
+    ASSERT_TRUE(shooting->Linearize(free, &system));
+    ASSERT_TRUE(shooting->IsByModes());
+    const Matrix information = shooting->Information();
+    ASSERT_NE(shooting->SquaresAt(free), nullptr);
+    const Vector squares = (*shooting->SquaresAt(free))[0];
+    EXPECT_EQ(shooting->SquaresAt(1.01 * free), nullptr);
+    std::vector<Matrix> residuals, jacobians, moved;
+    ASSERT_TRUE(
+        shooting->WeightedResiduals(free, true, &residuals, &jacobians));
+    const Matrix& rows = jacobians[0];
+    ExpectNear(information, rows.transpose() * rows, 1e-10);
+    const Vector sigmas = Vector::LinSpaced(4, 0.1, 0.7);
+    ExpectNear(
+        squares,
+        residuals[0].rowwise().squaredNorm().cwiseProduct(sigmas.cwiseAbs2()),
+        1e-11);
+
+    const Vector step = Vector::LinSpaced(nf, -0.02, 0.03);
+    ASSERT_TRUE(shooting->MovedResiduals(free, step, &moved));
+    const Vector expected = residuals[0].reshaped() + rows * step;
+    ExpectNear(moved[0], expected.reshaped(4, 9000), 1e-10);
+
+    // Blocks that end inside pieces, and one that is longer than them.
+    for (const int length : {5, 37, 5000}) {
+      Matrix products = Matrix::Zero(nf, nf);
+      double count = 0.0;
+      ASSERT_TRUE(shooting->AddScores(free, {length}, &products, &count));
+      Matrix sum = Matrix::Zero(nf, nf);
+      int blocks = 0;
+      for (int first = 0; first < 9000; first += length, ++blocks) {
+        const int n = std::min(length, 9000 - first);
+        const Vector score = rows.middleRows(4 * first, 4 * n).transpose() *
+                             residuals[0].middleCols(first, n).reshaped();
+        sum += score * score.transpose();
+      }
+      EXPECT_EQ(count, blocks);
+      ExpectNear(Matrix(products.selfadjointView<Eigen::Lower>()), sum, 1e-9);
+    }
   }
 }
 

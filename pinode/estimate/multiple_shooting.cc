@@ -47,10 +47,58 @@ void MultipleShooting::SetSegments(int samples,
   CHECK_EQ(trajectories.size(), records_.size())
       << "one trajectory per training record";
   for (size_t r = 0; r < records_.size(); ++r) {
-    starts_[r] = records_[r]->Cut(samples, trajectories[r]);
+    CHECK_EQ(trajectories[r].cols(), records_[r]->grid().num_samples());
+    CHECK_EQ(trajectories[r].rows(), problem_.dynamics->num_states());
+  }
+  CutRecords(samples, [&trajectories](size_t r, int sample) {
+    return Vector(trajectories[r].col(sample));
+  });
+}
+
+bool MultipleShooting::SetSegmentsAlong(int samples,
+                                        const TrajectoryOutlines& outlines) {
+  CHECK_EQ(outlines.records.size(), records_.size())
+      << "one outline per training record";
+  const auto find = [&](size_t r, int sample) {
+    const std::vector<int>& known = outlines.records[r].samples;
+    const auto found = std::lower_bound(known.begin(), known.end() - 1, sample);
+    return found != known.end() - 1 && *found == sample
+               ? static_cast<int>(found - known.begin())
+               : -1;
+  };
+  bool all_known = true;
+  CutRecords(samples, [&](size_t r, int sample) {
+    const int k = find(r, sample);
+    all_known = all_known && k >= 0;
+    return Vector(outlines.records[r].starts.col(std::max(0, k)));
+  });
+  std::vector<Matrix> trajectories;
+  if (all_known) return true;
+  if (!Trajectories(outlines, &trajectories)) return false;
+  SetSegments(samples, trajectories);
+  return true;
+}
+
+void MultipleShooting::SetSegmentsAtRest(int samples) {
+  CutRecords(samples, [this](size_t, int) {
+    return Vector(Vector::Zero(problem_.dynamics->num_states()));
+  });
+}
+
+void MultipleShooting::SetWholeRecords(const std::vector<Vector>& starts) {
+  CHECK_EQ(starts.size(), records_.size()) << "one start per training record";
+  CutRecords(0, [&starts](size_t r, int) { return starts[r]; });
+}
+
+void MultipleShooting::CutRecords(
+    int samples, const std::function<Vector(size_t, int)>& state_at) {
+  for (size_t r = 0; r < records_.size(); ++r) {
+    starts_[r] = records_[r]->Cut(
+        samples, [&](int sample) { return state_at(r, sample); });
   }
   linearized_starts_ = starts_;
   linearized_free_.resize(0);
+  squares_free_.resize(0);
   CostHasChanged();
 }
 
@@ -244,8 +292,17 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   for (auto& record : records_) record->linearized_cost = record->cost;
   failed_ = !system->hessian.allFinite() || !system->gradient.allFinite();
   is_linearized_ = !failed_;
-  if (is_linearized_) linearized_ = *system;
-  return !failed_;
+  if (!is_linearized_) return false;
+  linearized_ = *system;
+  squares_free_ = free;
+  squares_.clear();
+  for (const auto& record : records_) {
+    squares_.push_back(Vector::Zero(record->observation().num_channels()));
+    for (int k = 0; k < record->num_segments(); ++k) {
+      squares_.back() += record->result(k).squares;
+    }
+  }
+  return true;
 }
 
 std::string MultipleShooting::Failure() const {
@@ -284,45 +341,155 @@ void MultipleShooting::RescaleMultipliers(double factor) {
   CostHasChanged();
 }
 
-bool MultipleShooting::Trajectories(const Vector& free,
-                                    std::vector<Matrix>* states) {
-  if (!PrepareDynamics(free)) return false;
-  states->clear();
+bool MultipleShooting::RunPieces(size_t r, const std::vector<int>& samples,
+                                 const Matrix& starts, Keep keep,
+                                 const Take& take) {
   const ObservationMap nothing(*problem_.dynamics, {});
-  for (size_t r = 0; r < records_.size(); ++r) {
-    const ShootingRecord& record = *records_[r];
-    Matrix whole;
-    for (int k = 0; k < record.num_segments(); ++k) {
-      Trajectory trajectory;
-      const int first = record.first_sample(k);
-      const int last = record.last_sample(k);
-      if (!FreeRun(*problem_.dynamics, prepared_, nothing, record.grid(),
-                   starts_[r].col(k), first, last, &trajectory)) {
-        return false;
-      }
-      if (record.num_segments() == 1) {
-        whole = std::move(trajectory.states);
-        break;
-      }
-      whole.resize(problem_.dynamics->num_states(),
-                   record.grid().num_samples());
-      const bool final = k + 1 == record.num_segments();
-      const int count = last - first + (final ? 1 : 0);
-      whole.middleCols(first, count) = trajectory.states.leftCols(count);
+  for (size_t k = 0; k + 1 < samples.size(); ++k) {
+    Trajectory piece;
+    if (!FreeRun(*problem_.dynamics, prepared_, nothing, records_[r]->grid(),
+                 starts.col(static_cast<Eigen::Index>(k)), samples[k],
+                 samples[k + 1], &piece, keep, options_.num_threads)) {
+      return false;
     }
-    states->push_back(std::move(whole));
+    const bool last = k + 2 == samples.size();
+    take(samples[k], samples[k + 1] - samples[k] + (last ? 1 : 0), &piece);
   }
   return true;
 }
 
+bool MultipleShooting::RunRecord(size_t r, const std::vector<int>& samples,
+                                 const Matrix& starts, Matrix* states) {
+  const bool whole = samples.size() == 2;
+  if (!whole) {
+    states->resize(problem_.dynamics->num_states(),
+                   records_[r]->grid().num_samples());
+  }
+  return RunPieces(r, samples, starts, Keep::kAll,
+                   [&](int first, int count, Trajectory* piece) {
+                     if (whole) {
+                       *states = std::move(piece->states);
+                       return;
+                     }
+                     states->middleCols(first, count) =
+                         piece->states.leftCols(count);
+                   });
+}
+
+bool MultipleShooting::Trajectories(const Vector& free,
+                                    std::vector<Matrix>* states) {
+  if (!PrepareDynamics(free)) return false;
+  states->assign(records_.size(), Matrix());
+  for (size_t r = 0; r < records_.size(); ++r) {
+    if (!RunRecord(r, records_[r]->boundaries(), starts_[r], &(*states)[r])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool MultipleShooting::Trajectories(const TrajectoryOutlines& outlines,
+                                    std::vector<Matrix>* states) {
+  if (!PrepareDynamics(outlines.free)) return false;
+  states->assign(records_.size(), Matrix());
+  for (size_t r = 0; r < records_.size(); ++r) {
+    const TrajectoryOutline& outline = outlines.records[r];
+    if (!RunRecord(r, outline.samples, outline.starts, &(*states)[r])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool MultipleShooting::Outline(const Vector& free,
+                               TrajectoryOutlines* outlines) {
+  if (!PrepareDynamics(free)) return false;
+  outlines->free = free;
+  outlines->records.resize(records_.size());
+  for (size_t r = 0; r < records_.size(); ++r) {
+    TrajectoryOutline& outline = outlines->records[r];
+    outline.samples = records_[r]->boundaries();
+    outline.starts = starts_[r];
+    Vector squares = Vector::Zero(problem_.dynamics->num_states());
+    if (!RunPieces(r, outline.samples, outline.starts, Keep::kMeanSquares,
+                   [&](int, int count, Trajectory* piece) {
+                     squares += piece->mean_squares * piece->num_samples();
+                     // The next piece's first sample is this one's last.
+                     if (count < piece->num_samples()) {
+                       squares -= piece->states.col(0).cwiseAbs2();
+                     }
+                   })) {
+      return false;
+    }
+    outline.mean_squares =
+        squares.cwiseMax(0.0) / records_[r]->grid().num_samples();
+  }
+  return true;
+}
+
+const std::vector<Vector>* MultipleShooting::SquaresAt(
+    const Vector& free) const {
+  return squares_.size() == records_.size() &&
+                 squares_free_.size() == free.size() && squares_free_ == free
+             ? &squares_
+             : nullptr;
+}
+
 bool MultipleShooting::VisitWeightedResiduals(const Vector& free,
                                               bool with_jacobian,
-                                              const Visitor& visitor) {
+                                              const Visitor& visitor,
+                                              int num_threads) {
   is_linearized_ = false;
   has_columns_ = false;
   if (!PrepareDynamics(free)) return false;
   for (size_t r = 0; r < records_.size(); ++r) {
-    if (!sweep_.Visit(r, starts_[r], with_jacobian, visitor)) return false;
+    if (!sweep_.Visit(r, starts_[r], with_jacobian, num_threads, visitor)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool MultipleShooting::IsByModes() const { return sweep_.IsByModes(); }
+
+bool MultipleShooting::MovedResiduals(const Vector& free, const Vector& step,
+                                      std::vector<Matrix>* residuals) {
+  if (!PrepareDynamics(free)) return false;
+  residuals->resize(records_.size());
+  for (size_t r = 0; r < records_.size(); ++r) {
+    if (!sweep_.MovedResiduals(r, starts_[r], step, &(*residuals)[r])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Matrix MultipleShooting::Information() const {
+  Matrix information = sweep_.sum().hessian.selfadjointView<Eigen::Lower>();
+  const int ns = problem_.dynamics->num_states();
+  for (const auto& record : records_) {
+    if (!record->HasFreeStarts()) continue;
+    for (int k = 0; k < record->num_segments(); ++k) {
+      // Starts go along with the parameters.
+      const auto follow = record->start_sensitivity().middleRows(
+          static_cast<Eigen::Index>(k) * ns, ns);
+      const SegmentResult& result = record->result(k);
+      const Matrix mixed = follow.transpose() * result.cross;
+      information += mixed + mixed.transpose() +
+                     follow.transpose() * result.start_hessian * follow;
+    }
+  }
+  return information;
+}
+
+bool MultipleShooting::AddScores(const Vector& free,
+                                 const std::vector<int>& lengths,
+                                 Matrix* products, double* count) {
+  if (!PrepareDynamics(free)) return false;
+  for (size_t r = 0; r < records_.size(); ++r) {
+    if (!sweep_.AddScores(r, starts_[r], lengths[r], products, count)) {
+      return false;
+    }
   }
   return true;
 }
@@ -346,7 +513,8 @@ bool MultipleShooting::WeightedResiduals(const Vector& free, bool with_jacobian,
         (*residuals)[r].middleCols(first, part.cols()) = part;
         if (!with_jacobian) return;
         (*jacobians)[r].middleRows(first * part.rows(), part.size()) = rows;
-      });
+      },
+      options_.num_threads);
 }
 
 }  // namespace pinode

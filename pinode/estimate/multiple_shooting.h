@@ -20,7 +20,9 @@
 #include "pinode/estimate/segment_sweep.h"
 #include "pinode/estimate/shooting_record.h"
 #include "pinode/estimate/start_search.h"
+#include "pinode/estimate/trajectory_outline.h"
 #include "pinode/estimate/tuning.h"
+#include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
 
 namespace pinode {
@@ -84,8 +86,23 @@ class MultipleShooting final : public CostPart {
   // at every sample of each record, num_states x samples). Multipliers are
   // reset to zero.
   void SetSegments(int samples, const std::vector<Matrix>& trajectories);
+  // The same from trajectories of which an outline was kept, which are run
+  // again where starts lie between those of the outline; false where they are
+  // not finite.
+  [[nodiscard]] bool SetSegmentsAlong(int samples,
+                                      const TrajectoryOutlines& outlines);
+  // All starts at rest.
+  void SetSegmentsAtRest(int samples);
+  // One segment a record, from these starts.
+  void SetWholeRecords(const std::vector<Vector>& starts);
   int num_segments(int train_record) const;
   bool IsSingleShooting() const;
+  // Whether residuals are those of free runs as they are: records in one piece,
+  // no robust loss.
+  bool HasFreeRuns() const {
+    return IsSingleShooting() && options_.loss == RobustLoss::kNone;
+  }
+  int num_threads() const { return options_.num_threads; }
 
   // D, one scale per state and record; positive.
   void SetStateScales(const std::vector<Vector>& scales);
@@ -123,6 +140,15 @@ class MultipleShooting final : public CostPart {
   double LargestGap() const;
   // States at every sample, from the starts, per training record.
   bool Trajectories(const Vector& free, std::vector<Matrix>* states);
+  // The same of an outline, whatever was evaluated.
+  bool Trajectories(const TrajectoryOutlines& outlines,
+                    std::vector<Matrix>* states);
+  // What there is to keep of them.
+  [[nodiscard]] bool Outline(const Vector& free, TrajectoryOutlines* outlines);
+  // Sums of squares of each channel's residuals in the sensors' units (weights
+  // of a robust loss included), per training record, where the last evaluation
+  // was a linearisation at `free`; nullptr where it was not.
+  const std::vector<Vector>* SquaresAt(const Vector& free) const;
   // Weighted residuals (yhat - y) / sigma, robust weights included, zero where
   // missing or not fitted: channels x samples per training record. With
   // `with_jacobian` also their derivative by the free parameters with the
@@ -131,10 +157,25 @@ class MultipleShooting final : public CostPart {
   bool WeightedResiduals(const Vector& free, bool with_jacobian,
                          std::vector<Matrix>* residuals,
                          std::vector<Matrix>* jacobians);
-  // The same piece by piece, for what does not need all of it at once.
+  // The same piece by piece, for what does not need all of it at once: in
+  // order, or, with several threads, in any order and several at a time.
   using Visitor = SegmentSweep::Visitor;
   bool VisitWeightedResiduals(const Vector& free, bool with_jacobian,
-                              const Visitor& visitor);
+                              const Visitor& visitor, int num_threads = 1);
+  // J'J of the same, at the last Linearize.
+  Matrix Information() const;
+  // Whether all records are linear and in one piece, so that what follows need
+  // not look at each sample's derivatives.
+  bool IsByModes() const;
+  // r + J step, channels x samples per training record; J, the Jacobian that
+  // WeightedResiduals has.
+  [[nodiscard]] bool MovedResiduals(const Vector& free, const Vector& step,
+                                    std::vector<Matrix>* residuals);
+  // The lower triangle of sum g g', g = J'r of each block of so many samples of
+  // each training record, and how many blocks there are.
+  [[nodiscard]] bool AddScores(const Vector& free,
+                               const std::vector<int>& lengths,
+                               Matrix* products, double* count);
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
   double DataCurvature() const { return data_curvature_; }
@@ -145,6 +186,18 @@ class MultipleShooting final : public CostPart {
   using Task = SegmentSweep::Task;
 
   [[nodiscard]] bool PrepareDynamics(const Vector& free);
+  // Runs pieces of a record, from each of `samples` to the next; `take` gets
+  // the first sample of each, and how many are its own. False where one is not
+  // finite.
+  using Take = std::function<void(int first, int count, Trajectory* piece)>;
+  [[nodiscard]] bool RunPieces(size_t record, const std::vector<int>& samples,
+                               const Matrix& starts, Keep keep,
+                               const Take& take);
+  [[nodiscard]] bool RunRecord(size_t record, const std::vector<int>& samples,
+                               const Matrix& starts, Matrix* states);
+  // Cuts all records at what `state_at` says of a record and a sample.
+  void CutRecords(int samples,
+                  const std::function<Vector(size_t, int)>& state_at);
   // Whether all of them are finite; where not, notes the first one.
   bool AllFinite(const ShootingRecord& record);
   void CostHasChanged() {
@@ -182,6 +235,9 @@ class MultipleShooting final : public CostPart {
   // Whether the last evaluation has found the derivatives at its starts.
   bool has_columns_ = false;
   CondensedSystem linearized_;
+  // Where squares_ are of; empty: nowhere.
+  Vector squares_free_;
+  std::vector<Vector> squares_;
   bool failed_ = false;
   Divergence divergence_;
 };

@@ -417,6 +417,35 @@ TEST(MultipleShooting, CutsRecordsEvenly) {
   EXPECT_EQ(objective->shooting().starts()[0].col(0), fit.states[0].col(0));
 }
 
+// What is kept of trajectories gives all of them again.
+TEST(MultipleShooting, OutlinesAreTrajectories) {
+  const SmallFit fit(Start::kFree);
+  auto objective = fit.Shoot(7, MultipleShooting::Options());
+  MultipleShooting& shooting = objective->shooting();
+  double cost = 0.0;
+  ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
+  TrajectoryOutlines outlines;
+  ASSERT_TRUE(shooting.Outline(fit.free, &outlines));
+  std::vector<Matrix> trajectories, again;
+  ASSERT_TRUE(shooting.Trajectories(fit.free, &trajectories));
+  for (size_t r = 0; r < trajectories.size(); ++r) {
+    const Vector expected = trajectories[r].rowwise().squaredNorm() /
+                            static_cast<double>(trajectories[r].cols());
+    EXPECT_LT((outlines.records[r].mean_squares - expected).norm(),
+              1e-13 * expected.norm());
+  }
+  for (const int samples : {0, 7, 3, 11}) {
+    shooting.SetSegments(samples, trajectories);
+    const std::vector<Matrix> starts = shooting.starts();
+    shooting.SetSegmentsAtRest(samples);
+    EXPECT_TRUE(shooting.starts()[0].isZero(0.0));
+    ASSERT_TRUE(shooting.SetSegmentsAlong(samples, outlines));
+    EXPECT_EQ(shooting.starts(), starts);
+    ASSERT_TRUE(shooting.Trajectories(outlines, &again));
+    EXPECT_EQ(again, trajectories);
+  }
+}
+
 // What an evaluation depends on must not be remembered past a change of it.
 TEST(MultipleShooting, SettingsTakeEffectAtTheSamePoint) {
   const SmallFit fit(Start::kFree);

@@ -141,8 +141,7 @@ std::vector<Vector> NoiseLevels::First(const IdentifiedModel* initial) const {
   return sigmas;
 }
 
-double NoiseLevels::ShareLeft(const WeightedRows& rows,
-                              const Evidence& evidence) const {
+double NoiseLevels::ShareLeft(const Evidence& evidence) const {
   double samples = 0.0;
   double used = evidence.effective;
   const Matrix& others = context_.objective.other_information();
@@ -152,7 +151,7 @@ double NoiseLevels::ShareLeft(const WeightedRows& rows,
     used -= (evidence.inverse_root.transpose() * others * evidence.inverse_root)
                 .trace();
   }
-  for (size_t t = 0; t < rows.residuals.size(); ++t) {
+  for (size_t t = 0; t < context_.train_records().size(); ++t) {
     const IdentificationRecord& record = context_.train_record(t);
     for (const MeasuredChannel& channel : record.channels) {
       if (channel.fit) samples += CountPresent(channel.values);
@@ -198,29 +197,30 @@ NoiseLevels::Change NoiseLevels::Update(const WeightedRows& rows,
       networks ? 1.0 - tuning.network_step_down : tuning.shrink;
   const double growth = networks && !converged ? 1.0 : tuning.growth;
   context_.summary.followed_channel.clear();
-  state->share_left = ShareLeft(rows, evidence);
+  state->share_left = ShareLeft(evidence);
   Change change;
-  for (size_t t = 0; t < rows.residuals.size(); ++t) {
+  for (size_t t = 0; t < rows.squares.size(); ++t) {
     const IdentificationRecord& record = context_.train_record(t);
-    const Matrix& residuals = rows.residuals[t];
     Vector leverages;  // of each residual, channels fastest
     if (!rows.jacobians.empty()) {
       leverages =
           (rows.jacobians[t] * evidence.inverse_root).rowwise().squaredNorm();
     }
-    for (int c = 0; c < residuals.rows(); ++c) {
+    for (int c = 0; c < rows.squares[t].size(); ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       if (channel.sigma > 0.0 || !channel.fit) continue;
       const double left = rows.jacobians.empty()
                               ? state->share_left
                               : ChannelShareLeft(t, c, leverages);
-      double mean_square = residuals.row(c).squaredNorm() /
-                           std::max(1, CountPresent(channel.values)) / left;
-      if (networks) mean_square *= AutocorrelationTime(residuals.row(c));
+      double mean_square =
+          rows.squares[t][c] / std::max(1, CountPresent(channel.values)) / left;
+      if (networks) {
+        mean_square *= AutocorrelationTime(rows.residuals[t].row(c));
+      }
       const double floor = Smallest(channel);
       double& sigma = state->sigmas[t][c];
       const double wanted = annealing->Limit(
-          t, c, floor, sigma, std::max(floor, sigma * std::sqrt(mean_square)));
+          t, c, floor, sigma, std::max(floor, std::sqrt(mean_square)));
       change.wanted = std::max(change.wanted, std::abs(wanted / sigma - 1.0));
       sigma = std::clamp(wanted, std::max(floor, shrink * sigma),
                          std::max(floor, growth * sigma));

@@ -41,9 +41,12 @@ std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
                                       const std::vector<Vector>& sigmas,
                                       const NoiseTuning& tuning);
 
-// Weighted residuals as MultipleShooting::WeightedResiduals has them;
-// `jacobians` only where unknown forces make it count channel by channel.
+// What a fit leaves over, per training record: the sums of squares of each
+// channel's residuals in the sensor's unit; with networks also the residuals,
+// and where unknown forces make it count channel by channel their derivatives,
+// as MultipleShooting::WeightedResiduals has both.
 struct WeightedRows {
+  std::vector<Vector> squares;
   std::vector<Matrix> residuals;
   std::vector<Matrix> jacobians;
 };
@@ -88,7 +91,7 @@ class NoiseLevels {
  private:
   // No estimate goes below.
   double Smallest(const MeasuredChannel& channel) const;
-  double ShareLeft(const WeightedRows& rows, const Evidence& evidence) const;
+  double ShareLeft(const Evidence& evidence) const;
   // Of one channel of a record, from the leverages of its samples.
   double ChannelShareLeft(size_t record, int channel,
                           const Vector& leverages) const;

@@ -79,8 +79,7 @@ TEST_F(NoiseLevelsTest, ComesToTheNoiseOfTheTruth) {
     WeightedRows rows;
     Evidence evidence;
     ASSERT_TRUE(objective.Linearize(state.free, &system));
-    ASSERT_TRUE(objective.shooting().WeightedResiduals(
-        state.free, false, &rows.residuals, nullptr));
+    rows.squares = *objective.shooting().SquaresAt(state.free);
     ASSERT_TRUE(MeasureEvidence(layout, system.hessian, Vector(), state.free,
                                 &evidence));
     change = levels.Update(rows, evidence, true, &annealing, &state);

@@ -57,13 +57,12 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   // The objective at the solution: single where that runs.
   shooting.SetSigmas(best.sigmas);
   objective.priors().SetDecays(best.decays);
-  shooting.SetSegments(
+  Certainty certainty;
+  const bool placed = shooting.SetSegmentsAlong(
       summary.single_shooting ? 0 : summary.stages.back().segment_samples,
-      *best.trajectories);
-  fit->ForgetTrajectories();
+      best.trajectories);
   const Vector band_decays = BandDecays(problem, fit->layout(), best.decays,
                                         options.tuning.force_bands);
-  Certainty certainty;
   if (fit->input_noise().has_value()) {
     InputNoiseFit with_noise = *fit->input_noise();
     certainty.starts = with_noise.starts;
@@ -74,7 +73,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
     certainty.covariance = with_noise.covariance;
   } else {
     double cost = 0.0;
-    const bool evaluated = objective.Evaluate(best.free, &cost);
+    const bool evaluated = placed && objective.Evaluate(best.free, &cost);
     certainty.starts = shooting.starts();
     objective.priors().SetDecays(band_decays);
     certainty.known =
@@ -87,6 +86,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
 
 // Free runs of all records, by the model before and after.
 void ScoreRecords(const IdentificationProblem& problem,
+                  const IdentificationOptions& options,
                   const Vector& prior_parameters,
                   const std::vector<Matrix>& starts,
                   IdentificationSummary* summary, IdentifiedModel* model) {
@@ -98,14 +98,17 @@ void ScoreRecords(const IdentificationProblem& problem,
     Vector start;
     int first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
     ScoreRecord(problem, index, prior_parameters, start, first, &prior,
-                Keep::kChannels);
+                Keep::kChannels, options.num_threads);
     if (problem.records[r].role == IdentificationRecord::Role::kTrain) {
       start = starts[t++].col(0);
       first = 0;
     } else {
       first = FreeRunStart(problem, index, model->parameters, sigmas, &start);
     }
-    ScoreRecord(problem, index, model->parameters, start, first, &score);
+    prior.prediction.resize(0, 0);
+    ScoreRecord(problem, index, model->parameters, start, first, &score,
+                options.keep_states ? Keep::kAll : Keep::kMeanSquares,
+                options.num_threads);
     score.prior_nrmse = prior.nrmse;
     for (size_t c = 0; c < score.channels.size(); ++c) {
       score.channels[c].prior_nrmse = prior.channels[c].nrmse;
@@ -310,8 +313,8 @@ void ReportOutcome(const IdentificationProblem& problem,
   if (summary->termination == Termination::kNoConvergence) {
     certainty.known = false;
   }
-  ScoreRecords(problem, layout.InitialValues(), certainty.starts, summary,
-               model);
+  ScoreRecords(problem, options, layout.InitialValues(), certainty.starts,
+               summary, model);
   summary->remarks = SignRemarks(problem, model->parameters);
   BandPredictions(problem, options, certainty, *model, summary);
   if (!problem.modal.empty()) {

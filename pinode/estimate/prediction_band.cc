@@ -13,16 +13,22 @@
 namespace pinode {
 namespace {
 
-// Numbers of derivatives that are kept, at most.
+// Numbers of derivatives that are looked at, at most.
 constexpr double kMostNumbers = 3e7;
 // A start is moved by this share of its state's RMS.
 constexpr double kStartStep = 1e-4;
 
-// Rows of the prediction's derivative by the free parameters over the noise,
-// channels fastest; empty where the run is not finite.
-Matrix ParameterRows(const IdentificationProblem& problem, int record,
-                     const Vector& parameters, const Vector& sigmas,
-                     const RecordScore& score, int num_threads) {
+// row * covariance * row' of each row.
+Vector RowVariances(const Matrix& rows, const Matrix& covariance) {
+  return (rows * covariance).cwiseProduct(rows).rowwise().sum();
+}
+
+// The part of the free parameters in the prediction's variances over those of
+// the noise, channels x samples; empty where the run is not finite.
+Matrix ParameterVariances(const IdentificationProblem& problem, int record,
+                          const Vector& parameters, const Matrix& covariance,
+                          const Vector& sigmas, const RecordScore& score,
+                          int num_threads) {
   IdentificationProblem alone = problem;
   alone.records = {problem.records[static_cast<size_t>(record)]};
   IdentificationRecord& data = alone.records[0];
@@ -43,14 +49,21 @@ Matrix ParameterRows(const IdentificationProblem& problem, int record,
   options.num_threads = num_threads;
   MultipleShooting shooting(alone, layout, options);
   shooting.SetSigmas({sigmas});
-  shooting.SetStateScales({StateScales(alone, score.states)});
-  shooting.SetSegments(0, {score.states});
-  std::vector<Matrix> residuals, jacobians;
-  if (!shooting.WeightedResiduals(layout.Free(parameters), true, &residuals,
-                                  &jacobians)) {
+  shooting.SetStateScales({StateScalesOf(alone, score.state_mean_squares)});
+  shooting.SetWholeRecords({score.start});
+  if (layout.num_free() != covariance.rows()) return Matrix();
+  Matrix variances(score.prediction.rows(), score.prediction.cols());
+  if (!shooting.VisitWeightedResiduals(
+          layout.Free(parameters), true,
+          [&](size_t, int first, const Matrix& part, const Matrix& rows) {
+            const Vector values = RowVariances(rows, covariance);
+            variances.middleCols(first, part.cols()) = Eigen::Map<const Matrix>(
+                values.data(), part.rows(), part.cols());
+          },
+          num_threads)) {
     return Matrix();
   }
-  return jacobians[0];
+  return variances;
 }
 
 // The same by the start, in units of `scales`; one-sided differences, whose
@@ -71,11 +84,6 @@ Matrix StartRows(const IdentificationProblem& problem, int record,
     rows.col(k) = Eigen::Map<const Vector>(slope.data(), slope.size());
   }
   return rows;
-}
-
-// row * covariance * row' of each row.
-Vector RowVariances(const Matrix& rows, const Matrix& covariance) {
-  return (rows * covariance).cwiseProduct(rows).rowwise().sum();
 }
 
 // Covariance of the start in units of its scales, which are its prior's
@@ -108,29 +116,28 @@ Matrix PredictionDeviations(const IdentificationProblem& problem, int record,
                             int num_threads) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
-  const Eigen::Index nc = score.prediction.rows();
-  const Eigen::Index samples = score.prediction.cols();
   const double numbers = static_cast<double>(score.prediction.size()) *
                          static_cast<double>(covariance.cols());
   if (!score.finite || numbers > kMostNumbers || !(sigmas.minCoeff() > 0.0)) {
     return Matrix();
   }
-  const Matrix rows =
-      ParameterRows(problem, record, parameters, sigmas, score, num_threads);
-  if (rows.size() == 0 || rows.cols() != covariance.rows()) return Matrix();
-  Vector variances = RowVariances(rows, covariance);
+  Matrix variances = ParameterVariances(problem, record, parameters, covariance,
+                                        sigmas, score, num_threads);
+  if (variances.size() == 0) return Matrix();
   if (data.start == IdentificationRecord::Start::kFree &&
       !(data.excitation->periodic() && score.first_scored_sample == 0 &&
         data.role == IdentificationRecord::Role::kHoldout)) {
-    const Matrix starts = StartRows(problem, record, parameters, sigmas,
-                                    StateScales(problem, score.states), score);
+    const Matrix starts =
+        StartRows(problem, record, parameters, sigmas,
+                  StateScalesOf(problem, score.state_mean_squares), score);
     if (starts.size() == 0) return Matrix();
     const Matrix start_covariance = StartCovariance(data, starts, score);
     if (start_covariance.size() == 0) return Matrix();
-    variances += RowVariances(starts, start_covariance);
+    variances.reshaped() += RowVariances(starts, start_covariance);
   }
-  const Eigen::Map<const Matrix> shares(variances.data(), nc, samples);
-  return sigmas.asDiagonal() * (shares.array().max(0.0) + 1.0).sqrt().matrix();
+  variances = (variances.array().max(0.0) + 1.0).sqrt();
+  variances.array().colwise() *= sigmas.array();
+  return variances;
 }
 
 double BandCoverage(const IdentificationRecord& record,

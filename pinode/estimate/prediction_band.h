@@ -18,8 +18,8 @@ namespace pinode {
 // record, all) determine it. Gaussian; what the model cannot do is in it as far
 // as it counts as noise.
 //
-// Empty where the run is not finite, or the derivatives would take more than
-// some hundred megabytes.
+// Empty where the run is not finite, or there are more than some ten million
+// derivatives to be found.
 Matrix PredictionDeviations(const IdentificationProblem& problem, int record,
                             const Vector& parameters, const Matrix& covariance,
                             const Vector& sigmas, const RecordScore& score,

@@ -1,6 +1,7 @@
 #include "pinode/estimate/reweighting.h"
 
 #include <cmath>
+#include <vector>
 
 #include "pinode/base/logging.h"
 
@@ -17,9 +18,14 @@ Reweighting::Outcome Reweighting::Update(bool converged, FitState* state) {
   CondensedSystem system;
   WeightedRows rows;
   Evidence evidence;
-  if (!objective.Linearize(state->free, &system) ||
-      !objective.shooting().WeightedResiduals(
-          state->free, by_channel, &rows.residuals, &rows.jacobians) ||
+  if (!objective.Linearize(state->free, &system)) return outcome;
+  MultipleShooting& shooting = objective.shooting();
+  const std::vector<Vector>* squares = shooting.SquaresAt(state->free);
+  CHECK(squares != nullptr) << "just linearised";
+  rows.squares = *squares;
+  if (((by_channel || context_.HasNetworks()) &&
+       !shooting.WeightedResiduals(state->free, by_channel, &rows.residuals,
+                                   &rows.jacobians)) ||
       !MeasureEvidence(context_.layout, system.hessian, state->decays,
                        state->free, &evidence)) {
     return outcome;

@@ -34,11 +34,35 @@ void ScoreDivergence(const IdentificationRecord& data,
   }
 }
 
+// Errors alone, from sums of squares of the fitted channels' residuals. False
+// where delays leave out samples.
+bool ScoreSquares(const IdentificationRecord& data, const Vector& squares,
+                  RecordScore* score) {
+  score->channels.resize(data.channels.size());
+  score->finite = squares.allFinite();
+  for (size_t c = 0; c < data.channels.size(); ++c) {
+    const MeasuredChannel& channel = data.channels[c];
+    if (channel.delay >= 0) return false;
+    if (!channel.fit) continue;
+    const double mean = MeanOfPresent(channel.values);
+    double spread = 0.0;
+    for (const double y : channel.values) {
+      if (!std::isnan(y)) spread += (y - mean) * (y - mean);
+    }
+    score->channels[c].nrmse =
+        spread > 0.0 ? std::sqrt(squares[static_cast<Eigen::Index>(c)] / spread)
+                     : kInfinity;
+  }
+  score->nrmse = CombinedError(data, *score);
+  return score->finite;
+}
+
 }  // namespace
 
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
-                 int first_scored_sample, RecordScore* score, Keep keep) {
+                 int first_scored_sample, RecordScore* score, Keep keep,
+                 int num_threads) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   const StructuralDynamics& dynamics = *problem.dynamics;
@@ -63,13 +87,19 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                                &prepared, &error)) {
     const IntegrationGrid grid = GridOf(dynamics, data);
     score->finite = FreeRun(dynamics, prepared, observation, grid, start, 0,
-                            samples - 1, &trajectory, keep);
+                            samples - 1, &trajectory, keep, num_threads);
   }
   if (!score->finite) {
     ScoreDivergence(data, trajectory, score);
     return;
   }
-  if (keep == Keep::kAll) score->states = std::move(trajectory.states);
+  if (keep == Keep::kAll) {
+    score->state_mean_squares =
+        trajectory.states.rowwise().squaredNorm() / samples;
+    score->states = std::move(trajectory.states);
+  } else {
+    score->state_mean_squares = std::move(trajectory.mean_squares);
+  }
   score->prediction = std::move(trajectory.channels);
   Matrix no_rows(score->prediction.size(), 0);
   std::vector<bool> valid(static_cast<size_t>(score->prediction.size()), true);
@@ -119,11 +149,19 @@ double FreeRunError(const IdentificationProblem& problem,
   layout.SetFree(free, &parameters);
   const std::vector<int>& train = shooting.train_records();
   if (train.empty()) return 0.0;
+  const std::vector<Vector>* squares =
+      shooting.HasFreeRuns() ? shooting.SquaresAt(free) : nullptr;
   double sum = 0.0;
   for (size_t t = 0; t < train.size(); ++t) {
     RecordScore score;
+    if (squares != nullptr &&
+        ScoreSquares(problem.records[static_cast<size_t>(train[t])],
+                     (*squares)[t], &score)) {
+      sum += score.nrmse * score.nrmse;
+      continue;
+    }
     ScoreRecord(problem, train[t], parameters, shooting.starts()[t].col(0), 0,
-                &score, Keep::kChannels);
+                &score, Keep::kChannels, shooting.num_threads());
     if (!score.finite) return kInfinity;
     sum += score.nrmse * score.nrmse;
   }

@@ -17,15 +17,17 @@ namespace pinode {
 // Runs the record from `start` and compares every channel with what was
 // measured: sensors and filter applied. Fills *score but for its prior_nrmse.
 // `parameters`: all of the problem's. A run that is not finite has infinite
-// errors. The states of one that is are kept where `keep` says so.
+// errors. The states of one that is are kept where `keep` says so; their mean
+// squares where that is not kChannels.
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
                  int first_scored_sample, RecordScore* score,
-                 Keep keep = Keep::kAll);
+                 Keep keep = Keep::kAll, int num_threads = 1);
 
 // Root mean square over the training records of their errors, each run freely
 // from its first start in `shooting`; infinite where one is not finite, 0 where
-// there is none. What the fit itself is judged by on the way.
+// there is none. What the fit itself is judged by on the way. Where records are
+// in one piece and just linearised at `free`, nothing is run.
 double FreeRunError(const IdentificationProblem& problem,
                     const ParameterLayout& layout,
                     const MultipleShooting& shooting, const Vector& free);

@@ -79,6 +79,38 @@ TEST(ScoreRecord, SensorsApply) {
   EXPECT_GT(score.nrmse, 0.3);
 }
 
+// What was summed on the way says the same as a run of its own.
+TEST(FreeRunError, EqualsThatOfScores) {
+  for (const Start start : {Start::kFree, Start::kKnown}) {
+    testing::SmallFit fit(start);
+    auto objective = fit.Shoot(0, MultipleShooting::Options());
+    MultipleShooting& shooting = objective->shooting();
+    const double run =
+        FreeRunError(fit.problem, *fit.layout, shooting, fit.free);
+    ASSERT_EQ(shooting.SquaresAt(fit.free), nullptr);
+    CondensedSystem system;
+    ASSERT_TRUE(objective->Linearize(fit.free, &system));
+    ASSERT_NE(shooting.SquaresAt(fit.free), nullptr);
+    const double summed =
+        FreeRunError(fit.problem, *fit.layout, shooting, fit.free);
+    Vector parameters = fit.layout->InitialValues();
+    fit.layout->SetFree(fit.free, &parameters);
+    double sum = 0.0;
+    for (size_t t = 0; t < shooting.train_records().size(); ++t) {
+      RecordScore score;
+      ScoreRecord(fit.problem, shooting.train_records()[t], parameters,
+                  shooting.starts()[t].col(0), 0, &score);
+      sum += score.nrmse * score.nrmse;
+    }
+    const double expected =
+        std::sqrt(sum / static_cast<double>(shooting.train_records().size()));
+    EXPECT_NEAR(summed, expected, 1e-12 * expected);
+    if (start == Start::kKnown) {
+      EXPECT_NEAR(run, expected, 1e-12 * expected);
+    }
+  }
+}
+
 TEST(ScoreRecord, DivergingRunHasInfiniteErrors) {
   IdentificationProblem problem;
   auto dynamics = testing::MakeGroupedChain(1, 4000.0, 0.0);

@@ -46,14 +46,18 @@ class Stream {
 
 // Sizes of one record's results.
 struct Shape {
+  Eigen::Index channels = 0;
   Eigen::Index states = 0;
   Eigen::Index cross = 0;  // columns
   Eigen::Index end = 0;    // columns of the end's sensitivity
-  Eigen::Index size() const { return 5 + states * (2 + states + cross + end); }
+  Eigen::Index size() const {
+    return 5 + channels + states * (2 + states + cross + end);
+  }
 };
 
 Shape ShapeOf(const ShootingRecord& record, int num_free) {
   Shape shape;
+  shape.channels = record.sigmas().size();
   shape.states = record.scales().size();
   if (record.HasFreeStarts()) shape.cross = num_free;
   if (record.num_segments() > 1) shape.end = shape.states + num_free;
@@ -69,6 +73,8 @@ void Pass(const Shape& shape, int segment, ShootingRecord* record, char* done,
   stream->Pass(&result.failed_sample);
   stream->Pass(&result.failed_state);
   if (*done == 0 || !result.ok) return;
+  result.squares.resize(shape.channels);
+  stream->Pass(result.squares);
   stream->Pass(record->ends().col(segment));
   result.start_gradient.resize(shape.states);
   stream->Pass(result.start_gradient);

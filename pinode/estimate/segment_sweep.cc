@@ -102,6 +102,7 @@ bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
   SegmentResult& result = record.result(0);
   result.ok = true;
   result.cost = equations.cost;
+  result.squares = equations.squares;
   record.ends().col(0) = equations.end_state;
   result.start_hessian = Matrix::Zero(ns, ns);
   result.start_gradient = Vector::Zero(ns);
@@ -148,6 +149,12 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                     record->num_segments() == 1, columns, tangents);
   const Vector& residuals = work.rows.residuals();
   result.cost = work.rows.cost();
+  const Eigen::Index channels = record->sigmas().size();
+  result.squares = Eigen::Map<const Matrix>(residuals.data(), channels,
+                                            residuals.size() / channels)
+                       .rowwise()
+                       .squaredNorm()
+                       .cwiseProduct(record->sigmas().cwiseAbs2());
   record->ends().col(segment) = tangents.end_state;
   const auto by_parameters =
       work.rows.jacobian().rightCols(with_parameters ? layout_.num_free() : 0);
@@ -291,8 +298,9 @@ bool SegmentSweep::Evaluate(const std::vector<Task>& tasks,
 }
 
 bool SegmentSweep::Visit(size_t r, const Matrix& starts, bool with_jacobian,
-                         const Visitor& visitor) {
-  if (IsWholeAndLinear(r) && VisitWhole(r, starts, with_jacobian, visitor)) {
+                         int num_threads, const Visitor& visitor) {
+  if (IsWholeAndLinear(r) &&
+      VisitWhole(r, starts, with_jacobian, num_threads, visitor)) {
     return true;
   }
   for (int k = 0; k < records_[r]->num_segments(); ++k) {
@@ -302,13 +310,14 @@ bool SegmentSweep::Visit(size_t r, const Matrix& starts, bool with_jacobian,
 }
 
 bool SegmentSweep::VisitWhole(size_t r, const Matrix& starts,
-                              bool with_jacobian, const Visitor& visitor) {
+                              bool with_jacobian, int num_threads,
+                              const Visitor& visitor) {
   const ShootingRecord& record = *records_[r];
   const SegmentColumns columns =
       with_jacobian ? ColumnsOf(record, true) : SegmentColumns::kNone;
   const int nf = layout_.num_free();
   return linear_[r]->Visit(
-      PointOf(r, starts, columns),
+      PointOf(r, starts, columns), num_threads,
       [&](int first, const Matrix& residuals, const Matrix& rows) {
         if (!HasStart(columns)) {
           visitor(r, first, residuals,
@@ -320,6 +329,37 @@ bool SegmentSweep::VisitWhole(size_t r, const Matrix& starts,
             rows.leftCols(rows.cols() - nf) * record.start_sensitivity();
         visitor(r, first, residuals, jacobian);
       });
+}
+
+bool SegmentSweep::IsByModes() const {
+  for (size_t r = 0; r < records_.size(); ++r) {
+    if (!IsWholeAndLinear(r)) return false;
+  }
+  return true;
+}
+
+Matrix SegmentSweep::ColumnsByFree(size_t r) const {
+  const ShootingRecord& record = *records_[r];
+  const int nf = layout_.num_free();
+  if (!record.HasFreeStarts()) return Matrix::Identity(nf, nf);
+  const Matrix& starts = record.start_sensitivity();
+  Matrix columns(starts.rows() + nf, nf);
+  columns << starts, Matrix::Identity(nf, nf);
+  return columns;
+}
+
+bool SegmentSweep::MovedResiduals(size_t r, const Matrix& starts,
+                                  const Vector& step, Matrix* residuals) {
+  return linear_[r]->Residuals(
+      PointOf(r, starts, ColumnsOf(*records_[r], true)),
+      ColumnsByFree(r) * step, static_cast<int>(threads_.size()), residuals);
+}
+
+bool SegmentSweep::AddScores(size_t r, const Matrix& starts, int length,
+                             Matrix* products, double* count) {
+  return linear_[r]->AddScores(
+      PointOf(r, starts, ColumnsOf(*records_[r], true)), ColumnsByFree(r),
+      length, static_cast<int>(threads_.size()), products, count);
 }
 
 bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,

@@ -72,10 +72,19 @@ class SegmentSweep {
   using Visitor =
       std::function<void(size_t record, int first, const Matrix& residuals,
                          const Matrix& jacobian)>;
-  // All of a record, piece by piece, in this process. False where a trajectory
-  // is not finite.
+  // All of a record, piece by piece, in this process; with several threads in
+  // any order and several at a time. False where a trajectory is not finite.
   [[nodiscard]] bool Visit(size_t record, const Matrix& starts,
-                           bool with_jacobian, const Visitor& visitor);
+                           bool with_jacobian, int num_threads,
+                           const Visitor& visitor);
+
+  // Whether all records are such that LinearRecord has them; then, as
+  // MultipleShooting has it:
+  bool IsByModes() const;
+  [[nodiscard]] bool MovedResiduals(size_t record, const Matrix& starts,
+                                    const Vector& step, Matrix* residuals);
+  [[nodiscard]] bool AddScores(size_t record, const Matrix& starts, int length,
+                               Matrix* products, double* count);
 
   // Samples propagated so far, each times the tangents that went along.
   int64_t work() const { return work_; }
@@ -106,7 +115,10 @@ class SegmentSweep {
                      const std::vector<const Matrix*>& starts,
                      bool with_parameters);
   bool VisitWhole(size_t record, const Matrix& starts, bool with_jacobian,
-                  const Visitor& visitor);
+                  int num_threads, const Visitor& visitor);
+  // From the free parameters, with which the start goes along, to the columns
+  // of LinearRecord.
+  Matrix ColumnsByFree(size_t record) const;
   bool VisitSegment(size_t record, int segment, const Matrix& starts,
                     bool with_jacobian, const Visitor& visitor);
 

@@ -23,10 +23,9 @@ ShootingRecord::ShootingRecord(const IdentificationProblem& problem, int index,
       sigmas_(Vector::Ones(static_cast<int>(data_->channels.size()))),
       gaps_(num_states_, 1) {}
 
-Matrix ShootingRecord::Cut(int samples, const Matrix& trajectory) {
+Matrix ShootingRecord::Cut(int samples,
+                           const std::function<Vector(int sample)>& state_at) {
   const int last = data_->num_samples() - 1;
-  CHECK_EQ(trajectory.cols(), last + 1);
-  CHECK_EQ(trajectory.rows(), num_states_);
   const int count =
       samples <= 0 ? 1 : std::max(1, (last + samples / 2) / samples);
   boundaries_.clear();
@@ -35,8 +34,7 @@ Matrix ShootingRecord::Cut(int samples, const Matrix& trajectory) {
         static_cast<int>(static_cast<int64_t>(last) * k / count));
   }
   Matrix starts(num_states_, count);
-  for (int k = 0; k < count; ++k)
-    starts.col(k) = trajectory.col(first_sample(k));
+  for (int k = 0; k < count; ++k) starts.col(k) = state_at(first_sample(k));
   if (!start_is_free_) starts.col(0) = fixed_start_;
   gaps_.ResetMultipliers(count);
   results_.assign(static_cast<size_t>(count), SegmentResult());

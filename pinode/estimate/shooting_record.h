@@ -4,6 +4,7 @@
 #ifndef PINODE_ESTIMATE_SHOOTING_RECORD_H_
 #define PINODE_ESTIMATE_SHOOTING_RECORD_H_
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -27,6 +28,8 @@ struct FreeEquations {
 struct SegmentResult {
   bool ok = false;
   double cost = 0.0;
+  // Of each channel, sum r^2 sigma^2 with the robust weights.
+  Vector squares;
   Matrix start_hessian;  // J_s' J_s
   Vector start_gradient;
   Matrix cross;            // J_s' J_theta, num_states x num_free
@@ -54,10 +57,12 @@ class ShootingRecord {
   const ObservationMap& observation() const { return observation_; }
 
   // Segments of nearly equal length, about `samples` samples each, 0: one; and
-  // their starts, num_states x segments, from a trajectory (num_states x
-  // samples). Multipliers are reset to zero.
-  Matrix Cut(int samples, const Matrix& trajectory);
+  // their starts, num_states x segments, from what `state_at` says of a sample.
+  // Multipliers are reset to zero.
+  Matrix Cut(int samples, const std::function<Vector(int sample)>& state_at);
   int num_segments() const { return static_cast<int>(boundaries_.size()) - 1; }
+  // First samples of the segments, then the record's last sample.
+  const std::vector<int>& boundaries() const { return boundaries_; }
   int first_sample(int segment) const {
     return boundaries_[static_cast<size_t>(segment)];
   }
@@ -115,7 +120,7 @@ class ShootingRecord {
   ObservationMap observation_;
   bool start_is_free_ = false;
   Vector fixed_start_;
-  std::vector<int> boundaries_;  // first samples of the segments, then the last
+  std::vector<int> boundaries_;
   Vector sigmas_;
   GapPenalty gaps_;
   std::vector<SegmentResult> results_;

@@ -114,19 +114,21 @@ bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
                 bool* settled) {
   *settled = false;
   MultipleShooting& shooting = context_.objective.shooting();
-  shooting.SetSegments(samples, *state->trajectories);
+  if (!shooting.SetSegmentsAlong(samples, state->trajectories)) {
+    context_.summary.message = "the trajectory is not finite";
+    return false;
+  }
   shooting.SetSigmas(state->sigmas);
   context_.objective.priors().SetDecays(state->decays);
   std::vector<Vector> scales;
-  for (const Matrix& states : *state->trajectories) {
-    scales.push_back(StateScales(context_.problem, states));
+  record->segment_samples = samples;
+  for (size_t t = 0; t < state->trajectories.records.size(); ++t) {
+    scales.push_back(StateScalesOf(
+        context_.problem, state->trajectories.records[t].mean_squares));
+    record->num_segments += shooting.num_segments(static_cast<int>(t));
   }
   shooting.SetStateScales(scales);
 
-  record->segment_samples = samples;
-  for (size_t t = 0; t < state->trajectories->size(); ++t) {
-    record->num_segments += shooting.num_segments(static_cast<int>(t));
-  }
   const int iterations_before = context_.summary.num_iterations;
   CondensedSystem system;
   shooting.SetGapPenalty(1.0);
@@ -149,10 +151,9 @@ bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
   record->iterations = context_.summary.num_iterations - iterations_before;
   record->largest_gap = shooting.LargestGap();
   record->free_run_error = state->free_run_error = measure();
-  std::vector<Matrix> trajectories;
-  if (shooting.Trajectories(state->free, &trajectories)) {
-    state->trajectories =
-        std::make_shared<const std::vector<Matrix>>(std::move(trajectories));
+  TrajectoryOutlines trajectories;
+  if (shooting.Outline(state->free, &trajectories)) {
+    state->trajectories = std::move(trajectories);
   }
   context_.summary.largest_gap = record->largest_gap;
   context_.summary.single_shooting = single;

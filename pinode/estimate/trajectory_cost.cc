@@ -65,7 +65,7 @@ std::unique_ptr<TrajectoryCost> TrajectoryCost::Create(
                          : options.sigmas);
   const Vector free = owned->layout.Free(owned->layout.InitialValues());
   const StageTuning stages;
-  std::vector<Matrix> states;
+  TrajectoryOutlines trajectories;
   const auto fail = [&]() {
     *error = "at the initial values " + shooting.Failure();
     return nullptr;
@@ -74,10 +74,10 @@ std::unique_ptr<TrajectoryCost> TrajectoryCost::Create(
                            options.segment_samples > 0
                                ? options.segment_samples
                                : FirstSegmentSamples(owned->problem, stages),
-                           free, stages, &shooting, &states)) {
+                           free, stages, &shooting, &trajectories) ||
+      !shooting.SetSegmentsAlong(options.segment_samples, trajectories)) {
     return fail();
   }
-  shooting.SetSegments(options.segment_samples, states);
   shooting.SetGapPenalty(1.0);
   CondensedSystem system;
   if (!shooting.Linearize(free, &system)) return fail();

@@ -190,8 +190,8 @@ double LeastNoiseShare(const IdentificationProblem& problem, const Fit& fit) {
     if (record.role != IdentificationRecord::Role::kTrain) continue;
     RecordScore score;
     ScoreRecord(problem, static_cast<int>(r), fit.BestParameters(),
-                (*fit.best().trajectories)[t++].col(0), 0, &score,
-                Keep::kChannels);
+                fit.best().trajectories.records[t++].starts.col(0), 0, &score,
+                Keep::kChannels, fit.shooting_options().num_threads);
     if (!score.finite) return 0.0;
     for (size_t c = 0; c < record.channels.size(); ++c) {
       const double share = score.channels[c].noise_share;

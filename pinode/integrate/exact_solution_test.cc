@@ -50,6 +50,30 @@ std::vector<StructuralModel> Structures() {
   return models;
 }
 
+// What is found when it is asked for is what a table would hold.
+TEST(IntegrationGrid, NodesOfTheExactSolution) {
+  for (const Interpolation interpolation :
+       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic}) {
+    for (const bool periodic : {false, true}) {
+      const Excitation wave(0.0, 0.05, Wave(40, interpolation).samples(),
+                            interpolation, periodic);
+      const IntegrationGrid grid = IntegrationGrid::Exact(wave);
+      const IntegrationGrid table(wave, grid.substeps());
+      ASSERT_EQ(grid.num_intervals(), table.num_intervals());
+      for (int i = 0; i <= grid.num_intervals(); ++i) {
+        for (int j = 0; j < 2; ++j) {
+          EXPECT_EQ(grid.AtSample(i)[j], table.AtSample(i)[j]);
+        }
+      }
+      Matrix nodes;
+      grid.GetNodes(3, grid.num_intervals() - 3, &nodes);
+      ASSERT_EQ(nodes.rows(), 6 * grid.substeps());
+      EXPECT_EQ(nodes, Eigen::Map<const Matrix>(table.AtNode(3, 0, 0),
+                                                nodes.rows(), nodes.cols()));
+    }
+  }
+}
+
 class ExactSolution : public ::testing::TestWithParam<Interpolation> {};
 
 TEST_P(ExactSolution, IsWhatRungeKuttaComesTo) {

@@ -1,11 +1,12 @@
 #include "pinode/integrate/free_run.h"
 
-#include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/integrate/exponential_step.h"
+#include "pinode/integrate/history_pass.h"
 #include "pinode/integrate/linear_map.h"
 #include "pinode/integrate/modal_response.h"
 #include "pinode/integrate/rk4.h"
@@ -17,8 +18,6 @@ namespace {
 // Samples for each state from which on a map is worth its making, and modes.
 constexpr int kSamplesForAMap = 3;
 constexpr int kSamplesForModes = 40;
-// Samples at a time.
-constexpr int kSamplesAtATime = 128;
 
 // The steps of one interval after the other: Advance takes the state from one
 // sample to the next.
@@ -51,9 +50,8 @@ class Stepper {
   void Advance(int interval, Vector* state) {
     if (map_.has_value()) {
       next_.noalias() = map_->transition() * *state;
-      next_.noalias() += map_->forcing() *
-                         Eigen::Map<const Vector>(grid_.AtNode(interval, 0, 0),
-                                                  map_->forcing().cols());
+      grid_.GetNodes(interval, 1, &nodes_);
+      next_.noalias() += map_->forcing() * nodes_;
       state->swap(next_);
       return;
     }
@@ -81,6 +79,7 @@ class Stepper {
   std::optional<LinearMap> map_;
   std::optional<ExponentialStep> exponential_;
   Vector next_;
+  Matrix nodes_;
 };
 
 // Notes the first state that is not finite; what follows it is NaN.
@@ -102,7 +101,7 @@ bool EndWhereNotFinite(Trajectory* trajectory) {
 bool RunByModes(const StructuralDynamics& dynamics,
                 const StructuralDynamics::Prepared& prepared,
                 const ObservationMap& observation, const IntegrationGrid& grid,
-                const Vector& start, int first, Keep keep,
+                const Vector& start, int first, Keep keep, int num_threads,
                 Trajectory* trajectory) {
   ModalResponse response;
   if (!response.Prepare(dynamics, prepared, grid, false)) return false;
@@ -110,21 +109,31 @@ bool RunByModes(const StructuralDynamics& dynamics,
   contents.with_start = !start.isZero(0.0);
   const Matrix states = response.States(contents, start);
   const Matrix values = response.Values(contents, observation, start);
-  ModalResponse::State state = response.Begin(contents);
-  Matrix histories;
   const int samples = trajectory->num_samples();
-  for (int begin = 0; begin < samples; begin += kSamplesAtATime) {
-    const int count = std::min(kSamplesAtATime, samples - begin);
-    response.Advance(contents, grid, first + begin, count, &state, &histories);
+  const HistoryPass pass(response, contents, grid, first, samples);
+  Matrix squares =
+      Matrix::Zero(keep == Keep::kMeanSquares ? states.cols() : 0,
+                   keep == Keep::kMeanSquares ? pass.num_pieces() : 0);
+  pass.Visit(num_threads, [&](int, int begin, const Matrix& histories) {
+    const auto count = histories.cols();
+    trajectory->channels.middleCols(begin, count).noalias() =
+        values.transpose() * histories;
     if (keep == Keep::kAll) {
       trajectory->states.middleCols(begin, count).noalias() =
           states.transpose() * histories;
-    } else if (begin + count == samples) {
+      return;
+    }
+    if (keep == Keep::kMeanSquares) {
+      squares.col(HistoryPass::PieceOf(begin)) +=
+          (states.transpose() * histories).rowwise().squaredNorm();
+    }
+    if (begin + count == samples) {
       trajectory->states.noalias() =
           states.transpose() * histories.rightCols(1);
     }
-    trajectory->channels.middleCols(begin, count).noalias() =
-        values.transpose() * histories;
+  });
+  if (keep == Keep::kMeanSquares) {
+    trajectory->mean_squares = squares.rowwise().sum() / samples;
   }
   return true;
 }
@@ -135,7 +144,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,
              const Vector& start, int first_sample, int last_sample,
-             Trajectory* trajectory, Keep keep) {
+             Trajectory* trajectory, Keep keep, int num_threads) {
   const int ns = dynamics.num_states();
   CHECK_EQ(start.size(), ns) << "the start needs one value per state";
   CHECK_LE(0, first_sample);
@@ -153,16 +162,17 @@ bool FreeRun(const StructuralDynamics& dynamics,
   // Where and what did not stay finite takes all states.
   const auto again = [&]() {
     return FreeRun(dynamics, prepared, observation, grid, start, first_sample,
-                   last_sample, trajectory, Keep::kAll);
+                   last_sample, trajectory, Keep::kAll, num_threads);
   };
   if (dynamics.IsLinear() && samples > kSamplesForModes * ns &&
       RunByModes(dynamics, prepared, observation, grid, start, first_sample,
-                 keep, trajectory)) {
+                 keep, num_threads, trajectory)) {
     if (keep == Keep::kAll) return EndWhereNotFinite(trajectory);
     return (FirstNotFinite(trajectory->states.col(0)) < 0 &&
             trajectory->channels.allFinite()) ||
            again();
   }
+  if (keep == Keep::kMeanSquares) trajectory->mean_squares = Vector::Zero(ns);
   Stepper stepper(dynamics, prepared, grid, samples);
   Vector state = start;
   Vector rate(ns);
@@ -175,6 +185,9 @@ bool FreeRun(const StructuralDynamics& dynamics,
     }
     const int column = i - first_sample;
     trajectory->states.col(keep == Keep::kAll ? column : 0) = state;
+    if (keep == Keep::kMeanSquares) {
+      trajectory->mean_squares += state.cwiseAbs2() / samples;
+    }
     stepper.RateAtSample(i, state.data(), rate.data());
     observation.Observe(state.data(), rate.data(), grid.AtSample(i),
                         trajectory->channels.col(column).data());

@@ -12,15 +12,17 @@
 
 namespace pinode {
 
-// What is kept of a run. States are most of its memory, and where modes are
-// summed most of its work.
-enum class Keep { kAll, kChannels };
+// What is kept of a run: everything; channels and the states' mean squares;
+// channels alone. States are most of its memory, and where modes are summed
+// most of its work.
+enum class Keep { kAll, kMeanSquares, kChannels };
 
 // States and channels at the samples [first, first + num_samples()).
 struct Trajectory {
   int first_sample = 0;
-  Matrix states;    // num_states x samples, or the last one alone
-  Matrix channels;  // num_channels x samples
+  Matrix states;        // num_states x samples, or the last one alone
+  Matrix channels;      // num_channels x samples
+  Vector mean_squares;  // of the states, where these are not kept
   // Where a state stopped being finite: sample and index of the state; -1 if
   // nowhere.
   int failed_sample = -1;
@@ -33,12 +35,14 @@ struct Trajectory {
 // Integrates from `start` (num_states) at first_sample to last_sample, both
 // included and at most grid.num_intervals(). A state beyond 1e100 counts as not
 // finite. Returns trajectory->IsFinite(); the samples from the failure on are
-// NaN. A run that fails keeps all.
+// NaN. A run that fails keeps all. Threads share what goes by modes; how many
+// does not change a bit.
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,
              const Vector& start, int first_sample, int last_sample,
-             Trajectory* trajectory, Keep keep = Keep::kAll);
+             Trajectory* trajectory, Keep keep = Keep::kAll,
+             int num_threads = 1);
 
 }  // namespace pinode
 

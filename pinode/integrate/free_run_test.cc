@@ -111,6 +111,46 @@ TEST(FreeRun, LongRunsEqualShortOnesOneAfterTheOther) {
   }
 }
 
+// Threads share a long run, and what is kept of it does not change it.
+TEST(FreeRun, ThreadsFindTheSameBits) {
+  const StructuralDynamics dynamics(
+      testing::MakeChain(3, 10.0, 0.3),
+      {{InputSpec::Kind::kGroundAcceleration, 0, "ag"}});
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  ASSERT_TRUE(dynamics.Prepare(Vector(), &prepared, &error)) << error;
+  const ObservationMap observation(
+      dynamics, {{"a", Quantity::kAbsoluteAcceleration, Vector::Unit(3, 2)}});
+  constexpr int kSamples = 9000;
+  Matrix input(1, kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    input(0, i) = std::sin(0.7 * i) + std::cos(0.011 * i * std::sqrt(i));
+  }
+  const IntegrationGrid grid = IntegrationGrid::Exact(
+      Excitation(0.0, 0.05, input, Interpolation::kLinear));
+  const Vector start = Vector::LinSpaced(6, -1.0, 1.0);
+  const auto run = [&](Keep keep, int threads) {
+    Trajectory trajectory;
+    EXPECT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0,
+                        kSamples - 1, &trajectory, keep, threads));
+    return trajectory;
+  };
+  const Trajectory one = run(Keep::kAll, 1);
+  const Vector mean_squares =
+      one.states.rowwise().squaredNorm() / static_cast<double>(kSamples);
+  for (const int threads : {1, 2, 3}) {
+    const Trajectory all = run(Keep::kAll, threads);
+    EXPECT_EQ(all.channels, one.channels);
+    EXPECT_EQ(all.states, one.states);
+    const Trajectory few = run(Keep::kMeanSquares, threads);
+    EXPECT_EQ(few.channels, one.channels);
+    EXPECT_EQ(few.mean_squares, run(Keep::kMeanSquares, 1).mean_squares);
+    EXPECT_LT((few.mean_squares - mean_squares).norm(),
+              1e-13 * mean_squares.norm());
+    EXPECT_EQ(run(Keep::kChannels, threads).channels, one.channels);
+  }
+}
+
 TEST(FreeRun, LongRunsEndWhereTheyRunAway) {
   StructuralModel model = testing::MakeChain(2, 1.0, 0.0);
   model.stiffness *= -1e3;

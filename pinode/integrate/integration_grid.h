@@ -3,6 +3,8 @@
 #ifndef PINODE_INTEGRATE_INTEGRATION_GRID_H_
 #define PINODE_INTEGRATE_INTEGRATION_GRID_H_
 
+#include <memory>
+
 #include "pinode/base/types.h"
 #include "pinode/record/excitation.h"
 
@@ -23,6 +25,8 @@ const char* IntegratorName(Integrator integrator);
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
 // `substeps` steps of equal length in every interval. The inputs
 // are tabulated once: every integration of the record reads the same values.
+// Copies share the tables. What the exact solution asks of inputs that are held
+// or linear between two samples is found when it is asked for.
 // The exact solution has steps too, which are but where its inputs are
 // tabulated. A periodic excitation has one interval more, from the last sample
 // to the first one of the next period.
@@ -46,7 +50,7 @@ class IntegrationGrid {
   int num_samples() const { return num_samples_; }
   int num_intervals() const { return num_intervals_; }
   int substeps() const { return substeps_; }
-  int num_inputs() const { return static_cast<int>(at_samples_.rows()); }
+  int num_inputs() const { return static_cast<int>(at_samples_->rows()); }
   double sampling_step() const { return sampling_step_; }
   double step() const { return sampling_step_ / substeps_; }
   double time(int sample) const {
@@ -59,17 +63,21 @@ class IntegrationGrid {
   // Inputs (num_inputs values) that act from sample i on, i <= num_intervals():
   // a held input has already jumped.
   const double* AtSample(int sample) const {
-    return at_samples_.data() +
-           static_cast<Eigen::Index>(sample) * at_samples_.rows();
+    return at_samples_->data() +
+           static_cast<Eigen::Index>(sample) * at_samples_->rows();
   }
 
   // Inputs at the beginning (node 0), middle (1) and end (2) of one step; at
-  // the end a held input has not jumped yet.
+  // the end a held input has not jumped yet. Not of the exact solution.
   const double* AtNode(int interval, int substep, int node) const {
     const Eigen::Index column =
         (static_cast<Eigen::Index>(interval) * substeps_ + substep) * 3 + node;
-    return at_nodes_.data() + column * at_nodes_.rows();
+    return at_nodes_->data() + column * at_nodes_->rows();
   }
+
+  // The same at all nodes of `count` intervals, a column for each: substeps one
+  // after the other, the nodes of each, the inputs at each.
+  void GetNodes(int first_interval, int count, Matrix* nodes) const;
 
  private:
   Integrator integrator_ = Integrator::kRungeKutta;
@@ -78,8 +86,12 @@ class IntegrationGrid {
   int num_samples_ = 0;
   int num_intervals_ = 0;
   int substeps_ = 1;
-  Matrix at_samples_;  // inputs x (intervals + 1)
-  Matrix at_nodes_;    // inputs x (3 * substeps * intervals)
+  // inputs x (intervals + 1)
+  std::shared_ptr<const Matrix> at_samples_ = std::make_shared<const Matrix>();
+  // inputs x (3 * substeps * intervals); nullptr: samples that are held, or
+  // joined by straight lines.
+  std::shared_ptr<const Matrix> at_nodes_;
+  bool held_ = false;
 };
 
 }  // namespace pinode

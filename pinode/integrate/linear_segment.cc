@@ -15,12 +15,6 @@ constexpr int kBlock = 64;
 
 using Inputs = Eigen::Map<const Matrix>;
 
-// Inputs at all nodes of `count` intervals, a column for each.
-Inputs NodesOf(const IntegrationGrid& grid, int interval, int count) {
-  return Inputs(grid.AtNode(interval, 0, 0),
-                3 * grid.substeps() * grid.num_inputs(), count);
-}
-
 }  // namespace
 
 bool LinearSegment::Suits(const StructuralDynamics& dynamics, int substeps) {
@@ -49,8 +43,12 @@ bool LinearSegment::Run(const IntegrationGrid& grid, const Vector& start,
   const int ns = dynamics_.num_states();
   states_.resize(ns, last - first + 1);
   states_.col(0) = start;
-  states_.rightCols(last - first).noalias() =
-      map_->forcing() * NodesOf(grid, first, last - first);
+  for (int begin = first; begin < last; begin += kBlock) {
+    const int count = std::min(kBlock, last - begin);
+    grid.GetNodes(begin, count, &nodes_);
+    states_.middleCols(begin - first + 1, count).noalias() =
+        map_->forcing() * nodes_;
+  }
   for (int i = 0; i <= last - first; ++i) {
     if (i > 0) {
       states_.col(i).noalias() += map_->transition() * states_.col(i - 1);
@@ -72,8 +70,8 @@ void LinearSegment::UpdateForcing(const IntegrationGrid& grid, int first,
   forcing_.noalias() =
       table.leftCols(ns) * states_.middleCols(begin - first, count);
   if (table.cols() == ns) return;
-  forcing_.noalias() +=
-      table.rightCols(table.cols() - ns) * NodesOf(grid, begin, count);
+  grid.GetNodes(begin, count, &nodes_);
+  forcing_.noalias() += table.rightCols(table.cols() - ns) * nodes_;
 }
 
 void LinearSegment::UpdateDirect(const ObservationMap& observation,

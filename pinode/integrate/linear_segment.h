@@ -56,7 +56,8 @@ class LinearSegment {
   Integrator integrator_ = Integrator::kRungeKutta;
   bool has_parameters_ = false;
 
-  Matrix states_;   // num_states x samples
+  Matrix states_;  // num_states x samples
+  Matrix nodes_;
   Matrix forcing_;  // see UpdateForcing
   Matrix direct_;   // see UpdateDirect
   Matrix sensitivity_;

@@ -5,6 +5,7 @@
 #include <complex>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/parallel_for.h"
 
 namespace pinode {
 namespace {
@@ -139,6 +140,8 @@ void ModalResponse::Advance(const Contents& contents,
   const auto rho_slope = basis_.advance_slope().array();
   ComplexMatrix forcing, forcing_slope;
   ComplexVector p;
+  Matrix all_nodes;
+  if (num_inputs_ > 0) grid.GetNodes(first, std::max(0, steps), &all_nodes);
   for (int source = 0; source < num_sources(contents); ++source) {
     const bool forced = source < num_inputs_;
     if (forced) {
@@ -146,10 +149,9 @@ void ModalResponse::Advance(const Contents& contents,
       const Matrix nodes =
           Eigen::Map<const Matrix, 0,
                      Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>(
-              grid.AtNode(first, 0, 0) + source, 3 * substeps_, steps,
-              Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(
-                  static_cast<Eigen::Index>(3) * substeps_ * num_inputs_,
-                  num_inputs_));
+              all_nodes.data() + source, 3 * substeps_, all_nodes.cols(),
+              Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(all_nodes.rows(),
+                                                            num_inputs_));
       forcing.noalias() = basis_.forcing() * nodes;
       if (contents.with_slopes) {
         forcing_slope.noalias() = basis_.forcing_slope() * nodes;
@@ -310,7 +312,8 @@ void ModalResponse::AddParameter(const Contents& contents,
 
 std::vector<Matrix> ModalResponse::Derivatives(
     const Contents& contents, const ObservationMap& observation,
-    const Vector& start, bool by_start, bool by_parameters) const {
+    const Vector& start, bool by_start, bool by_parameters,
+    int num_threads) const {
   CHECK(!by_parameters || (has_parameters_ && contents.with_slopes));
   CHECK(!by_start || contents.with_start);
   const Eigen::Index ns = basis_.num_states();
@@ -329,10 +332,10 @@ std::vector<Matrix> ModalResponse::Derivatives(
     }
   }
   const ComplexMatrix participation = Participation(contents, start);
-  for (Eigen::Index j = 0; j < np; ++j) {
-    AddParameter(contents, observation, channels, participation,
-                 static_cast<int>(j), first + j, &tables);
-  }
+  ParallelFor(static_cast<int>(np), num_threads, [&](int j, int) {
+    AddParameter(contents, observation, channels, participation, j, first + j,
+                 &tables);
+  });
   return tables;
 }
 

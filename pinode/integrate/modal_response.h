@@ -77,12 +77,13 @@ class ModalResponse {
   Matrix Values(const Contents& contents, const ObservationMap& observation,
                 const Vector& start) const;
   // R x columns for each channel: its derivatives by the start (num_states
-  // columns, in units of the states) and by the free parameters. The latter
-  // need the slopes.
+  // columns, in units of the states) and by the free parameters, which threads
+  // share. The latter need the slopes.
   std::vector<Matrix> Derivatives(const Contents& contents,
                                   const ObservationMap& observation,
                                   const Vector& start, bool by_start,
-                                  bool by_parameters) const;
+                                  bool by_parameters,
+                                  int num_threads = 1) const;
   // R x num_states, the states of a run from `start`: states' * histories.
   Matrix States(const Contents& contents, const Vector& start) const;
 

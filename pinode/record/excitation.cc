@@ -83,7 +83,7 @@ Excitation::Excitation(double start_time, double step, Matrix samples,
                        Interpolation interpolation, bool periodic)
     : start_time_(start_time),
       step_(step),
-      samples_(std::move(samples)),
+      samples_(std::make_shared<const Matrix>(std::move(samples))),
       interpolation_(interpolation),
       periodic_(periodic) {}
 
@@ -104,21 +104,22 @@ int Excitation::reach() const {
 template <typename Target>
 void Excitation::AddSample(Eigen::Index sample, double weight,
                            Target* result) const {
-  const Eigen::Index count = samples_.cols();
+  const Eigen::Index count = samples_->cols();
   const Eigen::Index last = count - 1;
   if (periodic_) {
-    *result += weight * samples_.col(((sample % count) + count) % count);
+    *result += weight * samples_->col(((sample % count) + count) % count);
   } else if (interpolation_ != Interpolation::kBandLimited) {
-    *result += weight * samples_.col(std::clamp<Eigen::Index>(sample, 0, last));
+    *result +=
+        weight * samples_->col(std::clamp<Eigen::Index>(sample, 0, last));
   } else if (sample < 0) {
-    *result += weight *
-               (2.0 * samples_.col(0) - samples_.col(std::min(-sample, last)));
+    *result += weight * (2.0 * samples_->col(0) -
+                         samples_->col(std::min(-sample, last)));
   } else if (sample > last) {
     *result +=
-        weight * (2.0 * samples_.col(last) -
-                  samples_.col(std::max<Eigen::Index>(2 * last - sample, 0)));
+        weight * (2.0 * samples_->col(last) -
+                  samples_->col(std::max<Eigen::Index>(2 * last - sample, 0)));
   } else {
-    *result += weight * samples_.col(sample);
+    *result += weight * samples_->col(sample);
   }
 }
 
@@ -126,14 +127,14 @@ void Excitation::Evaluate(int interval, double fraction, double* inputs) const {
   DCHECK_GE(interval, 0);
   DCHECK_GE(fraction, 0.0);
   DCHECK_LE(fraction, 1.0);
-  const Eigen::Index last = samples_.cols() - 1;
+  const Eigen::Index last = samples_->cols() - 1;
   const Eigen::Index i = interval;
   const double x = i < last || periodic_ ? fraction : 0.0;
-  Eigen::Map<Vector> result(inputs, samples_.rows());
+  Eigen::Map<Vector> result(inputs, samples_->rows());
   result.setZero();
   if (x == 0.0 || interpolation_ == Interpolation::kHeld) {
     // Not AddSample(i): behind the end the last value holds.
-    result = samples_.col(periodic_ ? i % (last + 1) : std::min(i, last));
+    result = samples_->col(periodic_ ? i % (last + 1) : std::min(i, last));
     return;
   }
   switch (interpolation_) {
@@ -157,9 +158,9 @@ void Excitation::Evaluate(int interval, double fraction, double* inputs) const {
       }
       const SincWeights& weights = SincWeightsAt(x);
       const Eigen::Index first = i - kHalfWidth + 1;
-      if (first >= 0 && first + 2 * kHalfWidth <= samples_.cols()) {
+      if (first >= 0 && first + 2 * kHalfWidth <= samples_->cols()) {
         result.noalias() =
-            samples_.middleCols<2 * kHalfWidth>(first) *
+            samples_->middleCols<2 * kHalfWidth>(first) *
             Eigen::Map<const Eigen::Matrix<double, 2 * kHalfWidth, 1>>(
                 weights.data());
         break;

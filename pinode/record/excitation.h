@@ -3,6 +3,7 @@
 #ifndef PINODE_RECORD_EXCITATION_H_
 #define PINODE_RECORD_EXCITATION_H_
 
+#include <memory>
 #include <string>
 
 #include "pinode/base/types.h"
@@ -52,8 +53,8 @@ class Excitation {
   // into inputs[0 .. num_inputs()). Allocates nothing.
   void Evaluate(int interval, double fraction, double* inputs) const;
 
-  int num_inputs() const { return static_cast<int>(samples_.rows()); }
-  int num_samples() const { return static_cast<int>(samples_.cols()); }
+  int num_inputs() const { return static_cast<int>(samples_->rows()); }
+  int num_samples() const { return static_cast<int>(samples_->cols()); }
   double start_time() const { return start_time_; }
   double step() const { return step_; }
   double time(int sample) const { return start_time_ + sample * step_; }
@@ -62,7 +63,11 @@ class Excitation {
   // How many samples on either side of an instant take part in its value.
   int reach() const;
   // inputs x samples.
-  const Matrix& samples() const { return samples_; }
+  const Matrix& samples() const { return *samples_; }
+  // The same, which copies share.
+  const std::shared_ptr<const Matrix>& shared_samples() const {
+    return samples_;
+  }
 
  private:
   // The samples as they go on beyond both ends.
@@ -71,7 +76,7 @@ class Excitation {
 
   double start_time_;
   double step_;
-  Matrix samples_;
+  std::shared_ptr<const Matrix> samples_;
   Interpolation interpolation_;
   bool periodic_;
 };

@@ -154,8 +154,10 @@ class Fit {
     shooting_.SetSigmas({sigma_});
     objective_.priors().SetDecays(
         Vector::Constant(layout_.num_decay_groups(), kDecay));
+    TrajectoryOutlines outlines;
     CHECK(InitialTrajectories(problem_, kSegmentSamples, initial_,
-                              StageTuning(), &shooting_, &trajectories_));
+                              StageTuning(), &shooting_, &outlines));
+    CHECK(shooting_.Trajectories(outlines, &trajectories_));
     scales_ = StateScales(problem_, trajectories_[0]);
     Restart();
     CHECK_EQ(shooting_.num_segments(0), num_segments());

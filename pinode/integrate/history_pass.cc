@@ -1,0 +1,70 @@
+#include "pinode/integrate/history_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/parallel_for.h"
+
+namespace pinode {
+namespace {
+
+// Samples whose histories are at hand at a time.
+constexpr int kBlockSamples = 128;
+// Blocks that are never parted between threads or ranks.
+constexpr int kBlocksOfAPiece = 16;
+constexpr int kPieceSamples = kBlockSamples * kBlocksOfAPiece;
+
+// What finding a later state costs beside summing a piece.
+constexpr double kSkipShare = 0.08;
+
+}  // namespace
+
+int FairBound(int begin, int end, int index, int count) {
+  if (index == 0) return begin;
+  if (index == count) return end;
+  // From share to share what is left to a moving target shrinks by kSkipShare.
+  const double all = std::pow(1.0 - kSkipShare, count);
+  const double target = (end - begin * all) / (1.0 - all);
+  const double bound =
+      target - (target - begin) * std::pow(1.0 - kSkipShare, index);
+  return std::clamp(static_cast<int>(std::lround(bound)), begin, end);
+}
+
+HistoryPass::HistoryPass(const ModalResponse& response,
+                         const ModalResponse::Contents& contents,
+                         const IntegrationGrid& grid, int first, int count)
+    : response_(response),
+      contents_(contents),
+      grid_(grid),
+      first_(first),
+      count_(count) {}
+
+int HistoryPass::NumPieces(int samples) { return PieceOf(samples - 1) + 1; }
+
+int HistoryPass::PieceOf(int sample) { return sample / kPieceSamples; }
+
+int HistoryPass::NumShares(int begin, int end, int num_threads) {
+  return std::max(1, std::min(num_threads, end - begin));
+}
+
+void HistoryPass::Visit(int begin, int end, int num_shares,
+                        const Visitor& visitor) const {
+  ParallelFor(num_shares, num_shares, [&](int share, int) {
+    const int from = FairBound(begin, end, share, num_shares) * kPieceSamples;
+    const int to = std::min(
+        count_, FairBound(begin, end, share + 1, num_shares) * kPieceSamples);
+    ModalResponse::State state = response_.Begin(contents_);
+    for (int at = 0; from < to && at < from; at += kBlockSamples) {
+      response_.Advance(contents_, grid_, first_ + at, kBlockSamples, &state,
+                        nullptr);
+    }
+    Matrix histories;
+    for (int at = from; at < to; at += kBlockSamples) {
+      response_.Advance(contents_, grid_, first_ + at,
+                        std::min(kBlockSamples, to - at), &state, &histories);
+      visitor(share, at, histories);
+    }
+  });
+}
+
+}  // namespace pinode
