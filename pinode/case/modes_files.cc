@@ -163,6 +163,10 @@ std::string ModesAsJson(const ModesResult& result) {
       entry["frequency_between"] = NumberOrNull(merged.frequency_between);
       entry["damping_between"] = NumberOrNull(merged.damping_between);
     }
+    if (std::isfinite(mode.check_frequency_hz)) {
+      entry["data_driven"] = {{"frequency_hz", mode.check_frequency_hz},
+                              {"damping_ratio", mode.check_damping_ratio}};
+    }
     entry["shape"] = ShapeAsJson(result.merged.places, mode);
     json["modes"].push_back(std::move(entry));
   }

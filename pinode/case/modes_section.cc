@@ -64,6 +64,18 @@ StructuralModel PlacesOfRecords(const TomlTable& root) {
   return model;
 }
 
+constexpr ModalMethod kMethods[] = {
+    ModalMethod::kAutomatic, ModalMethod::kCovarianceDriven,
+    ModalMethod::kDataDriven, ModalMethod::kInputOutput,
+    ModalMethod::kRingDown};
+
+// Whether an input is a load that was measured, not what was made of one.
+bool IsLoad(const InputSpec& spec) {
+  return spec.kind == InputSpec::Kind::kGroundAcceleration ||
+         spec.kind == InputSpec::Kind::kForce ||
+         spec.kind == InputSpec::Kind::kPrescribedDisplacement;
+}
+
 class ModesCaseReader {
  public:
   ModesCaseReader(const TomlValue& source, const std::string& path,
@@ -89,7 +101,7 @@ class ModesCaseReader {
   bool ReadOptions() {
     const TomlTable table = root_.Table("modes", "[modes]");
     if (!table.AllowKeys({"lowest_hz", "highest_hz", "block_rows", "max_order",
-                          "references", "max_damping_ratio", "pick",
+                          "references", "max_damping_ratio", "pick", "method",
                           "threads"})) {
       return false;
     }
@@ -106,6 +118,14 @@ class ModesCaseReader {
       return table.Fail("max_order",
                         "'max_order' is odd, expected an even one: "
                         "a mode has two states");
+    }
+    std::vector<std::string> methods;
+    for (const ModalMethod method : kMethods) {
+      methods.emplace_back(ModalMethodName(method));
+    }
+    const std::string wanted = table.Choice("method", methods, methods.front());
+    for (const ModalMethod method : kMethods) {
+      if (wanted == ModalMethodName(method)) options.method = method;
     }
     options.references = table.Strings("references");
     c_.merge.references = options.references;
@@ -124,7 +144,8 @@ class ModesCaseReader {
                             &sections)) {
       return false;
     }
-    const StructuralDynamics dynamics(places, CollectInputs(sections, places));
+    inputs_ = CollectInputs(sections, places);
+    const StructuralDynamics dynamics(places, inputs_);
     double second = 1.0;
     std::string message;
     if (!UnitFactor("s", Dimension::kTime, c_.units, &second, &message)) {
@@ -164,12 +185,17 @@ class ModesCaseReader {
     for (const std::string& remark : record.description.remarks) {
       c_.remarks.push_back("Record '" + record.name + "': " + remark);
     }
+    response.free_decay = section.free_decay;
     if (section.has_excitation()) {
-      c_.remarks.push_back(
-          "Record '" + record.name +
-          "' has a measured excitation, of which no use is made: its modes are "
-          "those of the response alone, and the excitation's own frequencies "
-          "are among them where it is not broad.");
+      AddInputs(record, &response);
+      if (c_.options.method == ModalMethod::kCovarianceDriven ||
+          c_.options.method == ModalMethod::kDataDriven) {
+        c_.remarks.push_back(
+            "Record '" + record.name +
+            "' has a measured excitation, of which the method makes no use: "
+            "the excitation's own frequencies are among its modes where it is "
+            "not broad.");
+      }
     }
     std::string message;
     if (!response.IsValid(&message)) {
@@ -177,6 +203,25 @@ class ModesCaseReader {
     }
     c_.records.push_back(std::move(response));
     return true;
+  }
+
+  // Those that move: what another record has is zero here.
+  void AddInputs(const IdentificationRecord& record,
+                 ResponseRecord* response) const {
+    const Matrix& samples = record.excitation->samples();
+    std::vector<Eigen::Index> rows;
+    for (size_t i = 0; i < inputs_.size(); ++i) {
+      const Eigen::Index row = static_cast<Eigen::Index>(i);
+      if (IsLoad(inputs_[i]) &&
+          samples.row(row).maxCoeff() > samples.row(row).minCoeff()) {
+        rows.push_back(row);
+      }
+    }
+    response->inputs.resize(static_cast<Eigen::Index>(rows.size()),
+                            samples.cols());
+    for (size_t i = 0; i < rows.size(); ++i) {
+      response->inputs.row(static_cast<Eigen::Index>(i)) = samples.row(rows[i]);
+    }
   }
 
   // -1: none.
@@ -198,6 +243,7 @@ class ModesCaseReader {
   }
 
   ModesCase c_;
+  std::vector<InputSpec> inputs_;
   CaseErrors errors_;
   const TomlTable root_;
 };

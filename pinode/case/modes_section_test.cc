@@ -96,6 +96,42 @@ TEST_F(ModesSectionTest, NeedsNoModel) {
   EXPECT_EQ(c.options.lowest_hz, 0.5);
 }
 
+// What a record is says how it is looked at.
+TEST_F(ModesSectionTest, MeasuredLoadsAndFreeDecays) {
+  ModesCase c;
+  std::string error;
+  const std::string force = R"(  [[record.force]]
+  dof = "u1"
+  column = "v2"
+  unit = "N"
+  [[record.channel]])";
+  std::string text = ModesText();
+  text.replace(text.find("  [[record.channel]]"), 20, force);
+  text = Replaced(text, "file = \"wind.csv\"",
+                  "file = \"wind.csv\"\ninterpolation = \"held\"");
+  ASSERT_TRUE(ReadModesCase(folder_.Write("case.toml", text), &c, &error))
+      << error;
+  ASSERT_EQ(c.records[0].inputs.rows(), 1);
+  EXPECT_NEAR(c.records[0].inputs(0, 9) / c.records[0].inputs(0, 5),
+              record_.samples(1, 9) / record_.samples(1, 5), 1e-6);
+  EXPECT_EQ(c.options.method, ModalMethod::kAutomatic);
+
+  const std::string decay =
+      Replaced(Replaced(ModesText(), "file = \"wind.csv\"",
+                        "file = \"wind.csv\"\nexcitation = \"none\""),
+               "lowest_hz = 0.5", "lowest_hz = 0.5\nmethod = \"ring_down\"");
+  ASSERT_TRUE(ReadModesCase(folder_.Write("case.toml", decay), &c, &error))
+      << error;
+  EXPECT_TRUE(c.records[0].free_decay);
+  EXPECT_EQ(c.records[0].inputs.rows(), 0);
+  EXPECT_EQ(c.options.method, ModalMethod::kRingDown);
+  EXPECT_THAT(Error(Replaced(text, "file = \"wind.csv\"",
+                             "file = \"wind.csv\"\nexcitation = \"none\"")),
+              HasSubstr("expected responses alone"));
+  EXPECT_THAT(Error(Replaced(decay, "ring_down", "wishful")),
+              HasSubstr("wishful"));
+}
+
 TEST_F(ModesSectionTest, RefusesInOneLine) {
   EXPECT_THAT(Error(Replaced(ModesText(), "lowest_hz", "lowest")),
               HasSubstr("case.toml:5"));

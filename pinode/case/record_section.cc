@@ -374,9 +374,17 @@ class RecordReader {
 
   // A record of loads that nobody measured has neither inputs nor a start.
   bool CheckAmbient() {
-    section_->ambient = table_.Choice("excitation", {"measured", "ambient"},
-                                      "measured") == "ambient";
+    const std::string excitation = table_.Choice(
+        "excitation", {"measured", "ambient", "none"}, "measured");
+    section_->ambient = excitation == "ambient";
+    section_->free_decay = excitation == "none";
     if (!table_.errors()->ok()) return false;
+    for (const char* key : {"ground", "force", "motion"}) {
+      if (!section_->free_decay || !table_.Has(key)) continue;
+      return table_.Fail(key, std::string("'") + key +
+                                  "' in a record with excitation = \"none\", "
+                                  "expected responses alone");
+    }
     if (!section_->ambient) {
       return !table_.Has("ambient") ||
              table_.Fail("ambient",

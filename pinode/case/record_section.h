@@ -57,6 +57,8 @@ struct RecordSection {
   std::optional<FilterOptions> filter;  // frequencies per model time
   // excitation = "ambient": nobody measured the loads.
   bool ambient = false;
+  // excitation = "none": there are none, the structure is left to itself.
+  bool free_decay = false;
 
   explicit RecordSection(const TomlTable& t) : table(t) {}
   bool has_excitation() const;

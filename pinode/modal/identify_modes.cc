@@ -3,37 +3,52 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/modal/data_driven.h"
+#include "pinode/modal/input_projection.h"
+#include "pinode/modal/mode_estimate.h"
+#include "pinode/modal/ring_down.h"
 #include "pinode/modal/windowed_correlations.h"
 #include "pinode/record/resample.h"
 
 namespace pinode {
 namespace {
 
-using Complex = std::complex<double>;
-
 // Of half the sampling rate: where resampling leaves signals as they are, and
 // where the next lower rate takes over (with as much again in common).
 constexpr double kBandTop = 0.8;
 constexpr double kBandBottom = 0.2;
 constexpr double kRecordTop = 0.95;
-// Cycles in the record below which nothing certain can be said of a mode.
+// Cycles in the record below which nothing certain can be said of a mode under
+// noise, and of one that decays.
 constexpr double kFewestCycles = 50.0;
+constexpr double kFewestDecayCycles = 5.0;
 // Samples below which a rate is not halved.
 constexpr Eigen::Index kFewestSamples = 3000;
+constexpr Eigen::Index kFewestDecaySamples = 600;
+// Samples at the beginning of a decay in which the filter of a lower rate sees
+// what was before it.
+constexpr Eigen::Index kFilterReach = 24;
 // Lags that a window holds, and windows.
 constexpr int kMostWindows = 120;
 constexpr int kFewestWindows = 20;
+// Of a ring-down: most block rows, and what may be left of a channel.
+constexpr int kMostDecayRows = 300;
+constexpr double kLargestRest = 0.3;
+// Deviations by which two methods may differ on one record.
+constexpr double kDisagreement = 3.0;
 
 // One record at one rate.
 struct Level {
   double step = 0.0;
   Matrix samples;  // channels x samples, mean zero, standard deviation 1
   Vector scales;   // by which they were divided
+  Matrix inputs;   // likewise
   double lowest_hz = 0.0;
   double highest_hz = 0.0;
 };
@@ -58,70 +73,6 @@ Matrix Halved(const Matrix& samples, double step) {
   return result;
 }
 
-// Of the shape, in displacements, largest entry 1, and of its influences.
-void InDisplacements(const ResponseRecord& record, const Vector& scales,
-                     SubspacePole* pole) {
-  for (Eigen::Index c = 0; c < pole->shape.size(); ++c) {
-    const int d = record.channels[static_cast<size_t>(c)].derivative;
-    const Complex factor = scales[c] / std::pow(pole->s, d);
-    pole->shape[c] *= factor;
-    pole->shape_influence.row(c) *= factor;
-    pole->shape_influence.row(c) -= static_cast<double>(d) * pole->shape[c] /
-                                    pole->s * pole->s_influence.transpose();
-  }
-}
-
-// |phi^T phi|^2 / |phi|^4.
-double PhaseCollinearity(const Eigen::VectorXcd& shape) {
-  const double size = shape.squaredNorm();
-  const Complex product = shape.transpose() * shape;
-  return size > 0.0 ? std::norm(product) / (size * size) : 0.0;
-}
-
-IdentifiedMode MakeMode(const ResponseRecord& record, const Level& level,
-                        const PoleCluster& cluster, int max_order,
-                        double window_seconds) {
-  SubspacePole pole = cluster.mean;
-  InDisplacements(record, level.scales, &pole);
-  int largest = 0;
-  pole.shape.cwiseAbs().maxCoeff(&largest);
-  const PoleMoments moments =
-      FindPoleMoments(NormalisedPole(pole, largest), window_seconds);
-  IdentifiedMode mode;
-  mode.frequency_hz = pole.frequency();
-  mode.damping_ratio = pole.damping_ratio();
-  mode.shape = pole.shape / pole.shape[largest];
-  mode.shape[largest] = 1.0;
-  mode.covariance = moments.covariance;
-  mode.degrees_of_freedom = moments.degrees_of_freedom;
-  const Vector sigmas = moments.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::Index channels = mode.shape.size();
-  mode.frequency_sigma = sigmas[0];
-  mode.damping_sigma = sigmas[1];
-  mode.shape_sigma_real = sigmas.segment(2, channels);
-  mode.shape_sigma_imaginary = sigmas.tail(channels);
-  const double t = StudentQuantile(mode.degrees_of_freedom);
-  mode.frequency_lower95 = mode.frequency_hz - t * mode.frequency_sigma;
-  mode.frequency_upper95 = mode.frequency_hz + t * mode.frequency_sigma;
-  mode.damping_lower95 =
-      std::max(0.0, mode.damping_ratio - t * mode.damping_sigma);
-  mode.damping_upper95 = mode.damping_ratio + t * mode.damping_sigma;
-  mode.orders_seen = static_cast<int>(cluster.members.size());
-  mode.orders_possible = (max_order - cluster.first_order) / 2 + 1;
-  mode.frequency_spread = cluster.frequency_spread;
-  mode.damping_spread = cluster.damping_spread;
-  mode.phase_collinearity = PhaseCollinearity(mode.shape);
-  mode.sampling_step = level.step;
-  return mode;
-}
-
-bool IsSameMode(const IdentifiedMode& a, const IdentifiedMode& b) {
-  const double apart = std::abs(a.frequency_hz - b.frequency_hz);
-  const double sigma = std::hypot(a.frequency_sigma, b.frequency_sigma);
-  return apart < std::max(3.0 * sigma, 0.003 * a.frequency_hz) &&
-         ComplexMac(a.shape, b.shape) > 0.8;
-}
-
 class ModeFinder {
  public:
   ModeFinder(const ResponseRecord& record,
@@ -130,14 +81,17 @@ class ModeFinder {
       : record_(record), options_(options), result_(result), error_(error) {}
 
   bool Find() {
-    if (!record_.IsValid(error_) || !FindReferences() || !FindLimits()) {
+    if (!record_.IsValid(error_) || !FindMethod() || !FindReferences() ||
+        !FindLimits()) {
       return false;
     }
     *result_ = ModesOfRecord();
+    result_->method = method_;
     result_->remarks = FindChannelFaults(record_);
     Level level;
     level.step = record_.sampling_step;
     level.samples = record_.samples;
+    if (method_ == ModalMethod::kInputOutput) level.inputs = record_.inputs;
     double top = kRecordTop;
     while (true) {
       const double nyquist = 0.5 / level.step;
@@ -151,15 +105,69 @@ class ModeFinder {
       }
       if (is_last) break;
       level.samples = Halved(level.samples, level.step);
+      if (method_ == ModalMethod::kRingDown) {
+        level.samples =
+            level.samples.rightCols(level.samples.cols() - kFilterReach).eval();
+      }
+      if (level.inputs.rows() > 0) {
+        level.inputs = Halved(level.inputs, level.step);
+      }
       level.step *= 2.0;
       top = kBandTop;
     }
     Merge();
     RemarkOnPicks();
+    RemarkOnChecks();
     return true;
   }
 
  private:
+  bool FindMethod() {
+    method_ = options_.method;
+    if (method_ == ModalMethod::kAutomatic) {
+      method_ = record_.free_decay          ? ModalMethod::kRingDown
+                : record_.inputs.rows() > 0 ? ModalMethod::kInputOutput
+                                            : ModalMethod::kCovarianceDriven;
+    }
+    if (method_ == ModalMethod::kInputOutput && record_.inputs.rows() == 0) {
+      *error_ = "record '" + record_.name +
+                "' has no measured load, expected one for method "
+                "input_output";
+      return false;
+    }
+    if (method_ == ModalMethod::kRingDown && record_.samples.hasNaN()) {
+      *error_ = "record '" + record_.name +
+                "' has missing samples, expected a complete decay for method "
+                "ring_down";
+      return false;
+    }
+    return true;
+  }
+
+  bool is_decay() const { return method_ == ModalMethod::kRingDown; }
+
+  void RemarkOnChecks() {
+    for (const IdentifiedMode& mode : result_->modes) {
+      if (method_ != ModalMethod::kCovarianceDriven) return;
+      const std::string name =
+          "the mode at " + FormatNumber(mode.frequency_hz, 5) + " Hz";
+      if (std::isnan(mode.check_frequency_hz)) {
+        result_->remarks.push_back("Data-driven identification does not see " +
+                                   name + ".");
+      } else if (std::abs(mode.check_frequency_hz - mode.frequency_hz) >
+                     kDisagreement * mode.frequency_sigma ||
+                 std::abs(mode.check_damping_ratio - mode.damping_ratio) >
+                     kDisagreement * mode.damping_sigma) {
+        result_->remarks.push_back(
+            "Data-driven identification sees " + name + " at " +
+            FormatNumber(mode.check_frequency_hz, 6) +
+            " Hz with a damping of " +
+            FormatNumber(100.0 * mode.check_damping_ratio, 3) +
+            " %, further away than its deviations.");
+      }
+    }
+  }
+
   void RemarkOnPicks() {
     for (const double wanted : options_.stabilisation.pick) {
       const bool found =
@@ -196,90 +204,188 @@ class ModeFinder {
 
   bool FindLimits() {
     const double nyquist = 0.5 / record_.sampling_step;
-    lowest_hz_ = options_.lowest_hz > 0.0 ? options_.lowest_hz
-                                          : kFewestCycles / record_.duration();
+    const double cycles = is_decay() ? kFewestDecayCycles : kFewestCycles;
+    const double lowest = cycles / record_.duration();
+    lowest_hz_ = options_.lowest_hz > 0.0 ? options_.lowest_hz : lowest;
     highest_hz_ =
         options_.highest_hz > 0.0 ? options_.highest_hz : kRecordTop * nyquist;
     if (highest_hz_ >= nyquist || lowest_hz_ >= highest_hz_) {
       *error_ = "record '" + record_.name + "' has modes looked for from " +
                 FormatNumber(lowest_hz_, 4) + " to " +
-                FormatNumber(highest_hz_, 4) +
-                " Hz, expected a band between 50 cycles in the record (" +
-                FormatNumber(kFewestCycles / record_.duration(), 3) +
-                " Hz) and half its sampling rate (" + FormatNumber(nyquist, 4) +
-                " Hz)";
+                FormatNumber(highest_hz_, 4) + " Hz, expected a band between " +
+                FormatNumber(cycles) + " cycles in the record (" +
+                FormatNumber(lowest, 3) + " Hz) and half its sampling rate (" +
+                FormatNumber(nyquist, 4) + " Hz)";
       return false;
     }
     return true;
   }
 
   bool IsLast(const Level& level) const {
-    return level.samples.cols() < 2 * kFewestSamples ||
+    return level.samples.cols() <
+               2 * (is_decay() ? kFewestDecaySamples : kFewestSamples) ||
            kBandBottom * 0.5 / level.step <= lowest_hz_;
   }
 
   bool Analyse(Level level) {
-    const int channels = record_.num_channels();
     AnalysedBand band;
     band.sampling_step = level.step;
     band.lowest_hz = level.lowest_hz;
     band.highest_hz = level.highest_hz;
-    band.block_rows = options_.block_rows > 0
-                          ? options_.block_rows
-                          : std::clamp(600 / channels, 12, 40);
-    const int largest =
-        std::min((band.block_rows - 1) * channels,
-                 band.block_rows * static_cast<int>(references_.size()));
-    band.max_order = options_.max_order > 0 ? options_.max_order
-                                            : std::min(60, largest / 2 * 2);
-    const int lags = 2 * band.block_rows - 1;
-    const Eigen::Index hops = level.samples.cols() / std::max(1, lags);
-    if (hops < kFewestWindows) {
-      *error_ = "record '" + record_.name + "' has " +
-                std::to_string(level.samples.cols()) + " samples at " +
-                FormatNumber(1.0 / level.step, 6) + " Hz, too few for " +
-                std::to_string(band.block_rows) + " block rows, expected " +
-                std::to_string(kFewestWindows * lags) + " and more";
+    Standardise(&level.samples, &level.scales);
+    Vector input_scales;
+    if (level.inputs.rows() > 0) Standardise(&level.inputs, &input_scales);
+    SizeMatrix(level, &band);
+    correlations_ = WindowedCorrelations();
+    HankelWindows hankel;
+    double window_seconds = 0.0;
+    if (!(is_decay()
+              ? FormDecay(level, &band, &hankel)
+              : FormCorrelations(level, &band, &hankel, &window_seconds))) {
       return false;
     }
-    band.num_windows =
-        static_cast<int>(std::min<Eigen::Index>(hops, kMostWindows));
-    Standardise(&level.samples, &level.scales);
-    const WindowedCorrelations correlations =
-        CorrelateWindows(level.samples, references_, lags, band.num_windows,
-                         options_.num_threads);
     SubspaceOptions subspace;
     subspace.block_rows = band.block_rows;
     subspace.max_order = band.max_order;
     subspace.lowest_hz = band.lowest_hz;
     subspace.highest_hz = band.highest_hz;
     std::vector<SubspacePole> poles;
-    if (!IdentifySubspace(correlations, level.step, subspace,
-                          options_.num_threads, &poles, error_)) {
+    std::vector<SubspacePole> checks;
+    const auto identify = [&](const HankelWindows& matrix,
+                              std::vector<SubspacePole>* found) {
+      if (IdentifySubspace(matrix, level.step, subspace, options_.num_threads,
+                           found, error_)) {
+        return true;
+      }
       *error_ = "record '" + record_.name + "': " + *error_;
       return false;
+    };
+    if (!identify(hankel, &poles)) return false;
+    if (method_ == ModalMethod::kCovarianceDriven) {
+      HankelWindows other =
+          DataDrivenHankel(correlations_, references_, band.block_rows);
+      other.num_windows = 0;
+      if (!identify(other, &checks)) return false;
     }
-    Keep(level, poles,
-         static_cast<double>(correlations.window_samples) * level.step,
-         std::move(band));
+    Keep(level, poles, checks, window_seconds, std::move(band));
+    return true;
+  }
+
+  void SizeMatrix(const Level& level, AnalysedBand* band) const {
+    const int channels = record_.num_channels();
+    const int third = static_cast<int>(
+        std::min<Eigen::Index>(level.samples.cols() / 3, kMostDecayRows));
+    band->block_rows = options_.block_rows > 0 ? options_.block_rows
+                       : is_decay()
+                           ? std::clamp(300 / channels, 2, std::max(2, third))
+                           : std::clamp(600 / channels, 12, 40);
+    const int columns =
+        is_decay()
+            ? static_cast<int>(level.samples.cols()) + 1 - band->block_rows
+            : band->block_rows * static_cast<int>(references_.size());
+    const int largest = std::min((band->block_rows - 1) * channels, columns);
+    band->max_order = options_.max_order > 0 ? options_.max_order
+                                             : std::min(60, largest / 2 * 2);
+  }
+
+  bool FormDecay(const Level& level, AnalysedBand* band,
+                 HankelWindows* hankel) {
+    if (level.samples.cols() < 3 * band->block_rows || band->max_order < 2) {
+      *error_ = "record '" + record_.name + "' has " +
+                std::to_string(level.samples.cols()) +
+                " samples, too few for " + std::to_string(band->block_rows) +
+                " block rows, expected " +
+                std::to_string(3 * band->block_rows) + " and more";
+      return false;
+    }
+    decay_ = RingDownHankel(level.samples, band->block_rows, band->max_order);
+    *hankel = decay_.hankel;
+    band->num_windows = hankel->num_windows;
+    for (Eigen::Index c = 0; c < decay_.noise.size(); ++c) {
+      const double rest = decay_.noise[c] /
+                          std::sqrt(decay_.samples.row(c).squaredNorm() /
+                                    static_cast<double>(decay_.samples.cols()));
+      if (rest < kLargestRest || !result_->bands.empty()) continue;
+      result_->remarks.push_back(
+          "Channel '" + record_.channels[static_cast<size_t>(c)].name +
+          "': decaying vibrations leave " + FormatNumber(100.0 * rest, 2) +
+          " % of it. Does a load still act, or does the damping depend on the "
+          "amplitude?");
+    }
+    return true;
+  }
+
+  // Of loads that nobody measured, or beside those that somebody did.
+  bool FormCorrelations(const Level& level, AnalysedBand* band,
+                        HankelWindows* hankel, double* window_seconds) {
+    const int lags = 2 * band->block_rows - 1;
+    const Eigen::Index hops = level.samples.cols() / std::max(1, lags);
+    if (hops < kFewestWindows) {
+      *error_ = "record '" + record_.name + "' has " +
+                std::to_string(level.samples.cols()) + " samples at " +
+                FormatNumber(1.0 / level.step, 6) + " Hz, too few for " +
+                std::to_string(band->block_rows) + " block rows, expected " +
+                std::to_string(kFewestWindows * lags) + " and more";
+      return false;
+    }
+    band->num_windows =
+        static_cast<int>(std::min<Eigen::Index>(hops, kMostWindows));
+    Eigen::Index window_samples = 0;
+    if (method_ == ModalMethod::kInputOutput) {
+      *hankel = ProjectInput(std::make_shared<Matrix>(level.samples),
+                             std::make_shared<Matrix>(level.inputs),
+                             references_, band->block_rows, band->num_windows,
+                             options_.num_threads, &window_samples);
+    } else {
+      correlations_ = CorrelateWindows(level.samples, references_, lags,
+                                       band->num_windows, options_.num_threads);
+      window_samples = correlations_.window_samples;
+      *hankel =
+          method_ == ModalMethod::kDataDriven
+              ? DataDrivenHankel(correlations_, references_, band->block_rows)
+              : HankelOfCorrelations(correlations_, band->block_rows);
+    }
+    *window_seconds = static_cast<double>(window_samples) * level.step;
     return true;
   }
 
   void Keep(const Level& level, const std::vector<SubspacePole>& poles,
-            double window_seconds, AnalysedBand band) {
+            const std::vector<SubspacePole>& checks, double window_seconds,
+            AnalysedBand band) {
     for (const SubspacePole& pole : poles) {
       band.poles.push_back({pole.order, pole.frequency(),
                             FindPoleSigmas(pole, window_seconds).frequency,
                             pole.damping_ratio(), -1});
     }
     const int number = static_cast<int>(result_->bands.size());
-    for (const PoleCluster& cluster : FindClusters(
-             poles, band.max_order, window_seconds, options_.stabilisation)) {
-      found_.push_back(
-          {MakeMode(record_, level, cluster, band.max_order, window_seconds),
-           number, cluster.members});
+    std::vector<PoleCluster> clusters = FindClusters(
+        poles, band.max_order, window_seconds, options_.stabilisation);
+    if (is_decay() && options_.stabilisation.pick.empty()) {
+      LeaveOutNoise(level, &clusters);
+    }
+    for (const PoleCluster& cluster : clusters) {
+      IdentifiedMode mode = MakeMode(record_, level.scales, level.step, cluster,
+                                     band.max_order, window_seconds);
+      if (!checks.empty()) {
+        CheckMode(cluster, checks, band.max_order, options_.stabilisation,
+                  &mode);
+      }
+      found_.push_back({std::move(mode), number, cluster.members});
     }
     result_->bands.push_back(std::move(band));
+  }
+
+  void LeaveOutNoise(const Level& level,
+                     std::vector<PoleCluster>* clusters) const {
+    std::vector<std::complex<double>> s;
+    for (const PoleCluster& cluster : *clusters) s.push_back(cluster.mean.s);
+    const std::vector<bool> significant =
+        FindSignificantDecays(decay_, s, level.step);
+    std::vector<PoleCluster> kept;
+    for (size_t i = 0; i < s.size(); ++i) {
+      if (significant[i]) kept.push_back(std::move((*clusters)[i]));
+    }
+    *clusters = std::move(kept);
   }
 
   // Of modes that two rates have seen the more certain one.
@@ -322,6 +428,9 @@ class ModeFinder {
   const ModeIdentificationOptions& options_;
   ModesOfRecord* result_;
   std::string* error_;
+  ModalMethod method_ = ModalMethod::kCovarianceDriven;
+  WindowedCorrelations correlations_;  // of the rate that is looked at
+  RingDown decay_;                     // likewise
   std::vector<int> references_;
   double lowest_hz_ = 0.0;
   double highest_hz_ = 0.0;
@@ -329,6 +438,22 @@ class ModeFinder {
 };
 
 }  // namespace
+
+const char* ModalMethodName(ModalMethod method) {
+  switch (method) {
+    case ModalMethod::kAutomatic:
+      return "automatic";
+    case ModalMethod::kCovarianceDriven:
+      return "covariance_driven";
+    case ModalMethod::kDataDriven:
+      return "data_driven";
+    case ModalMethod::kInputOutput:
+      return "input_output";
+    case ModalMethod::kRingDown:
+      return "ring_down";
+  }
+  return "";
+}
 
 bool IdentifyModes(const ResponseRecord& record,
                    const ModeIdentificationOptions& options,

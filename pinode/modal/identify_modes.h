@@ -1,5 +1,5 @@
-// Modes of a structure from what sensors recorded of it, without its loads and
-// without a model.
+// Modes of a structure from what sensors recorded of it, without a model: under
+// loads that nobody measured, under measured ones, left to itself.
 
 #ifndef PINODE_MODAL_IDENTIFY_MODES_H_
 #define PINODE_MODAL_IDENTIFY_MODES_H_
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/modal/response_record.h"
 #include "pinode/modal/stabilisation.h"
@@ -43,6 +44,10 @@ struct IdentifiedMode {
   double phase_collinearity = 0.0;
   // At which sampling step it was found.
   double sampling_step = 0.0;
+  // What data-driven identification makes of it beside a covariance-driven one;
+  // NaN: it does not see it, or was not asked.
+  double check_frequency_hz = kNaN;
+  double check_damping_ratio = kNaN;
 };
 
 // A pole of the stabilisation diagram.
@@ -65,23 +70,38 @@ struct AnalysedBand {
   std::vector<DiagramPole> poles;
 };
 
+enum class ModalMethod {
+  // By what the record is: kRingDown of a free decay, kInputOutput of one with
+  // inputs, else kCovarianceDriven.
+  kAutomatic,
+  kCovarianceDriven,  // with the data-driven one as a check
+  kDataDriven,
+  kInputOutput,
+  kRingDown,
+};
+// "covariance_driven" and so on.
+const char* ModalMethodName(ModalMethod method);
+
 struct ModeIdentificationOptions {
+  ModalMethod method = ModalMethod::kAutomatic;
   // What is looked for, Hz. Default (0): from 50 cycles in the record to 0.95
   // of half the sampling rate.
   double lowest_hz = 0.0;
   double highest_hz = 0.0;
   // Block rows of the Hankel matrix; default (0): 600 rows of it, 12 to 40
-  // blocks.
+  // blocks, of a ring-down to a third of its samples.
   int block_rows = 0;
   // Highest model order, even; default (0): 60, or what the channels allow.
   int max_order = 0;
-  // Channels against which correlations are taken, by name; default: all.
+  // Channels against which correlations are taken, by name; default: all. A
+  // ring-down has none.
   std::vector<std::string> references;
   StabilisationOptions stabilisation;
   int num_threads = 1;
 };
 
 struct ModesOfRecord {
+  ModalMethod method = ModalMethod::kCovarianceDriven;
   std::vector<IdentifiedMode> modes;  // by frequency
   std::vector<AnalysedBand> bands;    // from the highest
   std::vector<std::string> remarks;
@@ -96,7 +116,7 @@ struct ModesOfRecord {
 // certain of it.
 //
 // False with a sentence where the record is too short, or options do not fit
-// it.
+// it: a method that needs inputs, or samples without gaps.
 [[nodiscard]] bool IdentifyModes(const ResponseRecord& record,
                                  const ModeIdentificationOptions& options,
                                  ModesOfRecord* result, std::string* error);

@@ -75,6 +75,13 @@ bool ResponseRecord::IsValid(std::string* error) const {
              " channels";
     return false;
   }
+  if (inputs.rows() > 0 &&
+      (inputs.cols() != samples.cols() || !inputs.allFinite())) {
+    *error = where + " has inputs of " + std::to_string(inputs.cols()) +
+             " samples beside responses of " + std::to_string(samples.cols()) +
+             ", expected as many, all of them finite";
+    return false;
+  }
   std::set<std::string> seen;
   for (int c = 0; c < num_channels(); ++c) {
     const ResponseChannel& channel = channels[static_cast<size_t>(c)];

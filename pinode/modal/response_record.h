@@ -1,4 +1,4 @@
-// What sensors recorded of a structure whose loads nobody measured.
+// What sensors recorded of a structure.
 
 #ifndef PINODE_MODAL_RESPONSE_RECORD_H_
 #define PINODE_MODAL_RESPONSE_RECORD_H_
@@ -24,6 +24,10 @@ struct ResponseRecord {
   double sampling_step = 0.0;  // s
   std::vector<ResponseChannel> channels;
   Matrix samples;  // channels x samples; NaN: missing
+  // Measured loads, in any units: inputs x samples, complete; no rows: none.
+  Matrix inputs;
+  // The structure is left to itself from the first sample on.
+  bool free_decay = false;
 
   int num_channels() const { return static_cast<int>(channels.size()); }
   Eigen::Index num_samples() const { return samples.cols(); }
@@ -33,7 +37,8 @@ struct ResponseRecord {
 
   // At least one channel, a positive step, a row of samples for each channel,
   // of which some are present and which are not all alike, derivatives 0, 1 or
-  // 2, names given once. On failure *error names the channel.
+  // 2, names given once, inputs finite and of the same length. On failure
+  // *error names the channel.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

@@ -39,6 +39,24 @@ double SmoothingLength(const SubspacePole& pole, double window_seconds) {
   return kMemories / (2.0 * std::max(-pole.s.real(), 1e-12)) / window_seconds;
 }
 
+// Columns whose products with themselves sum to the covariance.
+Matrix Scatter(const SubspacePole& pole, const Matrix& influences,
+               double window_seconds, double* degrees_of_freedom) {
+  const Eigen::Index count = influences.cols();
+  if (window_seconds <= 0.0) {
+    if (degrees_of_freedom != nullptr) {
+      *degrees_of_freedom = static_cast<double>(count);
+    }
+    return influences / std::sqrt(static_cast<double>(count));
+  }
+  const WindowSmoother smoother(static_cast<int>(count),
+                                SmoothingLength(pole, window_seconds));
+  if (degrees_of_freedom != nullptr) {
+    *degrees_of_freedom = smoother.degrees_of_freedom();
+  }
+  return smoother.Smooth(influences);
+}
+
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<long>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -213,6 +231,7 @@ class ClusterFinder {
     const PoleSigmas sigmas = FindPoleSigmas(mean, window_seconds_);
     cluster->frequency_sigma = sigmas.frequency;
     cluster->damping_sigma = sigmas.damping;
+    if (window_seconds_ <= 0.0) return;
     // Windows overlap by half.
     const double duration = 0.5 * window_seconds_ *
                             static_cast<double>(mean.s_influence.size() + 1);
@@ -244,17 +263,17 @@ double ComplexMac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 }
 
 PoleSigmas FindPoleSigmas(const SubspacePole& pole, double window_seconds) {
-  const WindowSmoother smoother(static_cast<int>(pole.s_influence.size()),
-                                SmoothingLength(pole, window_seconds));
-  const Matrix smooth = smoother.Smooth(Influences(pole).topRows(2));
+  const Matrix smooth =
+      Scatter(pole, Influences(pole).topRows(2), window_seconds, nullptr);
   return {smooth.row(0).norm(), smooth.row(1).norm()};
 }
 
 PoleMoments FindPoleMoments(const SubspacePole& pole, double window_seconds) {
-  const WindowSmoother smoother(static_cast<int>(pole.s_influence.size()),
-                                SmoothingLength(pole, window_seconds));
-  const Matrix smooth = smoother.Smooth(Influences(pole));
-  return {smooth * smooth.transpose(), smoother.degrees_of_freedom()};
+  PoleMoments moments;
+  const Matrix smooth = Scatter(pole, Influences(pole), window_seconds,
+                                &moments.degrees_of_freedom);
+  moments.covariance = smooth * smooth.transpose();
+  return moments;
 }
 
 SubspacePole NormalisedPole(const SubspacePole& pole, int reference) {

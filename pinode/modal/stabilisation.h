@@ -26,7 +26,8 @@ struct PoleCluster {
 
   double frequency_sigma = 0.0;  // Hz
   double damping_sigma = 0.0;
-  // The frequency's standard deviation over the smallest that it can have.
+  // The frequency's standard deviation over the smallest that it can have under
+  // noise; 0 where the record is none of that.
   double excess = 0.0;
 };
 
@@ -54,7 +55,8 @@ struct StabilisationOptions {
 
 // Covariance of frequency (Hz), damping ratio, real parts and imaginary parts
 // of the shape of a pole, from its influences, whose windows are
-// `window_seconds` long.
+// `window_seconds` long; 0: each influence is a change of the whole estimate,
+// independent of the others.
 struct PoleMoments {
   Matrix covariance;
   double degrees_of_freedom = 0.0;

@@ -62,14 +62,12 @@ Matrix Turn(const Decomposition& d, const Matrix& change) {
   return w;
 }
 
-Decomposition Decompose(const WindowedCorrelations& correlations,
-                        const SubspaceOptions& options, int num_threads) {
+Decomposition Decompose(const HankelWindows& hankel, int max_order,
+                        int num_threads) {
   Decomposition d;
-  d.channels = correlations.num_channels;
-  d.max_order = options.max_order;
-  const int block_columns = correlations.num_lags + 1 - options.block_rows;
-  const Matrix h = HankelMatrix(correlations.mean, d.channels,
-                                options.block_rows, block_columns);
+  d.channels = hankel.num_channels;
+  d.max_order = max_order;
+  const Matrix& h = hankel.mean;
   const Eigen::BDCSVD<Matrix> svd(h, Eigen::ComputeFullU | Eigen::ComputeThinV);
   d.u = svd.matrixU();
   d.v = svd.matrixV();
@@ -82,12 +80,9 @@ Decomposition Decompose(const WindowedCorrelations& correlations,
   d.r = qr.matrixQR().topRows(d.max_order).triangularView<Eigen::Upper>();
   d.q_later = q.transpose() * d.u.bottomRows(shifted);
   d.q_earlier = q.transpose() * d.u.topRows(shifted);
-  d.w.resize(correlations.windows.size());
-  ParallelFor(correlations.num_windows(), num_threads, [&](int b, int) {
-    const size_t block = static_cast<size_t>(b);
-    d.w[block] = Turn(d, HankelMatrix(correlations.windows[block], d.channels,
-                                      options.block_rows, block_columns) -
-                             h);
+  d.w.resize(static_cast<size_t>(hankel.num_windows));
+  ParallelFor(hankel.num_windows, num_threads, [&](int b, int) {
+    d.w[static_cast<size_t>(b)] = Turn(d, hankel.change(b));
   });
   return d;
 }
@@ -220,30 +215,51 @@ class OrderPoles {
   std::vector<ComplexMatrix> dc_phi_;  // per kept pole: channels x blocks
 };
 
-bool IsPossible(const WindowedCorrelations& correlations,
-                const SubspaceOptions& options, std::string* error) {
-  const int columns = correlations.num_lags + 1 - options.block_rows;
-  const int largest =
-      std::min((options.block_rows - 1) * correlations.num_channels,
-               columns * correlations.num_references);
-  if (columns >= 1 && options.block_rows >= 2 && options.max_order <= largest) {
-    return true;
-  }
+bool IsPossible(const HankelWindows& hankel, const SubspaceOptions& options,
+                std::string* error) {
+  const Eigen::Index largest = std::min<Eigen::Index>(
+      hankel.mean.rows() - hankel.num_channels, hankel.mean.cols());
+  if (options.block_rows >= 2 && options.max_order <= largest) return true;
   *error = "models of order " + std::to_string(options.max_order) + " need " +
            "more than " + std::to_string(options.block_rows) +
-           " block rows of " + std::to_string(correlations.num_channels) +
+           " block rows of " + std::to_string(hankel.num_channels) +
            " channels";
   return false;
 }
 
 }  // namespace
 
+HankelWindows HankelOfCorrelations(const WindowedCorrelations& correlations,
+                                   int block_rows) {
+  HankelWindows hankel;
+  hankel.num_channels = correlations.num_channels;
+  hankel.num_windows = correlations.num_windows();
+  const int columns = correlations.num_lags + 1 - block_rows;
+  if (columns < 1) return hankel;
+  hankel.mean = HankelMatrix(correlations.mean, correlations.num_channels,
+                             block_rows, columns);
+  hankel.change = [&correlations, block_rows, columns](int b) {
+    return HankelMatrix(
+        correlations.windows[static_cast<size_t>(b)] - correlations.mean,
+        correlations.num_channels, block_rows, columns);
+  };
+  return hankel;
+}
+
 bool IdentifySubspace(const WindowedCorrelations& correlations,
                       double sampling_step, const SubspaceOptions& options,
                       int num_threads, std::vector<SubspacePole>* poles,
                       std::string* error) {
-  if (!IsPossible(correlations, options, error)) return false;
-  const Decomposition d = Decompose(correlations, options, num_threads);
+  return IdentifySubspace(
+      HankelOfCorrelations(correlations, options.block_rows), sampling_step,
+      options, num_threads, poles, error);
+}
+
+bool IdentifySubspace(const HankelWindows& hankel, double sampling_step,
+                      const SubspaceOptions& options, int num_threads,
+                      std::vector<SubspacePole>* poles, std::string* error) {
+  if (!IsPossible(hankel, options, error)) return false;
+  const Decomposition d = Decompose(hankel, options.max_order, num_threads);
   const int count = options.max_order / 2;
   std::vector<std::vector<SubspacePole>> by_order(static_cast<size_t>(count));
   // The highest orders, which cost most, first.
@@ -258,6 +274,17 @@ bool IdentifySubspace(const WindowedCorrelations& correlations,
     for (SubspacePole& pole : order) poles->push_back(std::move(pole));
   }
   return true;
+}
+
+Eigen::VectorXcd FindEigenvalues(const HankelWindows& hankel, int order) {
+  HankelWindows alone;
+  alone.num_channels = hankel.num_channels;
+  alone.mean = hankel.mean;
+  const Decomposition d = Decompose(alone, order, 1);
+  const auto r = d.r.triangularView<Eigen::Upper>();
+  const Matrix a = r.solve(d.q_later.leftCols(order));
+  return Eigen::EigenSolver<Matrix>(a, /*computeEigenvectors=*/false)
+      .eigenvalues();
 }
 
 }  // namespace pinode

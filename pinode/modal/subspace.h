@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,19 @@ struct SubspacePole {
   double damping_ratio() const { return -s.real() / std::abs(s); }
 };
 
+// What poles are read from: a matrix whose columns lie, but for noise, in those
+// of the observability matrix, and what parts of the record change it by.
+struct HankelWindows {
+  int num_channels = 0;
+  Matrix mean;  // block rows * channels x columns
+  int num_windows = 0;
+  // The matrix of window b less the mean; from several threads at once.
+  std::function<Matrix(int)> change;
+};
+
 struct SubspaceOptions {
-  // Block rows and columns of the Hankel matrix, of num_lags + 1 together.
+  // Block rows of the Hankel matrix; of correlations its block columns are
+  // those that are left of num_lags + 1.
   int block_rows = 30;
   // Orders 2, 4, ... up to this one.
   int max_order = 60;
@@ -39,9 +51,14 @@ struct SubspaceOptions {
   double max_damping_ratio = 0.2;
 };
 
+// Block (i, j) is R_(i + j + 1).
+HankelWindows HankelOfCorrelations(const WindowedCorrelations& correlations,
+                                   int block_rows);
+
 // The poles of all orders, by order and frequency.
 //
-//   H      Hankel matrix of R_1 ... R_L; H = U S V^T
+//   H      the mean, of correlations the Hankel matrix of R_1 ... R_L;
+//          H = U S V^T
 //   O_n    first n columns of U: observability matrix of order n
 //   A, C   O_n without its last block row times A = O_n without its first;
 //          C = its first block row
@@ -59,13 +76,24 @@ struct SubspaceOptions {
 // Reynders, R. Pintelon, G. De Roeck, ibid. 22 (2008) 948 (its uncertainty); M.
 // Doehler and L. Mevel, ibid. 38 (2013) 346 (several orders at a time).
 //
-// False where the lags do not reach, or the matrix is too small for max_order.
+// False where the matrix is too small for max_order.
+[[nodiscard]] bool IdentifySubspace(const HankelWindows& hankel,
+                                    double sampling_step,
+                                    const SubspaceOptions& options,
+                                    int num_threads,
+                                    std::vector<SubspacePole>* poles,
+                                    std::string* error);
+
+// The same of correlations.
 [[nodiscard]] bool IdentifySubspace(const WindowedCorrelations& correlations,
                                     double sampling_step,
                                     const SubspaceOptions& options,
                                     int num_threads,
                                     std::vector<SubspacePole>* poles,
                                     std::string* error);
+
+// The discrete eigenvalues of the model of one order, all of them.
+Eigen::VectorXcd FindEigenvalues(const HankelWindows& hankel, int order);
 
 }  // namespace pinode
 

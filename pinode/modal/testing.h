@@ -4,13 +4,16 @@
 #define PINODE_MODAL_TESTING_H_
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <random>
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/modal/identify_modes.h"
 #include "pinode/modal/response_record.h"
 
 namespace pinode {
@@ -61,6 +64,8 @@ struct TestExcitation {
   // acceleration; accelerations are absolute, displacements and velocities
   // relative to it.
   bool base = false;
+  // So many of the masses' forces are measured (of the base: its acceleration).
+  int measured = 0;
 };
 
 // What sensors at all masses record, named "u1", "u2", ...: quantities
@@ -93,6 +98,7 @@ inline ResponseRecord SimulateChain(const TestChain& chain, double step,
   record.name = "ambient";
   record.sampling_step = step;
   record.samples.resize(n, samples);
+  record.inputs.resize(excitation.measured, samples);
   for (Eigen::Index i = 0; i < n; ++i) {
     record.channels.push_back(
         {"u" + std::to_string(i + 1),
@@ -106,6 +112,7 @@ inline ResponseRecord SimulateChain(const TestChain& chain, double step,
                  (excitation.base ? 0.0 : normal(random));
     }
     if (k >= 0) {
+      record.inputs.col(k) = state.segment(2 * n, excitation.measured);
       Vector a = acceleration * state;
       // The force on unit masses is minus the base's acceleration.
       if (excitation.base) a -= state.tail(n);
@@ -125,6 +132,66 @@ inline ResponseRecord SimulateChain(const TestChain& chain, double step,
     }
   }
   return record;
+}
+
+// Accelerations of the chain left to itself with all modes at the same
+// velocity, and white noise of `noise` of each channel's standard deviation.
+inline ResponseRecord SimulateRingDown(const TestChain& chain, double step,
+                                       Eigen::Index samples, unsigned seed,
+                                       double noise) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const Eigen::Index n = chain.masses();
+  ResponseRecord record;
+  record.name = "ring-down";
+  record.sampling_step = step;
+  record.free_decay = true;
+  record.samples = Matrix::Zero(n, samples);
+  for (Eigen::Index m = 0; m < n; ++m) {
+    const double w = 6.283185307179586 * chain.frequency_hz[m];
+    const double z = chain.damping_ratio;
+    const std::complex<double> s(-z * w, w * std::sqrt(1.0 - z * z));
+    for (Eigen::Index k = 0; k < samples; ++k) {
+      // v = Im(exp(s t)) + ..., a = its derivative.
+      const double a =
+          (s * std::exp(s * (step * static_cast<double>(k)))).real() / w;
+      record.samples.col(k) += a * chain.shapes.col(m);
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    record.channels.push_back({"u" + std::to_string(i + 1), 2});
+    const double sigma = noise * std::sqrt(record.samples.row(i).squaredNorm() /
+                                           static_cast<double>(samples));
+    for (Eigen::Index k = 0; k < samples; ++k) {
+      record.samples(i, k) += sigma * normal(random);
+    }
+  }
+  return record;
+}
+
+// Whether all modes of the chain and no other were found, each within `sigmas`
+// of its deviations; else what was.
+inline std::string DifferenceFromChain(const TestChain& chain,
+                                       const ModesOfRecord& result,
+                                       double sigmas) {
+  std::string found;
+  bool good = static_cast<int>(result.modes.size()) == chain.masses();
+  for (size_t m = 0; m < result.modes.size(); ++m) {
+    const IdentifiedMode& mode = result.modes[m];
+    const int row = std::min(static_cast<int>(m), chain.masses() - 1);
+    good = good &&
+           std::abs(mode.frequency_hz - chain.frequency_hz[row]) <
+               sigmas * mode.frequency_sigma &&
+           std::abs(mode.damping_ratio - chain.damping_ratio) <
+               sigmas * mode.damping_sigma;
+    found += std::to_string(mode.frequency_hz) + " +- " +
+             std::to_string(mode.frequency_sigma) + " (" +
+             std::to_string(mode.damping_ratio) + " +- " +
+             std::to_string(mode.damping_sigma) + ") in " +
+             std::to_string(mode.orders_seen) + " orders at " +
+             std::to_string(1.0 / mode.sampling_step) + " Hz, ";
+  }
+  return good ? std::string() : "found " + found;
 }
 
 }  // namespace pinode

@@ -98,6 +98,16 @@ WindowedCorrelations CorrelateWindows(const Matrix& samples,
   result.mean = Matrix::Zero(samples.rows() * num_lags, result.num_references);
   for (const Matrix& window : result.windows) result.mean += window;
   result.mean /= num_windows;
+  result.zero_lag = reference_values * reference_values.transpose();
+  if (has_gaps) {
+    result.zero_lag =
+        result.zero_lag
+            .cwiseQuotient((reference_present * reference_present.transpose())
+                               .cwiseMax(1.0))
+            .eval();
+  } else {
+    result.zero_lag /= static_cast<double>(samples.cols());
+  }
   return result;
 }
 

@@ -26,6 +26,8 @@ struct WindowedCorrelations {
   // Per window L channels x references: rows (l - 1) * channels on are R_l.
   std::vector<Matrix> windows;
   Matrix mean;  // over the windows
+  // R_0 of the references with one another, over all samples.
+  Matrix zero_lag;
 
   int num_windows() const { return static_cast<int>(windows.size()); }
 };

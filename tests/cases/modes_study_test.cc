@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -38,9 +39,9 @@ struct ModesStudy {
   int modes = 0;
 };
 
-ModesStudy RunStudy(const TestChain& chain, double step, Eigen::Index samples,
-                    const std::vector<int>& derivatives,
-                    const TestExcitation& excitation, int seeds) {
+ModesStudy RunStudy(
+    const TestChain& chain, int seeds,
+    const std::function<ResponseRecord(unsigned seed)>& simulate) {
   ModesStudy study;
   const size_t count = static_cast<size_t>(chain.masses());
   study.frequency.resize(count);
@@ -48,9 +49,7 @@ ModesStudy RunStudy(const TestChain& chain, double step, Eigen::Index samples,
   study.shape.resize(count);
   std::mutex mutex;
   ParallelFor(seeds, DefaultThreads(), [&](int seed, int) {
-    const ResponseRecord record =
-        SimulateChain(chain, step, samples, static_cast<unsigned>(seed + 1),
-                      derivatives, excitation);
+    const ResponseRecord record = simulate(static_cast<unsigned>(seed + 1));
     ModesOfRecord result;
     std::string error;
     ASSERT_TRUE(IdentifyModes(record, {}, &result, &error)) << error;
@@ -99,6 +98,14 @@ ModesStudy RunStudy(const TestChain& chain, double step, Eigen::Index samples,
         static_cast<int>(std::count(used.begin(), used.end(), false));
   });
   return study;
+}
+
+ModesStudy RunStudy(const TestChain& chain, double step, Eigen::Index samples,
+                    const std::vector<int>& derivatives,
+                    const TestExcitation& excitation, int seeds) {
+  return RunStudy(chain, seeds, [&](unsigned seed) {
+    return SimulateChain(chain, step, samples, seed, derivatives, excitation);
+  });
 }
 
 void Report(const std::string& name, const TestChain& chain,
@@ -158,6 +165,41 @@ TEST(ModesStudy, CloselySpacedModes) {
   const ModesStudy study = RunStudy(chain, 0.05, 36000, {2}, {}, 100);
   Report("two modes 1 % apart at 1.2 Hz, 30 min at 20 Hz", chain, study);
   EXPECT_LE(study.missed, 10);  // both in 95 of 100
+}
+
+// Deterministic-stochastic: one of three forces is measured.
+TEST(ModesStudy, MeasuredAndUnmeasuredForces) {
+  const TestChain chain(3, 2000.0);
+  TestExcitation excitation;
+  excitation.common = 0.0;
+  excitation.measured = 1;
+  const ModesStudy study = RunStudy(chain, 0.02, 15000, {2}, excitation, 60);
+  Report("three storeys, one of three forces measured, 5 min at 50 Hz", chain,
+         study);
+  ExpectHonest(study);
+}
+
+TEST(ModesStudy, GroundMotion) {
+  const TestChain chain(3, 2000.0);
+  TestExcitation excitation;
+  excitation.base = true;
+  excitation.memory = 0.9;
+  excitation.sensor_noise = 0.1;
+  excitation.measured = 1;
+  const ModesStudy study = RunStudy(chain, 0.02, 15000, {2}, excitation, 60);
+  Report("three storeys, ground motion measured, 10 % noise, 5 min at 50 Hz",
+         chain, study);
+  ExpectHonest(study);
+}
+
+TEST(ModesStudy, RingDowns) {
+  const TestChain chain(3, 900.0);
+  const ModesStudy study = RunStudy(chain, 100, [&](unsigned seed) {
+    return SimulateRingDown(chain, 0.02, 1000, seed, 0.1);
+  });
+  Report("three storeys left to themselves, 10 % noise, 20 s at 50 Hz", chain,
+         study);
+  ExpectHonest(study);
 }
 
 }  // namespace

@@ -1,0 +1,114 @@
+#include "pinode/modal/ring_down.h"
+
+#include <cmath>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/constants.h"
+#include "pinode/modal/identify_modes.h"
+#include "pinode/modal/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+ModesOfRecord DecayModes(const ResponseRecord& record,
+                         const ModeIdentificationOptions& options = {}) {
+  ModesOfRecord result;
+  std::string error;
+  EXPECT_TRUE(IdentifyModes(record, options, &result, &error)) << error;
+  return result;
+}
+
+TEST(RingDownTest, ExactWithoutNoise) {
+  const TestChain chain(3, 900.0);
+  const ResponseRecord record = SimulateRingDown(chain, 0.02, 800, 1, 0.0);
+  SubspaceOptions options;
+  options.block_rows = 40;
+  options.max_order = 6;
+  std::vector<SubspacePole> poles;
+  std::string error;
+  const RingDown decay = RingDownHankel(record.samples, 40, 6);
+  ASSERT_TRUE(IdentifySubspace(decay.hankel, 0.02, options, 2, &poles, &error));
+  EXPECT_LT(decay.noise.maxCoeff(), 1e-9);
+  int exact = 0;
+  for (const SubspacePole& pole : poles) {
+    if (pole.order != 6) continue;
+    const int m = exact++;
+    EXPECT_NEAR(pole.frequency(), chain.frequency_hz[m], 1e-9);
+    EXPECT_NEAR(pole.damping_ratio(), 0.01, 1e-9);
+    const Eigen::VectorXcd shape = pole.shape / pole.shape[0];
+    const Vector expected = chain.shapes.col(m) / chain.shapes(0, m);
+    EXPECT_LT((shape - expected).norm(), 1e-7);
+  }
+  EXPECT_EQ(exact, 3);
+}
+
+TEST(RingDownTest, FindsTheModesAndNoOther) {
+  const TestChain chain(4, 6000.0);
+  const ModesOfRecord result =
+      DecayModes(SimulateRingDown(chain, 0.01, 3000, 2, 0.1));
+  EXPECT_EQ(result.method, ModalMethod::kRingDown);
+  EXPECT_EQ(DifferenceFromChain(chain, result, 4.0), "");
+  for (size_t m = 0; m < result.modes.size(); ++m) {
+    const IdentifiedMode& mode = result.modes[m];
+    EXPECT_GT(mode.phase_collinearity, 0.99);
+    EXPECT_LT(mode.frequency_sigma, 0.001 * mode.frequency_hz);
+  }
+}
+
+// A few decays; many are in tests/cases/modes_study_test.cc.
+TEST(RingDownTest, IntervalsHoldTheTruth) {
+  const TestChain chain(3, 900.0);
+  int inside = 0;
+  int count = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const ModesOfRecord result =
+        DecayModes(SimulateRingDown(chain, 0.02, 1000, seed, 0.1));
+    for (const IdentifiedMode& mode : result.modes) {
+      for (int m = 0; m < 3; ++m) {
+        if (std::abs(mode.frequency_hz / chain.frequency_hz[m] - 1.0) > 0.02) {
+          continue;
+        }
+        count += 2;
+        inside += mode.frequency_lower95 <= chain.frequency_hz[m] &&
+                  mode.frequency_upper95 >= chain.frequency_hz[m];
+        inside += mode.damping_lower95 <= 0.01 && mode.damping_upper95 >= 0.01;
+      }
+    }
+  }
+  EXPECT_EQ(count, 36);
+  EXPECT_GE(inside, 30) << inside << " of " << count;
+}
+
+TEST(RingDownTest, NoiseHasNoModes) {
+  ResponseRecord record =
+      SimulateRingDown(TestChain(2, 900.0), 0.02, 2000, 1, 0.0);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (double& value : record.samples.reshaped()) value = normal(random);
+  const ModesOfRecord result = DecayModes(record);
+  EXPECT_THAT(result.modes, IsEmpty());
+  EXPECT_THAT(result.remarks, Not(IsEmpty()));
+}
+
+TEST(RingDownTest, SaysWhatIsWrong) {
+  ResponseRecord record =
+      SimulateRingDown(TestChain(2, 900.0), 0.02, 2000, 1, 0.01);
+  record.samples(1, 30) = kNaN;
+  ModesOfRecord result;
+  std::string error;
+  EXPECT_FALSE(IdentifyModes(record, {}, &result, &error));
+  EXPECT_THAT(error, HasSubstr("missing samples"));
+  record.samples(1, 30) = 0.0;
+  ModeIdentificationOptions options;
+  options.block_rows = 1000;
+  EXPECT_FALSE(IdentifyModes(record, options, &result, &error));
+  EXPECT_THAT(error, HasSubstr("too few"));
+}
+
+}  // namespace
+}  // namespace pinode
