@@ -1,6 +1,7 @@
 #include "pinode/integrate/tangent_step.h"
 
 #include "pinode/base/logging.h"
+#include "pinode/integrate/few_rows.h"
 
 namespace pinode {
 namespace {
@@ -107,7 +108,7 @@ void TangentStep::AdvanceByTransition(
   for (size_t s = 0; s < 4; ++s) {
     transition_.noalias() += weights_[s] * stages_[s].jacobian;
   }
-  next_.noalias() = transition_ * sensitivity;
+  MultiplyFewRows(transition_, sensitivity, &next_);
   if (with_parameters) AddParameterColumns(prepared);
 }
 
