@@ -21,8 +21,8 @@
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/base/strings.h"
 #include "pinode/case/baseline_folder.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_result.h"
@@ -68,11 +68,8 @@ bool ReadCase(Case* c, std::string* error) {
 // The folders of --baseline for the case `c`.
 bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
                    std::string* error) {
-  for (size_t at = 0; at <= FLAGS_baseline.size();) {
-    const size_t end =
-        std::min(FLAGS_baseline.find(',', at), FLAGS_baseline.size());
-    const std::string folder = FLAGS_baseline.substr(at, end - at);
-    at = end + 1;
+  for (const std::string_view part : Split(FLAGS_baseline, ',')) {
+    const std::string folder(part);
     if (folder.empty()) {
       *error = "--baseline has an empty name in it";
       return false;

@@ -7,6 +7,7 @@
 //
 // Sample run:
 //   pinode_modes --case=C.toml --output_dir=D
+//   pinode_modes --case=wind.csv --columns=a1,a2 --output_dir=D
 
 #include <gflags/gflags.h>
 
@@ -18,6 +19,7 @@
 
 #include "apps/program.h"
 #include "apps/ranks.h"
+#include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/modes_files.h"
 #include "pinode/case/modes_section.h"
@@ -27,6 +29,19 @@
 DECLARE_string(case);
 DECLARE_string(output_dir);
 DECLARE_bool(overwrite);
+
+DEFINE_string(columns, "",
+              "--case is a data file (CSV, universal file, ...), and these of "
+              "its columns are the channels, with commas between; 'all': "
+              "every column but the time");
+DEFINE_string(quantities, "acceleration",
+              "with --columns: what they measure, one for all or one for each, "
+              "of acceleration, velocity, displacement, strain");
+DEFINE_string(time, "",
+              "with --columns: the column of the time, in seconds; where "
+              "there is no sampling rate, t or time");
+DEFINE_double(sampling_rate_hz, 0.0,
+              "with --columns: the sampling rate, for files without a time");
 
 namespace pinode {
 namespace {
@@ -43,6 +58,30 @@ bool CheckFlags(std::string* error) {
     return false;
   }
   return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+}
+
+// A case, or a data file by itself.
+bool ReadInput(ModesCase* c, std::string* error) {
+  if (FLAGS_columns.empty()) {
+    for (const char* name : {"quantities", "time", "sampling_rate_hz"}) {
+      if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
+        *error = "--" + std::string(name) + " goes with --columns only";
+        return false;
+      }
+    }
+    return ReadModesCase(FLAGS_case, c, error);
+  }
+  ModesDataFile file;
+  file.path = FLAGS_case;
+  for (const std::string_view column : Split(FLAGS_columns, ',')) {
+    file.columns.emplace_back(column);
+  }
+  for (const std::string_view quantity : Split(FLAGS_quantities, ',')) {
+    file.quantities.emplace_back(quantity);
+  }
+  file.time_column = FLAGS_time;
+  file.sampling_rate_hz = FLAGS_sampling_rate_hz;
+  return ReadModesDataFile(file, c, error);
 }
 
 // The modes of each record, and what ties them together.
@@ -99,7 +138,7 @@ int main(int argc, char** argv) {
   // 1. Everything that can be wrong with the input, before any work.
   std::string error;
   ModesCase c;
-  if (!CheckFlags(&error) || !ReadModesCase(FLAGS_case, &c, &error)) {
+  if (!CheckFlags(&error) || !ReadInput(&c, &error)) {
     return Refuse(error);
   }
 

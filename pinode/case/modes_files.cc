@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/csv_file.h"
+#include "pinode/record/universal_file.h"
 
 namespace pinode {
 namespace {
@@ -209,12 +212,64 @@ std::string ModesAsToml(const ModesResult& result) {
   return text;
 }
 
+std::string ModesAsUniversalFile(const ModesResult& result) {
+  const std::vector<std::string>& places = result.merged.places;
+  std::vector<std::pair<int, int>> at;  // node, direction
+  for (const std::string& place : places) {
+    int node = 0;
+    int direction = 0;
+    if (!ParseUniversalPlace(place, &node, &direction)) break;
+    at.emplace_back(node, direction);
+  }
+  if (at.size() < places.size()) {
+    at.clear();
+    for (size_t i = 0; i < places.size(); ++i) {
+      at.emplace_back(static_cast<int>(i) + 1, 1);
+    }
+  }
+  std::map<int, Eigen::Index> rows;
+  int widest = 3;
+  for (const auto& [node, direction] : at) {
+    rows.emplace(node, 0);
+    if (std::abs(direction) > 3) widest = 6;
+  }
+  UniversalFile file;
+  UniversalShape shape;
+  for (auto& [node, row] : rows) {
+    row = static_cast<Eigen::Index>(shape.nodes.size());
+    shape.nodes.push_back(node);
+  }
+  shape.analysis_type = 3;
+  shape.is_complex = true;
+  shape.values_per_node = widest;
+  for (const MergedMode& merged : result.merged.modes) {
+    const IdentifiedMode& mode = merged.mode;
+    const double speed = kTwoPi * mode.frequency_hz;
+    const double ratio = mode.damping_ratio;
+    shape.mode = static_cast<int>(file.shapes.size()) + 1;
+    shape.texts[0] = "mode" + std::to_string(shape.mode);
+    shape.eigenvalue = {-ratio * speed, speed * std::sqrt(1.0 - ratio * ratio)};
+    shape.frequency = shape.eigenvalue.imag() / kTwoPi;
+    shape.values = Eigen::MatrixXcd::Zero(
+        static_cast<Eigen::Index>(shape.nodes.size()), widest);
+    for (const Eigen::Index i : Measured(mode)) {
+      const auto [node, direction] = at[static_cast<size_t>(i)];
+      shape.values(rows.at(node), std::abs(direction) - 1) =
+          direction < 0 ? -mode.shape[i] : mode.shape[i];
+    }
+    file.shapes.push_back(shape);
+  }
+  return FormatUniversalFile(file);
+}
+
 bool WriteModesFiles(const ModesResult& result, const std::string& folder,
                      std::string* error) {
   return WriteFileAtomically(folder + "/modes.json", ModesAsJson(result),
                              error) &&
          WriteFileAtomically(folder + "/modes.toml", ModesAsToml(result),
                              error) &&
+         WriteFileAtomically(folder + "/modes.uff",
+                             ModesAsUniversalFile(result), error) &&
          WriteModesCsv(result, folder + "/modes.csv", error);
 }
 

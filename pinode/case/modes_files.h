@@ -1,4 +1,5 @@
-// What pinode_modes leaves behind: modes.json, modes.csv, modes.toml.
+// What pinode_modes leaves behind: modes.json, modes.csv, modes.toml,
+// modes.uff.
 
 #ifndef PINODE_CASE_MODES_FILES_H_
 #define PINODE_CASE_MODES_FILES_H_
@@ -25,7 +26,12 @@ std::string ModesAsJson(const ModesResult& result);
 // their share, so that it is positive definite.
 std::string ModesAsToml(const ModesResult& result);
 
-// All three into `folder`.
+// Data set 55, complex modes in displacements. Places that are all called
+// "<node>:<direction>" keep both; else they are nodes 1, 2, ... in their order,
+// with x as direction.
+std::string ModesAsUniversalFile(const ModesResult& result);
+
+// All four into `folder`.
 [[nodiscard]] bool WriteModesFiles(const ModesResult& result,
                                    const std::string& folder,
                                    std::string* error);

@@ -12,6 +12,8 @@
 #include "pinode/case/toml_table.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/record/table.h"
+#include "pinode/record/universal_file.h"
 
 namespace pinode {
 namespace {
@@ -248,7 +250,117 @@ class ModesCaseReader {
   const TomlTable root_;
 };
 
+// From a data file by itself to the case that says the same.
+class DataFileReader {
+ public:
+  DataFileReader(const ModesDataFile& file, std::string* error)
+      : file_(file), columns_(file.columns), error_(error) {}
+
+  bool Read(ModesCase* c) {
+    if (!FindTime() || !FindColumns() || !FindQuantities()) return false;
+    TomlValue record = TomlValue::Table();
+    record.Set("name", TomlValue::String(FileName(file_.path)));
+    record.Set("file", TomlValue::String(FileName(file_.path)));
+    if (time_.empty()) {
+      record.Set("sampling_rate_hz", TomlValue::Float(file_.sampling_rate_hz));
+    } else {
+      record.Set("time", TomlValue::String(time_));
+    }
+    TomlValue channels = TomlValue::Array({});
+    for (size_t i = 0; i < columns_.size(); ++i) {
+      TomlValue channel = TomlValue::Table();
+      channel.Set("column", TomlValue::String(columns_[i]));
+      channel.Set("quantity", TomlValue::String(quantities_[i]));
+      channels.elements.push_back(std::move(channel));
+    }
+    record.Set("channel", std::move(channels));
+    TomlValue root = TomlValue::Table();
+    TomlValue units = TomlValue::Table();
+    units.Set("time", TomlValue::String("s"));
+    root.Set("units", std::move(units));
+    root.Set("title", TomlValue::String("Modes of " + FileName(file_.path)));
+    root.Set("record", TomlValue::Array({std::move(record)}));
+    return ModesCaseReader(root, file_.path, error_).Read(c);
+  }
+
+ private:
+  static std::string FileName(const std::string& path) {
+    return path.substr(path.find_last_of('/') + 1);
+  }
+
+  bool Fail(const std::string& message) {
+    *error_ = file_.path + ": " + message;
+    return false;
+  }
+
+  bool FindTime() {
+    std::string text;
+    if (!ReadTextFile(file_.path, &text, error_)) return false;
+    if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
+      return Fail("a time column and a sampling rate, expected one of them");
+    }
+    time_ = file_.time_column;
+    if (!time_.empty() || file_.sampling_rate_hz != 0.0) return true;
+    for (const char* name : {"t", "time"}) {
+      Table table;
+      std::string message;
+      if (ReadTable(file_.path, {name}, &table, &message)) {
+        time_ = name;
+        return true;
+      }
+    }
+    return Fail(
+        "neither a time column 't' or 'time' nor a sampling rate, expected "
+        "one of them");
+  }
+
+  bool FindColumns() {
+    if (columns_.size() != 1 || columns_[0] != "all") return true;
+    Table table;
+    if (!ReadTable(file_.path, {}, &table, error_)) return false;
+    columns_ = table.columns;
+    columns_.erase(std::remove(columns_.begin(), columns_.end(), time_),
+                   columns_.end());
+    return true;
+  }
+
+  bool FindQuantities() {
+    quantities_ = file_.quantities;
+    if (quantities_.empty()) quantities_ = {"acceleration"};
+    if (quantities_.size() == 1)
+      quantities_.resize(columns_.size(), quantities_[0]);
+    if (quantities_.size() != columns_.size()) {
+      return Fail(std::to_string(quantities_.size()) + " quantities for " +
+                  std::to_string(columns_.size()) +
+                  " columns, expected one for all or one for each");
+    }
+    for (std::string& quantity : quantities_) {
+      // Of the ground nothing is known here: both kinds are one.
+      if (quantity == "acceleration") {
+        quantity = "absolute_acceleration";
+      } else if (quantity != "velocity" && quantity != "displacement" &&
+                 quantity != "strain") {
+        return Fail("quantity '" + quantity +
+                    "', expected acceleration, velocity, displacement or "
+                    "strain");
+      }
+    }
+    return true;
+  }
+
+  const ModesDataFile& file_;
+  std::vector<std::string> columns_;
+  std::vector<std::string> quantities_;
+  std::string time_;
+  std::string* error_;
+};
+
 }  // namespace
+
+bool ReadModesDataFile(const ModesDataFile& file, ModesCase* c,
+                       std::string* error) {
+  return DataFileReader(file, error).Read(c);
+}
 
 bool ReadModesCase(const std::string& path, ModesCase* c, std::string* error) {
   std::string text;

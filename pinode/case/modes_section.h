@@ -27,6 +27,24 @@ struct ModesCase {
   MergeOptions merge;
 };
 
+// A data file by itself, in the place of a case.
+struct ModesDataFile {
+  std::string path;
+  // Channels; "all" alone: every column but the time.
+  std::vector<std::string> columns;
+  // What they measure: displacement, velocity, acceleration or strain; one for
+  // all, or one for each. Default: acceleration.
+  std::vector<std::string> quantities;
+  // Default, where there is no rate: "t" or "time", in seconds.
+  std::string time_column;
+  double sampling_rate_hz = 0.0;
+};
+
+// The modes' case of that file: channels are places. Fails with one line in
+// *error, *c is untouched then.
+[[nodiscard]] bool ReadModesDataFile(const ModesDataFile& file, ModesCase* c,
+                                     std::string* error);
+
 // Reads the case file at `path` with the records that it names. Fails with one
 // line in *error, *c is untouched then.
 [[nodiscard]] bool ReadModesCase(const std::string& path, ModesCase* c,

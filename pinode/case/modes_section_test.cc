@@ -7,10 +7,12 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/case/modes_files.h"
 #include "pinode/case/testing.h"
 #include "pinode/modal/testing.h"
+#include "pinode/record/universal_file.h"
 
 namespace pinode {
 namespace {
@@ -132,6 +134,68 @@ TEST_F(ModesSectionTest, MeasuredLoadsAndFreeDecays) {
               HasSubstr("wishful"));
 }
 
+TEST_F(ModesSectionTest, DataFileIsEnough) {
+  ModesDataFile file;
+  file.path = folder_.Path("wind.csv");
+  file.columns = {"all"};
+  file.quantities = {"acceleration", "velocity"};
+  file.sampling_rate_hz = 50.0;
+  ModesCase c;
+  std::string error;
+  ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  ASSERT_THAT(c.records, SizeIs(1));
+  const ResponseRecord& record = c.records[0];
+  EXPECT_NEAR(record.sampling_step, 0.02, 1e-12);
+  ASSERT_THAT(record.channels, SizeIs(2));
+  EXPECT_EQ(record.channels[0].name, "a1");
+  EXPECT_EQ(record.channels[0].derivative, 2);
+  EXPECT_EQ(record.channels[1].name, "v2");
+  EXPECT_EQ(record.channels[1].derivative, 1);
+  EXPECT_NEAR(record.samples(1, 7), record_.samples(1, 7),
+              1e-9 * std::abs(record_.samples(1, 7)));
+
+  folder_.Write("timed.csv", "time,a1,remark\n0,1,x\n0.5,3,y\n1,2,z\n");
+  file = ModesDataFile();
+  file.path = folder_.Path("timed.csv");
+  file.columns = {"a1"};
+  ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  EXPECT_EQ(c.records[0].sampling_step, 0.5);
+  EXPECT_EQ(c.records[0].num_channels(), 1);
+}
+
+TEST_F(ModesSectionTest, DataFileRefusedInOneLine) {
+  const auto refused = [this](const ModesDataFile& file) {
+    ModesCase c;
+    std::string error;
+    EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+    return error;
+  };
+  ModesDataFile file;
+  file.path = folder_.Path("wind.csv");
+  file.columns = {"a1", "v2"};
+  EXPECT_THAT(refused(file), HasSubstr("sampling rate"));
+  file.sampling_rate_hz = 50.0;
+  file.quantities = {"acceleration", "velocity", "velocity"};
+  EXPECT_THAT(refused(file), HasSubstr("3 quantities"));
+  file.quantities = {"heat"};
+  EXPECT_THAT(refused(file), HasSubstr("'heat'"));
+  file.quantities = {};
+  file.columns = {"a1", "w2"};
+  EXPECT_THAT(refused(file), HasSubstr("w2"));
+  file.columns = {"a1", ""};
+  refused(file);
+  file.columns = {"a1", "a1"};
+  refused(file);
+  file.columns = {"a1"};
+  file.sampling_rate_hz = -1.0;
+  refused(file);
+  file.time_column = "t";
+  EXPECT_THAT(refused(file), HasSubstr("one of them"));
+  file.path = folder_.Path("none.csv");
+  EXPECT_THAT(refused(file), HasSubstr("none.csv"));
+}
+
 TEST_F(ModesSectionTest, RefusesInOneLine) {
   EXPECT_THAT(Error(Replaced(ModesText(), "lowest_hz", "lowest")),
               HasSubstr("case.toml:5"));
@@ -189,6 +253,26 @@ between = ["ground", "u1"]
   EXPECT_EQ(json["modes"][0]["shape"].size(), 2u);
   ASSERT_TRUE(ReadTextFile(folder_.Path("modes.csv"), &text, &error));
   EXPECT_THAT(text, HasSubstr("frequency_hz"));
+
+  UniversalFile shapes;
+  ASSERT_TRUE(ReadUniversalFile(folder_.Path("modes.uff"), &shapes, &error))
+      << error;
+  ASSERT_THAT(shapes.shapes, SizeIs(2));
+  EXPECT_THAT(shapes.shapes[0].nodes, ElementsAre(1, 2));
+  const IdentifiedMode& mode = modes.modes[0];
+  const std::complex<double> s = shapes.shapes[0].eigenvalue;
+  EXPECT_NEAR(std::abs(s), kTwoPi * mode.frequency_hz, 1e-4);
+  EXPECT_NEAR(-s.real() / std::abs(s), mode.damping_ratio, 1e-6);
+  EXPECT_LT(std::abs(shapes.shapes[0].values(1, 0) - mode.shape[1]), 1e-5);
+
+  // Places of a universal file keep node and direction.
+  result.merged.places = {"7:-z", "3:rx"};
+  ASSERT_TRUE(ParseUniversalFile(ModesAsUniversalFile(result), "memory",
+                                 &shapes, &error))
+      << error;
+  EXPECT_THAT(shapes.shapes[0].nodes, ElementsAre(3, 7));
+  EXPECT_LT(std::abs(shapes.shapes[0].values(1, 2) + mode.shape[0]), 1e-5);
+  EXPECT_LT(std::abs(shapes.shapes[0].values(0, 3) - mode.shape[1]), 1e-5);
 }
 
 }  // namespace

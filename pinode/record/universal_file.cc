@@ -599,8 +599,7 @@ std::string ColumnName(const UniversalFunction& f, size_t number,
   const int direction = std::abs(f.response_direction);
   std::string name;
   if (f.response_node != 0 && direction >= 1 && direction <= 6) {
-    name = std::to_string(f.response_node) + ":" +
-           (f.response_direction < 0 ? "-" : "") + kDirections[direction - 1];
+    name = UniversalPlace(f.response_node, f.response_direction);
   } else {
     name = f.texts[0].empty() ? "set" + std::to_string(number) : f.texts[0];
   }
@@ -612,6 +611,29 @@ std::string ColumnName(const UniversalFunction& f, size_t number,
 }
 
 }  // namespace
+
+std::string UniversalPlace(int node, int direction) {
+  return std::to_string(node) + ":" + (direction < 0 ? "-" : "") +
+         kDirections[std::abs(direction) - 1];
+}
+
+bool ParseUniversalPlace(const std::string& place, int* node, int* direction) {
+  const size_t colon = place.find(':');
+  int label = 0;
+  if (colon == std::string::npos ||
+      !ParseInt(std::string_view(place).substr(0, colon), &label) ||
+      label <= 0) {
+    return false;
+  }
+  for (const int number : {1, 2, 3, 4, 5, 6, -1, -2, -3, -4, -5, -6}) {
+    if (UniversalPlace(label, number) == place) {
+      *node = label;
+      *direction = number;
+      return true;
+    }
+  }
+  return false;
+}
 
 bool ParseUniversalFile(const std::string& bytes, const std::string& path,
                         UniversalFile* file, std::string* error) {

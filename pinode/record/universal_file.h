@@ -87,11 +87,17 @@ std::string FormatUniversalFile(const UniversalFile& file);
 // By its extension, in any case.
 bool IsUniversalFile(const std::string& path);
 
+// "<node>:<direction>", directions x, y, z, rx, ry, rz, "-x" and so on: how
+// places are called that have both.
+std::string UniversalPlace(int node, int direction);
+// The other way; false where it is no such name.
+[[nodiscard]] bool ParseUniversalPlace(const std::string& place, int* node,
+                                       int* direction);
+
 // The time histories of a file as a table: column "t" is the time, the others
-// are called "<node>:<direction>" (directions x, y, z, rx, ry, rz, "-x" and so
-// on) where they have both, and else as their first text; a name twice gets the
-// number of its data set. They need the same times. `wanted` as for
-// ReadCsvTable.
+// are called by their places where they have one, and else as their first text;
+// a name twice gets the number of its data set. They need the same times.
+// `wanted` as for ReadCsvTable.
 [[nodiscard]] bool ReadUniversalTable(const std::string& path,
                                       const std::vector<std::string>& wanted,
                                       Table* table, std::string* error);

@@ -27,7 +27,7 @@ Near() {
 }
 
 Run 0 pinode_modes --case=three_storey_ambient.toml --output_dir=D
-for file in modes.json modes.csv modes.toml report.html; do
+for file in modes.json modes.csv modes.toml modes.uff report.html; do
   [[ -s D/$file ]] || Fail "no $file"
 done
 [[ $(grep -c '"frequency_hz"' D/modes.json) -eq 3 ]] || Fail "three modes"
@@ -37,6 +37,16 @@ Near "$(Entry frequency_hz 3 D/modes.json)" 11.3994 0.05
 grep -q '<svg' D/report.html || Fail "no figure"
 Refused "exists" --case=three_storey_ambient.toml --output_dir=D
 Run 0 pinode_modes --case=three_storey_ambient.toml --output_dir=D --overwrite
+
+# The record without a case.
+Run 0 pinode_modes --case=wind.csv.gz --columns=a1,a2,a3 \
+  --sampling_rate_hz=100 --output_dir=F
+cmp <(grep frequency D/modes.json) <(grep frequency F/modes.json) ||
+  Fail "a file alone says something else"
+Refused "a9" --case=wind.csv.gz --columns=a1,a9 --sampling_rate_hz=100 \
+  --output_dir=E
+Refused "columns" --case=three_storey_ambient.toml --sampling_rate_hz=100 \
+  --output_dir=E
 
 # The modes in the place of the record: the storeys that the spectra give, too.
 {
