@@ -16,7 +16,7 @@ constexpr uint32_t kInt32 = 5;
 constexpr uint32_t kUint32 = 6;
 constexpr uint32_t kMatrix = 14;
 constexpr uint32_t kCompressed = 15;
-constexpr size_t kLargestUnpacked = size_t{4} << 30;
+constexpr size_t kLargestMat5Element = size_t{4} << 30;
 // Cells in cells; deeper ones are no matrices of a structure.
 constexpr int kDeepest = 8;
 
@@ -53,7 +53,7 @@ class Walker {
       if (element.type == kCompressed) {
         std::string unpacked;
         std::string what;
-        if (!Unpack(CompressedFormat::kZlib, element.data, kLargestUnpacked,
+        if (!Unpack(CompressedFormat::kZlib, element.data, kLargestMat5Element,
                     &unpacked, &what)) {
           return Fail("a compressed element is broken");
         }

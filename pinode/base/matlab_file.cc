@@ -14,15 +14,14 @@ namespace {
 // Version 2.0 (7.3 to its users) and the byte order behind MATLAB's header.
 constexpr std::string_view kMat73("\x00\x02IM", 4);
 
-struct MatlabFileCloser {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-
 }  // namespace
 
 struct MatlabFile::Opened {
+  struct Closer {
+    void operator()(mat_t* file) const { Mat_Close(file); }
+  };
   QuietHdf5 quiet;
-  std::unique_ptr<mat_t, MatlabFileCloser> file;
+  std::unique_ptr<mat_t, Closer> file;
 };
 
 MatlabFile::MatlabFile() = default;
