@@ -12,6 +12,7 @@
 #include "pinode/case/toml_table.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/record/array_table.h"
 #include "pinode/record/table.h"
 #include "pinode/record/universal_file.h"
 
@@ -66,7 +67,7 @@ StructuralModel PlacesOfRecords(const TomlTable& root) {
   return model;
 }
 
-constexpr ModalMethod kMethods[] = {
+constexpr ModalMethod kModalMethods[] = {
     ModalMethod::kAutomatic, ModalMethod::kCovarianceDriven,
     ModalMethod::kDataDriven, ModalMethod::kInputOutput,
     ModalMethod::kRingDown};
@@ -122,11 +123,11 @@ class ModesCaseReader {
                         "a mode has two states");
     }
     std::vector<std::string> methods;
-    for (const ModalMethod method : kMethods) {
+    for (const ModalMethod method : kModalMethods) {
       methods.emplace_back(ModalMethodName(method));
     }
     const std::string wanted = table.Choice("method", methods, methods.front());
-    for (const ModalMethod method : kMethods) {
+    for (const ModalMethod method : kModalMethods) {
       if (wanted == ModalMethodName(method)) options.method = method;
     }
     options.references = table.Strings("references");

@@ -83,8 +83,8 @@ Path Descend(const IdentificationProblem& problem,
           const Vector& free) {
         double cost = 0.0;
         EXPECT_TRUE(valley.Evaluate(free, &cost));
-        EXPECT_EQ(iteration.cost, cost);
-        EXPECT_EQ(system.cost, cost);
+        EXPECT_DOUBLE_EQ(iteration.cost, cost);
+        EXPECT_DOUBLE_EQ(system.cost, cost);
         path.iterations.push_back(iteration);
         return iteration.number != stop_at;
       },

@@ -40,17 +40,11 @@ std::shared_ptr<CaseHandle> ReadFile(const std::string& path,
   bool ok = false;
   {
     py::gil_scoped_release release;
-    switch (handle->purpose) {
-      case CasePurpose::kFit:
-        ok = ReadCase(path, &handle->c, &error);
-        break;
-      case CasePurpose::kCheck:
-        ok = ReadCaseForCheck(path, &handle->c, &error);
-        break;
-      case CasePurpose::kSimulation:
-        ok = ReadCaseForSimulation(path, &handle->c, &error);
-        break;
-    }
+    const auto read = handle->purpose == CasePurpose::kFit ? ReadCase
+                      : handle->purpose == CasePurpose::kCheck
+                          ? ReadCaseForCheck
+                          : ReadCaseForSimulation;
+    ok = read(path, &handle->c, &error);
   }
   Require(ok, error);
   return handle;
@@ -212,7 +206,7 @@ py::dict Check(const CaseHandle& handle) {
   result["undetermined"] = assessment.undetermined;
   result["assessment_remarks"] = assessment.remarks;
   py::list expected;
-  for (const ProblemAssessment::Expected& parameter : assessment.expected) {
+  for (const ExpectedDeviation& parameter : assessment.expected) {
     py::dict entry;
     entry["name"] = parameter.name;
     entry["unit"] = parameter.unit;

@@ -114,9 +114,9 @@ void VisitOne(Archive* a, ChannelScore& value) {
 template <typename Archive>
 void VisitOne(Archive* a, RecordScore& value) {
   auto& [name, role, finite, first, nrmse, prior, channels, start, prediction,
-         states, deviations] = value;
+         states, mean_squares, deviations] = value;
   Visit(a, name, role, finite, first, nrmse, prior, channels, start, prediction,
-        states, deviations);
+        states, mean_squares, deviations);
 }
 
 template <typename Archive>

@@ -24,7 +24,7 @@ struct MatrixSource {
   // superelements have them; 0: there is only one.
   int occurrence = 0;
   // In place of a file: `path` is then what messages call it.
-  std::shared_ptr<const SparseMatrix> array;
+  std::shared_ptr<const SparseMatrix> array = nullptr;
 };
 
 struct FiniteElementFiles {
