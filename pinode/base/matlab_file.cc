@@ -18,7 +18,7 @@ constexpr std::string_view kMat73("\x00\x02IM", 4);
 
 struct MatlabFile::Opened {
   struct Closer {
-    void operator()(mat_t* file) const { Mat_Close(file); }
+    void operator()(mat_t* mat) const { Mat_Close(mat); }
   };
   QuietHdf5 quiet;
   std::unique_ptr<mat_t, Closer> file;

@@ -3,26 +3,23 @@
 #ifndef PINODE_BASE_QUIET_HDF5_H_
 #define PINODE_BASE_QUIET_HDF5_H_
 
-#include <hdf5.h>
+#include <memory>
 
 namespace pinode {
 
 // HDF5 writes what goes wrong to standard error unless it is told not to: while
-// one of these is alive it does not. A program that installs pinode needs
-// HDF5's headers only where it includes this one.
+// one of these is alive it does not. A program that installs pinode needs none
+// of HDF5's headers.
 class QuietHdf5 {
  public:
-  QuietHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  QuietHdf5();
+  ~QuietHdf5();
   QuietHdf5(const QuietHdf5&) = delete;
   QuietHdf5& operator=(const QuietHdf5&) = delete;
 
  private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
+  struct Handler;
+  const std::unique_ptr<Handler> before_;
 };
 
 }  // namespace pinode

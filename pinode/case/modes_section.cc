@@ -272,6 +272,7 @@ class DataFileReader {
       TomlValue channel = TomlValue::Table();
       channel.Set("column", TomlValue::String(columns_[i]));
       channel.Set("quantity", TomlValue::String(quantities_[i]));
+      channel.Set("unit", TomlValue::String("model"));
       channels.elements.push_back(std::move(channel));
     }
     record.Set("channel", std::move(channels));

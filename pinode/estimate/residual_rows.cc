@@ -1,6 +1,5 @@
 #include "pinode/estimate/residual_rows.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "pinode/estimate/sensor.h"
@@ -26,21 +25,11 @@ void FilterHistories(const ZeroPhaseFilter& filter, int num_channels,
   }
 }
 
-// Whether predictions are what the dynamics' states say.
-bool AreIdeal(const IdentificationRecord& record, bool whole) {
-  return (record.filter == nullptr || !whole) &&
-         std::all_of(record.channels.begin(), record.channels.end(),
-                     [](const MeasuredChannel& channel) {
-                       return channel.gain < 0 && channel.offset < 0 &&
-                              channel.delay < 0;
-                     });
-}
+}  // namespace
 
-// AddSensorColumns, of an expression.
-template <typename Tangents>
-void AppendSensorColumns(const ParameterLayout& layout, int num_states,
-                         SegmentColumns columns, const Tangents& tangents,
-                         Matrix* result) {
+void AddSensorColumns(const ParameterLayout& layout, int num_states,
+                      SegmentColumns columns, const Matrix& tangents,
+                      Matrix* result) {
   if (!HasParameters(columns)) {
     *result = tangents;
     return;
@@ -51,14 +40,6 @@ void AppendSensorColumns(const ParameterLayout& layout, int num_states,
   result->resize(tangents.rows(), by_start + layout.num_free());
   result->leftCols(known) = tangents;
   result->rightCols(result->cols() - known).setZero();
-}
-
-}  // namespace
-
-void AddSensorColumns(const ParameterLayout& layout, int num_states,
-                      SegmentColumns columns, const Matrix& tangents,
-                      Matrix* result) {
-  AppendSensorColumns(layout, num_states, columns, tangents, result);
 }
 
 ResidualRows::ResidualRows(const IdentificationProblem& problem,
@@ -75,21 +56,15 @@ void ResidualRows::Compute(const IdentificationRecord& record,
                            const SegmentTangents& tangents) {
   const int nc = static_cast<int>(tangents.channels.rows());
   const int samples = static_cast<int>(tangents.channels.cols());
-  // Derivatives are large: those of ideal sensors are passed over once.
-  const bool ideal = AreIdeal(record, whole);
-  if (!ideal) {
-    AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
-                     tangents.jacobian, &jacobian_);
-  }
+  AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
+                   tangents.jacobian, &jacobian_);
   // Predictions of real sensors, sample-major as the rows are.
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                tangents.channels.size());
   std::vector<bool> valid(
       static_cast<size_t>(nc) * static_cast<size_t>(samples), true);
-  if (!ideal) {
-    ApplySensors(layout_, parameters, record, HasParameters(columns),
-                 prediction, &jacobian_, &valid);
-  }
+  ApplySensors(layout_, parameters, record, HasParameters(columns), prediction,
+               &jacobian_, &valid);
   if (record.filter != nullptr && whole) {
     FilterHistories(*record.filter, nc, &prediction, &jacobian_);
   }
@@ -117,12 +92,7 @@ void ResidualRows::Compute(const IdentificationRecord& record,
       weights[row] = root / sigmas[c];
     }
   }
-  if (ideal) {
-    AppendSensorColumns(layout_, problem_.dynamics->num_states(), columns,
-                        weights.asDiagonal() * tangents.jacobian, &jacobian_);
-  } else {
-    jacobian_.array().colwise() *= weights.array();
-  }
+  jacobian_.array().colwise() *= weights.array();
 }
 
 }  // namespace pinode

@@ -112,19 +112,13 @@ bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
   // Right-hand sides: the cross terms with theta, then the gradient.
   Matrix right;
   Assemble(mu, starts, nf, &right);
-  // All gaps at once: a product of a few rows takes as long as the Hessian's
-  // way through memory.
-  const int gaps = num_segments() - 1;
-  Matrix by_gap(Eigen::Index{gaps} * num_states_, nf);
-  for (int k = 0; k < gaps; ++k) {
+  for (int k = 0; k + 1 < num_segments(); ++k) {
     const auto by_parameters = result(k).end_sensitivity.rightCols(nf);
-    by_gap.middleRows(k * num_states_, num_states_) =
+    const Matrix scaled =
         (std::sqrt(mu) * scales().cwiseInverse()).asDiagonal() * by_parameters;
+    hessian.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
     gradient.noalias() +=
         by_parameters.transpose() * gaps_.Force(mu, ends_, starts, k);
-  }
-  if (gaps > 0) {
-    hessian.selfadjointView<Eigen::Lower>().rankUpdate(by_gap.transpose());
   }
   double damping = 0.0;
   while (!system_->Factor(damping)) {

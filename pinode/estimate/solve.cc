@@ -15,8 +15,7 @@
 namespace pinode {
 namespace {
 
-// Up to so many unknowns Ceres' QR, the more accurate way, takes no time to
-// speak of.
+// Up to so many unknowns the more accurate solver takes no time to speak of.
 constexpr int kMostForQr = 100;
 
 // The hidden units of a network of time hardly move: its first step is that of
@@ -47,7 +46,9 @@ ceres::Solver::Options SolverOptions(const FitContext& context,
   const SolveTuning& tuning = context.tuning().solve;
   ceres::Solver::Options options;
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
-  options.linear_solver_type = ceres::DENSE_QR;
+  options.linear_solver_type = context.layout.num_free() <= kMostForQr
+                                   ? ceres::DENSE_QR
+                                   : ceres::DENSE_NORMAL_CHOLESKY;
   options.function_tolerance = function_tolerance;
   options.parameter_tolerance = 1e-14;
   options.gradient_tolerance = 0.0;
@@ -66,65 +67,54 @@ ceres::Solver::Options SolverOptions(const FitContext& context,
 
 }  // namespace
 
-// Ceres' iterations as one's own.
 class Solver::Callback final : public ceres::IterationCallback {
  public:
-  Callback(Solver* solver, const BoundedCost& bounded, const Vector& scaled,
-           double tolerance)
+  Callback(const Solver& solver, const BoundedCost& bounded,
+           const Vector& scaled, double tolerance, double* radius)
       : solver_(solver),
+        context_(solver.context_),
         bounded_(bounded),
         scaled_(scaled),
         tolerance_(tolerance),
-        first_iteration_(solver->context_.summary.num_iterations) {}
+        radius_(radius),
+        first_iteration_(context_.summary.num_iterations) {}
 
   ceres::CallbackReturnType operator()(
       const ceres::IterationSummary& iteration) override {
-    const Vector free = bounded_.Unscaled(scaled_);
-    if (!solver_->Note(
-            first_iteration_,
-            {iteration.iteration, iteration.cost, iteration.gradient_norm,
-             iteration.step_norm, iteration.trust_region_radius,
-             iteration.step_is_successful},
-            free)) {
-      return ceres::SOLVER_ABORT;
+    IterationRecord record;
+    record.iteration = first_iteration_ + iteration.iteration;
+    record.cost = iteration.cost;
+    record.gradient_norm = iteration.gradient_norm;
+    record.step_norm = iteration.step_norm;
+    record.trust_region_radius = iteration.trust_region_radius;
+    record.largest_gap = context_.objective.shooting().LargestGap();
+    record.accepted = iteration.step_is_successful;
+    if (iteration.iteration > 0) {
+      context_.summary.num_iterations = record.iteration;
+      if (!iteration.step_is_successful) ++context_.summary.rejected_steps;
     }
+    *radius_ = iteration.trust_region_radius;
+    const Vector free = bounded_.Unscaled(scaled_);
+    if (!solver_.progress_->Note(record, free)) return ceres::SOLVER_ABORT;
     return iteration.step_is_successful &&
-                   solver_->IsSettled(free, bounded_.system(), tolerance_)
+                   solver_.IsSettled(free, bounded_.system(), tolerance_)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
   }
 
  private:
-  Solver* solver_;
+  const Solver& solver_;
+  const FitContext& context_;
   const BoundedCost& bounded_;
   const Vector& scaled_;
   double tolerance_;
+  double* radius_;
   int first_iteration_;
 };
 
 Solver::Solver(const FitContext& context, Progress* progress)
     : context_(context), progress_(progress) {
   ResetRadius();
-}
-
-bool Solver::Note(int first_iteration,
-                  const LevenbergMarquardt::Iteration& iteration,
-                  const Vector& free) {
-  IdentificationSummary& summary = context_.summary;
-  IterationRecord record;
-  record.iteration = first_iteration + iteration.number;
-  record.cost = iteration.cost;
-  record.gradient_norm = iteration.gradient_norm;
-  record.step_norm = iteration.step_norm;
-  record.trust_region_radius = iteration.radius;
-  record.largest_gap = context_.objective.shooting().LargestGap();
-  record.accepted = iteration.accepted;
-  if (iteration.number > 0) {
-    summary.num_iterations = record.iteration;
-    if (!iteration.accepted) ++summary.rejected_steps;
-  }
-  radius_ = iteration.radius;
-  return progress_->Note(record, free);
 }
 
 void Solver::ResetRadius() { radius_ = FirstRadius(context_); }
@@ -151,83 +141,23 @@ void Solver::Settle(const CondensedSystem& system, double gradient_norm,
 bool Solver::Solve(int max_iterations, double function_tolerance,
                    FitState* state, bool* converged) {
   *converged = false;
-  max_iterations =
-      std::min(max_iterations, context_.options.max_num_iterations -
-                                   context_.summary.num_iterations);
-  if (max_iterations <= 0) return true;
-  const bool solved =
-      context_.layout.num_free() <= kMostForQr
-          ? SolveByCeres(max_iterations, function_tolerance, state, converged)
-          : SolveMany(max_iterations, function_tolerance, state, converged);
-  if (!solved) context_.summary.message = context_.objective.Failure();
-  return solved;
-}
-
-bool Solver::Conclude(bool converged, FitState* state) {
-  CondensedSystem system;
-  if (!context_.objective.Linearize(state->free, &system)) return false;
-  state->cost = system.cost;
-  if (converged) {
-    state->optimality = MeasureOptimality(context_.layout, state->free, system);
-    VLOG(1) << "converged, cost " << state->cost << ", cosine "
-            << state->optimality.cosine << ", promise "
-            << state->optimality.promise;
-  }
-  return true;
-}
-
-bool Solver::SolveMany(int max_iterations, double function_tolerance,
-                       FitState* state, bool* converged) {
-  const SolveTuning& tuning = context_.tuning().solve;
-  IdentificationSummary& summary = context_.summary;
-  CondensedSystem system;
-  if (!context_.HasNetworks() &&
-      !context_.objective.Linearize(state->free, &system)) {
-    return false;
-  }
-  if (IsSettled(state->free, system, function_tolerance)) {
-    *converged = true;
-    Settle(system, system.gradient.norm(), state);
-    return true;
-  }
-  LevenbergMarquardt::Options options;
-  options.max_iterations = max_iterations;
-  options.function_tolerance = function_tolerance;
-  options.radius = std::clamp(radius_, tuning.least_radius, tuning.most_radius);
-  options.uphill_steps = context_.HasNetworks() ? tuning.uphill_steps : 0;
-  LevenbergMarquardt minimizer(context_.layout, options, &context_.objective);
-  const int first = summary.num_iterations;
-  bool settled = false;
-  const LevenbergMarquardt::Outcome outcome = minimizer.Run(
-      [&](const LevenbergMarquardt::Iteration& iteration,
-          const CondensedSystem& at, const Vector& free) {
-        if (!Note(first, iteration, free)) return false;
-        settled = iteration.accepted && iteration.number > 0 &&
-                  IsSettled(free, at, function_tolerance);
-        return !settled;
-      },
-      &state->free);
-  summary.jacobian_seconds += outcome.cost_seconds;
-  summary.linear_solver_seconds += outcome.solver_seconds;
-  summary.failed_evaluations += outcome.failed_evaluations;
-  if (outcome.end == LevenbergMarquardt::End::kNoCost) return false;
-  *converged = settled || outcome.end == LevenbergMarquardt::End::kConverged;
-  return Conclude(*converged, state);
-}
-
-bool Solver::SolveByCeres(int max_iterations, double function_tolerance,
-                          FitState* state, bool* converged) {
   IdentificationSummary& summary = context_.summary;
   Objective& objective = context_.objective;
   ceres::Solver::Options options =
       SolverOptions(context_, function_tolerance, radius_);
-  options.max_num_iterations = max_iterations;
+  options.max_num_iterations =
+      std::min(max_iterations,
+               context_.options.max_num_iterations - summary.num_iterations);
+  if (options.max_num_iterations <= 0) return true;
 
   const int n = context_.layout.num_free();
   const auto begin = std::chrono::steady_clock::now();
   BoundedCost bounded(context_.layout, state->free, &objective);
   summary.jacobian_seconds += SecondsSince(begin);
-  if (!bounded.IsValid()) return false;
+  if (!bounded.IsValid()) {
+    summary.message = objective.Failure();
+    return false;
+  }
   Vector scaled = bounded.Scaled(state->free);
   if (IsSettled(state->free, bounded.system(), function_tolerance)) {
     *converged = true;
@@ -243,7 +173,7 @@ bool Solver::SolveByCeres(int max_iterations, double function_tolerance,
   problem.AddResidualBlock(&cost, nullptr, scaled.data());
   SetBounds(bounded, scaled.data(), &problem);
 
-  Callback callback(this, bounded, scaled, function_tolerance);
+  Callback callback(*this, bounded, scaled, function_tolerance, &radius_);
   options.callbacks.push_back(&callback);
 
   ceres::Solver::Summary ceres_summary;
@@ -254,12 +184,25 @@ bool Solver::SolveByCeres(int max_iterations, double function_tolerance,
   VLOG(2) << ceres_summary.FullReport();
   if (ceres_summary.termination_type == ceres::FAILURE &&
       ceres_summary.iterations.size() <= 1) {
+    summary.message = objective.Failure();
     return false;
   }
   state->free = bounded.Unscaled(scaled);
   *converged = ceres_summary.termination_type == ceres::CONVERGENCE ||
                ceres_summary.termination_type == ceres::USER_SUCCESS;
-  return Conclude(*converged, state);
+  CondensedSystem system;
+  if (!objective.Linearize(state->free, &system)) {
+    summary.message = objective.Failure();
+    return false;
+  }
+  state->cost = system.cost;
+  if (*converged) {
+    state->optimality = MeasureOptimality(context_.layout, state->free, system);
+    VLOG(1) << ceres_summary.iterations.size() << " iterations, cost "
+            << state->cost << ", cosine " << state->optimality.cosine
+            << ", promise " << state->optimality.promise;
+  }
+  return true;
 }
 
 bool Solver::Polish(FitState* state) {

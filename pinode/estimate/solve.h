@@ -1,18 +1,16 @@
-// One solve, for given noise levels, decays and multipliers.
+// One solve by Ceres, for given noise levels, decays and multipliers.
 
 #ifndef PINODE_ESTIMATE_SOLVE_H_
 #define PINODE_ESTIMATE_SOLVE_H_
 
 #include "pinode/estimate/fit_state.h"
-#include "pinode/estimate/levenberg_marquardt.h"
 #include "pinode/estimate/progress.h"
 
 namespace pinode {
 
-// Levenberg-Marquardt on trajectories, priors and modes over the free
-// parameters within their bounds: in Ceres, or, with so many unknowns that its
-// linear algebra would take longer than all else, by LevenbergMarquardt. The
-// radius of the trust region goes on from solve to solve.
+// Levenberg-Marquardt on trajectories, priors and modes, each a residual block
+// over the free parameters within their bounds. The radius of the trust region
+// goes on from solve to solve.
 class Solver {
  public:
   // Both must outlive this object.
@@ -37,19 +35,9 @@ class Solver {
  private:
   class Callback;
 
-  bool SolveByCeres(int max_iterations, double function_tolerance,
-                    FitState* state, bool* converged);
-  bool SolveMany(int max_iterations, double function_tolerance, FitState* state,
-                 bool* converged);
-  // Leaves the objective linearised at state->free.
-  bool Conclude(bool converged, FitState* state);
-  // False: stop.
-  bool Note(int first_iteration, const LevenbergMarquardt::Iteration& iteration,
-            const Vector& free);
-
   // Whether the best step within the bounds promises less than the share
-  // `tolerance` of the cost. An iteration finds that out by another evaluation,
-  // and takes no step then. Networks go on: what they are promised is little.
+  // `tolerance` of the cost. Ceres finds that out by another evaluation, and
+  // takes no step then. Networks go on: what they are promised is little.
   bool IsSettled(const Vector& free, const CondensedSystem& system,
                  double tolerance) const;
   // Notes a point at which there is nothing to do.

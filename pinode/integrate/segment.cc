@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
-#include "pinode/integrate/few_rows.h"
 #include "pinode/integrate/free_run.h"
 
 namespace pinode {
@@ -115,7 +114,6 @@ bool SegmentPropagator::PropagateTangents(
   sensitivity_.leftCols(by_start).setIdentity();
   dynamics_.Prescribe(grid.AtSample(first), state_.data());
   dynamics_.PrescribeSensitivity(&sensitivity_);
-  Matrix observed_rows;
   int block = first;  // the sample at which the last block of steps begins
   for (int i = first; i <= last; ++i) {
     if (exponentially && sensitivity_.cols() > 0) {
@@ -143,8 +141,8 @@ bool SegmentPropagator::PropagateTangents(
       observation.Observe(state_.data(), stage.rate.data(), grid.AtSample(i),
                           result->channels.col(i - first).data());
       observation.StateJacobian(stage, &state_jacobian_);
-      MultiplyFewRows(state_jacobian_, sensitivity_, &observed_rows);
-      result->jacobian.middleRows(row, channels) = observed_rows;
+      result->jacobian.middleRows(row, channels).noalias() =
+          state_jacobian_ * sensitivity_;
       if (direct) {
         direct_.setZero();
         step_.AddParameterTangents(prepared, observation.rate_map(), &direct_);

@@ -1,7 +1,6 @@
 #include "pinode/integrate/tangent_step.h"
 
 #include "pinode/base/logging.h"
-#include "pinode/integrate/few_rows.h"
 
 namespace pinode {
 namespace {
@@ -108,7 +107,7 @@ void TangentStep::AdvanceByTransition(
   for (size_t s = 0; s < 4; ++s) {
     transition_.noalias() += weights_[s] * stages_[s].jacobian;
   }
-  MultiplyFewRows(transition_, sensitivity, &next_);
+  next_.noalias() = transition_ * sensitivity;
   if (with_parameters) AddParameterColumns(prepared);
 }
 
