@@ -164,7 +164,7 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
 }
 
 TEST_F(ModesSectionTest, DataFileRefusedInOneLine) {
-  const auto refused = [this](const ModesDataFile& file) {
+  const auto refused = [](const ModesDataFile& file) {
     ModesCase c;
     std::string error;
     EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
