@@ -110,12 +110,21 @@ class Hdf5Reader {
       arrays_->push_back(std::move(array));
       return true;
     }
+    // HDF5 does not look whether a data set in its own header is as long as it
+    // says.
+    const Hdf5Id layout(H5Dget_create_plist(set.get()), H5Pclose);
+    if (!layout.good()) return Fail(name);
+    if (H5Pget_layout(layout.get()) == H5D_COMPACT &&
+        static_cast<double>(H5Dget_storage_size(set.get())) <
+            count * static_cast<double>(H5Tget_size(type.get()))) {
+      return Fail(name);
+    }
     if (H5Tget_class(type.get()) != H5T_COMPOUND) {
       return AddNumbers(set.get(), name, IsNumber(type.get()), dimensions,
                         H5T_NATIVE_DOUBLE);
     }
     const int members = H5Tget_nmembers(type.get());
-    // HDF5 does not look whether a file's fields lie within their record.
+    // Nor whether a file's fields lie within their record.
     for (int m = 0; m < members; ++m) {
       const auto number = static_cast<unsigned>(m);
       const Hdf5Id member(H5Tget_member_type(type.get(), number), H5Tclose);
