@@ -1,9 +1,10 @@
 // Modes of a structure from records of its vibration, without a model and
 // without its loads: frequencies, damping ratios and shapes with intervals.
 //
-// Reads the records of a case, identifies the modes of each (covariance-driven
-// stochastic subspace identification over many orders), and ties those of
-// several set-ups of sensors together.
+// Reads the records of a case, identifies the modes of each by what it is
+// (subspace identification over many orders, with the loads where they were
+// measured; ERA of a free decay), and ties those of several set-ups of sensors
+// together.
 //
 // Sample run:
 //   pinode_modes --case=C.toml --output_dir=D
