@@ -184,9 +184,9 @@ TEST_F(ModesSectionTest, DataFileRefusedInOneLine) {
   file.columns = {"a1", "w2"};
   EXPECT_THAT(refused(file), HasSubstr("w2"));
   file.columns = {"a1", ""};
-  refused(file);
+  EXPECT_THAT(refused(file), HasSubstr("'column' is empty"));
   file.columns = {"a1", "a1"};
-  refused(file);
+  EXPECT_THAT(refused(file), HasSubstr("a1"));
   file.columns = {"a1"};
   file.sampling_rate_hz = -1.0;
   refused(file);

@@ -205,8 +205,10 @@ class RecordReader {
       ChannelSection channel(table);
       channel.name = table.String("name", table.String("column"));
       if (!table.errors()->ok()) return false;
-      if (channel.name.empty() && !table.RequireKey("column", "a column")) {
-        return false;
+      if (channel.name.empty()) {
+        const std::string key = table.Has("name") ? "name" : "column";
+        return table.RequireKey(key, "a column") &&
+               table.Fail(key, "'" + key + "' is empty, expected a text");
       }
       table.set_name(table_.name() + ", channel '" + channel.name + "'");
       channel.signal.table.set_name(table.name());
