@@ -11,8 +11,8 @@
 #include <exception>
 #include <new>
 #include <string>
-#include <vector>
 
+#include "apps/help_text.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
@@ -60,35 +60,6 @@ void KeepMemory() {
 #endif
 }
 
-bool IsOwn(const gflags::CommandLineFlagInfo& flag) {
-  return flag.filename.find("apps/") != std::string::npos;
-}
-
-std::vector<gflags::CommandLineFlagInfo> AllFlags() {
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  return flags;
-}
-
-void PrintHelp(const std::string& usage) {
-  std::printf("%s\n\n", usage.c_str());
-  const auto print = [](const gflags::CommandLineFlagInfo& flag) {
-    std::printf("  --%s  (%s, default \"%s\")\n      %s\n", flag.name.c_str(),
-                flag.type.c_str(), flag.default_value.c_str(),
-                flag.description.c_str());
-  };
-  for (const auto& flag : AllFlags()) {
-    if (IsOwn(flag)) print(flag);
-  }
-  std::printf("\nLogging, to standard error:\n\n");
-  for (const auto& flag : AllFlags()) {
-    if (flag.name == "v" || flag.name == "vmodule") print(flag);
-  }
-  std::printf(
-      "\nExit status: 0 done; 1 ran, but the result is not usable; 2 bad input "
-      "or usage;\n3 interrupted, best so far written.\n");
-}
-
 // The name of the flag in "--name", "--name=value" or "--noname"; sets *value
 // and *has_value.
 std::string FlagName(const std::string& argument, std::string* value,
@@ -119,7 +90,12 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
     bool has_value = false;
     std::string name = FlagName(argument, &value, &has_value);
     if (name == "help" || name == "h") {
-      PrintHelp(usage);
+      std::printf("%s", HelpText(usage).c_str());
+      *status = kExitDone;
+      return false;
+    }
+    if (name == "version") {
+      std::printf("%s\n", VersionText(argv[0]).c_str());
       *status = kExitDone;
       return false;
     }
@@ -133,11 +109,7 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
       has_value = true;
     }
     if (!gflags::GetCommandLineFlagInfo(name.c_str(), &info)) {
-      std::vector<std::string> known;
-      for (const auto& flag : AllFlags()) {
-        if (IsOwn(flag)) known.push_back(flag.name);
-      }
-      const std::string nearest = NearestName(name, known);
+      const std::string nearest = NearestName(name, OwnFlagNames());
       Refuse("unknown flag '--" + name + "'" +
              (nearest.empty() ? "" : ", did you mean '--" + nearest + "'?") +
              "; see --help");

@@ -16,9 +16,8 @@ inline constexpr int kExitInterrupted = 3;  // best so far written
 // Sets the flags from the command line and starts logging to standard error.
 // gflags' own parser leaves with status 1 on help and on mistakes alike, so
 // names and values are checked here. Returns true where the program is to go
-// on; otherwise *status is what it is to exit with: kExitDone after --help (its
-// own flags are printed first), kExitBadInput after one line about what is
-// wrong.
+// on; otherwise *status is what it is to exit with: kExitDone after --help or
+// --version, kExitBadInput after one line about what is wrong.
 [[nodiscard]] bool ParseFlags(int argc, char** argv, const std::string& usage,
                               int* status);
 
