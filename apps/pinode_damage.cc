@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/baseline_folder.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/case_picture.h"
 #include "pinode/case/case_result.h"
 #include "pinode/case/damage_case.h"
 #include "pinode/case/damage_files.h"
@@ -169,7 +171,11 @@ int main(int argc, char** argv) {
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   if (judgement.judged) report.damage = &result;
+  const std::optional<StructurePicture> picture =
+      PictureOfCase(c, summary, model, report.damage);
+  if (picture.has_value()) report.structure = &*picture;
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
+      !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteDamageFiles(report, folder.working_path(), &error) ||
       !folder.Commit(&error)) {
     return Refuse(error);

@@ -17,6 +17,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@
 #include "apps/ranks.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/case_picture.h"
 #include "pinode/case/case_result.h"
 #include "pinode/case/checkpoint_file.h"
 #include "pinode/case/discover_files.h"
@@ -201,10 +203,14 @@ bool WriteFittedModel(const Case& c, const Discovery& discovery,
   ReportInput report = MakeReportInput(discovered.problem, discovery.summary,
                                        discovery.model, origin);
   report.equations = &discovery.equations;
+  const std::optional<StructurePicture> picture =
+      PictureOfCase(discovered, discovery.summary, discovery.model, nullptr);
+  if (picture.has_value()) report.structure = &*picture;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   return WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
                          error) &&
+         WriteVtu(picture, folder.working_path(), error) &&
          WriteHtmlReport(report, report_options,
                          folder.working_path() + "/report.html", error) &&
          (!IsInterrupted(discovery) ||

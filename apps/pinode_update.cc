@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "apps/console_watch.h"
@@ -20,6 +21,7 @@
 #include "apps/ranks.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/case_picture.h"
 #include "pinode/case/case_result.h"
 #include "pinode/case/fit_case.h"
 #include "pinode/case/result_folder.h"
@@ -94,11 +96,15 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  const ReportInput report = MakeReportInput(
+  ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
+  const std::optional<StructurePicture> picture =
+      PictureOfCase(c, summary, model, nullptr);
+  if (picture.has_value()) report.structure = &*picture;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
+      !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteHtmlReport(report, report_options,
                        folder.working_path() + "/report.html", &error) ||
       !folder.Commit(&error)) {

@@ -352,6 +352,9 @@ def case_lines(state, frequencies):
         lines += ["  [[record.channel]]", f'  column = "{column}"',
                   '  quantity = "absolute_acceleration"', f'  dof = "{dof}"',
                   '  unit = "m/s^2"', "  sigma_percent = %g" % (100 * NOISE)]
+    # Groups of stiffness are called like their element sets.
+    lines += ["[geometry]", 'file = "frame.inp"', "groups = {" + ", ".join(
+        f'mass_{floor} = "beams_{floor}"' for floor in STOREYS) + "}"]
     # Added mass is what the groups mass_1 ... are for.
     lines += ["[damage]", 'kinds = ["nonlinear"]']
     for storey, below in zip(STOREYS, ["ground"] + BRACE_ENDS):

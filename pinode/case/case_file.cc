@@ -11,6 +11,7 @@
 #include "pinode/case/discover_section.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/case/force_scale_section.h"
+#include "pinode/case/geometry_section.h"
 #include "pinode/case/library_section.h"
 #include "pinode/case/modal_section.h"
 #include "pinode/case/model_section.h"
@@ -96,11 +97,12 @@ class CaseReader {
 
  private:
   bool ReadHead() {
-    if (!root_.AllowKeys({"title", "units", "model", "group", "element",
-                          "library", "network", "unknown_force", "record",
-                          "modal", "mode", "options", "simulate", "discover",
-                          "damage", "profiles", "reference_curve", "modes",
-                          "plan"})) {
+    if (!root_.AllowKeys(
+            {"title",           "units",    "model",   "group",
+             "element",         "library",  "network", "unknown_force",
+             "record",          "modal",    "mode",    "options",
+             "simulate",        "discover", "damage",  "profiles",
+             "reference_curve", "modes",    "plan",    "geometry"})) {
       return false;
     }
     description_.title = root_.String("title");
@@ -162,7 +164,8 @@ class CaseReader {
                                      "expected a positive definite one");
     }
     c_.problem.dynamics = dynamics_;
-    return true;
+    return ReadGeometry(root_, *dynamics_, c_.finite_element.get(),
+                        &c_.geometry);
   }
 
   bool ReadData() {

@@ -21,6 +21,7 @@
 
 namespace pinode {
 
+struct PlacedGeometry;
 struct ReducedStructure;
 struct TomlValue;
 
@@ -41,6 +42,10 @@ struct Case {
   // The finite-element model of which the problem's is a reduction
   // (pinode/study/reduced_structure.h); null where the case has none.
   std::shared_ptr<const ReducedStructure> finite_element;
+
+  // [geometry]: where its nodes are (pinode/study/structure_picture.h); null
+  // where the case does not say.
+  std::shared_ptr<const PlacedGeometry> geometry;
 
   // [simulate]: noise in per cent of each channel's standard deviation, or of
   // each channel's own sigma.

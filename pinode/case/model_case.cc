@@ -1,5 +1,6 @@
 #include "pinode/case/model_case.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -40,7 +41,8 @@ class ModelCaseWriter {
     SetNetworks();
     return WriteModelFiles(dynamics_, folder_, error_) && WriteGroups() &&
            SetElements() && SetLibraries() && SetForces() && SetRecords() &&
-           SetModes() && SetReferenceCurves() && WriteArrays() &&
+           SetModes() && SetReferenceCurves() && SetGeometry() &&
+           WriteArrays() &&
            WriteFileAtomically(
                Path("model.toml"),
                "# The model after the identification; see the keys' meaning "
@@ -272,6 +274,23 @@ class ModelCaseWriter {
     TomlValue* curves = root_.Find("reference_curve");
     if (curves == nullptr) return true;
     for (TomlValue& curve : curves->elements) MovePath(&curve);
+    return true;
+  }
+
+  // DOFs that a reduction has left are no longer there to be placed.
+  bool SetGeometry() {
+    TomlValue* geometry = root_.Find("geometry");
+    if (geometry == nullptr) return true;
+    MovePath(geometry);
+    TomlValue* dofs = geometry->Find("dofs");
+    if (dofs == nullptr) return true;
+    const std::vector<std::string>& names = dynamics_.model().dof_names;
+    const std::vector<TomlValue::Entry> placed = dofs->entries;
+    for (const auto& [dof, place] : placed) {
+      if (std::find(names.begin(), names.end(), dof) == names.end()) {
+        dofs->Erase(dof);
+      }
+    }
     return true;
   }
 

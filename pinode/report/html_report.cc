@@ -14,6 +14,7 @@
 #include "pinode/report/number_text.h"
 #include "pinode/report/page_data.h"
 #include "pinode/report/report_figures.h"
+#include "pinode/report/structure_view.h"
 
 namespace pinode {
 namespace {
@@ -104,6 +105,7 @@ class PageMaker {
     DrawFigures(options_, &figures_);
     AddHead();
     AddDamage();
+    AddStructure();
     AddScores();
     AddEquations();
     AddParameters();
@@ -152,6 +154,14 @@ class PageMaker {
     page_.set("command", origin.command_line);
     page_.set("footer", "pinode " + input_.version + ", " +
                             Duration(origin.wall_seconds) + " in all.");
+  }
+
+  void AddStructure() {
+    Data data;
+    if (input_.structure != nullptr) {
+      data.set("html", StructureSection(*input_.structure));
+    }
+    SetIf("structure", input_.structure != nullptr, data, &page_);
   }
 
   void AddDamage() {

@@ -20,9 +20,9 @@ struct HtmlReportOptions {
   int num_threads = 1;
 };
 
-// The whole page: no scripts, nothing outside of it is referred to, all names
-// and sentences of the user escaped. A figure that cannot be drawn is replaced
-// by a sentence that says why.
+// The whole page: nothing outside of it is referred to, all names and sentences
+// of the user escaped; no scripts but that of the structure's view. A figure
+// that cannot be drawn is replaced by a sentence that says why.
 std::string RenderHtmlReport(const ReportInput& input,
                              const HtmlReportOptions& options);
 

@@ -332,5 +332,34 @@ TEST(HtmlReport, BeginsWithWhatHasChanged) {
             page.find("How well the model predicts"));
 }
 
+// Verdicts, then the structure, then how well the model fits.
+TEST(HtmlReport, DrawsTheStructureBelowTheVerdicts) {
+  auto example = testing::MakeReportExample();
+  DamageResult damage;
+  damage.judgement.sentence = "Damage: k2 (-10 %) lost stiffness.";
+  damage.judgement.verdict = DamageVerdict::kDamage;
+  testing::AddChange("k2", ChangeKind::kStiffness, -0.1, -0.12, -0.08, 1.0,
+                     true, &damage);
+  damage.baselines = {"results/last_year"};
+  example->input.damage = &damage;
+  StructurePicture picture;
+  picture.geometry.node_names = {"g", "a"};
+  picture.geometry.positions = Matrix::Zero(2, 3);
+  picture.geometry.positions(1, 2) = 3.0;
+  picture.geometry.elements = {{ElementShape::kLine, {0, 1}}};
+  example->input.structure = &picture;
+  const std::string page = RenderHtmlReport(example->input, WithoutGnuplot());
+  size_t before = 0;
+  for (const char* part :
+       {"Damage: k2 (-10 %) lost stiffness.", "<p class=\"verdict\">",
+        "<h2>The structure</h2>", "class=\"scene\"",
+        "Change since the baseline", "How well the model predicts"}) {
+    const size_t place = page.find(part);
+    ASSERT_NE(place, std::string::npos) << part;
+    EXPECT_GT(place, before) << part;
+    before = place;
+  }
+}
+
 }  // namespace
 }  // namespace pinode

@@ -128,6 +128,10 @@ PageData PictureData(const ReportFigures::Picture& picture) {
   return data;
 }
 
+std::string EscapeHtml(const std::string& text) {
+  return mustache::html_escape(text);
+}
+
 std::string RenderPage(const char* page_template, PageData page) {
   page.set("table", Partial(kTablePartial));
   page.set("figure", Partial(kFigurePartial));

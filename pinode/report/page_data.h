@@ -29,6 +29,9 @@ PageData TableData(const TextTable& table,
 
 PageData PictureData(const ReportFigures::Picture& picture);
 
+// For what is put together outside of templates.
+std::string EscapeHtml(const std::string& text);
+
 // The page that `page_template` makes of `page`; {{>table}}, {{>figure}} and
 // {{>style}} are those that all pages share.
 std::string RenderPage(const char* page_template, PageData page);

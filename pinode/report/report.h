@@ -14,6 +14,7 @@
 #include "pinode/estimate/identification_summary.h"
 #include "pinode/study/damage_analysis.h"
 #include "pinode/study/prior_comparison.h"
+#include "pinode/study/structure_picture.h"
 
 namespace pinode {
 
@@ -39,6 +40,8 @@ struct ReportInput {
   const std::vector<DiscoveredEquation>* equations = nullptr;
   // What has changed since healthy records; nullptr: nobody asked.
   const DamageResult* damage = nullptr;
+  // Where it all is; nullptr: nobody knows.
+  const StructurePicture* structure = nullptr;
 
   ReportOrigin origin;
   std::string version;  // of pinode

@@ -1,15 +1,20 @@
 #!/usr/bin/env bash
 # From a finite-element model and records to a verdict: the frame of data/.
 #
-#   tests/programs/frame_test.sh PROGRAM_DIR STATE...
+#   tests/programs/frame_test.sh PROGRAM_DIR [--report=FILE] STATE...
 #
 # Three healthy records make the baseline. Of each state the groups that
 # truth.json names must be the only ones that changed, each within 0.3 points of
-# the truth, which is CalculiX'.
+# the truth, which is CalculiX'. The last state's report is left as FILE.
 set -euo pipefail
 
 programs=$(cd -- "$1" && pwd)
 shift
+report=
+if [[ $1 == --report=* ]]; then
+  report=${1#--report=}
+  shift
+fi
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 data=$(cd -- "$here/../../data/frame" && pwd)
 scratch=$(mktemp -d)
@@ -121,3 +126,4 @@ for state in "$@"; do
   [[ -n $good ]] || missed+=("$state")
 done
 [[ ${#missed[@]} -eq 0 ]] || Fail "not as the truth: ${missed[*]}"
+[[ -z $report ]] || cp -- "${!#}/report.html" "$report"

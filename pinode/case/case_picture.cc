@@ -1,0 +1,27 @@
+#include "pinode/case/case_picture.h"
+
+#include "pinode/base/file.h"
+
+namespace pinode {
+namespace {
+
+constexpr int kNumDrawnModes = 8;
+
+}  // namespace
+
+std::optional<StructurePicture> PictureOfCase(
+    const Case& c, const IdentificationSummary& summary,
+    const IdentifiedModel& model, const DamageResult* damage) {
+  if (c.geometry == nullptr) return std::nullopt;
+  return MakeStructurePicture(*c.geometry, c.problem, c.finite_element.get(),
+                              &summary, &model, damage, kNumDrawnModes);
+}
+
+bool WriteVtu(const std::optional<StructurePicture>& picture,
+              const std::string& folder, std::string* error) {
+  return !picture.has_value() ||
+         WriteFileAtomically(folder + "/structure.vtu", FormatVtu(*picture),
+                             error);
+}
+
+}  // namespace pinode

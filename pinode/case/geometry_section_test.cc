@@ -1,0 +1,121 @@
+#include "pinode/case/geometry_section.h"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/case/testing.h"
+#include "pinode/record/universal_file.h"
+#include "pinode/study/structure_picture.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class GeometrySectionTest : public ::testing::Test {
+ protected:
+  GeometrySectionTest() { folder_.Write("quake.csv", SmallRecord()); }
+
+  std::shared_ptr<const PlacedGeometry> Read(const std::string& section) {
+    return ReadOrFail(folder_.Write("case.toml", SmallCase() + section))
+        .geometry;
+  }
+
+  std::string ErrorOf(const std::string& section) {
+    Case c;
+    std::string error;
+    EXPECT_FALSE(ReadCase(folder_.Write("case.toml", SmallCase() + section), &c,
+                          &error));
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+    return error;
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr char kTable[] = R"([geometry]
+nodes = {g = [0, 0, 0], a = [0, 0, 3], b = [0, 0, 6], c = [4, 0, 6]}
+dofs = {u1 = "a.1", u2 = ["b.1", "-c.1"]}
+[[geometry.line]]
+nodes = ["g", "a"]
+set = "lower"
+[[geometry.line]]
+nodes = ["a", "b", "c"]
+set = "upper"
+)";
+
+TEST_F(GeometrySectionTest, ATable) {
+  EXPECT_EQ(Read(""), nullptr);
+  const auto placed = Read(kTable);
+  ASSERT_NE(placed, nullptr);
+  EXPECT_THAT(placed->geometry.node_names, ElementsAre("g", "a", "b", "c"));
+  EXPECT_EQ(placed->geometry.positions(3, 0), 4.0);
+  ASSERT_EQ(placed->geometry.elements.size(), 3u);
+  EXPECT_THAT(placed->geometry.elements[2].nodes, ElementsAre(2, 3));
+  ASSERT_EQ(placed->geometry.SetIndex("upper"), 1);
+  EXPECT_THAT(placed->geometry.sets[1].elements, ElementsAre(1, 2));
+  ASSERT_EQ(placed->dofs.at("u2").size(), 2u);
+  EXPECT_EQ(placed->dofs.at("u2")[1].node, "c");
+  EXPECT_EQ(placed->dofs.at("u2")[1].sign, -1.0);
+}
+
+TEST_F(GeometrySectionTest, Files) {
+  folder_.Write(
+      "frame.inp",
+      "*NODE\n1,0,0,0\n2,0,0,1\n*ELEMENT,TYPE=B31,ELSET=post\n1,1,2\n");
+  const auto deck = Read("[geometry]\nfile = \"frame.inp\"\n");
+  ASSERT_NE(deck, nullptr);
+  EXPECT_EQ(deck->geometry.SetIndex("post"), 0);
+}
+
+TEST_F(GeometrySectionTest, UniversalFiles) {
+  UniversalFile file;
+  for (int label : {7, 8, 12}) {
+    file.nodes.push_back({label, {0.5, 0.0, 1.0 * label}});
+  }
+  // The pen is lifted before the last.
+  file.lines.push_back({"mast", {7, 8, 0, 12}});
+  folder_.Write("mast.uff", FormatUniversalFile(file));
+  const auto placed = Read(
+      "[geometry]\nfile = \"mast.uff\"\ndofs = {u1 = \"8.2\"}\n"
+      "[[geometry.line]]\nnodes = [\"8\", \"12\"]\nset = \"top\"\n");
+  ASSERT_NE(placed, nullptr);
+  const StructureGeometry& geometry = placed->geometry;
+  EXPECT_THAT(geometry.node_names, ElementsAre("7", "8", "12"));
+  EXPECT_EQ(geometry.positions(2, 2), 12.0);
+  ASSERT_EQ(geometry.elements.size(), 2u);
+  EXPECT_THAT(geometry.elements[0].nodes, ElementsAre(0, 1));
+  EXPECT_THAT(geometry.elements[1].nodes, ElementsAre(1, 2));
+  ASSERT_EQ(geometry.sets.size(), 2u);
+  EXPECT_EQ(geometry.sets[0].name, "mast");
+  EXPECT_THAT(geometry.sets[1].elements, ElementsAre(1));
+  EXPECT_EQ(placed->dofs.at("u1")[0].direction, 2);
+  folder_.Write("empty.uff", FormatUniversalFile(UniversalFile()));
+  EXPECT_NE(ErrorOf("[geometry]\nfile = \"empty.uff\"\n"), "");
+}
+
+TEST_F(GeometrySectionTest, RefusesInOneLine) {
+  EXPECT_THAT(ErrorOf("[geometry]\n"), HasSubstr("expected one of file"));
+  EXPECT_THAT(ErrorOf("[geometry]\nfile = \"none.inp\"\n"),
+              HasSubstr("none.inp"));
+  EXPECT_THAT(ErrorOf(Replaced(kTable, "u1 = \"a.1\"", "u7 = \"a.1\"")),
+              HasSubstr("'u7' is not a DOF"));
+  EXPECT_THAT(ErrorOf(Replaced(kTable, "\"a.1\"", "\"a.4\"")),
+              HasSubstr("'a.4' is no place"));
+  EXPECT_THAT(ErrorOf(Replaced(kTable, "\"a.1\"", "\"z.1\"")),
+              HasSubstr("'z.1' is no place"));
+  EXPECT_THAT(ErrorOf(Replaced(kTable, "[\"g\", \"a\"]", "[\"g\"]")),
+              HasSubstr("fewer than two"));
+  EXPECT_THAT(ErrorOf(Replaced(kTable, "[\"g\", \"a\"]", "[\"g\", \"x\"]")),
+              HasSubstr("'x' is not a node"));
+  EXPECT_THAT(ErrorOf(Replaced(kTable, "[4, 0, 6]", "[4, 0]")),
+              HasSubstr("coordinate"));
+  EXPECT_THAT(
+      ErrorOf(std::string(kTable) + "[geometry.groups]\nk9 = \"upper\"\n"),
+      HasSubstr("'k9' is not a group"));
+}
+
+}  // namespace
+}  // namespace pinode

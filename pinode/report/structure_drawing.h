@@ -1,0 +1,57 @@
+// What of a structure is to be drawn, for the still picture and the view that
+// turns.
+
+#ifndef PINODE_REPORT_STRUCTURE_DRAWING_H_
+#define PINODE_REPORT_STRUCTURE_DRAWING_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/study/structure_picture.h"
+
+namespace pinode {
+
+constexpr char kNoGroupColor[] = "#eceff1";
+constexpr char kUnchangedColor[] = "#cdd6dd";
+constexpr char kSensorColor[] = "#0b6e4f";
+constexpr char kForceColor[] = "#6a4c93";
+constexpr char kUnknownForceColor[] = "#c2185b";
+
+// In units of the structure's size around its middle.
+struct StructureDrawing {
+  struct Face {
+    std::vector<int> nodes;
+    int group = 0;  // 0: none, else one more than that of the picture
+  };
+  Matrix positions;           // nodes that are drawn x 3
+  std::vector<int> nodes;     // their places in the geometry
+  std::vector<int> place_of;  // of a node of the geometry, -1: not drawn
+  std::vector<Face> faces;
+  std::vector<Face> lines;
+  std::vector<int> dots;  // nodes of what has neither faces nor lines
+  std::vector<std::pair<int, int>> edges;
+  std::vector<std::string> colors, told;  // of no group, and of each
+  // What changed, written beside it.
+  struct Mark {
+    std::string text;
+    int node = 0;
+    std::string color;
+  };
+  std::vector<Mark> marks;
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  // Where it is looked at from: radians around `up`, and above the level.
+  double turn = -1.0, tilt = 0.32;
+};
+
+StructureDrawing DrawStructure(const StructurePicture& picture);
+
+// The still picture of it.
+std::string DrawingSvg(const StructurePicture& picture,
+                       const StructureDrawing& drawing);
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_STRUCTURE_DRAWING_H_

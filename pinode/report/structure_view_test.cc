@@ -1,0 +1,126 @@
+#include "pinode/report/structure_view.h"
+
+#include <cmath>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/constants.h"
+#include "pinode/report/testing.h"
+#include "pinode/report/three_packed.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Two cubes on each other and a bar, with a group each.
+StructurePicture TwoCubes() {
+  StructurePicture picture;
+  StructureGeometry& geometry = picture.geometry;
+  geometry.positions.resize(12, 3);
+  for (int i = 0; i < 12; ++i) {
+    const int corner = i % 4;
+    geometry.node_names.push_back(std::to_string(i + 1));
+    geometry.positions.row(i) << (corner == 1 || corner == 2 ? 1.0 : 0.0),
+        (corner >= 2 ? 1.0 : 0.0), i / 4;
+  }
+  geometry.elements = {{ElementShape::kHexahedron, {0, 1, 2, 3, 4, 5, 6, 7}},
+                       {ElementShape::kHexahedron, {4, 5, 6, 7, 8, 9, 10, 11}},
+                       {ElementShape::kLine, {0, 10}}};
+  picture.since_baseline = true;
+  picture.threshold = 0.05;
+  for (int g = 0; g < 3; ++g) {
+    StructurePicture::Group group;
+    group.name = "k<" + std::to_string(g + 1) + ">";
+    group.elements = {g};
+    group.change = group.lower95 = group.upper95 = kNaN;
+    group.probability = kNaN;
+    picture.groups.push_back(group);
+  }
+  picture.groups[1].change = -0.1;
+  picture.groups[1].lower95 = -0.12;
+  picture.groups[1].upper95 = -0.08;
+  picture.groups[1].probability = 0.98;
+  picture.groups[1].changed = true;
+  picture.sensors.push_back({"a</script>1", 8, Eigen::Vector3d::UnitX()});
+  StructurePicture::Mode mode;
+  mode.frequency_hz = 2.5;
+  mode.shape = Matrix::Zero(12, 3);
+  mode.shape.bottomRows(4).col(0).setOnes();
+  picture.modes.push_back(mode);
+  return picture;
+}
+
+int Occurrences(const std::string& part, const std::string& text) {
+  int count = 0;
+  for (size_t at = text.find(part); at != std::string::npos;
+       at = text.find(part, at + part.size())) {
+    ++count;
+  }
+  return count;
+}
+
+TEST(StructureViewTest, ChangesInWords) {
+  const StructurePicture picture = TwoCubes();
+  EXPECT_EQ(ChangeText(picture, picture.groups[1]),
+            "k<2>: -10.0 % (95 %: -12.0 % to -8.0 %), a loss beyond 5 % with "
+            "probability 0.98");
+  EXPECT_EQ(ChangeText(picture, picture.groups[0]), "k<1>: not asked for");
+}
+
+TEST(StructureViewTest, StillPicture) {
+  const std::string svg = StructureSvg(TwoCubes());
+  EXPECT_EQ(testing::FindHtmlFault(svg), "");
+  // Ten faces (the two between the cubes are seen by nobody), a bar of two
+  // strokes, an arrow with its head.
+  EXPECT_EQ(Occurrences("<path", svg), 10 + 2 + 2);
+  // A sensor, and what changed.
+  EXPECT_EQ(Occurrences("<text", svg), 2);
+  EXPECT_THAT(svg, HasSubstr(">k&lt;2&gt; -10.0 %<"));
+  EXPECT_THAT(svg, HasSubstr("a&lt;/script&gt;1"));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+TEST(StructureViewTest, SectionHoldsAllThatItNeeds) {
+  const std::string html = StructureSection(TwoCubes());
+  // Names end no script.
+  EXPECT_EQ(Occurrences("</script>", html), 3);
+  EXPECT_THAT(html, HasSubstr("a<\\/script>1"));
+  EXPECT_THAT(html, HasSubstr("mode 1, 2.5"));
+  EXPECT_THAT(html, HasSubstr("with probability 0.98"));
+  EXPECT_THAT(html, HasSubstr(ThreePacked()));
+  // The name space of the still picture.
+  EXPECT_EQ(Occurrences("http", html), 1);
+  EXPECT_THAT(html, Not(HasSubstr("src=")));
+  // 20 triangles outside, of three nodes each.
+  const size_t at = html.find("\"triangles\":[");
+  ASSERT_NE(at, std::string::npos);
+  const std::string list = html.substr(at, html.find(']', at) - at);
+  EXPECT_EQ(Occurrences(",", list), 59);
+}
+
+// Nodes alone are dots.
+TEST(StructureViewTest, NodesWithoutLines) {
+  StructurePicture picture = TwoCubes();
+  picture.geometry.elements.clear();
+  picture.groups.clear();
+  const std::string svg = StructureSvg(picture);
+  EXPECT_EQ(Occurrences("<circle", svg), 12);
+  EXPECT_EQ(Occurrences("<text", svg), 1);
+}
+
+// A picture of too much is still.
+TEST(StructureViewTest, LargeStructuresStayStill) {
+  StructurePicture picture = TwoCubes();
+  for (int i = 0; i < 21000; ++i) {
+    picture.geometry.elements.push_back({ElementShape::kLine, {0, 10}});
+  }
+  const std::string html = StructureSection(picture);
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, HasSubstr("still picture alone"));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,14 @@
+// three.js, which draws structures in pages.
+
+#ifndef PINODE_REPORT_THREE_PACKED_H_
+#define PINODE_REPORT_THREE_PACKED_H_
+
+namespace pinode {
+
+// The library's script as Debian's libjs-three has it, packed by gzip, as
+// base64. Made when pinode is built.
+const char* ThreePacked();
+
+}  // namespace pinode
+
+#endif  // PINODE_REPORT_THREE_PACKED_H_

@@ -1,0 +1,94 @@
+// A structure as it is drawn: where it is, what changed, what moves, where it
+// was measured.
+
+#ifndef PINODE_STUDY_STRUCTURE_PICTURE_H_
+#define PINODE_STUDY_STRUCTURE_PICTURE_H_
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
+#include "pinode/structure/geometry.h"
+#include "pinode/study/damage_analysis.h"
+#include "pinode/study/reduced_structure.h"
+
+namespace pinode {
+
+// A geometry beside a model: which of its nodes and elements are the model's
+// DOFs and groups.
+struct PlacedGeometry {
+  StructureGeometry geometry;
+  // Nodes and directions of DOFs that are not called "node.direction"; several,
+  // as of a floor, move together. Names are those of the geometry.
+  struct Place {
+    std::string node;
+    int direction = 1;  // 1 to 3: along x, y, z
+    double sign = 1.0;
+  };
+  std::map<std::string, std::vector<Place>> dofs;
+  // Element sets of groups; a group without an entry has the set of its name.
+  std::map<std::string, std::vector<std::string>> groups;
+};
+
+struct StructurePicture {
+  StructureGeometry geometry;
+
+  // A group with elements to colour.
+  struct Group {
+    std::string name;
+    std::vector<int> elements;
+    bool is_mass = false;
+    // Fraction of what was there, and its 95 % interval; NaN: not known.
+    double change = 0.0;
+    double lower95 = 0.0, upper95 = 0.0;
+    // P(loss > threshold); NaN where no change was asked for.
+    double probability = 0.0;
+    bool changed = false;  // found to have
+  };
+  std::vector<Group> groups;
+  // Whether changes are since a baseline; else against the model.
+  bool since_baseline = false;
+  double threshold = 0.0;  // of the probability
+
+  // At a node, along a unit vector.
+  struct Arrow {
+    std::string name;
+    int node = 0;
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
+  };
+  std::vector<Arrow> sensors;
+  std::vector<Arrow> forces;          // measured ones
+  std::vector<Arrow> unknown_forces;  // that nobody measured
+
+  struct Mode {
+    double frequency_hz = 0.0;
+    Matrix shape;  // nodes x 3, the largest entry being one
+  };
+  std::vector<Mode> modes;
+
+  // What cannot be drawn, one sentence each.
+  std::vector<std::string> notes;
+};
+
+// `structure`: the finite-element model of which the problem's is a reduction,
+// or nullptr; `model`: what was found (nullptr: the problem as it is) with
+// `summary` of the fit; `damage`: what changed since a baseline, or nullptr. At
+// most `num_modes` modes that move a node.
+StructurePicture MakeStructurePicture(
+    const PlacedGeometry& placed, const IdentificationProblem& problem,
+    const ReducedStructure* structure, const IdentificationSummary* summary,
+    const IdentifiedModel* model, const DamageResult* damage, int num_modes);
+
+// The picture as an unstructured grid of VTK (.vtu, ASCII XML), which ParaView
+// and others read: cells with `group` (an index, -1 for none), `change`,
+// `probability`, `changed`, and `known` where there is a change; points with
+// the mode shapes, `mode_1` and so on.
+std::string FormatVtu(const StructurePicture& picture);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_STRUCTURE_PICTURE_H_

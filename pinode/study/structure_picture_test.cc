@@ -1,0 +1,159 @@
+#include "pinode/study/structure_picture.h"
+
+#include <cmath>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/study/testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Three floors of two corners each; DOFs u1, u2, u3 move floors along x.
+PlacedGeometry Frame() {
+  PlacedGeometry placed;
+  StructureGeometry& geometry = placed.geometry;
+  geometry.positions.resize(8, 3);
+  for (int floor = 0; floor < 4; ++floor) {
+    for (int side = 0; side < 2; ++side) {
+      geometry.node_names.push_back(std::string(side == 0 ? "w" : "e") +
+                                    std::to_string(floor));
+      geometry.positions.row(2 * floor + side) << 4.0 * side, 0.0, 3.0 * floor;
+    }
+  }
+  for (int floor = 1; floor < 4; ++floor) {
+    StructureGeometry::Set columns;
+    columns.name = "columns_" + std::to_string(floor);
+    for (int side = 0; side < 2; ++side) {
+      columns.elements.push_back(static_cast<int>(geometry.elements.size()));
+      geometry.elements.push_back(
+          {ElementShape::kLine, {2 * floor - 2 + side, 2 * floor + side}});
+    }
+    geometry.elements.push_back(
+        {ElementShape::kLine, {2 * floor, 2 * floor + 1}});
+    geometry.sets.push_back(columns);
+    const std::string name = std::to_string(floor);
+    placed.dofs["u" + name] = {{"w" + name, 1, 1.0}, {"e" + name, 1, 1.0}};
+    placed.groups["k" + name] = {columns.name};
+  }
+  return placed;
+}
+
+TEST(StructurePictureTest, GroupsArrowsAndModes) {
+  const IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
+  DamageResult damage;
+  damage.options.threshold = 0.05;
+  damage.subjects.resize(3);
+  damage.estimate.groups.resize(3);
+  for (size_t i = 0; i < 3; ++i) {
+    damage.subjects[i].name = "k" + std::to_string(3 - i);
+  }
+  GroupChange& change = damage.estimate.groups[1];  // of k2
+  change.change = -0.1;
+  change.lower95 = -0.12;
+  change.upper95 = -0.08;
+  change.probability = 0.99;
+  change.changed = true;
+  const StructurePicture picture = MakeStructurePicture(
+      Frame(), problem, nullptr, nullptr, nullptr, &damage, 2);
+  ASSERT_EQ(picture.groups.size(), 3u);
+  EXPECT_TRUE(picture.since_baseline);
+  EXPECT_EQ(picture.groups[1].name, "k2");
+  EXPECT_THAT(picture.groups[1].elements, ElementsAre(3, 4));
+  EXPECT_EQ(picture.groups[1].change, -0.1);
+  EXPECT_EQ(picture.groups[1].probability, 0.99);
+  EXPECT_TRUE(picture.groups[1].changed);
+  EXPECT_FALSE(picture.groups[0].changed);
+  // A sensor a floor, at the first of its nodes.
+  ASSERT_EQ(picture.sensors.size(), 3u);
+  EXPECT_EQ(picture.sensors[1].name, "a2");
+  EXPECT_EQ(
+      picture.geometry.node_names[static_cast<size_t>(picture.sensors[1].node)],
+      "w2");
+  EXPECT_EQ(picture.sensors[1].direction, Eigen::Vector3d::UnitX());
+  // Of a uniform chain: sin(i pi / 7) for the lowest mode.
+  ASSERT_EQ(picture.modes.size(), 2u);
+  const Matrix& shape = picture.modes[0].shape;
+  for (int floor = 1; floor <= 3; ++floor) {
+    const double expected =
+        std::sin(floor * M_PI / 7.0) / std::sin(3.0 * M_PI / 7.0);
+    EXPECT_NEAR(std::abs(shape(2 * floor, 0)), expected, 1e-6);
+    EXPECT_NEAR(shape(2 * floor + 1, 0), shape(2 * floor, 0), 1e-12);
+  }
+  EXPECT_EQ(shape.rightCols(2).norm(), 0.0);
+  EXPECT_EQ(shape.topRows(2).norm(), 0.0);
+}
+
+// A sensor of several DOFs of a node is one arrow between them, one that
+// measures between nodes an arrow at each.
+TEST(StructurePictureTest, SensorsAlongAnyDirection) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
+  PlacedGeometry placed = Frame();
+  placed.dofs["u2"] = {{"w1", 3, -1.0}};
+  auto& channels = problem.records[0].channels;
+  channels.resize(2);
+  channels[0].observation.weights = Eigen::Vector3d(0.6, 0.8, 0.0);
+  channels[1].observation.weights = Eigen::Vector3d(-1.0, 0.0, 1.0);
+  const StructurePicture picture = MakeStructurePicture(
+      placed, problem, nullptr, nullptr, nullptr, nullptr, 0);
+  ASSERT_EQ(picture.sensors.size(), 3u);
+  EXPECT_TRUE(
+      picture.sensors[0].direction.isApprox(Eigen::Vector3d(0.6, 0.0, -0.8)));
+  EXPECT_EQ(picture.sensors[1].direction, -Eigen::Vector3d::UnitX());
+  EXPECT_EQ(picture.sensors[2].direction, Eigen::Vector3d::UnitX());
+  EXPECT_EQ(picture.sensors[2].name, picture.sensors[1].name);
+  EXPECT_TRUE(picture.modes.empty());
+}
+
+TEST(StructurePictureTest, AgainstTheModelAndWithoutPlaces) {
+  const IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
+  IdentificationSummary summary;
+  summary.parameters.push_back(
+      {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, true, false});
+  summary.parameters.push_back(
+      {"k2", "1", 0.0, 0.01, 0.01, -0.01, 0.03, true, false});
+  PlacedGeometry placed = Frame();
+  placed.dofs.erase("u3");
+  placed.groups["k3"] = {"nothing"};
+  const StructurePicture picture = MakeStructurePicture(
+      placed, problem, nullptr, &summary, nullptr, nullptr, 5);
+  ASSERT_EQ(picture.groups.size(), 2u);
+  EXPECT_TRUE(picture.groups[0].changed);
+  EXPECT_FALSE(picture.groups[1].changed);
+  EXPECT_TRUE(std::isnan(picture.groups[0].probability));
+  EXPECT_EQ(picture.sensors.size(), 2u);
+  ASSERT_EQ(picture.notes.size(), 2u);
+  EXPECT_THAT(picture.notes[0], HasSubstr("k3"));
+  EXPECT_THAT(picture.notes[1], HasSubstr("a3"));
+}
+
+TEST(VtuTest, CellsAndPoints) {
+  const IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
+  IdentificationSummary summary;
+  summary.parameters.push_back(
+      {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, true, false});
+  const StructurePicture picture = MakeStructurePicture(
+      Frame(), problem, nullptr, &summary, nullptr, nullptr, 1);
+  const std::string vtu = FormatVtu(picture);
+  EXPECT_THAT(vtu, HasSubstr("NumberOfPoints=\"8\" NumberOfCells=\"9\""));
+  EXPECT_THAT(vtu, HasSubstr("<!-- groups: 0 k1 1 k2 2 k3 -->"));
+  EXPECT_THAT(vtu, HasSubstr("Name=\"types\" NumberOfComponents=\"1\" "
+                             "format=\"ascii\">\n3 3 3 3 3 3 3 3 3"));
+  EXPECT_THAT(vtu, HasSubstr("Name=\"change\" NumberOfComponents=\"1\" "
+                             "format=\"ascii\">\n0.2 0.2 0 0"));
+  EXPECT_THAT(vtu, HasSubstr("Name=\"known\" NumberOfComponents=\"1\" "
+                             "format=\"ascii\">\n1 1 0 0"));
+  EXPECT_THAT(vtu, HasSubstr("Name=\"mode_1\" NumberOfComponents=\"3\""));
+  EXPECT_EQ(vtu.find("nan"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pinode

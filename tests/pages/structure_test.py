@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""The structure in a report, in headless Chromium.
+
+    tests/pages/structure_test.py REPORT.html [FOLDER]
+
+It draws, turns by pointer and by keys, zooms, moves in its modes, opens within
+a second, a median frame takes less than 50 ms while it turns (software
+rendering), it refers to nothing outside, is printed as a still picture, and
+says so where there is no WebGL. Screenshots go to FOLDER. Status 77: there is no
+Chromium.
+"""
+
+import os
+import re
+import shutil
+import statistics
+import sys
+
+import chromium
+
+MOST_SECONDS = 1.0
+MOST_MILLISECONDS = 50.0
+MOST_BYTES = 3 << 20
+OPENINGS = 3
+
+
+def check(good, what):
+    if not good:
+        sys.exit("FAILED: " + what)
+
+
+SECTION = "document.getElementById('structure')"
+# Of the canvas as it stands: how many of its pixels are not white, and their
+# mean colour, which a turn changes.
+LOOK = """(() => {
+  pinodeStructure.turn(0, 0);
+  return new Promise((done) => requestAnimationFrame(() => {
+    const canvas = document.querySelector('#structure canvas');
+    const paper = document.createElement('canvas');
+    paper.width = canvas.width; paper.height = canvas.height;
+    const pen = paper.getContext('2d');
+    pen.drawImage(canvas, 0, 0);
+    const p = pen.getImageData(0, 0, paper.width, paper.height).data;
+    let drawn = 0, hash = 0;
+    for (let i = 0; i < p.length; i += 4) {
+      if (p[i] + p[i + 1] + p[i + 2] < 750) {
+        ++drawn;
+        hash = (hash * 31 + i + p[i]) % 1000000007;
+      }
+    }
+    done([drawn / (p.length / 4), hash]);
+  }));
+})()"""
+
+
+def with_webgl(report, folder):
+    browser = chromium.Browser(chromium.SOFTWARE_WEBGL)
+    try:
+        # The first may wait for the disk, or for others on the machine.
+        seconds = []
+        for _ in range(OPENINGS):
+            browser.open(report)
+            seconds.append(
+                int(browser.evaluate(f"{SECTION}.dataset.ready") or 0) / 1000)
+        check(browser.evaluate(f"{SECTION}.dataset.state") == "drawn",
+              "not drawn: " + str(browser.evaluate(
+                  f"{SECTION}.querySelector('.no-webgl').textContent")))
+        browser.evaluate(f"{SECTION}.scrollIntoView()")
+        share, at_first = browser.evaluate(LOOK)
+        check(share > 0.02, f"only {share:.3f} of the picture is drawn")
+        if folder:
+            browser.screenshot(os.path.join(folder, "structure.png"))
+
+        box = browser.evaluate(
+            "(() => { const b = document.querySelector('#structure canvas')"
+            ".getBoundingClientRect(); return [b.x + b.width / 2, "
+            "b.y + b.height / 2]; })()")
+        mouse = dict(button="left", clickCount=1)
+        browser.send("Input.dispatchMouseEvent", type="mousePressed",
+                     x=box[0], y=box[1], **mouse)
+        browser.send("Input.dispatchMouseEvent", type="mouseMoved",
+                     x=box[0] + 120, y=box[1] + 30, **mouse)
+        browser.send("Input.dispatchMouseEvent", type="mouseReleased",
+                     x=box[0] + 120, y=box[1] + 30, **mouse)
+        dragged = browser.evaluate(LOOK)[1]
+        check(dragged != at_first, "dragging does not turn it")
+        turned = browser.evaluate(f"{SECTION}.dataset.turn")
+        browser.evaluate(f"{SECTION}.querySelector('.scene').focus()")
+        browser.send("Input.dispatchKeyEvent", type="keyDown",
+                     key="ArrowLeft", code="ArrowLeft")
+        check(browser.evaluate(f"{SECTION}.dataset.turn") != turned,
+              "an arrow key does not turn it")
+        away = browser.evaluate(f"{SECTION}.dataset.away")
+        browser.send("Input.dispatchMouseEvent", type="mouseWheel", x=box[0],
+                     y=box[1], deltaX=0, deltaY=-200)
+        browser.evaluate("new Promise((d) => setTimeout(d, 200))")
+        check(browser.evaluate(f"{SECTION}.dataset.away") != away,
+              "the wheel does not zoom")
+        # Two fingers, apart.
+        away = browser.evaluate(f"{SECTION}.dataset.away")
+        for kind, gap in (("touchStart", 40), ("touchMove", 90)):
+            browser.send("Input.dispatchTouchEvent", type=kind, touchPoints=[
+                dict(x=box[0] - gap, y=box[1], id=1),
+                dict(x=box[0] + gap, y=box[1], id=2)])
+        browser.send("Input.dispatchTouchEvent", type="touchEnd",
+                     touchPoints=[])
+        check(browser.evaluate(f"{SECTION}.dataset.away") != away,
+              "two fingers do not zoom")
+        browser.evaluate(f"{SECTION}.querySelector('.whole').click()")
+
+        # A mode moves without anybody's hand.
+        modes = browser.evaluate(
+            f"{SECTION}.querySelectorAll('.motion option').length - 1")
+        check(modes >= 1, "no mode to show")
+        choose = ("(() => { const m = document.querySelector('#structure "
+                  ".motion'); m.value = '%s'; m.dispatchEvent(new "
+                  "Event('change')); })()")
+        browser.evaluate(choose % "0")
+        browser.evaluate("new Promise((d) => setTimeout(d, 350))")
+        moving = browser.evaluate(LOOK)[1]
+        browser.evaluate("new Promise((d) => setTimeout(d, 450))")
+        check(browser.evaluate(LOOK)[1] != moving, "the mode does not move")
+        if folder:
+            browser.screenshot(os.path.join(folder, "mode.png"))
+        # While a mode moves and the view turns: the most work there is.
+        times = browser.evaluate("pinodeStructure.frames(60)")
+        median = statistics.median(times)
+        browser.evaluate(choose % "")
+        browser.send("Emulation.setEmulatedMedia", media="print")
+        still = browser.evaluate(
+            "[getComputedStyle(document.querySelector('#structure .still'))"
+            ".display, getComputedStyle(document.querySelector("
+            "'#structure .scene')).display]")
+        check(still == ["block", "none"], f"printed as {still}")
+        if folder:
+            browser.evaluate(f"{SECTION}.scrollIntoView()")
+            browser.screenshot(os.path.join(folder, "print.png"))
+        check(not browser.errors(), f"errors: {browser.errors()}")
+    finally:
+        browser.close()
+    return min(seconds), median
+
+
+def without_webgl(report, folder):
+    browser = chromium.Browser(chromium.NO_WEBGL)
+    try:
+        browser.open(report)
+        check(browser.evaluate(f"{SECTION}.dataset.state") == "still",
+              "it does not notice that there is no WebGL")
+        words = browser.evaluate(
+            f"{SECTION}.querySelector('.no-webgl').innerText")
+        check("WebGL" in words and "still picture" in words,
+              f"without WebGL it says '{words}'")
+        check(browser.evaluate(
+            f"{SECTION}.querySelector('.still svg')"
+            ".getBoundingClientRect().height") > 100, "no still picture")
+        check(not browser.errors(), f"errors: {browser.errors()}")
+        if folder:
+            browser.evaluate(f"{SECTION}.scrollIntoView()")
+            browser.screenshot(os.path.join(folder, "still.png"))
+    finally:
+        browser.close()
+
+
+def main():
+    report = sys.argv[1]
+    folder = sys.argv[2] if len(sys.argv) > 2 else ""
+    size = os.path.getsize(report)
+    with open(report, encoding="utf-8") as file:
+        text = file.read()
+    check(size <= MOST_BYTES, f"{size} bytes, more than 3 MB")
+    outside = re.findall(r'(?:src|href)="(?!#)[^"]*"', text)
+    check(not outside, f"the page refers to {outside[:3]}")
+    if shutil.which("chromium") is None:
+        print("SKIPPED: there is no chromium")
+        sys.exit(77)
+    seconds, median = with_webgl(report, folder)
+    print(f"{size / 1e6:.2f} MB; drawn {seconds:.2f} s after the page was "
+          f"asked for; median frame {median:.1f} ms")
+    check(seconds <= MOST_SECONDS, f"{seconds:.2f} s, more than a second")
+    check(median <= MOST_MILLISECONDS, f"median frame of {median:.1f} ms")
+    without_webgl(report, folder)
+
+
+if __name__ == "__main__":
+    main()
