@@ -1,5 +1,6 @@
 #include "pinode/base/array_files.h"
 
+#include <hdf5.h>
 #include <matio.h>
 
 #include <cmath>
@@ -132,6 +133,47 @@ TEST(ArrayFilesTest, Hdf5DataSets) {
   const std::vector<NamedArray> huge = ReadOrFail(Sample("huge.h5"));
   ExpectTimes(huge, "t");
   EXPECT_THAT(Find(huge, "empty").fault, HasSubstr("larger than the file"));
+}
+
+// A data set in its own header ("compact") is not looked at by HDF5: of one
+// that is shorter than its shape says it reads what lies behind.
+TEST(ArrayFilesTest, CompactHdf5DataSetShorterThanItSays) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("compact.h5");
+  const double values[] = {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0};
+  const hsize_t size = 8;
+  const hid_t file =
+      H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t space = H5Screate_simple(1, &size, nullptr);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  ASSERT_GE(H5Pset_layout(properties, H5D_COMPACT), 0);
+  const hid_t set = H5Dcreate2(file, "a", H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                               properties, H5P_DEFAULT);
+  ASSERT_GE(
+      H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values),
+      0);
+  H5Dclose(set);
+  H5Pclose(properties);
+  H5Sclose(space);
+  ASSERT_GE(H5Fclose(file), 0);
+  const std::vector<NamedArray> whole = ReadOrFail(path);
+  ASSERT_EQ(Find(whole, "a").values.rows(), 8);
+  EXPECT_EQ(Find(whole, "a").values(7, 0), 128.0);
+
+  // Its layout: version 3, class 0, 64 bytes, which become 32.
+  std::string content;
+  std::string error;
+  ASSERT_TRUE(ReadBinaryFile(path, &content, &error)) << error;
+  const std::string layout("\x03\x00\x40\x00", 4);
+  const size_t at = content.find(layout);
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(content.find(layout, at + 1), std::string::npos);
+  content[at + 2] = '\x20';
+  ASSERT_TRUE(WriteFileAtomically(path, content, &error)) << error;
+  std::vector<NamedArray> arrays;
+  EXPECT_FALSE(ReadArrayFile(
+      path, [](const std::string&) { return true; }, &arrays, &error));
+  EXPECT_THAT(error, HasSubstr(path + ": data set 'a' cannot be read"));
 }
 
 TEST(ArrayFilesTest, OnlyWhatIsWantedIsRead) {

@@ -4,6 +4,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/channel_faults.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -11,28 +12,12 @@ namespace {
 
 // Their covariances are half the square of this at each knot.
 constexpr Eigen::Index kMostCorrelatedAreas = 40;
+// What two channels that are one, but for a factor and rounding, leave of the
+// square of their correlation.
+constexpr double kCopy = 1e-10;
 // Of the model's lowest mode in the band: below it spectral lines are no longer
 // independent numbers.
 constexpr double kFewestCyclesOfMode = 20.0;
-
-// Whether a channel is the other times a number, but for rounding.
-bool IsCopy(const Vector& a, const Vector& b) {
-  constexpr double kRounding = 1e-10;
-  double aa = 0.0;
-  double bb = 0.0;
-  double ab = 0.0;
-  const double mean_a = MeanOfPresent(a);
-  const double mean_b = MeanOfPresent(b);
-  for (Eigen::Index k = 0; k < a.size(); ++k) {
-    const double x = a[k] - mean_a;
-    const double y = b[k] - mean_b;
-    if (std::isnan(x) || std::isnan(y)) continue;
-    aa += x * x;
-    bb += y * y;
-    ab += x * y;
-  }
-  return ab * ab > (1.0 - kRounding) * aa * bb;
-}
 
 // Of the model as it is at first, inside the band of the record; 0: none.
 double LowestModeInBand(const AmbientRecord& record,
@@ -87,17 +72,15 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
       return fail(where + "needs a finite weight for each DOF, not all zero");
     }
     const Vector values = samples.row(static_cast<Eigen::Index>(c));
-    if (values.array().isInf().any()) {
-      return fail(where + "has an infinite sample");
-    }
+    const std::string useless = WhyChannelIsUseless(values);
+    if (!useless.empty()) return fail(where + useless);
     if (10 * CountPresent(values) < 9 * values.size()) {
       return fail(where + "lacks more than a tenth of its samples");
     }
-    if (!(StandardDeviationOfPresent(values) > 0.0)) {
-      return fail(where + "has the same value in every sample");
-    }
     for (size_t other = 0; other < c; ++other) {
-      if (IsCopy(values, samples.row(static_cast<Eigen::Index>(other)))) {
+      const double correlation = CorrelationOfPresent(
+          values, samples.row(static_cast<Eigen::Index>(other)));
+      if (1.0 - correlation * correlation < kCopy) {
         return fail(where + "is channel '" + channels[other].name +
                     "' once more, expected sensors with a noise of their own; "
                     "leave one of the two out");

@@ -42,8 +42,7 @@ struct ResponseRecord {
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
-// What is wrong with sensors, a sentence each: a channel that says the same
-// over and over, one that is cut off at its range, two that are one.
+// As of a record of any kind (record/channel_faults.h).
 std::vector<std::string> FindChannelFaults(const ResponseRecord& record);
 
 }  // namespace pinode
