@@ -21,7 +21,7 @@ Fail() {
 mapfile -t flags < <(
   cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../apps"
   grep -hoP '^DEFINE_\w+\(\K\w+' "$name.cc"
-  grep -q '"apps/fit_flags.h"' "$name.cc" &&
+  grep -q -e '"apps/fit_flags.h"' -e '^DECLARE_string(case)' "$name.cc" &&
     grep -hoP '^DEFINE_\w+\(\K\w+' fit_flags.cc
 )
 flags+=(help version v vmodule)

@@ -23,13 +23,16 @@ CasePurpose PurposeOf(const std::string& name) {
   if (name == "fit") return CasePurpose::kFit;
   if (name == "check") return CasePurpose::kCheck;
   if (name == "simulation") return CasePurpose::kSimulation;
-  throw Error("purpose is '" + name + "', expected fit, check or simulation");
+  if (name == "planning") return CasePurpose::kPlanning;
+  throw Error("purpose is '" + name +
+              "', expected fit, check, simulation or planning");
 }
 
 const char* PurposeName(CasePurpose purpose) {
-  return purpose == CasePurpose::kFit     ? "fit"
-         : purpose == CasePurpose::kCheck ? "check"
-                                          : "simulation";
+  return purpose == CasePurpose::kFit          ? "fit"
+         : purpose == CasePurpose::kCheck      ? "check"
+         : purpose == CasePurpose::kSimulation ? "simulation"
+                                               : "planning";
 }
 
 std::shared_ptr<CaseHandle> ReadFile(const std::string& path,
@@ -40,11 +43,21 @@ std::shared_ptr<CaseHandle> ReadFile(const std::string& path,
   bool ok = false;
   {
     py::gil_scoped_release release;
-    const auto read = handle->purpose == CasePurpose::kFit ? ReadCase
-                      : handle->purpose == CasePurpose::kCheck
-                          ? ReadCaseForCheck
-                          : ReadCaseForSimulation;
-    ok = read(path, &handle->c, &error);
+    Case* c = &handle->c;
+    switch (handle->purpose) {
+      case CasePurpose::kFit:
+        ok = ReadCase(path, c, &error);
+        break;
+      case CasePurpose::kCheck:
+        ok = ReadCaseForCheck(path, c, &error);
+        break;
+      case CasePurpose::kSimulation:
+        ok = ReadCaseForSimulation(path, c, &error);
+        break;
+      case CasePurpose::kPlanning:
+        ok = ReadCaseForPlanning(path, /*force_dof=*/"", c, &error);
+        break;
+    }
   }
   Require(ok, error);
   return handle;
@@ -221,10 +234,13 @@ py::dict Check(const CaseHandle& handle) {
 }  // namespace
 
 void CheckFit(const CaseHandle& handle) {
-  if (handle.purpose == CasePurpose::kSimulation) {
+  if (handle.purpose == CasePurpose::kSimulation ||
+      handle.purpose == CasePurpose::kPlanning) {
     throw Error(
-        "the case is for a simulation and has no measured responses, "
-        "expected one with values for its channels");
+        std::string("the case is for a ") +
+        (handle.purpose == CasePurpose::kPlanning ? "plan" : "simulation") +
+        " and has no measured responses, expected one with values for its "
+        "channels");
   }
   std::string error;
   Require(handle.c.problem.IsValid(&error), error);

@@ -19,4 +19,5 @@ PYBIND11_MODULE(_pinode, module) {
   BindFit(&module);
   BindStudy(&module);
   BindModes(&module);
+  BindPlan(&module);
 }

@@ -1,11 +1,13 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pinode/base/statistics.h"
 #include "pinode/case/baseline_folder.h"
 #include "pinode/case/damage_case.h"
 #include "pinode/case/damage_files.h"
@@ -24,24 +26,59 @@ namespace {
 
 namespace py = pybind11;
 
+// What noise of the sensors is: per cent of each channel's standard deviation,
+// or each channel's own sigma.
+struct NoiseRequest {
+  double percent = 0.0;
+  bool is_sigma = false;
+};
+
+NoiseRequest NoiseOf(const Case& c, double percent, const py::object& noise) {
+  if (!noise.is_none() &&
+      Cast<std::string>(noise, "noise", "'sigma' or None") != "sigma") {
+    throw Error("noise is '" + noise.cast<std::string>() +
+                "', expected 'sigma' or None");
+  }
+  if (!(percent < 1e6)) {
+    throw Error("noise_percent must be a finite number");
+  }
+  if (!noise.is_none() && percent >= 0.0) {
+    throw Error("noise and noise_percent are both given, expected one");
+  }
+  NoiseRequest request;
+  request.is_sigma = !noise.is_none() || (percent < 0.0 && c.noise_is_sigma);
+  request.percent = percent < 0.0 ? c.noise_percent : percent;
+  return request;
+}
+
+// `request` for one channel, in per cent of the standard deviation of `values`.
+double NoisePercent(const NoiseRequest& request, const MeasuredChannel& channel,
+                    const Vector& values) {
+  if (!request.is_sigma) return request.percent;
+  if (!(channel.sigma > 0.0)) {
+    throw Error("noise is 'sigma', and channel '" + channel.observation.name +
+                "' has none, expected a positive one");
+  }
+  const double spread = StandardDeviationOfPresent(values);
+  return spread > 0.0 ? 100.0 * channel.sigma /
+                            (std::abs(channel.description.factor) * spread)
+                      : 0.0;
+}
+
 // Of each record the times, what its sensors show, and the states.
 py::dict Simulate(const CaseHandle& handle, double noise_percent,
-                  const py::object& seed) {
+                  const py::object& seed, const py::object& noise_kind) {
   const IdentificationProblem& problem = handle.c.problem;
   if (problem.records.empty()) {
     throw Error(
         "the case has no record, expected one with an excitation or a "
         "start");
   }
-  if (!(noise_percent < 1e6)) {
-    throw Error("noise_percent must be a finite number");
-  }
+  const NoiseRequest request = NoiseOf(handle.c, noise_percent, noise_kind);
   SensorNoise noise(
       seed.is_none()
           ? handle.c.noise_seed
           : Cast<std::uint64_t>(seed, "seed", "a whole number from 0 to 2^64"));
-  const double percent =
-      noise_percent < 0.0 ? handle.c.noise_percent : noise_percent;
   const Vector parameters = ParameterLayout(problem).InitialValues();
   py::dict result;
   for (size_t r = 0; r < problem.records.size(); ++r) {
@@ -55,7 +92,7 @@ py::dict Simulate(const CaseHandle& handle, double noise_percent,
     for (size_t i = 0; i < record.channels.size(); ++i) {
       Vector values =
           response.sensors.row(static_cast<Eigen::Index>(i)).transpose();
-      noise.AddTo(percent, &values);
+      noise.AddTo(NoisePercent(request, record.channels[i], values), &values);
       channels[py::str(record.channels[i].observation.name)] =
           FromVector(values);
     }
@@ -218,7 +255,8 @@ std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
 
 void BindStudy(py::module_* module) {
   module->def("simulate", &Simulate, py::arg("case"),
-              py::arg("noise_percent") = -1.0, py::arg("seed") = py::none());
+              py::arg("noise_percent") = -1.0, py::arg("seed") = py::none(),
+              py::arg("noise") = py::none());
   module->def(
       "damage",
       [](const CaseHandle& handle, const Fit* fit, const py::list& baselines,

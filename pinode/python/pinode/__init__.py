@@ -43,6 +43,7 @@ from .result import (
     Fit,
     Parameter,
     ResultFolder,
+    SensorPlan,
     Simulation,
     read_result,
 )
@@ -77,6 +78,7 @@ __all__ = [
     "Parameter",
     "Record",
     "ResultFolder",
+    "SensorPlan",
     "ShearBuilding",
     "Simulation",
     "Unknown",

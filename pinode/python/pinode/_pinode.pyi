@@ -86,8 +86,14 @@ def identify(
     resume: bool = False,
 ) -> FitHandle: ...
 def simulate(
-    case: CaseHandle, noise_percent: float = -1.0, seed: int | None = None
+    case: CaseHandle,
+    noise_percent: float = -1.0,
+    seed: int | None = None,
+    noise: str | None = None,
 ) -> dict[str, dict[str, Any]]: ...
+def plan_sensors(
+    case: CaseHandle, num_sensors: int, force_at: str = ""
+) -> dict[str, Any]: ...
 def damage(
     case: CaseHandle,
     fit: FitHandle | None,

@@ -14,7 +14,7 @@ from .parts import Record
 from .progress import watched
 
 if TYPE_CHECKING:
-    from .result import Damage, Discovery, Fit, ResultFolder, Simulation
+    from .result import Damage, Discovery, Fit, ResultFolder, SensorPlan, Simulation
 
 Progress = Callable[[Mapping[str, Any]], Any]
 
@@ -45,7 +45,7 @@ class Case:
     units: {"force": "kN", "length": "mm"}; N, m and s unless given.
     options: of the fit, as [options] of a case file.
     Further tables of a case file (`modal`, `damage`, `profiles`, `discover`,
-        `simulate`) by name.
+        `simulate`, `plan`) by name. With `plan` records need no channels.
     """
 
     def __init__(
@@ -80,11 +80,8 @@ class Case:
         }
         self._parts = {k: v for k, v in given.items() if v is not None}
         tree = {_TABLES.get(k, k): v for k, v in self._parts.items()}
-        simulation = any(
-            isinstance(r, Record) and r.is_for_simulation for r in records or ()
-        )
         self._handle = _pinode.CaseHandle.from_tree(
-            tree, "", "simulation" if simulation else "check"
+            tree, "", _purpose(records, "plan" in self._parts)
         )
 
     @classmethod
@@ -197,12 +194,17 @@ class Case:
         return self._handle.check()
 
     def simulate(
-        self, *, noise_percent: float | None = None, seed: int | None = None
+        self,
+        *,
+        noise_percent: float | None = None,
+        noise: str | None = None,
+        seed: int | None = None,
     ) -> "Simulation":
         """The response of the model to the excitation of each record.
 
-        noise_percent: of each channel's standard deviation, added to it; as the
-            case says unless given. seed: of this noise.
+        noise_percent: of each channel's standard deviation, added to it; or
+        noise: "sigma", each channel's own `sigma`; as the case says unless one
+            is given. seed: of this noise.
         """
         from .result import Simulation
 
@@ -211,8 +213,22 @@ class Case:
                 self._handle,
                 noise_percent=-1.0 if noise_percent is None else noise_percent,
                 seed=seed,
+                noise=noise,
             )
         )
+
+    def plan_sensors(self, num_sensors: int, *, force_at: str = "") -> "SensorPlan":
+        """The sensors that tell most about the groups, for the loads of the
+        training records; nothing need have been measured, nothing is fitted.
+
+        Table `plan` of the case says what there is to choose from (places,
+        their noise, criterion, durations); without it accelerometers anywhere.
+        force_at: a DOF; the first force of each record acts there, and no other
+            load does: where to hit.
+        """
+        from .result import SensorPlan
+
+        return SensorPlan(_pinode.plan_sensors(self._handle, num_sensors, force_at))
 
     def identify(
         self,
@@ -330,6 +346,15 @@ class Case:
     def __reduce__(self) -> tuple[Any, ...]:
         tree = self._handle.tree()
         return _restore, (tree, self.path, self._handle.purpose)
+
+
+def _purpose(records: Sequence[Mapping[str, Any]] | None, plan: bool) -> str:
+    """What a case with these records can be for: "check", which is for fits too,
+    where all responses are there."""
+    own = [r for r in records or () if isinstance(r, Record)]
+    if plan and any(r.is_for_simulation or not r.get("channel") for r in own):
+        return "planning"
+    return "simulation" if any(r.is_for_simulation for r in own) else "check"
 
 
 def _restore(tree: dict[str, Any], path: str, purpose: str) -> Case:

@@ -478,7 +478,7 @@ class Record(Part):
             interpolation=interpolation,
             start=start,
             role=role,
-            channel=tables,
+            channel=tables or None,
             **signals,
             **keys,
         )
@@ -486,7 +486,7 @@ class Record(Part):
     @property
     def is_for_simulation(self) -> bool:
         """Whether it has a channel without values."""
-        return any("column" not in c and "file" not in c for c in self["channel"])
+        return any("column" not in c and "file" not in c for c in self.get("channel", ()))
 
 
 class Mode(Part):

@@ -82,6 +82,56 @@ class Simulation(Mapping):
         return f"Simulation({text})"
 
 
+class SensorPlan(Sequence):
+    """Sensors, the most telling first; each a dictionary: name, quantity, sigma
+    and unit of its noise, rms of what it would show, and what it and those
+    before it reach: `typical` and `worst` deviation of the targets, `worst_of`.
+
+    targets: the parameters that the sensors are chosen for.
+    one_more: what another sensor would bring; None where there is none.
+    own: `typical` and `worst` with the case's own sensors, or None.
+    deviations: {parameter: {"unit", "initial", "own", "planned", "all"}},
+        standard deviations with the case's own sensors, the planned ones, and
+        one at every place; inf where it is not determined.
+    undetermined, undetermined_by_own: what they cannot see, as sentences.
+    durations: `typical` and `worst` with shorter records, where `plan` asks.
+    """
+
+    def __init__(self, plan: dict[str, Any]) -> None:
+        self._sensors: list[dict[str, Any]] = plan["sensors"]
+        self._text: str = plan["text"]
+        self.targets: list[str] = plan["targets"]
+        self.one_more: dict[str, Any] | None = plan["one_more"]
+        self.own: dict[str, Any] | None = plan["own"]
+        self.deviations: dict[str, dict[str, Any]] = plan["deviations"]
+        self.undetermined: list[str] = plan["undetermined"]
+        self.undetermined_by_own: list[str] = plan["undetermined_by_own"]
+        self.durations: list[dict[str, Any]] = plan["durations"]
+
+    @property
+    def names(self) -> list[str]:
+        return [s["name"] for s in self._sensors]
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._sensors[index]
+
+    def __len__(self) -> int:
+        return len(self._sensors)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"SensorPlan({', '.join(self.names)})"
+
+    def _repr_html_(self) -> str:
+        rows = [[s["name"], s["quantity"], f"{s['sigma']:.3g} {s['unit']}", s["typical"],
+                 s["worst"], s["worst_of"]] for s in self._sensors]
+        header = ["sensor", "quantity", "noise", "typical deviation", "worst", "of"]
+        return _html.section(f"{len(self)} sensors for {', '.join(self.targets)}",
+                             _html.table(header, rows))
+
+
 class _Outcome:
     """What fits, verdicts and equations have in common: a fit."""
 

@@ -116,6 +116,27 @@ def test_simulation_agrees_with_another_integration():
     assert np.array_equal(noisy, again)
     spread = np.std(noisy - response["channels"]["a"]) / np.std(noisy)
     assert 0.04 < spread < 0.06
+    with pytest.raises(pinode.Error, match="sigma"):
+        case.simulate(noise="sigma")
+    with pytest.raises(pinode.Error, match="noise"):
+        case.simulate(noise="loud")
+
+
+def test_noise_of_each_sensors_own_sigma():
+    ground, _ = frame_testing.measure(noise=0.0)
+    sigmas = {"u1": 0.05, "u3": 0.2}
+    case = pinode.Case(
+        conftest.model(),
+        records=[pinode.Record("r", step=0.01, ground={"x": ground}, interpolation="cubic",
+                               start="rest", channels=[
+                                   pinode.Channel(dof, dof=dof, sigma=sigma)
+                                   for dof, sigma in sigmas.items()])])
+    clean = case.simulate()["r"]["channels"]
+    noisy = case.simulate(noise="sigma", seed=3)["r"]["channels"]
+    for dof, sigma in sigmas.items():
+        assert np.std(noisy[dof] - clean[dof]) == pytest.approx(sigma, rel=0.08)
+    with pytest.raises(pinode.Error, match="both"):
+        case.simulate(noise="sigma", noise_percent=1.0)
     with pytest.raises(pinode.Error, match="simulation"):
         case.identify()
 

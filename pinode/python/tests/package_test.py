@@ -89,7 +89,11 @@ def test_what_is_public_is_described():
                     assert what.__annotations__.get("return") is not None, (name, part)
 
 
-@pytest.mark.parametrize("page", ["README.md", "pinode/python/README.md"])
+PAGES = [str(page.relative_to(SOURCE)) for folder in (".", "pinode", "pinode/*", "data", "tests")
+         for page in sorted(SOURCE.glob(f"{folder}/*.md")) if "```python" in page.read_text()]
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_python_of_the_documentation_runs(page, tmp_path, monkeypatch, capsys):
     text = (SOURCE / page).read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)

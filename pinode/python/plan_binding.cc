@@ -1,0 +1,128 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/units.h"
+#include "pinode/case/plan_section.h"
+#include "pinode/estimate/problem_description.h"
+#include "pinode/python/convert.h"
+#include "pinode/python/fit.h"
+#include "pinode/report/plan_text.h"
+#include "pinode/study/sensor_plan.h"
+
+namespace pinode::python {
+namespace {
+
+namespace py = pybind11;
+
+py::dict Reached(const SensorPlan::Step& step) {
+  py::dict entry;
+  entry["typical"] = step.typical;
+  entry["worst"] = step.worst;
+  entry["worst_of"] = step.worst_name;
+  return entry;
+}
+
+// What is reached with a sensor more, and which that is; None: there is none.
+py::object Sensor(const Case& c, const SensorPlan& plan,
+                  const SensorPlan::Step& step) {
+  if (step.candidate < 0) return py::none();
+  const auto i = static_cast<size_t>(step.candidate);
+  const Observation& observation = c.plan.candidates[i].observation;
+  const SensorInformation& information = plan.information.candidates[i];
+  py::dict entry = Reached(step);
+  entry["name"] = observation.name;
+  entry["quantity"] = QuantityName(observation.quantity);
+  entry["sigma"] = information.sigma;
+  entry["rms"] = information.rms;
+  entry["unit"] =
+      UnitName(DimensionOf(observation.quantity), c.problem.description.units);
+  return entry;
+}
+
+py::dict Deviations(const SensorPlan& plan) {
+  const bool has_own = !plan.information.own.empty();
+  py::dict deviations;
+  for (size_t i = 0; i < plan.by_plan.size(); ++i) {
+    const ExpectedDeviation& planned = plan.by_plan[i];
+    py::dict entry;
+    entry["unit"] = planned.unit;
+    entry["initial"] = planned.initial;
+    entry["own"] =
+        has_own ? py::object(py::float_(plan.by_own[i].sigma)) : py::none();
+    entry["planned"] = planned.sigma;
+    entry["all"] = plan.by_all[i].sigma;
+    deviations[py::str(planned.name)] = std::move(entry);
+  }
+  return deviations;
+}
+
+// The case is read again, for its [plan]; with `force_at` not empty the first
+// force of each record acts at that DOF, and no other load does.
+py::dict PlanCase(const CaseHandle& handle, int num_sensors,
+                  const std::string& force_at) {
+  if (num_sensors < 1) {
+    throw Error("num_sensors is " + std::to_string(num_sensors) +
+                ", expected at least 1");
+  }
+  Case c;
+  SensorPlan plan;
+  std::vector<PlannedDuration> durations;
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    TomlValue tree = *handle.c.source;
+    ok = MoveForces(handle.c.path, force_at, &tree, &error) &&
+         ReadCaseTree(tree, handle.c.path, handle.c.data,
+                      CasePurpose::kPlanning, &c, &error);
+    if (ok) {
+      c.plan.options.num_sensors = num_sensors;
+      ok = PlanSensors(c.problem, c.options, c.plan.own, c.plan.candidates,
+                       c.plan.options, &plan, &error) &&
+           (c.plan.durations.empty() ||
+            PlanDurations(c.problem, c.options, c.plan.own, c.plan.candidates,
+                          c.plan.options, plan, c.plan.durations, &durations,
+                          &error));
+    }
+  }
+  Require(ok, error);
+  py::dict result;
+  py::list sensors, cut;
+  for (const SensorPlan::Step& step : plan.steps) {
+    sensors.append(Sensor(c, plan, step));
+  }
+  for (const PlannedDuration& duration : durations) {
+    py::dict entry = Reached(duration.reached);
+    entry["duration"] = duration.duration;
+    cut.append(std::move(entry));
+  }
+  result["targets"] = plan.targets;
+  result["sensors"] = std::move(sensors);
+  result["one_more"] = Sensor(c, plan, plan.next);
+  result["own"] =
+      plan.information.own.empty() ? py::object(py::none()) : Reached(plan.own);
+  result["deviations"] = Deviations(plan);
+  result["undetermined"] = plan.undetermined_by_plan;
+  result["undetermined_by_own"] = plan.undetermined_by_own;
+  result["durations"] = std::move(cut);
+  result["text"] =
+      PlanText(c.problem, c.plan.candidates, c.plan.options, plan) +
+      (durations.empty() ? ""
+                         : "\nWith the planned sensors\n" +
+                               DurationsText(c.problem, durations));
+  return result;
+}
+
+}  // namespace
+
+void BindPlan(py::module_* module) {
+  module->def("plan_sensors", &PlanCase, py::arg("case"),
+              py::arg("num_sensors"), py::arg("force_at") = "");
+}
+
+}  // namespace pinode::python

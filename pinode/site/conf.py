@@ -1,0 +1,37 @@
+"""Sphinx's settings; build.sh lays this beside the documents."""
+
+import os
+import pathlib
+import re
+
+root = pathlib.Path(os.environ["PINODE_SOURCE_DIR"])
+
+project = "pinode"
+author = copyright = "The pinode authors"
+release = version = re.search(r"project\(pinode VERSION ([0-9.]+)",
+                              (root / "CMakeLists.txt").read_text())[1]
+root_doc = "index"
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+doxygen = pathlib.Path(os.environ["PINODE_BUILD_DIR"]) / "site_doxygen" / "xml"
+if doxygen.exists():
+    extensions.append("breathe")
+    breathe_projects = {"pinode": str(doxygen)}
+    breathe_default_project = "pinode"
+
+# Indented blocks are formulas, commands and output: no language.
+highlight_language = "none"
+myst_heading_anchors = 4
+myst_all_links_external = False
+autodoc_typehints = "description"
+autodoc_member_order = "bysource"
+
+html_theme = "alabaster"
+html_theme_options = {
+    "description": "Structural identification from matrices and records",
+    "page_width": "1100px",
+    "sidebar_width": "260px",
+    "fixed_sidebar": True,
+}
+html_show_sourcelink = False
+html_copy_source = False

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# A header as Doxygen reads it: plain comments become its own, the first that of
+# the file. Formulas in them keep their layout.
+#
+#   doxygen_filter.sh HEADER
+exec awk '
+  # What Doxygen and reStructuredText would take for commands.
+  function Plain(text) {
+    gsub(/[\\@]/, "\\\\&", text)
+    gsub(/</, "\\&lt;", text)
+    return text
+  }
+  FNR == 1 && /^\/\// { print "/// \\file" }
+  match($0, /^ *\/\/( |$)/) {
+    print substr($0, 1, RLENGTH - ($0 ~ /\/\/ /)) "/" \
+      Plain(substr($0, RLENGTH + ($0 !~ /\/\/ /)))
+    next
+  }
+  match($0, /[;,{] +\/\/ /) {
+    print substr($0, 1, RSTART) " ///< " Plain(substr($0, RSTART + RLENGTH))
+    next
+  }
+  { print }
+' "$1"

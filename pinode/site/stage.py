@@ -1,0 +1,160 @@
+"""Lays the project's documents out for Sphinx.
+
+    stage.py [--quick] ROOT SOURCE
+
+SOURCE gets the documents in the folders that they have in ROOT, so that their
+links hold, beside the files that they link to; ROOT's README becomes the index.
+Tutorials are run and become pages with their figures; without --quick there is
+a page of C++ for each floor.
+"""
+
+import os
+import pathlib
+import re
+import shutil
+import sys
+
+import nbconvert
+import nbformat
+from nbconvert.preprocessors import ExecutePreprocessor
+
+TUTORIALS = pathlib.Path("pinode/python/tutorials")
+# Sections of the index, in their order: title, pages.
+CONTENTS = [
+    ("Use", ["pinode/case/README", "pinode/python/README", "tutorials", "pinode/coming_from",
+             "pinode/matlab", "pinode/when_a_fit_does_not_work", "apps/README"]),
+    ("Method", ["pinode/theory", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
+    ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
+                   "third_party_notes/README", "CHANGELOG"]),
+]
+LINK = re.compile(r"\]\(([^()\s#]+)((?:#[^()\s]*)?)\)")
+
+
+def is_address(target):
+    return re.match(r"\w+://", target) is not None
+
+
+def toctree(title, pages, **options):
+    lines = "".join(f":{name}: {value}\n" for name, value in options.items())
+    return f"\n```{{toctree}}\n:caption: {title}\n{lines}\n" + "\n".join(pages) + "\n```\n"
+
+
+class Stage:
+    def __init__(self, root, source, quick):
+        self.root, self.source, self.quick = root, source, quick
+
+    def linked(self, page, text):
+        """`text` with links to what the site has; files are laid beside it."""
+        def replace(match):
+            target, anchor = match[1], match[2]
+            if is_address(target):
+                return match[0]
+            file = pathlib.Path(os.path.normpath(page.parent / target))
+            if file == pathlib.Path("README.md"):
+                target = os.path.relpath("index.md", page.parent)
+            elif file == TUTORIALS:
+                target = os.path.relpath("tutorials.md", page.parent)
+            elif (self.root / file).is_dir():
+                target = os.path.join(target, "README.md")
+            elif file.suffix == ".ipynb":
+                target = target.removesuffix(".ipynb") + ".md"
+            elif file.suffix != ".md":
+                self.copy(file)
+            return f"]({target}{anchor})"
+
+        return LINK.sub(replace, text)
+
+    def copy(self, file):
+        to = self.source / file
+        to.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(self.root / file, to)
+
+    def write(self, page, text):
+        to = self.source / page
+        to.parent.mkdir(parents=True, exist_ok=True)
+        to.write_text(text)
+
+    def documents(self):
+        for path in sorted(self.root.rglob("*.md")):
+            page = path.relative_to(self.root)
+            if page.parts[0].startswith(("build", ".")) or "floors_fixture" in page.parts:
+                continue
+            text = self.linked(page, path.read_text())
+            if page == pathlib.Path("README.md"):
+                page = pathlib.Path("index.md")
+                for title, pages in CONTENTS:
+                    text += toctree(title, [p for p in pages if self.has(p)],
+                                    hidden="", maxdepth=2)
+            if page == pathlib.Path("third_party_notes/README.md"):
+                notes = sorted(p.stem for p in path.parent.glob("*.md") if p.stem != "README")
+                text += toctree("Libraries", notes, hidden="")
+            self.write(page, text)
+
+    def has(self, page):
+        if page.startswith("api_"):
+            return not self.quick
+        return page == "tutorials" or (self.root / f"{page}.md").exists()
+
+    def tutorials(self):
+        titles = []
+        for path in sorted((self.root / TUTORIALS).glob("*.ipynb")):
+            book = nbformat.read(path, as_version=4)
+            page = TUTORIALS / path.with_suffix(".md").name
+            folder = self.source / TUTORIALS
+            folder.mkdir(parents=True, exist_ok=True)
+            if not self.quick:
+                ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(
+                    book, {"metadata": {"path": str(folder)}})
+            text, resources = nbconvert.MarkdownExporter().from_notebook_node(book, {
+                "output_files_dir": f"{path.stem}_files", "unique_key": path.stem})
+            for name, data in resources.get("outputs", {}).items():
+                file = folder / name
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_bytes(data)
+            # Tables in HTML by themselves are for notebooks; their text is there too.
+            self.write(page, text)
+            titles.append(str(page.with_suffix("")))
+        self.write(pathlib.Path("tutorials.md"), "# Tutorials\n\nNotebooks, as they run.\n" +
+                   toctree("Tutorials", titles, maxdepth=1))
+
+    def cpp(self):
+        floors = sorted({p.parent for p in (self.root / "pinode").glob("*/*.h")})
+        pages = []
+        for floor in floors:
+            name = floor.name
+            if name == "python":
+                continue
+            headers = [h for h in sorted(floor.glob("*.h")) if not h.name.endswith("testing.h")]
+            text = f"# pinode/{name}\n"
+            for header in headers:
+                text += (f"\n## {header.name}\n\n```{{doxygenfile}} pinode/{name}/{header.name}\n"
+                         ":project: pinode\n```\n")
+            self.write(pathlib.Path(f"api/{name}.md"), text)
+            pages.append(f"api/{name}")
+        self.write(pathlib.Path("api_cpp.md"), "# C++\n\nThe headers of each floor; what a floor "
+                   "is, [pinode/README.md](pinode/README.md) says.\n" +
+                   toctree("Floors", pages, maxdepth=1))
+
+    def python(self):
+        text = "# Python\n\nWhat [pinode/python/README.md](pinode/python/README.md) tells in words.\n"
+        for module in ("pinode", "pinode.opensees", "pinode.calculix"):
+            text += (f"\n## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n"
+                     "   :imported-members:\n```\n" if module == "pinode" else
+                     f"\n## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n```\n")
+        self.write(pathlib.Path("api_python.md"), text)
+
+
+def main():
+    quick = "--quick" in sys.argv
+    root, source = map(pathlib.Path, [a for a in sys.argv[1:] if a != "--quick"])
+    stage = Stage(root, source, quick)
+    shutil.copyfile(root / "pinode" / "site" / "conf.py", source / "conf.py")
+    stage.documents()
+    stage.tutorials()
+    if not quick:
+        stage.cpp()
+        stage.python()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""Every link and every code block of the project's documents.
+
+    tests/documents_test.py ROOT
+
+Links: the file is there, and so is the heading after `#`. Code blocks, by their
+language: cpp is built by tests/consumer (only pages that it is given have any),
+python is run by the test python.package, toml and json are read here, and of
+cmake the targets are there. Of command lines, in indented blocks and between
+backquotes: programs, their flags, scripts and presets are there.
+
+Prints `file:line: what, and what was expected` for each that is not so and
+exits 1.
+"""
+
+import json
+import pathlib
+import re
+import sys
+import tomllib
+
+# Pages whose C++ tests/install_test.sh builds, and whose Python
+# pinode/python/tests/package_test.py runs.
+CPP_PAGES = ["README.md", "pinode/README.md"]
+
+FENCE = re.compile(r"^ *```(\S*)")
+LINK = re.compile(r"(?<!\\)\[[^\]]*\]\(([^()\s]+(?:\([^()]*\))?)\)")
+# Words before a program's name may be variables or a launcher.
+PROGRAM = re.compile(r"\b(pinode_(?:check|simulate|update|discover|damage|modes))((?:[ =][^`;|]*)?)")
+FLAG = re.compile(r"(?<![\w-])--([a-z_]+)")
+
+
+def documents(root):
+    for path in sorted(root.rglob("*.md")):
+        parts = path.relative_to(root).parts
+        if parts[0].startswith(("build", ".")) or "floors_fixture" in parts:
+            continue
+        yield path
+
+
+def slug(heading):
+    """The name that a heading has for links, as GitHub and MyST make it."""
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
+    text = re.sub(r"[`*]", "", text.strip().lower())
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+class Page:
+    """Lines of a document by what they are: blocks, and text with its line numbers."""
+
+    def __init__(self, path):
+        self.path = path
+        self.blocks = []  # (first line, language, text)
+        self.text = []    # (line, text) outside of fences
+        self.anchors = set()
+        language, begun, block = None, 0, []
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            fence = FENCE.match(line)
+            if fence and language is None:
+                language, begun, block = fence[1], number, []
+            elif fence:
+                self.blocks.append((begun, language, "\n".join(block) + "\n"))
+                language = None
+            elif language is not None:
+                block.append(line)
+            else:
+                self.text.append((number, line))
+                if re.match(r"#+ ", line):
+                    self.anchors.add(slug(line.lstrip("#")))
+        if language is not None:
+            self.blocks.append((begun, "unclosed", ""))
+
+
+def own_flags(root):
+    """{program: flags} of what apps/ defines."""
+    def defined(path):
+        return set(re.findall(r"^DEFINE_\w+\((\w+)", path.read_text(), re.M))
+
+    flags = {}
+    for path in (root / "apps").glob("pinode_*.cc"):
+        shared = {"help", "version", "v", "vmodule"} | defined(root / "apps" / "ranks.cc")
+        if re.search(r'"apps/fit_flags.h"|^DECLARE_string\(case\)', path.read_text(), re.M):
+            shared |= defined(root / "apps" / "fit_flags.cc")
+        flags[path.stem] = shared | defined(path)
+    return flags
+
+
+def presets(root):
+    tree = json.loads((root / "CMakePresets.json").read_text())
+    return {p["name"] for kind in ("configurePresets", "buildPresets", "testPresets")
+            for p in tree[kind]}
+
+
+class Checker:
+    def __init__(self, root):
+        self.root = root
+        self.pages = {path: Page(path) for path in documents(root)}
+        self.flags = own_flags(root)
+        self.presets = presets(root)
+        self.floors = {p.parent.name for p in (root / "pinode").glob("*/CMakeLists.txt")}
+        self.failures = []
+        self.checked = {"links": 0, "blocks": 0, "commands": 0}
+
+    def fail(self, page, line, message):
+        self.failures.append(f"{page.path.relative_to(self.root)}:{line}: {message}")
+
+    def run(self):
+        for page in self.pages.values():
+            for line, language, text in page.blocks:
+                self.checked["blocks"] += 1
+                self.block(page, line, language, text)
+            for line, text in page.text:
+                for target in LINK.findall(re.sub(r"`[^`]*`", "", text)):
+                    self.checked["links"] += 1
+                    self.link(page, line, target)
+                if text.startswith("    "):
+                    self.command(page, line, text)
+                for quoted in re.findall(r"`([^`]+)`", text):
+                    self.command(page, line, quoted)
+
+    def link(self, page, line, target):
+        if re.match(r"https?://", target):
+            if not re.fullmatch(r"https?://[\w.-]+\.[a-z]{2,}(:\d+)?(/\S*)?", target):
+                self.fail(page, line, f"'{target}' is no address")
+            return
+        path, _, anchor = target.partition("#")
+        file = (page.path.parent / path).resolve() if path else page.path
+        if not file.exists():
+            self.fail(page, line, f"link to '{path}', expected a file that is there")
+        elif anchor:
+            there = self.pages.get(file)
+            if there is None or anchor not in there.anchors:
+                self.fail(page, line, f"'{target}': there is no such heading")
+
+    def block(self, page, line, language, text):
+        name = str(page.path.relative_to(self.root))
+        if language == "cpp":
+            if name not in CPP_PAGES:
+                self.fail(page, line, f"C++ that nobody builds, expected it in {CPP_PAGES}")
+            elif not text.startswith("#include"):
+                self.fail(page, line, "C++ without its includes")
+        elif language == "python":
+            try:
+                compile(text, name, "exec")
+            except SyntaxError as error:
+                self.fail(page, line, f"Python: {error}")
+        elif language in ("toml", "json"):
+            try:
+                tomllib.loads(text) if language == "toml" else json.loads(text)
+            except ValueError as error:
+                self.fail(page, line, f"{language}: {error}")
+        elif language == "cmake":
+            for floor in re.findall(r"\bpinode::(\w+)", text):
+                if floor not in self.floors | {"pinode", "shared"}:
+                    self.fail(page, line, f"pinode::{floor} is no target")
+        elif language == "matlab":
+            if text.count("(") != text.count(")"):
+                self.fail(page, line, "MATLAB: parentheses")
+        else:
+            self.fail(page, line, f"a block of '{language}', which nothing checks")
+
+    def command(self, page, line, text):
+        for program, arguments in PROGRAM.findall(text):
+            self.checked["commands"] += 1
+            for flag in FLAG.findall(arguments):
+                flags = self.flags[program]
+                if flag not in flags and flag.removeprefix("no") not in flags:
+                    self.fail(page, line, f"{program} has no flag --{flag}")
+        for preset in re.findall(r"--preset[ =]([\w-]+)", text):
+            if preset not in self.presets:
+                self.fail(page, line, f"there is no preset '{preset}'")
+        for script in re.findall(r"(?:^|\s)((?:tests|apps|data|pinode)/[\w/.-]+\.(?:sh|py))\b", text):
+            self.checked["commands"] += 1
+            if not any((base / script).exists() for base in (self.root, page.path.parent)):
+                self.fail(page, line, f"there is no {script}")
+
+
+def main():
+    checker = Checker(pathlib.Path(sys.argv[1]).resolve())
+    checker.run()
+    if min(checker.checked.values()) == 0:
+        sys.exit(f"nothing to check: {checker.checked}")
+    print("\n".join(checker.failures) or f"checked: {checker.checked}")
+    sys.exit(bool(checker.failures))
+
+
+if __name__ == "__main__":
+    main()
