@@ -14,6 +14,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,10 +23,13 @@
 #include "apps/ranks.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/case/case_picture.h"
 #include "pinode/case/modes_files.h"
 #include "pinode/case/modes_section.h"
 #include "pinode/case/result_folder.h"
+#include "pinode/modal/resolve_dofs.h"
 #include "pinode/report/modes_report.h"
+#include "pinode/study/structure_picture.h"
 
 DECLARE_string(case);
 DECLARE_string(output_dir);
@@ -85,9 +89,10 @@ bool ReadInput(ModesCase* c, std::string* error) {
   return ReadModesDataFile(file, c, error);
 }
 
-// The modes of each record, and what ties them together.
+// The modes of each record, and what ties them together, at `places`.
 bool FindModes(const ModesCase& c, std::vector<ModesOfRecord>* by_record,
-               ModesResult* result, std::string* error) {
+               std::vector<PlaceOfShape>* places, ModesResult* result,
+               std::string* error) {
   std::vector<SetupModes> setups;
   result->remarks = c.remarks;
   for (const ResponseRecord& record : c.records) {
@@ -113,6 +118,8 @@ bool FindModes(const ModesCase& c, std::vector<ModesOfRecord>* by_record,
     *error = c.path + ": " + *error;
     return false;
   }
+  *places = c.places;
+  ResolveDofs(places, &result->merged);
   result->remarks.insert(result->remarks.end(), result->merged.remarks.begin(),
                          result->merged.remarks.end());
   return true;
@@ -146,7 +153,10 @@ int main(int argc, char** argv) {
   // 2. The modes of each record, and of all.
   std::vector<ModesOfRecord> by_record;
   ModesResult result;
-  if (!FindModes(c, &by_record, &result, &error)) return Refuse(error);
+  std::vector<PlaceOfShape> places;
+  if (!FindModes(c, &by_record, &places, &result, &error)) {
+    return Refuse(error);
+  }
 
   // 3. The folder, with a report.
   const double seconds =
@@ -158,11 +168,17 @@ int main(int argc, char** argv) {
   report.by_record = &by_record;
   report.merged = &result.merged;
   report.remarks = result.remarks;
+  std::optional<StructurePicture> picture;
+  if (c.geometry != nullptr) {
+    picture = MakeModesPicture(*c.geometry, c.places, places, result.merged);
+    report.structure = &*picture;
+  }
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   ResultFolder folder;
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error) ||
       !WriteModesFiles(result, folder.working_path(), &error) ||
+      !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteModesReport(report, report_options,
                         folder.working_path() + "/report.html", &error) ||
       !folder.Commit(&error)) {

@@ -164,8 +164,15 @@ class CaseReader {
                                      "expected a positive definite one");
     }
     c_.problem.dynamics = dynamics_;
-    return ReadGeometry(root_, *dynamics_, c_.finite_element.get(),
-                        &c_.geometry);
+    std::vector<std::string> group_names;
+    for (const GroupTerm& term : dynamics_->groups()) {
+      group_names.push_back(term.group.name);
+    }
+    return ReadGeometry(root_,
+                        c_.finite_element != nullptr
+                            ? &c_.finite_element->exported.dof_names
+                            : &dynamics_->model().dof_names,
+                        &group_names, &c_.geometry);
   }
 
   bool ReadData() {

@@ -65,12 +65,11 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
 
 class GeometryReader {
  public:
-  GeometryReader(const TomlTable& root, const StructuralDynamics& dynamics,
-                 const ReducedStructure* structure, PlacedGeometry* placed)
+  GeometryReader(const TomlTable& root, const std::vector<std::string>* dofs,
+                 const std::vector<std::string>* groups, PlacedGeometry* placed)
       : table_(root.Table("geometry", "[geometry]")),
-        dynamics_(dynamics),
-        dof_names_(structure != nullptr ? structure->exported.dof_names
-                                        : dynamics.model().dof_names),
+        dof_names_(dofs),
+        group_names_(groups),
         placed_(placed),
         geometry_(placed->geometry) {}
 
@@ -162,6 +161,12 @@ class GeometryReader {
     geometry_.sets[static_cast<size_t>(set)].elements.push_back(element);
   }
 
+  static bool IsKnown(const std::string& name,
+                      const std::vector<std::string>* names) {
+    return names == nullptr ||
+           std::find(names->begin(), names->end(), name) != names->end();
+  }
+
   // A text or several.
   static std::vector<std::string> TextsOf(const TomlTable& table,
                                           const std::string& key) {
@@ -175,10 +180,9 @@ class GeometryReader {
     const TomlTable dofs = table_.Table("dofs", "[geometry] dofs");
     for (const auto& [dof, value] : dofs.entries()) {
       (void)value;
-      if (std::find(dof_names_.begin(), dof_names_.end(), dof) ==
-          dof_names_.end()) {
+      if (!IsKnown(dof, dof_names_)) {
         return dofs.Fail(
-            dof, "'" + dof + "' is not a DOF" + HintOf(dof, dof_names_));
+            dof, "'" + dof + "' is not a DOF" + HintOf(dof, *dof_names_));
       }
       for (std::string text : TextsOf(dofs, dof)) {
         PlacedGeometry::Place place;
@@ -202,19 +206,15 @@ class GeometryReader {
 
   bool ReadGroups() {
     const TomlTable groups = table_.Table("groups", "[geometry] groups");
-    std::vector<std::string> group_names, set_names;
-    for (const GroupTerm& term : dynamics_.groups()) {
-      group_names.push_back(term.group.name);
-    }
+    std::vector<std::string> set_names;
     for (const StructureGeometry::Set& set : geometry_.sets) {
       set_names.push_back(set.name);
     }
     for (const auto& [group, value] : groups.entries()) {
       (void)value;
-      if (std::find(group_names.begin(), group_names.end(), group) ==
-          group_names.end()) {
+      if (!IsKnown(group, group_names_)) {
         return groups.Fail(group, "'" + group + "' is not a group" +
-                                      HintOf(group, group_names));
+                                      HintOf(group, *group_names_));
       }
       std::vector<std::string> sets = TextsOf(groups, group);
       if (!table_.errors()->ok()) return false;
@@ -231,8 +231,8 @@ class GeometryReader {
   }
 
   const TomlTable table_;
-  const StructuralDynamics& dynamics_;
-  const std::vector<std::string>& dof_names_;
+  const std::vector<std::string>* dof_names_;
+  const std::vector<std::string>* group_names_;
   PlacedGeometry* placed_;
   StructureGeometry& geometry_;
   std::unordered_map<std::string, int> index_;
@@ -240,13 +240,13 @@ class GeometryReader {
 
 }  // namespace
 
-bool ReadGeometry(const TomlTable& root, const StructuralDynamics& dynamics,
-                  const ReducedStructure* structure,
+bool ReadGeometry(const TomlTable& root, const std::vector<std::string>* dofs,
+                  const std::vector<std::string>* groups,
                   std::shared_ptr<const PlacedGeometry>* geometry) {
   geometry->reset();
   if (!root.Has("geometry")) return true;
   auto placed = std::make_shared<PlacedGeometry>();
-  if (!GeometryReader(root, dynamics, structure, placed.get()).Read()) {
+  if (!GeometryReader(root, dofs, groups, placed.get()).Read()) {
     return false;
   }
   *geometry = std::move(placed);

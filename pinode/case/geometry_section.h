@@ -4,19 +4,19 @@
 #define PINODE_CASE_GEOMETRY_SECTION_H_
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "pinode/case/toml_table.h"
-#include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/study/reduced_structure.h"
 #include "pinode/study/structure_picture.h"
 
 namespace pinode {
 
-// *geometry stays null without the section. `structure`: the finite-element
-// model of which the dynamics are a reduction, or nullptr.
+// *geometry stays null without the section. `dofs` and `groups`: names that it
+// may place; nullptr: any, where nobody knows them.
 [[nodiscard]] bool ReadGeometry(
-    const TomlTable& root, const StructuralDynamics& dynamics,
-    const ReducedStructure* structure,
+    const TomlTable& root, const std::vector<std::string>* dofs,
+    const std::vector<std::string>* groups,
     std::shared_ptr<const PlacedGeometry>* geometry);
 
 }  // namespace pinode

@@ -11,6 +11,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/csv_file.h"
+#include "pinode/modal/stabilisation.h"
 #include "pinode/record/universal_file.h"
 
 namespace pinode {
@@ -39,11 +40,7 @@ RealShape MakeReal(const IdentifiedMode& mode) {
   RealShape real;
   real.rows = Measured(mode);
   const Eigen::Index count = static_cast<Eigen::Index>(real.rows.size());
-  std::complex<double> square = 0.0;
-  for (const Eigen::Index row : real.rows) {
-    square += mode.shape[row] * mode.shape[row];
-  }
-  const std::complex<double> turn = std::polar(1.0, -0.5 * std::arg(square));
+  const std::complex<double> turn = TurnToReal(mode.shape);
   Vector parts(count);
   // d Re(turn phi) = Re(turn) d Re(phi) - Im(turn) d Im(phi).
   const Eigen::Index places = mode.shape.size();

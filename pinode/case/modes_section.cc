@@ -6,6 +6,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/case/geometry_section.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/record_data.h"
 #include "pinode/case/record_section.h"
@@ -92,8 +93,10 @@ class ModesCaseReader {
     if (!root_.AllowKeys({"title", "units", "model", "group", "element",
                           "library", "network", "unknown_force", "record",
                           "modal", "mode", "options", "simulate", "discover",
-                          "damage", "profiles", "reference_curve", "modes"}) ||
-        !ReadUnits(root_, &c_.units) || !ReadOptions() || !ReadRecords()) {
+                          "damage", "profiles", "reference_curve", "modes",
+                          "geometry"}) ||
+        !ReadUnits(root_, &c_.units) || !ReadOptions() || !ReadRecords() ||
+        !ReadGeometry(root_, nullptr, nullptr, &c_.geometry)) {
       return false;
     }
     *result = std::move(c_);
@@ -158,7 +161,7 @@ class ModesCaseReader {
       IdentificationRecord record;
       if (!ReadRecordData(section, c_.units, dynamics, /*simulation=*/false,
                           &record) ||
-          !AddRecord(section, record, second)) {
+          !AddRecord(section, record, places.dof_names, second)) {
         return false;
       }
     }
@@ -166,7 +169,8 @@ class ModesCaseReader {
   }
 
   bool AddRecord(const RecordSection& section,
-                 const IdentificationRecord& record, double second) {
+                 const IdentificationRecord& record,
+                 const std::vector<std::string>& dof_names, double second) {
     ResponseRecord response;
     response.name = record.name;
     response.sampling_step = record.sampling_step() / second;
@@ -182,6 +186,7 @@ class ModesCaseReader {
                 " has no mode shape, expected a motion or a strain");
       }
       response.channels.push_back({channel.location, derivative});
+      AddPlace(channel, dof_names);
       response.samples.row(static_cast<Eigen::Index>(c)) =
           record.channels[c].values.transpose();
     }
@@ -206,6 +211,24 @@ class ModesCaseReader {
     }
     c_.records.push_back(std::move(response));
     return true;
+  }
+
+  // A strain is no motion of its DOFs.
+  void AddPlace(const ChannelSection& channel,
+                const std::vector<std::string>& dof_names) {
+    const bool known = std::any_of(c_.places.begin(), c_.places.end(),
+                                   [&channel](const PlaceOfShape& other) {
+                                     return other.place == channel.location;
+                                   });
+    if (known) return;
+    PlaceOfShape place = {channel.location, channel.name, {}};
+    for (Eigen::Index i = 0; i < channel.weights.size(); ++i) {
+      if (channel.weights[i] == 0.0 || channel.quantity == Quantity::kStrain) {
+        continue;
+      }
+      place.dofs[dof_names[static_cast<size_t>(i)]] = channel.weights[i];
+    }
+    c_.places.push_back(std::move(place));
   }
 
   // Those that move: what another record has is zero here.

@@ -3,15 +3,19 @@
 #ifndef PINODE_CASE_MODES_SECTION_H_
 #define PINODE_CASE_MODES_SECTION_H_
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "pinode/base/units.h"
 #include "pinode/modal/identify_modes.h"
 #include "pinode/modal/merge_setups.h"
+#include "pinode/modal/resolve_dofs.h"
 #include "pinode/modal/response_record.h"
 
 namespace pinode {
+
+struct PlacedGeometry;
 
 // What pinode_modes needs of a case: [modes], and of each [[record]] the
 // channels. A model need not be there and is not read where it is.
@@ -22,6 +26,10 @@ struct ModesCase {
   // Each a set-up: its channels' names are places, a channel's `dof` or, where
   // it has none, its own name.
   std::vector<ResponseRecord> records;
+  // What each place of the records means, once.
+  std::vector<PlaceOfShape> places;
+  // [geometry]; null where the case does not say.
+  std::shared_ptr<const PlacedGeometry> geometry;
   std::vector<std::string> remarks;
   ModeIdentificationOptions options;
   MergeOptions merge;

@@ -13,6 +13,7 @@
 #include "pinode/case/testing.h"
 #include "pinode/modal/testing.h"
 #include "pinode/record/universal_file.h"
+#include "pinode/study/structure_picture.h"
 
 namespace pinode {
 namespace {
@@ -99,6 +100,30 @@ TEST_F(ModesSectionTest, NeedsNoModel) {
 }
 
 // What a record is says how it is looked at.
+// What places mean, and where they are.
+TEST_F(ModesSectionTest, PlacesAndGeometry) {
+  std::string text = Replaced(ModesText(), "dof = \"u1\"",
+                              "combination = {\"5.1\" = 0.8, \"5.2\" = -0.6}");
+  text = Replaced(text, "references = [\"u1\"]\n", "");
+  ModesCase c;
+  std::string error;
+  ASSERT_TRUE(ReadModesCase(
+      folder_.Write("case.toml", text + "[geometry]\nnodes = {5 = [0, 0, 1]}\n"
+                                        "dofs = {v2 = \"5.3\"}\n"),
+      &c, &error))
+      << error;
+  ASSERT_THAT(c.places, SizeIs(2));
+  EXPECT_EQ(c.places[0].channel, "a1");
+  EXPECT_EQ(c.places[0].place, c.records[0].channels[0].name);
+  EXPECT_EQ(c.places[0].dofs.at("5.1"), 0.8);
+  EXPECT_EQ(c.places[0].dofs.at("5.2"), -0.6);
+  EXPECT_EQ(c.places[1].dofs.at("v2"), 1.0);
+  ASSERT_NE(c.geometry, nullptr);
+  EXPECT_THAT(c.geometry->geometry.node_names, ElementsAre("5"));
+  EXPECT_THAT(Error(text + "[geometry]\nnodes = {5 = [0, 0]}\n"),
+              HasSubstr("coordinate"));
+}
+
 TEST_F(ModesSectionTest, MeasuredLoadsAndFreeDecays) {
   ModesCase c;
   std::string error;

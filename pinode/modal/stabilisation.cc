@@ -257,6 +257,14 @@ class ClusterFinder {
 
 }  // namespace
 
+std::complex<double> TurnToReal(const Eigen::VectorXcd& shape) {
+  std::complex<double> square = 0.0;
+  for (const std::complex<double>& entry : shape) {
+    if (std::isfinite(entry.real())) square += entry * entry;
+  }
+  return std::polar(1.0, -0.5 * std::arg(square));
+}
+
 double ComplexMac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
   const double norms = a.squaredNorm() * b.squaredNorm();
   return norms > 0.0 ? std::norm(a.dot(b)) / norms : 0.0;

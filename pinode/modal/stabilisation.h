@@ -3,6 +3,7 @@
 #ifndef PINODE_MODAL_STABILISATION_H_
 #define PINODE_MODAL_STABILISATION_H_
 
+#include <complex>
 #include <vector>
 
 #include "pinode/base/types.h"
@@ -80,6 +81,10 @@ std::vector<PoleCluster> FindClusters(const std::vector<SubspacePole>& poles,
 
 // The pole with a shape that is one at the channel `reference`.
 SubspacePole NormalisedPole(const SubspacePole& pole, int reference);
+
+// The number of size one by which the entries of `shape` that are finite, taken
+// times it, have the smallest imaginary parts (sum of squares).
+std::complex<double> TurnToReal(const Eigen::VectorXcd& shape);
 
 // |a^H b|^2 / (|a|^2 |b|^2).
 double ComplexMac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);

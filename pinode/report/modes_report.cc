@@ -11,6 +11,7 @@
 #include "pinode/modal/stabilisation.h"
 #include "pinode/report/number_text.h"
 #include "pinode/report/page_data.h"
+#include "pinode/report/structure_view.h"
 
 namespace pinode {
 namespace {
@@ -199,6 +200,11 @@ std::string RenderModesReport(const ModesReportInput& input,
         input.merged->modes.size() > 1 && input.merged->places.size() > 1 &&
             input.merged->modes.size() <= kLargestMacTable,
         TableData(MakeMacTable(*input.merged)), &page);
+  PageData structure;
+  if (input.structure != nullptr) {
+    structure.set("html", StructureSection(*input.structure));
+  }
+  SetIf("structure", input.structure != nullptr, structure, &page);
   PageData records = PageList();
   for (size_t r = 0; r < input.records->size(); ++r) {
     PageData record;

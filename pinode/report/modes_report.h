@@ -21,6 +21,8 @@ struct ModesReportInput {
   const std::vector<ResponseRecord>* records = nullptr;
   const std::vector<ModesOfRecord>* by_record = nullptr;  // of each record
   const MergedModes* merged = nullptr;
+  // Where it all is; nullptr: nobody knows.
+  const StructurePicture* structure = nullptr;
   std::vector<std::string> remarks;
 };
 

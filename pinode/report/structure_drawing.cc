@@ -66,8 +66,9 @@ class DrawingMaker {
 
  private:
   void NameGroups() {
-    drawing_.colors.push_back(kNoGroupColor);
-    drawing_.told.push_back("Of no group.");
+    drawing_.colors.emplace_back(picture_.groups.empty() ? kUnchangedColor
+                                                         : kNoGroupColor);
+    drawing_.told.emplace_back(picture_.groups.empty() ? "" : "Of no group.");
     group_of_.assign(geometry_.elements.size(), 0);
     // Stiffness over mass, but where only the mass has changed.
     const auto color = [this](bool mass, bool only_changed) {

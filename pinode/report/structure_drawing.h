@@ -14,8 +14,8 @@
 
 namespace pinode {
 
-constexpr char kNoGroupColor[] = "#eceff1";
-constexpr char kUnchangedColor[] = "#cdd6dd";
+constexpr char kNoGroupColor[] = "#e3e7ea";
+constexpr char kUnchangedColor[] = "#bcc7d0";
 constexpr char kSensorColor[] = "#0b6e4f";
 constexpr char kForceColor[] = "#6a4c93";
 constexpr char kUnknownForceColor[] = "#c2185b";

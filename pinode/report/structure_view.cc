@@ -100,6 +100,8 @@ std::string DataAsJson(const StructurePicture& picture,
     }
     data["modes"].push_back({{"shape", RoundedRows(shape)}});
   }
+  // A page of modes begins with the first of them moving.
+  data["start"] = picture.groups.empty() && !data["modes"].empty() ? 0 : -1;
   data["up"] = {drawing.up[0], drawing.up[1], drawing.up[2]};
   data["turn"] = drawing.turn;
   data["tilt"] = drawing.tilt;
@@ -132,7 +134,7 @@ std::string LegendHtml(const StructurePicture& picture,
             ? "groups without a change that counts"
             : "groups as in the model, within their intervals");
   }
-  add(kNoGroupColor, "of no group");
+  if (!picture.groups.empty()) add(kNoGroupColor, "of no group");
   if (!picture.sensors.empty()) add(kSensorColor, "sensors");
   if (!picture.forces.empty()) add(kForceColor, "measured forces");
   if (!picture.unknown_forces.empty()) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <unordered_map>
 #include <utility>
 
 #include "pinode/base/constants.h"
@@ -12,6 +11,7 @@
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/structure/modal_analysis.h"
+#include "pinode/study/dof_places.h"
 #include "pinode/study/finite_element_result.h"
 
 namespace pinode {
@@ -28,7 +28,7 @@ class PictureMaker {
       : placed_(placed),
         problem_(problem),
         structure_(structure),
-        node_index_(NodeIndex(placed.geometry)),
+        places_(placed),
         picture_(picture) {
     picture_->geometry = placed.geometry;
     picture_->notes = placed.geometry.notes;
@@ -183,77 +183,28 @@ class PictureMaker {
     }
   }
 
-  // Where a DOF is; empty where nobody says.
-  std::vector<PlacedGeometry::Place> PlacesOf(const std::string& dof) const {
-    const auto named = placed_.dofs.find(dof);
-    if (named != placed_.dofs.end()) return named->second;
-    PlacedGeometry::Place place;
-    if (SplitDofName(dof, &place.node, &place.direction) &&
-        node_index_.count(place.node) > 0) {
-      return {place};
-    }
-    return {};
-  }
-
-  // Where a floor moves as one, that is at the first of its nodes. Rotations
-  // have no arrow; false where the place is not known.
-  bool FindArrow(const std::string& dof, int* node,
-                 Eigen::Vector3d* direction) const {
-    for (const PlacedGeometry::Place& place : PlacesOf(dof)) {
-      const auto known = node_index_.find(place.node);
-      if (known == node_index_.end() || place.direction > 3) continue;
-      *node = known->second;
-      *direction = place.sign * Eigen::Vector3d::Unit(place.direction - 1);
-      return true;
-    }
-    return false;
-  }
-
-  // One at each node that `weights`, of the DOFs, have a part at.
   void AddArrows(const std::string& name, const Vector& weights,
                  std::vector<StructurePicture::Arrow>* arrows) {
     const std::vector<std::string>& dofs = problem_.dynamics->model().dof_names;
-    std::map<int, Eigen::Vector3d> at_nodes;
-    bool any = false;
+    std::map<std::string, double> by_name;
     for (Eigen::Index i = 0; i < weights.size(); ++i) {
-      int node = 0;
-      Eigen::Vector3d direction;
-      if (weights[i] == 0.0) continue;
-      any = true;
-      if (!FindArrow(dofs[static_cast<size_t>(i)], &node, &direction)) continue;
-      const auto own =
-          at_nodes.emplace(node, Eigen::Vector3d::Zero().eval()).first;
-      own->second += weights[i] * direction;
+      if (weights[i] != 0.0) by_name[dofs[static_cast<size_t>(i)]] = weights[i];
     }
-    bool placed = false;
-    for (const auto& [node, sum] : at_nodes) {
-      if (!(sum.norm() > 0.0)) continue;
-      placed = true;
-      const StructurePicture::Arrow arrow = {name, node, sum.normalized()};
-      const bool known = std::any_of(
-          arrows->begin(), arrows->end(),
-          [&arrow](const StructurePicture::Arrow& other) {
-            return other.name == arrow.name && other.node == arrow.node &&
-                   other.direction.isApprox(arrow.direction);
-          });
-      if (!known) arrows->push_back(arrow);
-    }
-    if (any && !placed &&
-        std::find(unplaced_.begin(), unplaced_.end(), name) ==
+    if (by_name.empty() || places_.AddArrows(name, by_name, arrows) ||
+        std::find(unplaced_.begin(), unplaced_.end(), name) !=
             unplaced_.end()) {
-      unplaced_.push_back(name);
+      return;
     }
+    unplaced_.push_back(name);
   }
 
   Matrix AtNodes(const std::vector<std::string>& dofs,
                  const Vector& shape) const {
     Matrix at_nodes = Matrix::Zero(placed_.geometry.num_nodes(), 3);
     for (size_t i = 0; i < dofs.size(); ++i) {
-      for (const PlacedGeometry::Place& place : PlacesOf(dofs[i])) {
-        const auto node = node_index_.find(place.node);
-        if (node == node_index_.end() || place.direction > 3) continue;
-        at_nodes(node->second, place.direction - 1) =
-            place.sign * shape[static_cast<Eigen::Index>(i)];
+      for (const DofPlaces::Place& place : places_.Of(dofs[i])) {
+        at_nodes.row(place.node) +=
+            shape[static_cast<Eigen::Index>(i)] * place.direction.transpose();
       }
     }
     return at_nodes;
@@ -262,7 +213,7 @@ class PictureMaker {
   const PlacedGeometry& placed_;
   const IdentificationProblem& problem_;
   const ReducedStructure* structure_;
-  const std::unordered_map<std::string, int> node_index_;
+  const DofPlaces places_;
   StructurePicture* picture_;
   std::vector<std::string> unplaced_;
 };

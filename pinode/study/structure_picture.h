@@ -12,6 +12,8 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
+#include "pinode/modal/merge_setups.h"
+#include "pinode/modal/resolve_dofs.h"
 #include "pinode/structure/geometry.h"
 #include "pinode/study/damage_analysis.h"
 #include "pinode/study/reduced_structure.h"
@@ -82,6 +84,16 @@ StructurePicture MakeStructurePicture(
     const PlacedGeometry& placed, const IdentificationProblem& problem,
     const ReducedStructure* structure, const IdentificationSummary* summary,
     const IdentifiedModel* model, const DamageResult* damage, int num_modes);
+
+// Modes that were found from records alone, without groups: `sensors` as they
+// were, `places` of the shapes' entries as ResolveDofs leaves both. What the
+// places at a node leave open of its motion is drawn as the least that agrees
+// with them; nodes without any are at rest. Shapes are turned to be as real as
+// they can be.
+StructurePicture MakeModesPicture(const PlacedGeometry& placed,
+                                  const std::vector<PlaceOfShape>& sensors,
+                                  const std::vector<PlaceOfShape>& places,
+                                  const MergedModes& merged);
 
 // The picture as an unstructured grid of VTK (.vtu, ASCII XML), which ParaView
 // and others read: cells with `group` (an index, -1 for none), `change`,

@@ -1,10 +1,13 @@
 #include "pinode/study/structure_picture.h"
 
 #include <cmath>
+#include <complex>
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/constants.h"
 #include "pinode/study/testing.h"
 
 namespace pinode {
@@ -132,6 +135,57 @@ TEST(StructurePictureTest, AgainstTheModelAndWithoutPlaces) {
   ASSERT_EQ(picture.notes.size(), 2u);
   EXPECT_THAT(picture.notes[0], HasSubstr("k3"));
   EXPECT_THAT(picture.notes[1], HasSubstr("a3"));
+}
+
+// Node w1 is seen along two oblique directions, w2 along one, e1 not at all;
+// floor 3 moves as one.
+TEST(StructurePictureTest, ModesOfRecordsAlone) {
+  PlacedGeometry placed = Frame();
+  placed.dofs.erase("u1");
+  const std::vector<PlaceOfShape> sensors = {
+      {"p", "a", {{"w1.1", 0.8}, {"w1.3", 0.6}}},
+      {"q", "b", {{"w1.1", -0.6}, {"w1.3", 0.8}}},
+      {"r", "c", {{"w2.1", 0.6}, {"w2.3", 0.8}}},
+      {"u3", "d", {{"u3", 1.0}}},
+      {"s", "strain", {}}};
+  // w1 moves by (1, 0, 2), w2 by 0.5 along what is seen, the floor by -4.
+  MergedModes merged;
+  MergedMode mode;
+  mode.mode.frequency_hz = 2.5;
+  mode.mode.shape.resize(5);
+  mode.mode.shape << 2.0, 1.0, 0.5, -4.0, 7.0;
+  mode.mode.shape *= std::polar(2.0, 0.7);
+  merged.modes = {mode, mode};
+  for (const PlaceOfShape& place : sensors)
+    merged.places.push_back(place.place);
+  merged.modes[1].mode.shape.head(2).setConstant(kNaN);
+  const StructurePicture picture =
+      MakeModesPicture(placed, sensors, sensors, merged);
+  ASSERT_EQ(picture.sensors.size(), 4u);
+  EXPECT_TRUE(
+      picture.sensors[1].direction.isApprox(Eigen::Vector3d(-0.6, 0.0, 0.8)));
+  ASSERT_EQ(picture.modes.size(), 2u);
+  EXPECT_EQ(picture.modes[0].frequency_hz, 2.5);
+  // The sign of a mode is free.
+  const auto expect = [&](size_t m, int node, double x, double z) {
+    const Matrix& shape = picture.modes[m].shape;
+    const double scale = -4.0 / shape(6, 0);
+    EXPECT_NEAR(scale * shape(node, 0), x, 1e-12) << node;
+    EXPECT_NEAR(shape(node, 1), 0.0, 1e-12) << node;
+    EXPECT_NEAR(scale * shape(node, 2), z, 1e-12) << node;
+  };
+  expect(0, 2, 1.0, 2.0);
+  expect(0, 4, 0.3, 0.4);
+  expect(0, 6, -4.0, 0.0);
+  expect(0, 7, -4.0, 0.0);
+  expect(0, 3, 0.0, 0.0);
+  EXPECT_EQ(picture.modes[0].shape.cwiseAbs().maxCoeff(), 1.0);
+  // Where nobody saw it.
+  expect(1, 2, 0.0, 0.0);
+  expect(1, 4, 0.3, 0.4);
+  ASSERT_EQ(picture.notes.size(), 2u);
+  EXPECT_THAT(picture.notes[0], HasSubstr("strain"));
+  EXPECT_THAT(picture.notes[1], HasSubstr("4 of 8 nodes"));
 }
 
 TEST(VtuTest, CellsAndPoints) {

@@ -51,6 +51,55 @@ Refused "a9" --case=wind.csv.gz --columns=a1,a9 --sampling_rate_hz=100 \
 Refused "columns" --case=three_storey_ambient.toml --sampling_rate_hz=100 \
   --output_dir=E
 
+# The same motion seen along oblique directions: its modes at the DOFs, drawn.
+{
+  echo o1,o2,a3
+  zcat wind.csv.gz | awk -F, '
+    NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; next }
+    { printf "%.9g,%.9g,%s\n", 0.8 * $at["a1"] + 0.6 * $at["a2"],
+             0.8 * $at["a2"] - 0.6 * $at["a1"], $at["a3"] }'
+} >oblique.csv
+{
+  echo 'title = "Oblique"'
+  sed -n '/^\[units\]/,/^time/p' three_storey_ambient.toml
+  cat <<'CASE'
+[geometry]
+nodes = {g = [0, 0, 0], a = [0, 0, 3], b = [0, 0, 6], c = [0, 0, 9]}
+dofs = {u1 = "a.1", u2 = "b.1", u3 = "c.1"}
+  [[geometry.line]]
+  nodes = ["g", "a", "b", "c"]
+[[record]]
+name = "wind"
+file = "oblique.csv"
+sampling_rate_hz = 100
+excitation = "ambient"
+  [[record.channel]]
+  column = "o1"
+  quantity = "absolute_acceleration"
+  combination = {u1 = 0.8, u2 = 0.6}
+  unit = "m/s^2"
+  [[record.channel]]
+  column = "o2"
+  quantity = "absolute_acceleration"
+  combination = {u1 = -0.6, u2 = 0.8}
+  unit = "m/s^2"
+  [[record.channel]]
+  column = "a3"
+  quantity = "absolute_acceleration"
+  dof = "u3"
+  unit = "m/s^2"
+CASE
+} >oblique.toml
+Run 0 pinode_modes --case=oblique.toml --output_dir=O
+Places() { sed -n '/"places"/,/]/p' "$1" | tr -d ' \n'; }
+[[ $(Places O/modes.json) == "$(Places D/modes.json)" ]] || Fail "places"
+sed '/"data_driven"/,/}/d' O/modes.json >oblique.json
+for entry in 1 2 3 4 5 6 7 8 9; do
+  Near "$(Entry real $entry oblique.json)" "$(Entry real $entry own.json)" 0.01
+done
+grep -q '"marks"' O/report.html || Fail "no structure in the report"
+grep -q 'mode_3' O/structure.vtu || Fail "no shapes in structure.vtu"
+
 # The modes in the place of the record: the storeys that the spectra give, too.
 {
   sed '/^\[\[record\]\]/,$d; /^name    = "c_/,/^matrix/d' \
