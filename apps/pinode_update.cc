@@ -25,6 +25,7 @@
 #include "pinode/case/case_result.h"
 #include "pinode/case/fit_case.h"
 #include "pinode/case/result_folder.h"
+#include "pinode/case/updated_deck.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
 
@@ -32,8 +33,28 @@ DEFINE_bool(profiles, false,
             "profile the likelihood of each named free parameter after the "
             "fit, as [profiles] in the case does");
 
+DEFINE_string(deck, "",
+              "input deck of CalculiX or Abaqus that the case's matrices came "
+              "from; the output folder then has it as <name>_updated.inp with "
+              "the properties of the groups' element sets as found");
+
 namespace pinode {
 namespace {
+
+// The deck, before any work.
+bool CheckDeckFlag(const Case& c, std::string* error) {
+  return FLAGS_deck.empty() || CheckDeck(c, FLAGS_deck, error);
+}
+
+// A loss of all that a set had cannot be written: the result goes on without.
+void WriteDeck(const Case& c, const IdentificationSummary& summary,
+               const IdentifiedModel& model, const ResultFolder& folder,
+               std::string* trouble) {
+  if (FLAGS_deck.empty() || WriteUpdatedDeck(c, summary, model, FLAGS_deck,
+                                             folder.working_path(), trouble)) {
+    trouble->clear();
+  }
+}
 
 // Restoring forces, searches for terms, responses of all DOFs.
 bool LooksAtStates(const Case& c) {
@@ -61,7 +82,10 @@ int main(int argc, char** argv) {
   Case c;
   CatchInterrupts();
   Ranks ranks;
-  if (!ranks.Agree(ReadFitFlags(&c, &error), c, &error)) return Refuse(error);
+  if (!ranks.Agree(ReadFitFlags(&c, &error) && CheckDeckFlag(c, &error), c,
+                   &error)) {
+    return Refuse(error);
+  }
   ranks.ShareWork(&c.options);
   c.options.keep_states = LooksAtStates(c);
 
@@ -101,6 +125,8 @@ int main(int argc, char** argv) {
   const std::optional<StructurePicture> picture =
       PictureOfCase(c, summary, model, nullptr);
   if (picture.has_value()) report.structure = &*picture;
+  std::string deck_trouble;
+  WriteDeck(c, summary, model, folder, &deck_trouble);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
@@ -109,6 +135,9 @@ int main(int argc, char** argv) {
                        folder.working_path() + "/report.html", &error) ||
       !folder.Commit(&error)) {
     return Refuse(error);
+  }
+  if (!deck_trouble.empty()) {
+    std::fprintf(stderr, "no updated deck: %s\n", deck_trouble.c_str());
   }
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/structure/deck_keyword.h"
 #include "pinode/structure/matrix_text.h"
 
 namespace pinode {
@@ -97,26 +97,6 @@ const ElementType* FindType(const std::string& name) {
   return best;
 }
 
-std::string UpperCase(std::string_view text) {
-  std::string upper(text);
-  for (char& letter : upper) {
-    if (letter >= 'a' && letter <= 'z') letter -= 'a' - 'A';
-  }
-  return upper;
-}
-
-struct Keyword {
-  std::string name;  // "*NODE"
-  std::vector<std::pair<std::string, std::string>> parameters;
-
-  const std::string* Find(const std::string& key) const {
-    for (const auto& [name_of, value] : parameters) {
-      if (name_of == key) return &value;
-    }
-    return nullptr;
-  }
-};
-
 class DeckReader {
  public:
   DeckReader(StructureGeometry* geometry, std::string* error)
@@ -138,7 +118,7 @@ class DeckReader {
       }
       const int number = lines.number();
       if (!EndOfSection(lines)) return false;
-      const Keyword keyword = Parse(whole);
+      const DeckKeyword keyword = ParseDeckKeyword(whole);
       if (keyword.name == "*INCLUDE") {
         if (!Include(lines, keyword, path, depth)) return false;
         section_ = Section::kOther;
@@ -203,34 +183,14 @@ class DeckReader {
     return false;
   }
 
-  static Keyword Parse(const std::string& line) {
-    Keyword keyword;
-    bool first = true;
-    for (const std::string_view part : pinode::Split(line, ',')) {
-      const std::string_view text = StripBlanks(part);
-      if (first) {
-        keyword.name = UpperCase(text);
-        first = false;
-        continue;
-      }
-      const size_t equals = text.find('=');
-      const std::string_view value = equals == std::string_view::npos
-                                         ? std::string_view()
-                                         : StripBlanks(text.substr(equals + 1));
-      keyword.parameters.emplace_back(
-          UpperCase(StripBlanks(text.substr(0, equals))), std::string(value));
-    }
-    return keyword;
-  }
-
   Set* SetOf(const std::string& name) {
-    const std::string key = UpperCase(name);
+    const std::string key = DeckUpperCase(name);
     const auto [place, added] = set_index_.emplace(key, sets_.size());
     if (added) sets_.push_back({name, {}});
     return &sets_[place->second];
   }
 
-  bool Begin(const LineReader& lines, const Keyword& keyword, int number) {
+  bool Begin(const LineReader& lines, const DeckKeyword& keyword, int number) {
     section_ = Section::kOther;
     type_ = nullptr;
     for (const char* refused :
@@ -245,7 +205,7 @@ class DeckReader {
     }
     if (keyword.name == "*NODE") {
       const std::string* system = keyword.Find("SYSTEM");
-      if (system != nullptr && UpperCase(*system) != "R") {
+      if (system != nullptr && DeckUpperCase(*system) != "R") {
         return lines.FailAt(number,
                             "*NODE has SYSTEM=" + *system +
                                 ", expected rectangular coordinates",
@@ -259,7 +219,7 @@ class DeckReader {
                             error_);
       }
       section_ = Section::kElements;
-      type_ = FindType(UpperCase(*type));
+      type_ = FindType(DeckUpperCase(*type));
       type_name_ = *type;
       if (const std::string* set = keyword.Find("ELSET"))
         set_name_ = *set;
@@ -412,7 +372,7 @@ class DeckReader {
         numbers.push_back(number);
         continue;
       }
-      const auto other = set_index_.find(UpperCase(text));
+      const auto other = set_index_.find(DeckUpperCase(text));
       if (generate_ || other == set_index_.end()) {
         return lines.Fail("set '" + set_name_ + "' has " + Quote(text) +
                               ", and elements or a set before it were expected",
@@ -447,15 +407,13 @@ class DeckReader {
     if (place != element_index_.end()) set->elements.push_back(place->second);
   }
 
-  bool Include(const LineReader& lines, const Keyword& keyword,
+  bool Include(const LineReader& lines, const DeckKeyword& keyword,
                const std::string& path, int depth) {
     const std::string* input = keyword.Find("INPUT");
     if (input == nullptr || input->empty() || depth >= kMostIncludes) {
       return lines.Fail("*INCLUDE without INPUT, or too deep", error_);
     }
-    namespace fs = std::filesystem;
-    const std::string other =
-        (fs::path(path).parent_path() / fs::path(*input)).string();
+    const std::string other = DeckIncludePath(path, *input);
     std::string content;
     return ReadTextFile(other, &content, error_) &&
            ReadFile(other, content, depth + 1);

@@ -24,8 +24,38 @@ source "$here/testing.sh"
 
 for n in 1 2 3; do
   Run 0 pinode_update --case="$data/healthy_$n.toml" --output_dir=D$n \
-    --progress=false
+    --progress=false --deck="$data/frame.inp"
 done
+
+# CalculiX exports from the updated deck what pinode makes of the matrices.
+if command -v ccx >/dev/null; then
+  mkdir ccx
+  cp D1/frame_updated.inp ccx/deck.inp
+  (cd ccx && ccx deck >log 2>&1) || Fail "ccx"
+  for pair in sti:K_full mas:M_full; do
+    awk -v name="${pair#*:}" '
+      NR == FNR { exported[$1 " " $2] = $3; next }
+      /^%/ || ++line == 1 { next }
+      {
+        # Upper triangle there, lower one here.
+        value = exported[$2 " " $1]
+        off = value > $3 ? value - $3 : $3 - value
+        if (off > worst) worst = off
+        if ($3 > largest) largest = $3
+        ++count
+      }
+      END {
+        printf "updated deck: %s off by %.1e\n", name, worst / largest
+        exit !(count > 10000 && worst <= 1e-12 * largest)
+      }' "ccx/deck.${pair%:*}" "D1/${pair#*:}.mtx" || Fail "updated deck"
+  done
+else
+  echo "no ccx: the updated deck was not run"
+fi
+tested=pinode_update
+sed 's/ELSET=brace_2/ELSET=brace_9/' "$data/frame.inp" >other.inp
+Refused "'brace_2' cannot be changed" --case="$data/healthy_1.toml" \
+  --output_dir=E --deck=other.inp
 
 # "name value" of each entry of the object KEY in truth.json: of STATE, or, with
 # "", at the top. One entry a line is how the generator writes them.

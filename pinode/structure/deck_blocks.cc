@@ -1,0 +1,80 @@
+#include "pinode/structure/deck_blocks.h"
+
+#include <string_view>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/strings.h"
+#include "pinode/structure/matrix_text.h"
+
+namespace pinode {
+namespace {
+
+constexpr int kDeepestInclude = 10;
+
+bool AddBlocks(const std::string& path, const std::string& content, int depth,
+               std::vector<DeckBlock>* blocks, std::string* error) {
+  LineReader lines(path, content);
+  std::string_view line;
+  while (lines.NextRaw(&line)) {
+    const std::string_view text = StripBlanks(line);
+    if (text.empty() || text[0] != '*' || text.substr(0, 2) == "**") {
+      if (blocks->empty()) blocks->emplace_back();
+      blocks->back().lines.emplace_back(line);
+      continue;
+    }
+    DeckBlock block;
+    block.place = path + ":" + std::to_string(lines.number());
+    block.head.emplace_back(line);
+    std::string whole(text);
+    while (whole.back() == ',' && lines.NextRaw(&line)) {
+      block.head.emplace_back(line);
+      const std::string_view more = StripBlanks(line);
+      if (!more.empty() && more.substr(0, 2) != "**") whole += more;
+    }
+    block.keyword = ParseDeckKeyword(whole);
+    if (block.keyword.name != "*INCLUDE") {
+      blocks->push_back(std::move(block));
+      continue;
+    }
+    const std::string* input = block.keyword.Find("INPUT");
+    if (input == nullptr || input->empty() || depth >= kDeepestInclude) {
+      return lines.Fail("*INCLUDE without INPUT, or too deep", error);
+    }
+    const std::string other = DeckIncludePath(path, *input);
+    std::string included;
+    if (!ReadTextFile(other, &included, error) ||
+        !AddBlocks(other, included, depth + 1, blocks, error)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<size_t> DeckBlock::DataLines() const {
+  std::vector<size_t> data;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const std::string_view text = StripBlanks(lines[i]);
+    if (!text.empty() && text.substr(0, 2) != "**") data.push_back(i);
+  }
+  return data;
+}
+
+bool ReadDeckBlocks(const std::string& path, const std::string& content,
+                    std::vector<DeckBlock>* blocks, std::string* error) {
+  blocks->clear();
+  return AddBlocks(path, content, 0, blocks, error);
+}
+
+std::string FormatDeckBlocks(const std::vector<DeckBlock>& blocks) {
+  std::string text;
+  for (const DeckBlock& block : blocks) {
+    for (const std::string& line : block.head) text += line + "\n";
+    for (const std::string& line : block.lines) text += line + "\n";
+  }
+  return text;
+}
+
+}  // namespace pinode

@@ -1,0 +1,51 @@
+// What element sets of input decks of CalculiX and Abaqus are made of, and the
+// same deck with factors on it.
+
+#ifndef PINODE_STRUCTURE_DECK_PROPERTIES_H_
+#define PINODE_STRUCTURE_DECK_PROPERTIES_H_
+
+#include <string>
+#include <vector>
+
+namespace pinode {
+
+// A section with its material, springs or point masses: the numbers that
+// stiffness and mass are in proportion to, in the deck's order.
+struct DeckProperty {
+  std::string set;  // elements that have it
+  // Moduli of *ELASTIC (no Poisson's ratios), constants or forces of *SPRING.
+  std::vector<double> stiffness;
+  // *DENSITY, *MASS.
+  std::vector<double> mass;
+};
+
+// By what to multiply what an element set contributes.
+struct DeckFactor {
+  std::string set;
+  bool is_mass = false;  // else stiffness
+  double factor = 1.0;
+};
+
+// Of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION with MATERIAL, *SPRING
+// and *MASS, in the deck's order. False, with `file:line: what, and what was
+// expected`.
+[[nodiscard]] bool ReadDeckProperties(const std::string& path,
+                                      const std::string& content,
+                                      std::vector<DeckProperty>* properties,
+                                      std::string* error);
+
+// *scaled: the deck, included files in their places, with the properties of
+// each set times its factors and everything else as it is. A material that
+// other sections share gets a copy. Refused are sets of which a section, spring
+// or mass has elements outside, sets that two factors of a kind would change,
+// elements without a property that could be changed (general sections,
+// composites, types that pictures do not know), and *ELASTIC of other kinds
+// than isotropic, engineering constants, orthotropic, lamina and anisotropic.
+[[nodiscard]] bool ScaleDeck(const std::string& path,
+                             const std::string& content,
+                             const std::vector<DeckFactor>& factors,
+                             std::string* scaled, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_STRUCTURE_DECK_PROPERTIES_H_

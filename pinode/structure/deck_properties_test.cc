@@ -1,0 +1,218 @@
+#include "pinode/structure/deck_properties.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/file.h"
+#include "pinode/base/temporary_folder_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Three bars that share a steel, two of another, springs and a mass.
+constexpr char kDeck[] = R"(** A bridge
+*NODE
+1,0,0,0
+2,1,0,0
+3,2,0,0
+4,3,0,0
+5,4,0,0
+6,5,0,0
+*ELEMENT,TYPE=T3D2,ELSET=low
+1,1,2
+*ELEMENT,TYPE=T3D2,ELSET=mid
+2,2,3
+*ELEMENT,TYPE=T3D2,ELSET=top
+3,3,4
+*ELEMENT,TYPE=B31,ELSET=deck
+4,4,5
+5,5,6
+*ELSET,ELSET=all_steel
+low, mid, top
+*ELSET,ELSET=half_deck
+4
+*ELEMENT,TYPE=SPRINGA,ELSET=stay
+6,1,6
+*ELEMENT,TYPE=SPRING1,ELSET=soil
+7,1
+*ELEMENT,TYPE=MASS,ELSET=ballast
+8,4
+*MATERIAL, NAME=Steel
+*ELASTIC
+** at two temperatures
+2.1E11, 0.3, 20.
+2.0E11, 0.3, 300.
+*DENSITY
+7850.
+*DAMPING, ALPHA=0.5
+*MATERIAL,NAME=WOOD
+*ELASTIC,TYPE=ENGINEERING CONSTANTS
+1.1E10,8.E8,5.E8,.3,.3,.4,6.E8,5.E8,
+4.E7
+*DENSITY
+450
+*SOLID SECTION,ELSET=low,MATERIAL=STEEL
+1e-3
+*SOLID SECTION,ELSET=mid,MATERIAL=steel
+1e-3
+*SOLID SECTION, ELSET=top, MATERIAL=steel
+1e-3
+*BEAM SECTION,ELSET=deck,MATERIAL=wood,SECTION=RECT
+.2,.3
+0,0,1
+*SPRING,ELSET=stay,NONLINEAR
+-10.,-1.
+0.,0.
+20.,1.
+*SPRING,ELSET=soil
+2
+5000.
+*MASS,ELSET=ballast
+120.
+*STEP
+*END STEP
+)";
+
+std::vector<DeckProperty> PropertiesOrFail(const std::string& content) {
+  std::vector<DeckProperty> properties;
+  std::string error;
+  EXPECT_TRUE(ReadDeckProperties("bridge.inp", content, &properties, &error))
+      << error;
+  return properties;
+}
+
+std::string Scaled(const std::vector<DeckFactor>& factors,
+                   const std::string& content = kDeck) {
+  std::string scaled, error;
+  EXPECT_TRUE(ScaleDeck("bridge.inp", content, factors, &scaled, &error))
+      << error;
+  return scaled;
+}
+
+std::string ErrorOf(const std::vector<DeckFactor>& factors,
+                    const std::string& content = kDeck) {
+  std::string scaled = "untouched", error;
+  EXPECT_FALSE(ScaleDeck("bridge.inp", content, factors, &scaled, &error));
+  EXPECT_EQ(scaled, "untouched");
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+  return error;
+}
+
+TEST(DeckPropertiesTest, Reads) {
+  const std::vector<DeckProperty> properties = PropertiesOrFail(kDeck);
+  ASSERT_EQ(properties.size(), 7u);
+  EXPECT_EQ(properties[0].set, "low");
+  EXPECT_THAT(properties[0].stiffness, ElementsAre(2.1e11, 2.0e11));
+  EXPECT_THAT(properties[0].mass, ElementsAre(7850.0));
+  EXPECT_THAT(properties[3].stiffness,
+              ElementsAre(1.1e10, 8e8, 5e8, 6e8, 5e8, 4e7));
+  EXPECT_THAT(properties[4].stiffness, ElementsAre(-10.0, 0.0, 20.0));
+  EXPECT_TRUE(properties[4].mass.empty());
+  EXPECT_THAT(properties[5].stiffness, ElementsAre(5000.0));
+  EXPECT_THAT(properties[6].mass, ElementsAre(120.0));
+}
+
+TEST(DeckPropertiesTest, FactorsAreReadBack) {
+  const std::vector<DeckFactor> factors = {
+      {"mid", false, 0.8},  {"TOP", true, 1.25},  {"deck", false, 1.1},
+      {"stay", false, 0.5}, {"soil", false, 3.0}, {"ballast", true, 0.9}};
+  const std::vector<double> stiffness = {1.0, 0.8, 1.0, 1.1, 0.5, 3.0, 1.0};
+  const std::vector<double> mass = {1.0, 1.0, 1.25, 1.0, 1.0, 1.0, 0.9};
+  const std::string scaled = Scaled(factors);
+  const std::vector<DeckProperty> before = PropertiesOrFail(kDeck);
+  const std::vector<DeckProperty> after = PropertiesOrFail(scaled);
+  ASSERT_EQ(after.size(), before.size());
+  for (size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].set, before[i].set);
+    ASSERT_EQ(after[i].stiffness.size(), before[i].stiffness.size());
+    for (size_t k = 0; k < after[i].stiffness.size(); ++k) {
+      const double expected = stiffness[i] * before[i].stiffness[k];
+      EXPECT_NEAR(after[i].stiffness[k], expected, 1e-13 * std::abs(expected));
+    }
+    ASSERT_EQ(after[i].mass.size(), before[i].mass.size());
+    for (size_t k = 0; k < after[i].mass.size(); ++k) {
+      const double expected = mass[i] * before[i].mass[k];
+      EXPECT_NEAR(after[i].mass[k], expected, 1e-13 * expected);
+    }
+  }
+  // The shared material has a copy for each that differs, with what it had.
+  EXPECT_THAT(scaled, HasSubstr("*MATERIAL, NAME=Steel\n"));
+  EXPECT_THAT(scaled, HasSubstr("*MATERIAL,NAME=STEEL_MID\n*ELASTIC\n** at two "
+                                "temperatures\n1.6800000000000E+11,0.3,20."));
+  EXPECT_THAT(scaled, HasSubstr("ELSET=mid,MATERIAL=STEEL_MID\n"));
+  EXPECT_THAT(scaled, HasSubstr("*SOLID SECTION,ELSET=low,MATERIAL=STEEL\n"));
+  EXPECT_THAT(scaled,
+              HasSubstr("*SPRING,ELSET=soil\n2\n1.5000000000000E+04\n"));
+  EXPECT_THAT(scaled, HasSubstr("0.3, 300.\n*DENSITY\n9.8125000000000E+03\n"
+                                "*DAMPING, ALPHA=0.5\n"));
+  EXPECT_EQ(scaled.substr(0, 100), std::string(kDeck).substr(0, 100));
+}
+
+TEST(DeckPropertiesTest, NothingElseIsTouched) {
+  EXPECT_EQ(Scaled({}), kDeck);
+  EXPECT_EQ(Scaled({{"all_steel", false, 1.0}}), kDeck);
+  // One factor for all that share a material needs no copy.
+  const std::string scaled = Scaled({{"all_steel", false, 2.0}});
+  EXPECT_THAT(scaled, Not(HasSubstr("STEEL_")));
+  EXPECT_THAT(PropertiesOrFail(scaled)[2].stiffness,
+              ElementsAre(4.2e11, 4.0e11));
+}
+
+TEST(DeckPropertiesTest, IncludesAreWrittenOut) {
+  TemporaryFolder folder;
+  const std::string deck = kDeck;
+  const size_t from = deck.find("*MATERIAL,NAME=WOOD");
+  const size_t to = deck.find("*SOLID SECTION");
+  folder.Write("wood.inp", deck.substr(from, to - from));
+  const std::string path = folder.Write(
+      "bridge.inp",
+      deck.substr(0, from) + "*INCLUDE,INPUT=wood.inp\n" + deck.substr(to));
+  std::string content, scaled, error;
+  ASSERT_TRUE(ReadTextFile(path, &content, &error));
+  ASSERT_TRUE(ScaleDeck(path, content, {}, &scaled, &error)) << error;
+  EXPECT_EQ(scaled, deck);
+}
+
+TEST(DeckPropertiesTest, RefusesWhatItWouldGetWrong) {
+  EXPECT_THAT(ErrorOf({{"nobody", false, 2.0}}), HasSubstr("no such set"));
+  EXPECT_THAT(ErrorOf({{"half_deck", false, 2.0}}),
+              HasSubstr("'deck' has elements outside of it"));
+  EXPECT_THAT(ErrorOf({{"mid", false, 2.0}, {"all_steel", false, 3.0}}),
+              HasSubstr("'mid' has another factor already"));
+  EXPECT_THAT(ErrorOf({{"mid", false, -1.0}}), HasSubstr("not positive"));
+  EXPECT_THAT(ErrorOf({{"ballast", false, 2.0}}),
+              HasSubstr("nothing of that kind"));
+  EXPECT_THAT(ErrorOf({{"stay", true, 2.0}}),
+              HasSubstr("nothing of that kind"));
+  const std::string deck = kDeck;
+  const auto with = [&deck](const std::string& from, const std::string& to) {
+    std::string other = deck;
+    other.replace(other.find(from), from.size(), to);
+    return other;
+  };
+  EXPECT_THAT(ErrorOf({{"deck", false, 2.0}},
+                      with("TYPE=ENGINEERING CONSTANTS", "TYPE=TRACTION")),
+              HasSubstr("bridge.inp:37: *ELASTIC, TYPE=TRACTION"));
+  EXPECT_THAT(ErrorOf({{"low", false, 2.0}}, with("2.1E11", "two")),
+              HasSubstr("'two', expected a number"));
+  EXPECT_THAT(ErrorOf({{"low", false, 2.0}}, with("*DAMPING", "*HOURGLASS")),
+              HasSubstr("*HOURGLASS behind a material"));
+  EXPECT_THAT(ErrorOf({{"deck", false, 2.0}}, with("*BEAM SECTION,ELSET=deck,",
+                                                   "*BEAM GENERAL SECTION,")),
+              HasSubstr("without a section"));
+  EXPECT_THAT(ErrorOf({{"low", false, 2.0}}, with("TYPE=B31", "TYPE=ODD7")),
+              HasSubstr("ODD7"));
+  EXPECT_THAT(
+      ErrorOf({{"low", false, 2.0}}, with("MATERIAL=wood", "MATERIAL=x")),
+      HasSubstr("no *MATERIAL of that name"));
+}
+
+}  // namespace
+}  // namespace pinode
