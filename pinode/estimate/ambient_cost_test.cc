@@ -218,7 +218,7 @@ TEST(AmbientCostTest, SaysWhatIsWrong) {
   ASSERT_TRUE(problem.IsValid(&error)) << error;
   problem.ambient[0].samples.row(1).setConstant(1.0);
   EXPECT_FALSE(problem.IsValid(&error));
-  EXPECT_THAT(error, HasSubstr("channel 'u2' has the same value"));
+  EXPECT_THAT(error, HasSubstr("channel 'u2' is dead"));
   problem.ambient[0].channels[0].quantity = Quantity::kForce;
   EXPECT_FALSE(problem.IsValid(&error));
   EXPECT_THAT(error, HasSubstr("'u1' is a force"));
