@@ -1,5 +1,6 @@
 #include "pinode/report/structure_drawing.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -112,6 +113,7 @@ class DrawingMaker {
         }
         if (corners.size() == 2) drawing_.lines.push_back(face);
         if (corners.size() < 3) continue;
+        if (FacesOf(element.shape).size() > 1) TurnOutside(element, &face);
         ++count[key(face.nodes)];
         all.push_back(std::move(face));
       }
@@ -120,6 +122,29 @@ class DrawingMaker {
       if (count[key(face.nodes)] == 1)
         drawing_.faces.push_back(std::move(face));
     }
+  }
+
+  // Whatever way round the deck has the element.
+  void TurnOutside(const StructureGeometry::Element& element,
+                   StructureDrawing::Face* face) const {
+    const Eigen::Vector3d middle = MiddleOf(element.nodes);
+    const auto at = [this, face](size_t i) {
+      return Eigen::Vector3d(
+          geometry_.positions.row(face->nodes[i]).transpose());
+    };
+    const Eigen::Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0));
+    if (normal.dot(MiddleOf(face->nodes) - middle) < 0.0) {
+      std::reverse(face->nodes.begin(), face->nodes.end());
+    }
+    face->is_outside = true;
+  }
+
+  Eigen::Vector3d MiddleOf(const std::vector<int>& nodes) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const int node : nodes) {
+      sum += geometry_.positions.row(node).transpose();
+    }
+    return sum / static_cast<double>(nodes.size());
   }
 
   void CollectNodes() {
@@ -189,14 +214,11 @@ class DrawingMaker {
   void CollectMarks() {
     for (const StructurePicture::Group& group : picture_.groups) {
       if (!group.changed || group.elements.empty()) continue;
-      std::vector<Eigen::RowVector3d> middles;
-      Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+      std::vector<Eigen::Vector3d> middles;
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
       for (const int e : group.elements) {
-        const std::vector<int>& nodes =
-            geometry_.elements[static_cast<size_t>(e)].nodes;
-        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-        for (const int node : nodes) sum += geometry_.positions.row(node);
-        middles.push_back(sum / static_cast<double>(nodes.size()));
+        middles.push_back(
+            MiddleOf(geometry_.elements[static_cast<size_t>(e)].nodes));
         middle += middles.back() / static_cast<double>(group.elements.size());
       }
       size_t nearest = 0;

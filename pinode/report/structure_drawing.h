@@ -24,7 +24,8 @@ constexpr char kUnknownForceColor[] = "#c2185b";
 struct StructureDrawing {
   struct Face {
     std::vector<int> nodes;
-    int group = 0;  // 0: none, else one more than that of the picture
+    int group = 0;            // 0: none, else one more than that of the picture
+    bool is_outside = false;  // of a solid, around it as seen from outside
   };
   Matrix positions;           // nodes that are drawn x 3
   std::vector<int> nodes;     // their places in the geometry

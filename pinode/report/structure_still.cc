@@ -12,6 +12,8 @@
 namespace pinode {
 namespace {
 
+constexpr double kLetter = 8.5;  // no letter of the names is wider on average
+
 // Axes of the still picture, the same view without perspective.
 struct Axes {
   Eigen::Vector3d across, upwards, towards;
@@ -84,13 +86,17 @@ class SvgMaker {
     AddArrows(picture_.forces, kForceColor, 0.1);
     AddArrows(picture_.unknown_forces, kUnknownForceColor, 0.12);
     AddMarks();
+    // Names may reach beyond what is drawn.
+    const double left = std::min(0.0, low_text_);
+    const double right = std::max(scale * width, high_text_);
     char head[256];
     std::snprintf(head, sizeof(head),
-                  "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 "
+                  "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"%.0f 0 "
                   "%.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\" "
                   "font-family=\"sans-serif\" stroke-linejoin=\"round\">"
                   "<title>The structure</title>\n",
-                  scale * width, scale * height, scale * width, scale * height);
+                  left, right - left, scale * height, right - left,
+                  scale * height);
     return head + text_ + "</svg>";
   }
 
@@ -127,6 +133,7 @@ class SvgMaker {
     std::stable_sort(
         bodies.begin(), bodies.end(),
         [](const auto& a, const auto& b) { return a.depth < b.depth; });
+    text_ += "<g stroke=\"#4b5560\" stroke-width=\"0.6\">\n";
     for (const Body& body : bodies) {
       if (body.face->nodes.size() == 2) {
         AddLine(*body.face);
@@ -134,6 +141,7 @@ class SvgMaker {
         AddFace(*body.face);
       }
     }
+    text_ += "</g>\n";
   }
 
   void AddLine(const StructureDrawing::Face& line) {
@@ -152,6 +160,8 @@ class SvgMaker {
     };
     const Eigen::Vector3d normal =
         (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+    // Nobody sees the far side of a solid.
+    if (face.is_outside && normal.dot(axes_.towards) < -1e-9) return;
     const double light = 0.74 + 0.26 * std::abs(normal.dot(axes_.towards));
     text_ += "<path d=\"M" + Point(face.nodes[0]);
     for (size_t i = 1; i < face.nodes.size(); ++i) {
@@ -159,7 +169,7 @@ class SvgMaker {
     }
     text_ += "Z\" fill=\"" +
              Shaded(drawing_.colors[static_cast<size_t>(face.group)], light) +
-             "\" stroke=\"#4b5560\" stroke-width=\"0.6\"/>\n";
+             "\"/>\n";
   }
 
   void AddMarks() {
@@ -174,6 +184,10 @@ class SvgMaker {
   void AddText(const Eigen::RowVector2d& at, const char* anchor,
                const std::string& color, const std::string& text,
                const char* more = "") {
+    const double width = kLetter * static_cast<double>(text.size());
+    const bool ends = std::string(anchor) == "end";
+    low_text_ = std::min(low_text_, at[0] - (ends ? width : 0.0));
+    high_text_ = std::max(high_text_, at[0] + (ends ? 0.0 : width));
     char place[96];
     std::snprintf(place, sizeof(place),
                   "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" ", at[0],
@@ -216,6 +230,7 @@ class SvgMaker {
   Matrix flat_;
   Eigen::RowVector2d origin_ = Eigen::RowVector2d::Zero();
   double scale_ = 1.0;
+  double low_text_ = 0.0, high_text_ = 0.0;
   std::string text_;
 };
 

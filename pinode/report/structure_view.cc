@@ -19,18 +19,18 @@ namespace {
 using Json = nlohmann::json;
 
 // A page is to open at once and to be sent by mail.
-constexpr size_t kMostTriangles = 40000;
+constexpr size_t kMostTriangles = 25000;
+constexpr size_t kMostStillTriangles = 60000;
 constexpr Eigen::Index kMostModeNumbers = 90000;
 constexpr double kBar = 0.006;  // half width of lines, of the size
 constexpr double kAway = 1.95;  // of the camera
 
-double Rounded(double value) { return std::round(1e5 * value) / 1e5 + 0.0; }
-
-std::vector<double> RoundedRows(const Matrix& matrix) {
+// A page is no longer than it has to be: `scale` is a power of ten.
+std::vector<double> RoundedRows(const Matrix& matrix, double scale) {
   std::vector<double> values;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     for (Eigen::Index k = 0; k < matrix.cols(); ++k) {
-      values.push_back(Rounded(matrix(i, k)));
+      values.push_back(std::round(scale * matrix(i, k)) / scale + 0.0);
     }
   }
   return values;
@@ -59,7 +59,7 @@ size_t NumModes(const StructurePicture& picture,
 std::string DataAsJson(const StructurePicture& picture,
                        const StructureDrawing& drawing) {
   Json data;
-  data["nodes"] = RoundedRows(drawing.positions);
+  data["nodes"] = RoundedRows(drawing.positions, 1e4);
   std::vector<int> triangles, triangle_groups, edges, lines, line_groups;
   for (const StructureDrawing::Face& face : drawing.faces) {
     for (size_t i = 2; i < face.nodes.size(); ++i) {
@@ -98,7 +98,7 @@ std::string DataAsJson(const StructurePicture& picture,
       shape.row(i) =
           picture.modes[m].shape.row(drawing.nodes[static_cast<size_t>(i)]);
     }
-    data["modes"].push_back({{"shape", RoundedRows(shape)}});
+    data["modes"].push_back({{"shape", RoundedRows(shape, 1e3)}});
   }
   // A page of modes begins with the first of them moving.
   data["start"] = picture.groups.empty() && !data["modes"].empty() ? 0 : -1;
@@ -211,21 +211,35 @@ std::string StructureSection(const StructurePicture& picture) {
   for (const StructureDrawing::Face& face : drawing.faces) {
     triangles += face.nodes.size() - 2;
   }
-  const bool turns = triangles + 2 * drawing.lines.size() <= kMostTriangles;
+  const size_t size = triangles + 2 * drawing.lines.size();
+  const bool turns = size <= kMostTriangles;
+  const bool still = size <= kMostStillTriangles;
   std::string html = kStructureStyle;
   html +=
-      "<section class=\"structure\" id=\"structure\" data-state=\"loading\">\n"
-      "<div class=\"scene\" hidden tabindex=\"0\" role=\"application\" "
-      "aria-label=\"The structure: arrow keys turn it, plus and minus "
-      "zoom\"></div>\n<div class=\"still\">";
-  html += DrawingSvg(picture, drawing) + "</div>\n";
-  html += turns ? "<noscript><p>Scripts are off in this browser: a still "
-                  "picture in place of the view that turns.</p></noscript>\n"
-                  "<p class=\"no-webgl\" hidden></p>\n"
-                : "<p class=\"no-webgl\">With " + std::to_string(triangles) +
-                      " triangles the structure is drawn as a still picture "
-                      "alone; a view that turns has at most " +
-                      std::to_string(kMostTriangles) + ".</p>\n";
+      "<section class=\"structure\" id=\"structure\" data-state=\"loading\">\n";
+  if (turns) {
+    html +=
+        "<div class=\"scene\" hidden tabindex=\"0\" role=\"application\" "
+        "aria-label=\"The structure: arrow keys turn it, plus and minus "
+        "zoom\"></div>\n";
+  }
+  if (still) {
+    html += "<div class=\"still\">" + DrawingSvg(picture, drawing) + "</div>\n";
+  }
+  if (turns) {
+    html +=
+        "<noscript><p>Scripts are off in this browser: a still picture in "
+        "place of the view that turns.</p></noscript>\n"
+        "<p class=\"no-webgl\" hidden></p>\n";
+  } else {
+    html += "<p class=\"no-webgl\">With " + std::to_string(size) +
+            " triangles the structure is " +
+            (still ? "drawn as a still picture alone; a view that turns has "
+                   : "not drawn in this page, whose pictures have ") +
+            "at most " +
+            std::to_string(still ? kMostTriangles : kMostStillTriangles) +
+            ". structure.vtu has all of it.</p>\n";
+  }
   if (turns) html += ControlsHtml(picture, drawing);
   html += "<p class=\"told\" aria-live=\"polite\">&nbsp;</p>\n";
   html += LegendHtml(picture, drawing);

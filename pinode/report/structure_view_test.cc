@@ -73,9 +73,9 @@ TEST(StructureViewTest, ChangesInWords) {
 TEST(StructureViewTest, StillPicture) {
   const std::string svg = StructureSvg(TwoCubes());
   EXPECT_EQ(testing::FindHtmlFault(svg), "");
-  // Ten faces (the two between the cubes are seen by nobody), a bar of two
-  // strokes, an arrow with its head.
-  EXPECT_EQ(Occurrences("<path", svg), 10 + 2 + 2);
+  // Of ten faces outside the five towards the reader, a bar of two strokes, an
+  // arrow with its head.
+  EXPECT_EQ(Occurrences("<path", svg), 5 + 2 + 2);
   // A sensor, and what changed.
   EXPECT_EQ(Occurrences("<text", svg), 2);
   EXPECT_THAT(svg, HasSubstr(">k&lt;2&gt; -10.0 %<"));
@@ -120,6 +120,13 @@ TEST(StructureViewTest, LargeStructuresStayStill) {
   const std::string html = StructureSection(picture);
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, HasSubstr("still picture alone"));
+  EXPECT_THAT(html, HasSubstr("<svg"));
+  for (int i = 0; i < 10000; ++i) {
+    picture.geometry.elements.push_back({ElementShape::kLine, {0, 10}});
+  }
+  const std::string none = StructureSection(picture);
+  EXPECT_THAT(none, Not(HasSubstr("<svg")));
+  EXPECT_THAT(none, HasSubstr("structure.vtu"));
 }
 
 }  // namespace
