@@ -1,5 +1,6 @@
 #include "apps/fit_flags.h"
 
+#include "pinode/case/matlab_results.h"
 #include "pinode/case/result_folder.h"
 
 DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
@@ -11,6 +12,9 @@ DEFINE_bool(resume, false,
             "continue an interrupted fit from its checkpoint in the output "
             "folder");
 DEFINE_int32(threads, 0, "threads; 0: as the case says");
+DEFINE_bool(mat, false,
+            "write results.mat too, with all tables, matrices and texts of the "
+            "output folder, for MATLAB and Octave");
 DEFINE_bool(progress, true, "show progress on standard error");
 
 namespace pinode {
@@ -35,6 +39,10 @@ bool ReadFitFlags(Case* c, std::string* error) {
   }
   if (FLAGS_threads > 0) c->options.num_threads = FLAGS_threads;
   return true;
+}
+
+bool WriteForMatlab(const ResultFolder& folder, std::string* error) {
+  return !FLAGS_mat || WriteMatlabResults(folder.working_path(), error);
 }
 
 }  // namespace pinode

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pinode/case/case_file.h"
+#include "pinode/case/result_folder.h"
 
 DECLARE_string(case);
 DECLARE_string(output_dir);
@@ -21,6 +22,10 @@ namespace pinode {
 // reads the case. False, with one line in *error, where something is wrong;
 // nothing has been written then.
 [[nodiscard]] bool ReadFitFlags(Case* c, std::string* error);
+
+// With --mat, results.mat of what has been written to the folder so far.
+[[nodiscard]] bool WriteForMatlab(const ResultFolder& folder,
+                                  std::string* error);
 
 }  // namespace pinode
 

@@ -177,7 +177,7 @@ int main(int argc, char** argv) {
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
       !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteDamageFiles(report, folder.working_path(), &error) ||
-      !folder.Commit(&error)) {
+      !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return Refuse(error);
   }
 

@@ -314,7 +314,7 @@ int main(int argc, char** argv) {
     std::filesystem::remove(folder.checkpoint_path(), ignored);
   }
   if (!WriteDiscoverFiles(discovery, folder.working_path(), &error) ||
-      !folder.Commit(&error)) {
+      !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return Refuse(error);
   }
 

@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/file_text.h"
@@ -30,10 +31,6 @@
 #include "pinode/modal/resolve_dofs.h"
 #include "pinode/report/modes_report.h"
 #include "pinode/study/structure_picture.h"
-
-DECLARE_string(case);
-DECLARE_string(output_dir);
-DECLARE_bool(overwrite);
 
 DEFINE_string(columns, "",
               "--case is a data file (CSV, universal file, ...), and these of "
@@ -181,7 +178,7 @@ int main(int argc, char** argv) {
       !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteModesReport(report, report_options,
                         folder.working_path() + "/report.html", &error) ||
-      !folder.Commit(&error)) {
+      !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return Refuse(error);
   }
 

@@ -18,6 +18,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/csv_file.h"
+#include "pinode/case/matlab_results.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -27,6 +28,8 @@ DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
 DEFINE_string(output_dir, "",
               "folder for the responses; must not exist without --overwrite");
 DEFINE_bool(overwrite, false, "replace an existing output folder");
+DEFINE_bool(mat, false,
+            "write results.mat too, with all responses, for MATLAB and Octave");
 DEFINE_double(noise_percent, -1.0,
               "noise in per cent of each channel's standard deviation; "
               "negative: as the case says");
@@ -156,6 +159,7 @@ int main(int argc, char** argv) {
   // 3. What they were made with.
   if (!WriteSimulationSummary(folder.working_path() + "/simulate.json", summary,
                               &error) ||
+      (FLAGS_mat && !WriteMatlabResults(folder.working_path(), &error)) ||
       !folder.Commit(&error)) {
     return Refuse(error);
   }

@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
       !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteHtmlReport(report, report_options,
                        folder.working_path() + "/report.html", &error) ||
-      !folder.Commit(&error)) {
+      !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return Refuse(error);
   }
   if (!deck_trouble.empty()) {

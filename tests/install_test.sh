@@ -40,10 +40,30 @@ if grep -nF -e '-march' -e "$root/pinode" -- \
 fi
 cmake --build "$scratch/build"
 
+# The shared library shows what is pinode's and nothing of what it was made with.
+shared=$(find "$prefix" -name 'libpinode.so')
+if [[ -n $shared ]]; then
+  shown=$(nm --dynamic --defined-only --demangle "$shared" | cut -d' ' -f3-)
+  if ! grep -q '^pinode::Identify(' <<<"$shown"; then
+    echo "libpinode.so does not show pinode::Identify"
+    exit 1
+  fi
+  if foreign=$(grep -v -e 'pinode::' <<<"$shown"); then
+    echo "libpinode.so shows more than pinode's own:"
+    head <<<"$foreign"
+    exit 1
+  fi
+  name=$(objdump -p "$shared" | awk '$1 == "SONAME" {print $2}')
+  if [[ $name != libpinode.so.[0-9]* ]]; then
+    echo "libpinode.so is called '$name', expected a version"
+    exit 1
+  fi
+fi
+
 # In a folder of their own, with the paths that the README speaks of.
 cd -- "$scratch/run"
 ln -s -- "$root/data" data
-for program in "$scratch/build/"{consumer,consumer_of_base,readme*,library_readme*}; do
+for program in "$scratch/build/"{consumer,consumer_of_*,readme*,library_readme*}; do
   if [[ -f $program && -x $program ]]; then
     echo "Running ${program##*/}"
     "$program"

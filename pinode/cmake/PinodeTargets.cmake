@@ -7,8 +7,12 @@
 # their own, pinode_<folder>_slow_test, labelled `slow`, which the sanitizer run
 # leaves out (PINODE_BUILD_SLOW_TESTS). APART: pinode::pinode does not link it.
 #
-# pinode_install_package() adds the umbrella target pinode::pinode and
-# everything that find_package(pinode) needs.
+# pinode_install_package() adds the umbrella target pinode::pinode, on request
+# the shared library pinode::shared of the same objects, and everything that
+# find_package(pinode) needs.
+#
+# What is installed belongs to a component each, from which cpack makes packages
+# (PinodePackages.cmake): programs, shared, development, python.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -86,9 +90,10 @@ function(pinode_add_floor folder)
     set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
   endif()
   install(TARGETS ${target} EXPORT pinodeTargets
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode/${folder}
+    COMPONENT development
     FILES_MATCHING PATTERN "*.h"
     # Help for our own tests.
     REGEX "/(.*_)?testing\\.h$" EXCLUDE)
@@ -103,16 +108,57 @@ function(pinode_add_floor folder)
   endif()
 endfunction()
 
+# One shared library of all floors' objects. It shows what is in namespace
+# pinode and hides the rest (pinode_symbols.map): what Eigen, Ceres and the
+# standard library have left in the objects is not for others to link with.
+function(pinode_add_shared_library)
+  get_property(floors GLOBAL PROPERTY PINODE_FLOORS)
+  set(symbols ${PROJECT_SOURCE_DIR}/pinode/cmake/pinode_symbols.map)
+  set(objects ${floors})
+  list(TRANSFORM objects REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>")
+  add_library(pinode_shared SHARED ${objects})
+  add_library(pinode::shared ALIAS pinode_shared)
+  set_target_properties(pinode_shared PROPERTIES
+    EXPORT_NAME shared
+    OUTPUT_NAME pinode
+    LINKER_LANGUAGE CXX
+    VERSION ${PROJECT_VERSION}
+    # Before 1.0 a minor version may change the interface.
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    LINK_DEPENDS ${symbols})
+  target_link_options(pinode_shared PRIVATE
+    -Wl,--version-script=${symbols} -Wl,--no-undefined -Wl,--as-needed)
+  # Of the floors nothing is left to link but what they link.
+  target_link_libraries(pinode_shared
+    PRIVATE ${floors}
+    INTERFACE Eigen3::Eigen Ceres::ceres glog::glog Threads::Threads)
+  target_compile_features(pinode_shared INTERFACE cxx_std_17)
+  target_include_directories(pinode_shared INTERFACE
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(PINODE_NATIVE)
+    target_compile_definitions(pinode_shared INTERFACE
+      EIGEN_MAX_ALIGN_BYTES=64 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
+  endif()
+  install(TARGETS pinode_shared EXPORT pinodeTargets
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    COMPONENT shared NAMELINK_COMPONENT development)
+endfunction()
+
 function(pinode_install_package)
   get_property(floors GLOBAL PROPERTY PINODE_FLOORS)
   add_library(pinode_pinode INTERFACE)
   add_library(pinode::pinode ALIAS pinode_pinode)
   set_target_properties(pinode_pinode PROPERTIES EXPORT_NAME pinode)
   target_link_libraries(pinode_pinode INTERFACE ${floors})
-  install(TARGETS pinode_pinode EXPORT pinodeTargets)
+  install(TARGETS pinode_pinode EXPORT pinodeTargets COMPONENT development)
+  if(PINODE_SHARED)
+    pinode_add_shared_library()
+  endif()
 
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pinode)
-  install(EXPORT pinodeTargets NAMESPACE pinode:: DESTINATION ${package_dir})
+  install(EXPORT pinodeTargets NAMESPACE pinode:: DESTINATION ${package_dir}
+    COMPONENT development)
   configure_package_config_file(
     ${PROJECT_SOURCE_DIR}/pinode/cmake/pinodeConfig.cmake.in
     ${PROJECT_BINARY_DIR}/pinodeConfig.cmake
@@ -125,7 +171,8 @@ function(pinode_install_package)
   install(FILES
     ${PROJECT_BINARY_DIR}/pinodeConfig.cmake
     ${PROJECT_BINARY_DIR}/pinodeConfigVersion.cmake
-    DESTINATION ${package_dir})
+    DESTINATION ${package_dir} COMPONENT development)
+  # A Debian package has its own.
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
-    DESTINATION ${CMAKE_INSTALL_DOCDIR})
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence)
 endfunction()

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# MATLAB files in and out of the programs that write results; SciPy reads what
+# they write.
+#
+#   tests/programs/mat_test.sh PROGRAM_DIR
+set -euo pipefail
+
+programs=$(cd -- "$1" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+data=$(cd -- "$here/../../data/three_storey" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+cp -- "$data"/*.toml "$data"/*.csv "$scratch"
+cd -- "$scratch"
+
+tested=pinode_update
+source "$here/testing.sh"
+
+# In: the training record as MATLAB would save it.
+/usr/bin/python3 - <<'END'
+import numpy as np
+import scipy.io
+
+train = np.genfromtxt("train.csv", delimiter=",", names=True)
+scipy.io.savemat("train.mat", {"rec": {name: train[name] for name in train.dtype.names}})
+END
+sed '/^name  = "train"/,/^\[\[record\]\]/{
+  s/"train.csv"/"train.mat"/
+  s/= "\(t\|ag\|a[123]\)"$/= "rec.\1"/
+}' three_storey.toml >from_mat.toml
+grep -q '"rec.a3"' from_mat.toml || Fail "the case names fields of the structure"
+
+Run 0 pinode_update --case=three_storey.toml --output_dir=A --progress=false
+Run 0 pinode_update --case=from_mat.toml --output_dir=B --progress=false --mat
+[[ ! -e A/results.mat ]] || Fail "no results.mat without --mat"
+Run 0 pinode_simulate --case=three_storey.toml --output_dir=S --mat
+Run 0 pinode_damage --baseline=B --case=three_storey.toml --output_dir=D \
+  --progress=false --mat
+
+# Out: the same numbers as in the other files.
+/usr/bin/python3 - <<'END'
+import csv
+import json
+
+import numpy as np
+import scipy.io
+
+
+def table(path):
+    with open(path) as lines:
+        rows = list(csv.reader(lines))
+    return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
+
+
+a = table("A/parameters.csv")
+mat = scipy.io.loadmat("B/results.mat", simplify_cells=True)
+assert list(mat["parameters"]["name"]) == a["name"], mat["parameters"]["name"]
+b = mat["parameters"]["value"]
+assert np.allclose(b, np.array(a["value"], float), rtol=1e-6), (a, b)
+assert np.allclose(mat["K"], scipy.io.mmread("B/K.mtx").toarray(), rtol=0, atol=0)
+assert json.loads(mat["result_json"]) == json.load(open("B/result.json"))
+prediction = table("B/prediction_train.csv")
+for name, cells in prediction.items():
+    numbers = np.array([c or "nan" for c in cells], float)
+    assert np.array_equal(mat["prediction_train"][name], numbers, equal_nan=True), name
+assert "checkpoint_json" not in mat
+
+response = scipy.io.loadmat("S/results.mat", simplify_cells=True)["response_train"]
+assert np.array_equal(response["a3"], np.array(table("S/response_train.csv")["a3"], float))
+damage = scipy.io.loadmat("D/results.mat", simplify_cells=True)
+assert json.loads(damage["damage_json"])["verdict"] == "no_damage", damage["damage_json"]
+END
