@@ -62,7 +62,8 @@ assert json.loads(mat["result_json"]) == json.load(open("B/result.json"))
 prediction = table("B/prediction_train.csv")
 for name, cells in prediction.items():
     numbers = np.array([c or "nan" for c in cells], float)
-    assert np.array_equal(mat["prediction_train"][name], numbers, equal_nan=True), name
+    field = mat["prediction_train"][name.replace(".", "_")]
+    assert np.array_equal(field, numbers, equal_nan=True), name
 assert "checkpoint_json" not in mat
 
 response = scipy.io.loadmat("S/results.mat", simplify_cells=True)["response_train"]
