@@ -1,6 +1,7 @@
 #include "pinode/case/case_picture.h"
 
 #include "pinode/base/file.h"
+#include "pinode/case/result_files.h"
 
 namespace pinode {
 namespace {
@@ -13,8 +14,10 @@ std::optional<StructurePicture> PictureOfCase(
     const Case& c, const IdentificationSummary& summary,
     const IdentifiedModel& model, const DamageResult* damage) {
   if (c.geometry == nullptr) return std::nullopt;
+  // A fit that failed may have found nothing.
+  const IdentifiedModel complete = CompleteModel(c.problem, model);
   return MakeStructurePicture(*c.geometry, c.problem, c.finite_element.get(),
-                              &summary, &model, damage, kNumDrawnModes);
+                              &summary, &complete, damage, kNumDrawnModes);
 }
 
 bool WriteVtu(const std::optional<StructurePicture>& picture,

@@ -5,11 +5,13 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/case/case_picture.h"
 #include "pinode/case/case_result.h"
 #include "pinode/case/damage_files.h"
 #include "pinode/case/discover_files.h"
@@ -26,6 +28,7 @@
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
 #include "pinode/report/restoring_force.h"
+#include "pinode/report/structure_view.h"
 #include "pinode/study/checkpoint.h"
 
 namespace pinode::python {
@@ -66,9 +69,22 @@ ReportInput ReportOf(const Fit& fit) {
   return report;
 }
 
+std::optional<StructurePicture> PictureOf(const Fit& fit) {
+  return PictureOfCase(fit.c, fit.summary, fit.model, fit.damage.get());
+}
+
+// The section of a page; empty: the case does not say where it all is.
+std::string StructureHtml(const Fit& fit) {
+  const std::optional<StructurePicture> picture = PictureOf(fit);
+  return picture.has_value() ? StructureSection(*picture) : std::string();
+}
+
 bool WriteFolder(const Fit& fit, ResultFolder* folder, std::string* error) {
   HtmlReportOptions options;
   options.num_threads = DefaultThreads();
+  const std::optional<StructurePicture> picture = PictureOf(fit);
+  ReportInput report = ReportOf(fit);
+  if (picture.has_value()) report.structure = &*picture;
   const std::string& path = folder->working_path();
   return WriteCaseResult(fit.c, fit.summary, fit.model, *folder, error) &&
          (fit.damage == nullptr ||
@@ -76,8 +92,8 @@ bool WriteFolder(const Fit& fit, ResultFolder* folder, std::string* error) {
                               error)) &&
          (fit.discovery == nullptr ||
           WriteDiscoverFiles(*fit.discovery, path, error)) &&
-         WriteHtmlReport(ReportOf(fit), options, path + "/report.html",
-                         error) &&
+         WriteVtu(picture, path, error) &&
+         WriteHtmlReport(report, options, path + "/report.html", error) &&
          folder->Commit(error);
 }
 
@@ -390,6 +406,7 @@ void BindFit(py::module_* module) {
       .def("ambient", &Ambient)
       .def("history", &History)
       .def("json", &Json)
+      .def("structure", &StructureHtml)
       .def("save", &SaveFit, py::arg("folder"), py::arg("overwrite") = false);
   module->def(
       "identify",

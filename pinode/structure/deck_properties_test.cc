@@ -88,16 +88,16 @@ std::vector<DeckProperty> PropertiesOrFail(const std::string& content) {
   return properties;
 }
 
-std::string Scaled(const std::vector<DeckFactor>& factors,
-                   const std::string& content = kDeck) {
+std::string ScaledOrFail(const std::vector<DeckFactor>& factors,
+                         const std::string& content = kDeck) {
   std::string scaled, error;
   EXPECT_TRUE(ScaleDeck("bridge.inp", content, factors, &scaled, &error))
       << error;
   return scaled;
 }
 
-std::string ErrorOf(const std::vector<DeckFactor>& factors,
-                    const std::string& content = kDeck) {
+std::string ScalingErrorOf(const std::vector<DeckFactor>& factors,
+                           const std::string& content = kDeck) {
   std::string scaled = "untouched", error;
   EXPECT_FALSE(ScaleDeck("bridge.inp", content, factors, &scaled, &error));
   EXPECT_EQ(scaled, "untouched");
@@ -125,7 +125,7 @@ TEST(DeckPropertiesTest, FactorsAreReadBack) {
       {"stay", false, 0.5}, {"soil", false, 3.0}, {"ballast", true, 0.9}};
   const std::vector<double> stiffness = {1.0, 0.8, 1.0, 1.1, 0.5, 3.0, 1.0};
   const std::vector<double> mass = {1.0, 1.0, 1.25, 1.0, 1.0, 1.0, 0.9};
-  const std::string scaled = Scaled(factors);
+  const std::string scaled = ScaledOrFail(factors);
   const std::vector<DeckProperty> before = PropertiesOrFail(kDeck);
   const std::vector<DeckProperty> after = PropertiesOrFail(scaled);
   ASSERT_EQ(after.size(), before.size());
@@ -156,10 +156,10 @@ TEST(DeckPropertiesTest, FactorsAreReadBack) {
 }
 
 TEST(DeckPropertiesTest, NothingElseIsTouched) {
-  EXPECT_EQ(Scaled({}), kDeck);
-  EXPECT_EQ(Scaled({{"all_steel", false, 1.0}}), kDeck);
+  EXPECT_EQ(ScaledOrFail({}), kDeck);
+  EXPECT_EQ(ScaledOrFail({{"all_steel", false, 1.0}}), kDeck);
   // One factor for all that share a material needs no copy.
-  const std::string scaled = Scaled({{"all_steel", false, 2.0}});
+  const std::string scaled = ScaledOrFail({{"all_steel", false, 2.0}});
   EXPECT_THAT(scaled, Not(HasSubstr("STEEL_")));
   EXPECT_THAT(PropertiesOrFail(scaled)[2].stiffness,
               ElementsAre(4.2e11, 4.0e11));
@@ -181,15 +181,17 @@ TEST(DeckPropertiesTest, IncludesAreWrittenOut) {
 }
 
 TEST(DeckPropertiesTest, RefusesWhatItWouldGetWrong) {
-  EXPECT_THAT(ErrorOf({{"nobody", false, 2.0}}), HasSubstr("no such set"));
-  EXPECT_THAT(ErrorOf({{"half_deck", false, 2.0}}),
+  EXPECT_THAT(ScalingErrorOf({{"nobody", false, 2.0}}),
+              HasSubstr("no such set"));
+  EXPECT_THAT(ScalingErrorOf({{"half_deck", false, 2.0}}),
               HasSubstr("'deck' has elements outside of it"));
-  EXPECT_THAT(ErrorOf({{"mid", false, 2.0}, {"all_steel", false, 3.0}}),
+  EXPECT_THAT(ScalingErrorOf({{"mid", false, 2.0}, {"all_steel", false, 3.0}}),
               HasSubstr("'mid' has another factor already"));
-  EXPECT_THAT(ErrorOf({{"mid", false, -1.0}}), HasSubstr("not positive"));
-  EXPECT_THAT(ErrorOf({{"ballast", false, 2.0}}),
+  EXPECT_THAT(ScalingErrorOf({{"mid", false, -1.0}}),
+              HasSubstr("not positive"));
+  EXPECT_THAT(ScalingErrorOf({{"ballast", false, 2.0}}),
               HasSubstr("nothing of that kind"));
-  EXPECT_THAT(ErrorOf({{"stay", true, 2.0}}),
+  EXPECT_THAT(ScalingErrorOf({{"stay", true, 2.0}}),
               HasSubstr("nothing of that kind"));
   const std::string deck = kDeck;
   const auto with = [&deck](const std::string& from, const std::string& to) {
@@ -197,21 +199,25 @@ TEST(DeckPropertiesTest, RefusesWhatItWouldGetWrong) {
     other.replace(other.find(from), from.size(), to);
     return other;
   };
-  EXPECT_THAT(ErrorOf({{"deck", false, 2.0}},
-                      with("TYPE=ENGINEERING CONSTANTS", "TYPE=TRACTION")),
-              HasSubstr("bridge.inp:37: *ELASTIC, TYPE=TRACTION"));
-  EXPECT_THAT(ErrorOf({{"low", false, 2.0}}, with("2.1E11", "two")),
-              HasSubstr("'two', expected a number"));
-  EXPECT_THAT(ErrorOf({{"low", false, 2.0}}, with("*DAMPING", "*HOURGLASS")),
-              HasSubstr("*HOURGLASS behind a material"));
-  EXPECT_THAT(ErrorOf({{"deck", false, 2.0}}, with("*BEAM SECTION,ELSET=deck,",
-                                                   "*BEAM GENERAL SECTION,")),
-              HasSubstr("without a section"));
-  EXPECT_THAT(ErrorOf({{"low", false, 2.0}}, with("TYPE=B31", "TYPE=ODD7")),
-              HasSubstr("ODD7"));
   EXPECT_THAT(
-      ErrorOf({{"low", false, 2.0}}, with("MATERIAL=wood", "MATERIAL=x")),
-      HasSubstr("no *MATERIAL of that name"));
+      ScalingErrorOf({{"deck", false, 2.0}},
+                     with("TYPE=ENGINEERING CONSTANTS", "TYPE=TRACTION")),
+      HasSubstr("bridge.inp:37: *ELASTIC, TYPE=TRACTION"));
+  EXPECT_THAT(ScalingErrorOf({{"low", false, 2.0}}, with("2.1E11", "two")),
+              HasSubstr("'two', expected a number"));
+  EXPECT_THAT(
+      ScalingErrorOf({{"low", false, 2.0}}, with("*DAMPING", "*HOURGLASS")),
+      HasSubstr("*HOURGLASS behind a material"));
+  EXPECT_THAT(
+      ScalingErrorOf({{"deck", false, 2.0}}, with("*BEAM SECTION,ELSET=deck,",
+                                                  "*BEAM GENERAL SECTION,")),
+      HasSubstr("without a section"));
+  EXPECT_THAT(
+      ScalingErrorOf({{"low", false, 2.0}}, with("TYPE=B31", "TYPE=ODD7")),
+      HasSubstr("ODD7"));
+  EXPECT_THAT(ScalingErrorOf({{"low", false, 2.0}},
+                             with("MATERIAL=wood", "MATERIAL=x")),
+              HasSubstr("no *MATERIAL of that name"));
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ from .result import (
     ResultFolder,
     SensorPlan,
     Simulation,
+    StructureView,
     read_result,
 )
 
@@ -81,6 +82,7 @@ __all__ = [
     "SensorPlan",
     "ShearBuilding",
     "Simulation",
+    "StructureView",
     "Unknown",
     "UnknownForce",
     "channels",

@@ -45,7 +45,7 @@ class Case:
     units: {"force": "kN", "length": "mm"}; N, m and s unless given.
     options: of the fit, as [options] of a case file.
     Further tables of a case file (`modal`, `damage`, `profiles`, `discover`,
-        `simulate`, `plan`) by name. With `plan` records need no channels.
+        `simulate`, `plan`, `geometry`) by name. With `plan` records need no channels.
     """
 
     def __init__(

@@ -6,6 +6,7 @@ import csv
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -56,6 +57,32 @@ class RecordResult(NamedTuple):
     units: dict[str, str]
     states: np.ndarray
     start: np.ndarray
+
+
+class StructureView:
+    """A structure drawn in 3-D, for a notebook or a page of its own.
+
+    html: the page: turned by pointer, keys and touch; a still picture on paper
+        and where there is no WebGL.
+    """
+
+    def __init__(self, section: str) -> None:
+        self.html = (
+            '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+            "<title>The structure</title></head>\n"
+            '<body style="font: 15px/1.5 sans-serif; margin: 12px">\n'
+            f"{section}</body></html>\n"
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page."""
+        Path(path).write_text(self.html, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        return (
+            '<iframe title="The structure" style="width: 100%; height: 800px; border: 0" '
+            f'srcdoc="{escape(self.html)}"></iframe>'
+        )
 
 
 class Simulation(Mapping):
@@ -267,6 +294,13 @@ class _Outcome:
     def report(self) -> str:
         """Verdict and tables, as the programs print them."""
         return self._handle.report()
+
+    def structure(self) -> "StructureView | None":
+        """The structure in 3-D, as in the report: what changed in colour, sensors
+        and forces where they are, modes moving. A notebook shows it. None: the
+        case has no `geometry`."""
+        section = self._handle.structure()
+        return StructureView(section) if section else None
 
     def save(self, folder: str | os.PathLike[str], *, overwrite: bool = False) -> None:
         """Writes a result folder as the programs do, with the report."""

@@ -206,3 +206,25 @@ def test_reprs(baseline):
     assert "<td>k1</td>" in baseline._repr_html_()
     assert "Fit(" in repr(baseline)
     assert json.dumps(baseline.json)
+
+
+def test_structure_in_a_page(healthy, baseline, tmp_path):
+    assert baseline.structure() is None
+    levels = {f"n{i}": [0.0, 0.0, 3.0 * i] for i in range(4)}
+    placed = healthy.replace(geometry={
+        "nodes": levels,
+        "dofs": {dof: f"n{i + 1}.1" for i, dof in enumerate(healthy.dofs)},
+        "line": [{"nodes": [f"n{i}", f"n{i + 1}"], "set": f"k{i + 1}"}
+                 for i in range(3)]}).identify()
+    view = placed.structure()
+    view.save(tmp_path / "structure.html")
+    page = (tmp_path / "structure.html").read_text(encoding="utf-8")
+    assert page == view.html
+    for part in ("<svg", "structure-data", "k1", "mode 1"):
+        assert part in page
+    assert view._repr_html_().startswith("<iframe")
+    assert "<script" not in view._repr_html_()
+    placed.save(tmp_path / "result")
+    assert (tmp_path / "result" / "structure.vtu").exists()
+    assert "structure-data" in (tmp_path / "result" / "report.html").read_text(
+        encoding="utf-8")
