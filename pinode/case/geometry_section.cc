@@ -10,6 +10,7 @@
 #include "pinode/case/model_section.h"
 #include "pinode/case/signal_section.h"
 #include "pinode/record/universal_file.h"
+#include "pinode/structure/bulk_geometry.h"
 #include "pinode/structure/deck_geometry.h"
 
 namespace pinode {
@@ -98,9 +99,10 @@ class GeometryReader {
     const std::string path = ResolvePath(table_.errors()->path(), name);
     if (!FileExists(table_, path)) return false;
     std::string error;
-    const bool good = IsUniversalFile(path)
-                          ? FromUniversalFile(path, &geometry_, &error)
-                          : ReadDeckGeometry(path, &geometry_, &error);
+    const bool good =
+        IsUniversalFile(path) ? FromUniversalFile(path, &geometry_, &error)
+        : IsBulkFile(path)    ? ReadBulkGeometry(path, &geometry_, &error)
+                              : ReadDeckGeometry(path, &geometry_, &error);
     return good || table_.errors()->FailAsIs(error);
   }
 

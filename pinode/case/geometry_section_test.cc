@@ -35,7 +35,7 @@ class GeometrySectionTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-constexpr char kTable[] = R"([geometry]
+constexpr char kPlacesTable[] = R"([geometry]
 nodes = {g = [0, 0, 0], a = [0, 0, 3], b = [0, 0, 6], c = [4, 0, 6]}
 dofs = {u1 = "a.1", u2 = ["b.1", "-c.1"]}
 [[geometry.line]]
@@ -48,7 +48,7 @@ set = "upper"
 
 TEST_F(GeometrySectionTest, ATable) {
   EXPECT_EQ(Read(""), nullptr);
-  const auto placed = Read(kTable);
+  const auto placed = Read(kPlacesTable);
   ASSERT_NE(placed, nullptr);
   EXPECT_THAT(placed->geometry.node_names, ElementsAre("g", "a", "b", "c"));
   EXPECT_EQ(placed->geometry.positions(3, 0), 4.0);
@@ -68,6 +68,17 @@ TEST_F(GeometrySectionTest, Files) {
   const auto deck = Read("[geometry]\nfile = \"frame.inp\"\n");
   ASSERT_NE(deck, nullptr);
   EXPECT_EQ(deck->geometry.SetIndex("post"), 0);
+}
+
+TEST_F(GeometrySectionTest, BulkData) {
+  folder_.Write("mast.bdf",
+                "GRID,1,,0.,0.,0.\nGRID,2,,0.,0.,4.\nCBAR,1,12,1,2\n");
+  const auto placed = Read(
+      "[geometry]\nfile = \"mast.bdf\"\ndofs = {u1 = \"2.1\"}\n"
+      "groups = {k1 = \"PID 12\"}\n");
+  ASSERT_NE(placed, nullptr);
+  EXPECT_EQ(placed->geometry.positions(1, 2), 4.0);
+  EXPECT_THAT(placed->groups.at("k1"), ElementsAre("PID 12"));
 }
 
 TEST_F(GeometrySectionTest, UniversalFiles) {
@@ -100,21 +111,22 @@ TEST_F(GeometrySectionTest, RefusesInOneLine) {
   EXPECT_THAT(ErrorOf("[geometry]\n"), HasSubstr("expected one of file"));
   EXPECT_THAT(ErrorOf("[geometry]\nfile = \"none.inp\"\n"),
               HasSubstr("none.inp"));
-  EXPECT_THAT(ErrorOf(Replaced(kTable, "u1 = \"a.1\"", "u7 = \"a.1\"")),
+  EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "u1 = \"a.1\"", "u7 = \"a.1\"")),
               HasSubstr("'u7' is not a DOF"));
-  EXPECT_THAT(ErrorOf(Replaced(kTable, "\"a.1\"", "\"a.4\"")),
+  EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "\"a.1\"", "\"a.4\"")),
               HasSubstr("'a.4' is no place"));
-  EXPECT_THAT(ErrorOf(Replaced(kTable, "\"a.1\"", "\"z.1\"")),
+  EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "\"a.1\"", "\"z.1\"")),
               HasSubstr("'z.1' is no place"));
-  EXPECT_THAT(ErrorOf(Replaced(kTable, "[\"g\", \"a\"]", "[\"g\"]")),
+  EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "[\"g\", \"a\"]", "[\"g\"]")),
               HasSubstr("fewer than two"));
-  EXPECT_THAT(ErrorOf(Replaced(kTable, "[\"g\", \"a\"]", "[\"g\", \"x\"]")),
-              HasSubstr("'x' is not a node"));
-  EXPECT_THAT(ErrorOf(Replaced(kTable, "[4, 0, 6]", "[4, 0]")),
-              HasSubstr("coordinate"));
   EXPECT_THAT(
-      ErrorOf(std::string(kTable) + "[geometry.groups]\nk9 = \"upper\"\n"),
-      HasSubstr("'k9' is not a group"));
+      ErrorOf(Replaced(kPlacesTable, "[\"g\", \"a\"]", "[\"g\", \"x\"]")),
+      HasSubstr("'x' is not a node"));
+  EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "[4, 0, 6]", "[4, 0]")),
+              HasSubstr("coordinate"));
+  EXPECT_THAT(ErrorOf(std::string(kPlacesTable) +
+                      "[geometry.groups]\nk9 = \"upper\"\n"),
+              HasSubstr("'k9' is not a group"));
 }
 
 }  // namespace
