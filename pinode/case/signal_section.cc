@@ -24,7 +24,9 @@ bool FileExists(const TomlTable& table, const std::string& path) {
   }
   return table.Fail("file", "the file '" + path +
                                 "' does not exist, expected a CSV file with "
-                                "a header line, or a PEER .at2 file");
+                                "a header line, a universal file (.uff, .unv), "
+                                "arrays (.mat, .npy, .npz, .h5), or a PEER "
+                                ".at2 file");
 }
 
 bool IsVoltage(const TomlTable& table) {

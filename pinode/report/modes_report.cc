@@ -1,9 +1,11 @@
 #include "pinode/report/modes_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
@@ -135,6 +137,56 @@ TextTable MakeBandsTable(const ModesOfRecord& modes) {
   return table;
 }
 
+// How the modes of a record were found, and where their intervals come from.
+std::string MethodSentence(ModalMethod method) {
+  switch (method) {
+    case ModalMethod::kInputOutput:
+      return "Subspace identification with the measured loads: what they do to "
+             "the channels is projected out, models of all orders are read "
+             "from the rest. Intervals come from how the record's parts "
+             "differ.";
+    case ModalMethod::kRingDown:
+      return "Free decay: the eigensystem realisation algorithm over models of "
+             "all orders. Intervals come from noise with the spectrum of what "
+             "decaying vibrations leave of the record, for a single decay has "
+             "no parts that could differ.";
+    case ModalMethod::kDataDriven:
+      return "Data-driven stochastic subspace identification, under loads that "
+             "nobody measured: the future of the channels is projected on "
+             "their past. Intervals come from how the record's parts differ.";
+    default:
+      return "Covariance-driven stochastic subspace identification, under "
+             "loads that nobody measured: models of all orders are read from "
+             "the correlations of the channels. Intervals come from how the "
+             "record's parts differ.";
+  }
+}
+
+// Of a record's bands, from the lowest to the highest frequency. Of a free
+// decay there is no spectrum of loads.
+ModalSpectra SpectraOfModes(const ResponseRecord& record,
+                            const ModesOfRecord& modes) {
+  if (modes.method == ModalMethod::kRingDown || modes.bands.empty()) return {};
+  double lowest = kInfinity;
+  double highest = 0.0;
+  for (const AnalysedBand& band : modes.bands) {
+    lowest = std::min(lowest, band.lowest_hz);
+    highest = std::max(highest, band.highest_hz);
+  }
+  return FitModalSpectra(record, modes.modes, lowest, highest);
+}
+
+TextTable MakeExplainedTable(const ResponseRecord& record,
+                             const ModalSpectra& spectra) {
+  TextTable table(
+      {{"channel", Align::kLeft}, {"explained, %", Align::kDecimal}});
+  for (Eigen::Index c = 0; c < spectra.explained.size(); ++c) {
+    table.AddRow({record.channels[static_cast<size_t>(c)].name,
+                  ReadableNumber(100.0 * spectra.explained[c], 3)});
+  }
+  return table;
+}
+
 }  // namespace
 
 std::string ModesSentence(const MergedModes& merged) {
@@ -172,9 +224,16 @@ std::string RenderModesReport(const ModesReportInput& input,
   const int shapes =
       plan(MakeIdentifiedShapesFigure(*input.merged, kMostShapes));
   std::vector<int> diagrams;
+  std::vector<ModalSpectra> spectra;
+  std::vector<int> spectra_figures;
   for (size_t r = 0; r < input.records->size(); ++r) {
-    diagrams.push_back(plan(MakeStabilisationFigure(
-        (*input.records)[r], (*input.by_record)[r], static_cast<int>(r))));
+    const ResponseRecord& record = (*input.records)[r];
+    const ModesOfRecord& modes = (*input.by_record)[r];
+    const int number = static_cast<int>(r);
+    diagrams.push_back(plan(MakeStabilisationFigure(record, modes, number)));
+    spectra.push_back(SpectraOfModes(record, modes));
+    spectra_figures.push_back(
+        plan(MakeModalSpectraFigure(record, spectra.back(), number)));
   }
   DrawFigures(options, &figures);
   const auto picture = [&figures](int index) {
@@ -209,7 +268,12 @@ std::string RenderModesReport(const ModesReportInput& input,
   for (size_t r = 0; r < input.records->size(); ++r) {
     PageData record;
     record.set("name", (*input.records)[r].name);
+    record.set("method", MethodSentence((*input.by_record)[r].method));
     record.set("diagram", picture(diagrams[r]));
+    record.set("spectra", picture(spectra_figures[r]));
+    SetIf("explained", spectra[r].explained.size() > 0,
+          TableData(MakeExplainedTable((*input.records)[r], spectra[r])),
+          &record);
     record.set("bands", TableData(MakeBandsTable((*input.by_record)[r])));
     records.push_back(record);
   }

@@ -8,6 +8,7 @@
 
 #include "pinode/modal/identify_modes.h"
 #include "pinode/modal/merge_setups.h"
+#include "pinode/modal/modal_spectra.h"
 #include "pinode/modal/response_record.h"
 #include "pinode/report/figure.h"
 #include "pinode/report/html_report.h"
@@ -36,6 +37,10 @@ std::string ModesAsText(const MergedModes& merged);
 // were read from.
 Figure MakeStabilisationFigure(const ResponseRecord& record,
                                const ModesOfRecord& modes, int number);
+
+// Spectra of the channels beside those of the modes.
+Figure MakeModalSpectraFigure(const ResponseRecord& record,
+                              const ModalSpectra& spectra, int number);
 
 // Real parts of the first shapes (at most `most`) with 95 % intervals, place by
 // place.

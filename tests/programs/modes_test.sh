@@ -38,6 +38,9 @@ Near "$(Entry frequency_hz 1 own.json)" 2.7996 0.03
 Near "$(Entry frequency_hz 2 own.json)" 7.6003 0.04
 Near "$(Entry frequency_hz 3 own.json)" 11.3994 0.05
 grep -q '<svg' D/report.html || Fail "no figure"
+grep -q 'Covariance-driven stochastic subspace' D/report.html ||
+  Fail "nothing of how it was found"
+grep -q 'explained, %' D/report.html || Fail "nothing of what modes explain"
 Refused "exists" --case=three_storey_ambient.toml --output_dir=D
 Run 0 pinode_modes --case=three_storey_ambient.toml --output_dir=D --overwrite
 
