@@ -185,7 +185,13 @@ Json AmbientAsJson(const IdentificationProblem& problem,
                           {"explained", score.explained[row]},
                           {"noise_sigma", score.noise_sigma[row]}});
     }
+    Json left = Json::object();
+    for (size_t g = 0; g < score.groups.size(); ++g) {
+      left[score.groups[g]] =
+          score.information_left[static_cast<Eigen::Index>(g)];
+    }
     records.push_back({{"name", score.name},
+                       {"information_left", left},
                        {"lowest_hz", score.lowest_frequency * hz},
                        {"highest_hz", score.highest_frequency * hz},
                        {"lines", score.num_lines},

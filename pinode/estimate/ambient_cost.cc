@@ -8,7 +8,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/load_information.h"
+#include "pinode/estimate/information_solver.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -20,29 +20,16 @@ using Complex = std::complex<double>;
 constexpr double kBelowLowest = 0.3;
 constexpr double kAboveHighest = 1.5;
 constexpr double kBelowNyquist = 0.8;
-// Of the fit of loads and noise: iterations, and what it may leave of the cost.
-constexpr int kMostIterations = 40;
-constexpr double kCostLeft = 0.01;
-// Of a channel's density over that of the band: noise below it makes no
-// difference.
-constexpr double kSmallestNoise = 1e-7;
 // Of the largest pivot of a group's matrix: nothing below it.
 constexpr double kSmallestPivot = 1e-13;
 // Modes up to so much of the band's end are loaded each for itself, if no more
 // than these.
 constexpr double kNearBand = 1.5;
 constexpr Eigen::Index kMostModalLoads = 24;
-// Lines over whose mean noise is looked for.
-constexpr double kLinesOfNoise = 32.0;
-// What the intensities that covariances are held to weigh, in lines; the least
-// of one beside that at the next knot, and beside the mean of all.
-constexpr double kPriorLines = 2.0;
-constexpr double kLeastOfNeighbour = 0.1;
-constexpr double kLeastOfMean = 1e-3;
 // Damping ratios for which lines are taken together: half that of the model's
 // least damped mode, within these.
-constexpr double kLeastDamping = 5e-4;
-constexpr double kMostDamping = 0.01;
+constexpr double kLeastDampingOfLines = 5e-4;
+constexpr double kMostDampingOfLines = 0.01;
 
 int DerivativeOf(Quantity quantity) {
   switch (quantity) {
@@ -56,48 +43,20 @@ int DerivativeOf(Quantity quantity) {
   }
 }
 
-// Solves with an information matrix whose unknowns have any units; `damping` is
-// relative to its diagonal.
-class InformationSolver {
- public:
-  InformationSolver(const Matrix& information, double damping)
-      : scale_(information.rows()) {
-    for (Eigen::Index i = 0; i < scale_.size(); ++i) {
-      const double own = information(i, i);
-      scale_[i] = own > 0.0 ? 1.0 / std::sqrt(own) : 0.0;
-    }
-    Matrix scaled = scale_.asDiagonal() * information * scale_.asDiagonal();
-    scaled.diagonal().setConstant(1.0 + damping + kRidge);
-    factor_.compute(scaled);
-  }
-  // False where rounding has made it indefinite.
-  bool ok() const { return factor_.info() == Eigen::Success; }
-  Matrix Solve(const Matrix& right) const {
-    return scale_.asDiagonal() *
-           factor_.solve(Matrix(scale_.asDiagonal() * right));
-  }
-
- private:
-  static constexpr double kRidge = 1e-10;
-  Vector scale_;
-  Eigen::LLT<Matrix> factor_;
-};
-
 // G = left right^T with as few columns as G has rank, or G itself.
-void FindFactors(const Matrix& g, ComplexMatrix* left, ComplexMatrix* right) {
+void FindFactors(const Matrix& g, Matrix* left, Matrix* right) {
   Eigen::ColPivHouseholderQR<Matrix> factor(g.rows(), g.cols());
   factor.setThreshold(kSmallestPivot);
   factor.compute(g);
   const Eigen::Index rank = factor.rank();
   if (2 * rank < g.rows()) {
-    const Matrix q = factor.householderQ() * Matrix::Identity(g.rows(), rank);
     const Matrix upper =
         factor.matrixR().topRows(rank).triangularView<Eigen::Upper>();
-    *left = q.cast<Complex>();
-    *right = (factor.colsPermutation() * upper.transpose()).cast<Complex>();
+    *left = factor.householderQ() * Matrix::Identity(g.rows(), rank);
+    *right = factor.colsPermutation() * upper.transpose();
   } else {
-    *left = g.cast<Complex>();
-    *right = ComplexMatrix::Identity(g.rows(), g.rows());
+    *left = g;
+    right->resize(0, 0);
   }
 }
 
@@ -192,11 +151,11 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
         1e-300));
     lines.values.row(c) /= scales_[c];
   }
-  double ratio = kMostDamping;
+  double ratio = kMostDampingOfLines;
   for (const double found : modes.damping_ratio) {
     if (found > 0.0) ratio = std::min(ratio, 0.5 * found);
   }
-  lines_ = GroupLines(lines, 0.25 * std::max(ratio, kLeastDamping));
+  lines_ = GroupLines(lines, 0.25 * std::max(ratio, kLeastDampingOfLines));
   const int knots = record.knots > 0
                         ? record.knots
                         : std::max(2, 1 + static_cast<int>(std::lround(
@@ -295,226 +254,95 @@ void AmbientCost::FindTransfer(bool all) {
   });
 }
 
-bool AmbientCost::FactorizeLine(Eigen::Index line,
+std::vector<Matrix> AmbientCost::KnotCovariances() const {
+  std::vector<Matrix> covariances;
+  for (int b = 0; b < spectrum_->num_knots(); ++b) {
+    const Matrix root = spectrum_->Root(unknowns_, b);
+    covariances.push_back(root * root.transpose());
+  }
+  return covariances;
+}
+
+Matrix AmbientCost::LoadCovariance(double frequency,
+                                   const std::vector<Matrix>& at_knots) const {
+  double below = 0.0;
+  double above = 0.0;
+  const size_t knot =
+      static_cast<size_t>(spectrum_->Weigh(frequency, &below, &above));
+  Matrix covariance = below * at_knots[knot];
+  if (above > 0.0) covariance += above * at_knots[knot + 1];
+  return covariance;
+}
+
+bool AmbientCost::FactorizeLine(Eigen::Index line, const Matrix& loads,
                                 Eigen::LLT<ComplexMatrix>* factor) const {
   const ComplexMatrix& h = transfer_[static_cast<size_t>(line)];
-  double first = 0.0;
-  double above = 0.0;
-  const int knot = spectrum_->Weigh(lines_.frequency[line], &first, &above);
-  ComplexMatrix s = ComplexMatrix::Zero(h.rows(), h.rows());
-  const ComplexMatrix below = h * spectrum_->Root(unknowns_, knot);
-  s.noalias() += first * below * below.adjoint();
-  if (above > 0.0) {
-    const ComplexMatrix next = h * spectrum_->Root(unknowns_, knot + 1);
-    s.noalias() += above * next * next.adjoint();
-  }
-  for (Eigen::Index c = 0; c < h.rows(); ++c) {
-    s(c, c) += std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + c]);
+  const auto rows = RealRows(h);
+  const Matrix half = rows * loads;
+  const Matrix product = half * rows.transpose();
+  ComplexMatrix s(h.rows(), h.rows());
+  for (Eigen::Index j = 0; j < h.rows(); ++j) {
+    for (Eigen::Index i = j; i < h.rows(); ++i) {
+      s(i, j) = {product(2 * i, 2 * j) + product(2 * i + 1, 2 * j + 1),
+                 product(2 * i + 1, 2 * j) - product(2 * i, 2 * j + 1)};
+    }
+    s(j, j) += std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + j]);
   }
   factor->compute(s);
   return factor->info() == Eigen::Success;
 }
 
-void AmbientCost::StartUnknowns() {
-  double measured = 0.0;
-  double unit = 0.0;
-  for (size_t k = 0; k < transfer_.size(); ++k) {
-    unit +=
-        lines_.count[static_cast<Eigen::Index>(k)] * transfer_[k].squaredNorm();
-    measured += lines_.products[k].diagonal().real().sum();
-  }
-  unknowns_.resize(spectrum_->num_unknowns() + scales_.size());
-  unknowns_ << spectrum_->Intensities(
-      Matrix::Constant(spectrum_->num_areas(), spectrum_->num_knots(),
-                       0.5 * measured / std::max(unit, 1e-300))),
-      Vector::Zero(scales_.size());
-  // Noise is no more than the least of the density.
-  for (Eigen::Index c = 0; c < scales_.size(); ++c) {
-    double least = kInfinity;
-    double sum = 0.0;
-    double count = 0.0;
-    for (Eigen::Index k = 0; k < num_lines(); ++k) {
-      sum += lines_.products[static_cast<size_t>(k)](c, c).real();
-      count += lines_.count[k];
-      if (count < kLinesOfNoise) continue;
-      least = std::min(least, sum / count);
-      sum = count = 0.0;
-    }
-    if (!std::isfinite(least)) least = sum / std::max(1.0, count);
-    unknowns_[spectrum_->num_unknowns() + c] =
-        0.5 * std::log(std::max(0.5 * least, kSmallestNoise));
-  }
-}
-
-double AmbientCost::SmallestNoise() const {
-  return 0.5 * std::log(kSmallestNoise);
-}
-
-void AmbientCost::HoldNoise(Sums* sums) const {
-  const Eigen::Index loads = spectrum_->num_unknowns();
-  for (Eigen::Index c = loads; c < unknowns_.size(); ++c) {
-    if (unknowns_[c] > SmallestNoise() || sums->gradient[c] < 0.0) continue;
-    sums->gradient[c] = 0.0;
-    sums->information.row(c).setZero();
-    sums->information.col(c).setZero();
-    sums->information(c, c) = 1.0;
-    if (sums->products.size() == 0) continue;
-    sums->products.row(c).setZero();
-    sums->products.col(c).setZero();
-  }
-}
-
-void AmbientCost::AddPrior(double* cost, Sums* sums) const {
-  const Eigen::Index per_knot = spectrum_->per_knot();
-  for (Eigen::Index b = 0; b < prior_.cols(); ++b) {
-    const Matrix root = spectrum_->Root(unknowns_, static_cast<int>(b));
-    const Matrix half = root.triangularView<Eigen::Lower>().solve(
-        Matrix(prior_.col(b).cwiseSqrt().asDiagonal()));
-    const Matrix inverse = root.triangularView<Eigen::Lower>().solve(
-        Matrix::Identity(root.rows(), root.cols()));
-    *cost += kPriorLines * (2.0 * root.diagonal().array().abs().log().sum() +
-                            half.squaredNorm());
-    if (sums == nullptr) continue;
-    const Matrix precision = inverse.transpose() * inverse;
-    const Matrix pull = precision * prior_.col(b).asDiagonal() * precision;
-    sums->gradient.segment(b * per_knot, per_knot) +=
-        ByLoadEntries(*spectrum_, root, kPriorLines * (precision - pull));
-    LoadInformation information(*spectrum_);
-    information.Add(precision.cast<Complex>(), kPriorLines, 1.0, 0.0);
-    sums->information.block(b * per_knot, b * per_knot, per_knot, per_knot) +=
-        information.Finish(root, root).topLeftCorner(per_knot, per_knot);
-  }
-}
-
-Vector AmbientCost::Moved(const Vector& unknowns, const Vector& step) const {
-  constexpr double kMostFall = 0.1;  // of a variance
-  const Eigen::Index noise = scales_.size();
-  const Eigen::Index loads = unknowns.size() - noise;
-  Vector moved(unknowns.size());
-  moved << spectrum_->Moved(unknowns.head(loads), step.head(loads)),
-      (unknowns.tail(noise).array() +
-       0.5 * (1.0 + 2.0 * step.tail(noise).array()).max(kMostFall).log())
-          .max(SmallestNoise());
-  return moved;
-}
-
-bool AmbientCost::FitUnknowns(double* cost) {
-  failure_ = "the spectrum of the channels is not positive definite";
-  Sums sums;
-  if (!Accumulate(false, cost, &sums)) return false;
-  double damping = 1e-4;
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    HoldNoise(&sums);
-    const InformationSolver solver(sums.information, damping);
-    if (!solver.ok()) {
-      damping = std::max(1e-6, 10.0 * damping);
-      if (damping > 1e8) break;
-      continue;
-    }
-    const Vector step = solver.Solve(-sums.gradient);
-    const double promised = -0.5 * sums.gradient.dot(step);
-    if (!(promised > kCostLeft)) break;
-    const Vector before = unknowns_;
-    unknowns_ = Moved(before, step);
-    double next = 0.0;
-    Sums next_sums;
-    if (unknowns_.allFinite() && Accumulate(false, &next, &next_sums) &&
-        next <= *cost) {
-      const bool done = *cost - next < kCostLeft;
-      *cost = next;
-      sums = std::move(next_sums);
-      damping = std::max(1e-9, 0.1 * damping);
-      if (done) break;
-    } else {
-      unknowns_ = before;
-      damping = std::max(1e-6, 10.0 * damping);
-      if (damping > 1e8) break;
-    }
-  }
-  failure_.clear();
-  return true;
-}
-
-double AmbientCost::NumFitted() const {
-  double ignored = 0.0;
-  Sums sums;
-  if (!Accumulate(false, &ignored, &sums)) return 0.0;
-  Sums prior;
-  prior.gradient = Vector::Zero(sums.gradient.size());
-  prior.information =
-      Matrix::Zero(sums.information.rows(), sums.information.cols());
-  AddPrior(&ignored, &prior);
-  const InformationSolver solver(sums.information, 0.0);
-  const double held =
-      solver.ok() ? solver.Solve(prior.information).trace() : 0.0;
-  return static_cast<double>(num_nuisance()) - held +
-         static_cast<double>(columns_.size());
-}
-
-bool AmbientCost::FirstUnknowns(double* cost) {
-  prior_.resize(0, 0);
-  LoadSpectrum correlated = *spectrum_;
-  *spectrum_ = correlated.Uncorrelated();
-  StartUnknowns();
-  if (!FitUnknowns(cost)) {
-    *spectrum_ = correlated;
-    return false;
-  }
-  spectrum_->SetPowers(unknowns_);
-  if (correlated.correlated()) {
-    const int knots = spectrum_->num_knots();
-    Matrix intensities(spectrum_->num_areas(), knots);
-    for (int b = 0; b < knots; ++b) {
-      intensities.col(b) = spectrum_->Root(unknowns_, b).diagonal().cwiseAbs2();
-    }
-    prior_ = intensities;
-    for (int b = 0; b < knots; ++b) {
-      prior_.col(b) =
-          prior_.col(b).cwiseMax(kLeastOfMean * intensities.col(b).mean());
-      for (const int next : {b - 1, b + 1}) {
-        if (next < 0 || next == knots) continue;
-        prior_.col(b) =
-            prior_.col(b).cwiseMax(kLeastOfNeighbour * intensities.col(next));
-      }
-    }
-    const Vector noise = unknowns_.tail(scales_.size());
-    correlated.SetPowers(*spectrum_);
-    *spectrum_ = correlated;
-    unknowns_.resize(spectrum_->num_unknowns() + noise.size());
-    unknowns_ << spectrum_->Intensities(prior_), noise;
-  }
-  unknowns_known_ = FitUnknowns(cost);
-  return unknowns_known_;
-}
-
 bool AmbientCost::Evaluate(const Vector& free, double* cost) {
+  if (unknowns_known_ && evaluated_at_.size() == free.size() &&
+      evaluated_at_ == free) {
+    *cost = evaluated_cost_;
+    return true;
+  }
+  evaluated_at_.resize(0);
   if (!SetModel(free)) return false;
   // The first guess looks at all lines.
   FindTransfer(/*all=*/!unknowns_known_);
-  if (!unknowns_known_) return FirstUnknowns(cost);
-  if (linearized_at_.size() == free.size()) {
-    unknowns_ = Moved(unknowns_there_, follow_ * (free - linearized_at_));
-    double ignored = 0.0;
-    // Too far away for a straight line.
-    if (!Accumulate(false, &ignored, nullptr)) unknowns_ = unknowns_there_;
+  if (!unknowns_known_) {
+    if (!FirstUnknowns(cost)) return false;
+  } else {
+    if (linearized_at_.size() == free.size()) {
+      unknowns_ = Moved(unknowns_there_, follow_ * (free - linearized_at_));
+    }
+    if (!FitUnknowns(cost)) {
+      // Too far away for a straight line.
+      unknowns_ = unknowns_there_;
+      if (linearized_at_.size() != free.size() || !FitUnknowns(cost)) {
+        return false;
+      }
+    }
   }
-  return FitUnknowns(cost);
+  evaluated_at_ = free;
+  evaluated_cost_ = *cost;
+  return true;
 }
 
 bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
+  if (linearized_at_.size() == free.size() && linearized_at_ == free) {
+    *system = linearized_;
+    return true;
+  }
   double cost = 0.0;
+  double ignored = 0.0;
   Sums sums;
-  if (!Evaluate(free, &cost) || !Accumulate(true, &cost, &sums)) return false;
+  if (!Evaluate(free, &cost) || !Accumulate(true, &ignored, &sums)) {
+    return false;
+  }
   HoldNoise(&sums);
   const Eigen::Index nuisance = num_nuisance();
   const Eigen::Index groups = static_cast<Eigen::Index>(columns_.size());
   const Matrix cross = sums.information.bottomLeftCorner(groups, nuisance);
   const InformationSolver solver(
-      sums.information.topLeftCorner(nuisance, nuisance), 0.0);
+      sums.information.topLeftCorner(nuisance, nuisance));
   if (!solver.ok()) {
     failure_ = "the information on loads and noise is not positive definite";
     return false;
   }
+  FindInformationLeft(sums.information);
   // Rows: what a group's score owes to loads and noise.
   const Matrix owed = solver.Solve(cross.transpose()).transpose();
   const Vector gradient =
@@ -541,10 +369,14 @@ bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
       score_products_(a, b) = products(i, j);
     }
   }
+  if (!system->gradient.allFinite() || !system->hessian.allFinite()) {
+    return false;
+  }
   information_ = system->hessian;
   linearized_at_ = free;
+  linearized_ = *system;
   unknowns_there_ = unknowns_;
-  return system->gradient.allFinite() && system->hessian.allFinite();
+  return true;
 }
 
 }  // namespace pinode

@@ -76,8 +76,9 @@ class AmbientCost final : public CostPart {
   struct Column {
     int free = -1;
     MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
-    // Its matrix is left right^T, num_dofs x rank.
-    Eigen::MatrixXcd left, right;
+    // Its matrix is left right^T, num_dofs x rank; of full rank it is `left`
+    // itself, and `right` empty.
+    Matrix left, right;
   };
   // By loads and noise, then groups.
   struct Sums {
@@ -122,10 +123,18 @@ class AmbientCost final : public CostPart {
   [[nodiscard]] bool Exchange(bool with_sums, bool with_groups,
                               std::vector<PieceSums>* pieces) const;
   void AddInterval(const IntervalSums& interval, Sums* sums) const;
-  // S_y of a line; false where it is not positive definite.
-  [[nodiscard]] bool FactorizeLine(Eigen::Index line,
+  // Of the loads at each knot, areas x areas.
+  std::vector<Matrix> KnotCovariances() const;
+  // Of the loads at a frequency.
+  Matrix LoadCovariance(double frequency,
+                        const std::vector<Matrix>& at_knots) const;
+  // S_y of a line where the loads have a covariance; false where it is not
+  // positive definite.
+  [[nodiscard]] bool FactorizeLine(Eigen::Index line, const Matrix& loads,
                                    Eigen::LLT<Eigen::MatrixXcd>* factor) const;
-  // Loads and noise for the transfer function as it is.
+  // Loads and noise for the transfer function as it is, until a step promises
+  // next to nothing of the cost, which is taken off it; roughly, where they are
+  // not known at all.
   [[nodiscard]] bool FitUnknowns(double* cost);
   // The same from nothing: loads that have nothing in common first, which are
   // then what covariances are held to.
@@ -141,6 +150,14 @@ class AmbientCost final : public CostPart {
   void HoldNoise(Sums* sums) const;
   // Unknowns that the record determines: all but what the prior does.
   double NumFitted() const;
+  // What a line would tell that saw all loads themselves, and of the noise of
+  // each channel: a measure of relative changes. Size of the unknowns.
+  Matrix RelativeMetric() const;
+  // What prior_ itself says of loads and noise.
+  Matrix PriorInformation() const;
+  // What of the information on the groups is left where loads and noise are
+  // unknown, without what the prior says of them.
+  void FindInformationLeft(const Matrix& information);
   int num_nuisance() const { return static_cast<int>(unknowns_.size()); }
 
   const AmbientRecord& record_;
@@ -170,12 +187,19 @@ class AmbientCost final : public CostPart {
   std::vector<Eigen::MatrixXcd> transfer_;  // per line: channels x areas
   Vector unknowns_;  // of the loads, then half the logarithms of the noise
   bool unknowns_known_ = false;
+  double firmness_ = 0.0;  // of their last step
+  // Where they and the transfer functions are those of the least cost.
+  Vector evaluated_at_;
+  double evaluated_cost_ = 0.0;
   // What a change of the free parameters does to them, at linearized_at_.
   Vector linearized_at_;
+  CondensedSystem linearized_;
   Vector unknowns_there_;
   Matrix follow_;
   Matrix score_products_;
   Matrix information_;
+  Vector information_left_;  // of columns_
+  double most_information_left_ = 1.0;
   std::string failure_;
 };
 

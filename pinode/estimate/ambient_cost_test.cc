@@ -210,6 +210,64 @@ TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
   }
 }
 
+// One logger at 50 Hz and one at 25 Hz, at other times: each with its own
+// lines, and what they say together is more than either says alone.
+TEST(AmbientCostTest, RecordsOfDifferingRates) {
+  const TestChain chain = RayleighChain(3);
+  IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.05, RecordOfChain(chain, 300.0, 6, 0.5));
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary alone, both;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &alone, &model);
+  AmbientRecord slow = RecordOfChain(chain, 300.0, 7, 0.5);
+  slow.name = "slow";
+  Matrix samples(3, slow.samples.cols() / 2);
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    samples.row(c) = Resample(slow.samples.row(c), 0.02, 0.04)
+                         .head(samples.cols())
+                         .transpose();
+  }
+  slow.samples = samples;
+  slow.sampling_step = 0.04;
+  problem.ambient.push_back(slow);
+  Identify(problem, options, nullptr, &both, &model);
+  EXPECT_TRUE(both.usable) << both.message;
+  ASSERT_EQ(both.ambient.size(), 2u);
+  EXPECT_LE(both.ambient[1].highest_frequency, 12.5);
+  for (size_t i = 0; i < 3; ++i) {
+    const ParameterEstimate& k = both.parameters[i];
+    EXPECT_NEAR(k.value, 0.0, 4.0 * k.sigma);
+    // Twice as much data, but for what differs by chance.
+    EXPECT_LT(k.sigma, 0.85 * alone.parameters[i].sigma);
+    EXPECT_GT(k.sigma, 0.55 * alone.parameters[i].sigma);
+  }
+}
+
+// One sensor, and a spectrum of the loads that may change within the width of a
+// mode: the peak is the structure's or the loads', whoever looks.
+TEST(AmbientCostTest, LoadsThatExplainEverythingAreSaid) {
+  const TestChain chain = RayleighChain(1);
+  IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.0, RecordOfChain(chain, 300.0, 8, 0.5));
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, {}, nullptr, &summary, &model);
+  ASSERT_EQ(summary.ambient.size(), 1u);
+  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_GT(summary.ambient[0].most_information_left, 0.3);
+  EXPECT_LE(summary.ambient[0].most_information_left, 1.0);
+  problem.ambient[0].knots = 400;
+  Identify(problem, {}, nullptr, &summary, &model);
+  ASSERT_EQ(summary.ambient.size(), 1u);
+  EXPECT_FALSE(summary.usable);
+  EXPECT_LT(summary.ambient[0].most_information_left, 0.01);
+  EXPECT_THAT(summary.message, HasSubstr("'wind' explain all that it shows"));
+  ASSERT_FALSE(summary.remarks.empty());
+  EXPECT_THAT(summary.remarks.back(), HasSubstr("'k1'"));
+}
+
 TEST(AmbientCostTest, SaysWhatIsWrong) {
   const TestChain chain = RayleighChain(2);
   IdentificationProblem problem =

@@ -78,6 +78,12 @@ struct AmbientScore {
   std::vector<std::string> channels;
   Vector explained;
   Vector noise_sigma;
+  // Free groups, and what part of what the record says of each (the inverse of
+  // a variance) is left where the loads are unknown; the largest such part of
+  // any combination of them.
+  std::vector<std::string> groups;
+  Vector information_left;
+  double most_information_left = 1.0;
   // Spectral densities over a grid of frequencies, channels x grid: as measured
   // (means of lines) and of the model, with the number of lines.
   Vector frequencies;
@@ -90,6 +96,10 @@ struct AmbientScore {
 inline constexpr double kLeastAmbientProbability = 1e-4;
 // Below this one its intervals are those of a sandwich.
 inline constexpr double kDoubtfulAmbientProbability = 0.05;
+
+// Where less than this part of the information is left, loads explain all that
+// a record shows.
+inline constexpr double kLeastInformationLeft = 0.01;
 
 }  // namespace pinode
 

@@ -21,8 +21,9 @@ constexpr double kTaperedLines = 1.06;
 }  // namespace
 
 bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
+  CondensedSystem ignored;
   double cost = 0.0;
-  if (!Evaluate(free, &cost)) return false;
+  if (!Linearize(free, &ignored) || !Evaluate(free, &cost)) return false;
   FindTransfer(/*all=*/true);
   const Eigen::Index channels = scales_.size();
   const Eigen::Index lines = num_lines();
@@ -46,9 +47,18 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   std::vector<double> ends(static_cast<size_t>(parts), 0.0);
   double seen = 0.0;
   Vector total = Vector::Zero(channels);
+  for (const Column& column : columns_) {
+    score->groups.push_back(layout_.free_parameter(column.free).name);
+  }
+  score->information_left = information_left_;
+  score->most_information_left = most_information_left_;
+  const std::vector<Matrix> at_knots = KnotCovariances();
   Eigen::LLT<ComplexMatrix> factor;
   for (Eigen::Index k = 0; k < lines; ++k) {
-    if (!FactorizeLine(k, &factor)) return false;
+    if (!FactorizeLine(k, LoadCovariance(lines_.frequency[k], at_knots),
+                       &factor)) {
+      return false;
+    }
     const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
     const ComplexMatrix half = factor.matrixL().solve(y);
     const size_t part = std::min(

@@ -178,6 +178,20 @@ Vector LoadSpectrum::Moved(const Vector& unknowns, const Vector& step) const {
   return moved;
 }
 
+double LoadSpectrum::LargestFall(const Vector& unknowns,
+                                 const Vector& step) const {
+  double fall = 0.0;
+  for (int b = 0; b < knots_; ++b) {
+    const Matrix half =
+        Root(unknowns, b).triangularView<Eigen::Lower>().solve(Root(step, b));
+    if (!half.allFinite()) return kInfinity;
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(half + half.transpose(),
+                                                      Eigen::EigenvaluesOnly);
+    fall = std::max(fall, -eigen.eigenvalues()[0]);
+  }
+  return fall;
+}
+
 LoadSpectrum LoadSpectrum::Uncorrelated() const {
   LoadSpectrum result = *this;
   result.correlated_ = false;

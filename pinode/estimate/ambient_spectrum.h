@@ -24,6 +24,15 @@ struct SpectralLines {
 SpectralLines FindSpectralLines(const Matrix& samples, double step,
                                 double lowest, double highest);
 
+// The real and imaginary parts of a complex matrix's rows in turns, as it lies:
+// products with real matrices, and sums of real parts, Re A^H B, are products
+// of these.
+inline Eigen::Map<const Matrix> RealRows(const Eigen::MatrixXcd& matrix) {
+  return Eigen::Map<const Matrix>(
+      reinterpret_cast<const double*>(matrix.data()), 2 * matrix.rows(),
+      matrix.cols());
+}
+
 // Neighbouring lines within a band so narrow that S is the same for all of
 // them: their products are all that the likelihood wants. How many there are
 // does not grow with the record.
@@ -73,6 +82,10 @@ class LoadSpectrum {
   // P_b, fall to a tenth at most, so that it stays positive definite. A model
   // whose spectra are linear in P_b is solved by few such steps, however long.
   Vector Moved(const Vector& unknowns, const Vector& step) const;
+
+  // By how much such a step would lower the covariances, relative to them: the
+  // largest of all eigenvalues, 1 where one would vanish.
+  double LargestFall(const Vector& unknowns, const Vector& step) const;
 
   // P_b = diag(column b).
   Vector Intensities(const Matrix& areas_by_knots) const;

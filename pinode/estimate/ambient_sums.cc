@@ -72,44 +72,64 @@ class AmbientCost::LineSums {
         misfit_(square_ * kStretch),
         rest_(Matrix::Zero(channels_ + groups_, channels_ + groups_)) {
     const Eigen::Index areas = spectrum_.num_areas();
-    for (Matrix& by_load : by_load_) by_load = Matrix::Zero(areas, areas);
+    const Eigen::Index rows = 2 * channels_ * kStretch;
+    for (Matrix& seen : seen_) seen.resize(rows, areas);
+    misfit_seen_.resize(rows, areas);
+    by_group_.assign(static_cast<size_t>(groups_), Matrix(rows, areas));
+    by_noise_.assign(static_cast<size_t>(channels_),
+                     Matrix(2 * kStretch, areas));
+    for (Matrix& weights : weights_) weights.resize(2 * kStretch, channels_);
     const Matrix empty = Matrix::Zero(areas * areas, channels_ + groups_);
     cross_ = {empty, empty};
-    loads_ = cost.loads_.cast<Complex>();
-    sensors_ = cost.sensors_.transpose().cast<Complex>();
   }
 
-  // A line whose S_y has the factor `lower`, whose powers are L^-1 Y Y^H L^-H.
+  // A line whose S_y has the factor `lower`, whose powers are L^-1 Y Y^H L^-H;
+  // `loads` is the covariance of the loads there.
   template <typename Lower>
-  void Add(Eigen::Index line, const Lower& lower, const ComplexMatrix& powers) {
+  void Add(Eigen::Index line, const Matrix& loads, const Lower& lower,
+           const ComplexMatrix& powers) {
     const double count = cost_.lines_.count[line];
     const double root_of_count = std::sqrt(count);
     double below = 0.0;
     double above = 0.0;
     spectrum_.Weigh(cost_.lines_.frequency[line], &below, &above);
-    const ComplexMatrix h =
-        lower.solve(cost_.transfer_[static_cast<size_t>(line)]);
-    const ComplexMatrix inverse =
-        lower.solve(ComplexMatrix::Identity(channels_, channels_));
-    const ComplexMatrix off =
-        count * ComplexMatrix::Identity(channels_, channels_) - powers;
-    information_.Add(h.adjoint() * h, count, below, above);
-    const Matrix score = (h.adjoint() * off * h).real();
-    by_load_[0] += below * score;
-    by_load_[1] += above * score;
+    h_ = cost_.transfer_[static_cast<size_t>(line)];
+    lower.solveInPlace(h_);
+    inverse_.setIdentity(channels_, channels_);
+    lower.solveInPlace(inverse_);
+    off_ = -powers;
+    off_.diagonal().array() += count;
+    product_.noalias() = h_.adjoint() * h_;
+    information_.Add(product_, count, below, above);
+    const Eigen::Index first = 2 * channels_ * in_stretch_;
+    seen_[0].middleRows(first, 2 * channels_) = below * RealRows(h_);
+    seen_[1].middleRows(first, 2 * channels_) = above * RealRows(h_);
+    moved_.noalias() = off_ * h_;
+    misfit_seen_.middleRows(first, 2 * channels_) = RealRows(moved_);
     const Eigen::Index place = in_stretch_ * square_;
-    Flatten(off / root_of_count, misfit_.segment(place, square_));
+    off_ /= root_of_count;
+    Flatten(off_, misfit_.segment(place, square_));
     const Vector noise =
         2.0 * (2.0 * cost_.unknowns_.tail(channels_)).array().exp();
-    const ComplexMatrix seen = h.adjoint() * inverse;
+    moved_.noalias() = inverse_.adjoint() * h_;
     for (Eigen::Index c = 0; c < channels_; ++c) {
-      Flatten(
-          root_of_count * noise[c] * inverse.col(c) * inverse.col(c).adjoint(),
-          rows_.col(c).segment(place, square_));
-      AddCross(c, count * noise[c] * seen.col(c) * seen.col(c).adjoint(), below,
-               above);
+      // The square of a column of the lower triangle of L^-1.
+      ComplexMatrix& square = off_;
+      square.noalias() = (root_of_count * noise[c] * inverse_.col(c)) *
+                         inverse_.col(c).adjoint();
+      Flatten(square, rows_.col(c).segment(place, square_));
+      by_noise_[static_cast<size_t>(c)].middleRows(2 * in_stretch_, 2) =
+          RealRows(moved_).middleRows(2 * c, 2);
+      weights_[0]
+          .col(c)
+          .segment(2 * in_stretch_, 2)
+          .setConstant(count * noise[c] * below);
+      weights_[1]
+          .col(c)
+          .segment(2 * in_stretch_, 2)
+          .setConstant(count * noise[c] * above);
     }
-    if (groups_ > 0) AddGroups(line, lower, h, below, above);
+    if (groups_ > 0) AddGroups(line, loads, lower);
     if (++in_stretch_ == kStretch) EndStretch();
   }
 
@@ -152,58 +172,89 @@ class AmbientCost::LineSums {
   }
 
  private:
-  // Of noise or a group i: H^H L^-H W L^-1 H summed.
-  void AddCross(Eigen::Index i, const ComplexMatrix& seen, double below,
-                double above) {
-    const Matrix real = seen.real();
-    const auto flat = Eigen::Map<const Vector>(real.data(), real.size());
-    cross_[0].col(i) += below * flat;
-    cross_[1].col(i) += above * flat;
-  }
-
+  // Of h_, the line's.
   template <typename Lower>
-  void AddGroups(Eigen::Index line, const Lower& lower, const ComplexMatrix& h,
-                 double below, double above) {
+  void AddGroups(Eigen::Index line, const Matrix& loads, const Lower& lower) {
     const double count = cost_.lines_.count[line];
     const double f = cost_.lines_.frequency[line];
     const double w = kTwoPi * f;
-    const auto stiffness = cost_.DynamicStiffness(f);
-    const ComplexMatrix by_loads = stiffness.solve(loads_);
-    const ComplexMatrix by_sensors = stiffness.solve(sensors_);
-    Matrix covariance = below * root_ * root_.transpose();
-    if (two_) covariance += above * next_root_ * next_root_.transpose();
-    const ComplexMatrix left = lower.solve(ComplexMatrix(
-        cost_.ChannelFactors(f).asDiagonal() * by_sensors.transpose()));
-    const ComplexMatrix right = covariance * h.adjoint();
-    const ComplexMatrix moved = by_loads * right;
+    // Forces that go with each whitened channel, and what they move; what
+    // moves the channels.
+    const ComplexMatrix right = loads * h_.adjoint();
+    const Eigen::Index dofs = cost_.mass_.rows();
+    ComplexMatrix both_sides(dofs, 2 * channels_);
+    both_sides.leftCols(channels_) = cost_.loads_ * right;
+    both_sides.rightCols(channels_) =
+        cost_.sensors_.transpose().cast<Complex>();
+    both_sides = cost_.DynamicStiffness(f).solve(both_sides);
+    const ComplexMatrix moved = both_sides.leftCols(channels_).transpose();
+    ComplexMatrix left = cost_.ChannelFactors(f).asDiagonal() *
+                         both_sides.rightCols(channels_).transpose();
+    lower.solveInPlace(left);
     const ComplexMatrix based =
-        cost_.base_ * right.bottomRows(cost_.base_.cols());
+        (cost_.base_ * right.bottomRows(cost_.base_.cols())).transpose();
+    const Eigen::Index first = 2 * channels_ * in_stretch_;
     for (Eigen::Index g = 0; g < groups_; ++g) {
       const Column& group = cost_.columns_[static_cast<size_t>(g)];
+      const bool mass = group.target == MatrixGroup::Target::kMass;
       const Complex by = group.target == MatrixGroup::Target::kStiffness
                              ? Complex(1.0, 0.0)
                          : group.target == MatrixGroup::Target::kDamping
                              ? Complex(0.0, w)
                              : Complex(-w * w, 0.0);
-      const bool mass = group.target == MatrixGroup::Target::kMass;
+      const ComplexMatrix pushed = mass ? ComplexMatrix(-by * moved - based)
+                                        : ComplexMatrix(-by * moved);
       const ComplexMatrix half =
-          (left * group.left) *
-          (group.right.transpose() * (mass ? ComplexMatrix(-by * moved - based)
-                                           : ComplexMatrix(-by * moved)));
+          TimesReal(left, group.left) *
+          (group.right.size() > 0 ? TimesReal(pushed, group.right) : pushed)
+              .transpose();
       const ComplexMatrix both = half + half.adjoint();
       Flatten(std::sqrt(count) * both,
               rows_.col(channels_ + g).segment(in_stretch_ * square_, square_));
-      AddCross(channels_ + g, count * (h.adjoint() * both * h), below, above);
+      moved_.noalias() = count * both * h_;
+      by_group_[static_cast<size_t>(g)].middleRows(first, 2 * channels_) =
+          RealRows(moved_);
     }
+  }
+
+  static ComplexMatrix TimesReal(const ComplexMatrix& a, const Matrix& b) {
+    ComplexMatrix product(a.rows(), b.cols());
+    Eigen::Map<Matrix>(reinterpret_cast<double*>(product.data()), 2 * a.rows(),
+                       b.cols())
+        .noalias() = RealRows(a) * b;
+    return product;
   }
 
   void EndStretch() {
     if (in_stretch_ == 0) return;
     const Eigen::Index per_knot = spectrum_.per_knot();
+    const Eigen::Index areas = spectrum_.num_areas();
+    const Eigen::Index rows = 2 * channels_ * in_stretch_;
     const auto part = rows_.topRows(in_stretch_ * square_);
     Vector score(2 * per_knot + channels_ + groups_);
-    score << ByLoadEntries(spectrum_, root_, by_load_[0]),
-        ByLoadEntries(spectrum_, next_root_, by_load_[1]),
+    for (int side = 0; side < (two_ ? 2 : 1); ++side) {
+      const size_t s = static_cast<size_t>(side);
+      const Matrix seen = seen_[s].topRows(rows).transpose();
+      score.segment(side * per_knot, per_knot) =
+          ByLoadEntries(spectrum_, side == 0 ? root_ : next_root_,
+                        seen * misfit_seen_.topRows(rows));
+      for (Eigen::Index i = 0; i < channels_ + groups_; ++i) {
+        Eigen::Map<Matrix> cross(cross_[s].col(i).data(), areas, areas);
+        if (i >= channels_) {
+          cross.noalias() +=
+              seen *
+              by_group_[static_cast<size_t>(i - channels_)].topRows(rows);
+          continue;
+        }
+        const auto by_noise =
+            by_noise_[static_cast<size_t>(i)].topRows(2 * in_stretch_);
+        cross.noalias() +=
+            by_noise.transpose() *
+            (weights_[s].col(i).head(2 * in_stretch_).asDiagonal() * by_noise);
+      }
+    }
+    if (!two_) score.segment(per_knot, per_knot).setZero();
+    score.tail(channels_ + groups_) =
         part.transpose() * misfit_.head(in_stretch_ * square_);
     if (groups_ > 0 || scores_.empty()) {
       scores_.push_back(std::move(score));
@@ -211,7 +262,6 @@ class AmbientCost::LineSums {
       scores_[0] += score;
     }
     rest_.noalias() += part.transpose() * part;
-    for (Matrix& by_load : by_load_) by_load.setZero();
     in_stretch_ = 0;
   }
 
@@ -221,12 +271,18 @@ class AmbientCost::LineSums {
   const int knot_;
   const bool two_;
   const Matrix root_, next_root_;
-  ComplexMatrix loads_, sensors_;
   LoadInformation information_;
+  // Of a line: L^-1 H, L^-1, what is left of the powers, H^H S^-1 H.
+  ComplexMatrix h_, inverse_, off_, product_, moved_;
   // Of the stretch: rows of noise and groups, and what they should explain.
   Matrix rows_;
   Vector misfit_;
-  std::array<Matrix, 2> by_load_;  // sides
+  // Of the stretch, rows of each line: L^-1 H with the weights of both sides,
+  // and (I - powers), W of the groups and roots of that of the noise times it.
+  std::array<Matrix, 2> seen_;
+  Matrix misfit_seen_;
+  std::vector<Matrix> by_group_, by_noise_;
+  std::array<Matrix, 2> weights_;  // of the rows of by_noise_
   Eigen::Index in_stretch_ = 0;
   std::array<Matrix, 2> cross_;  // sides: areas^2 x (channels + groups)
   Matrix rest_;
@@ -240,8 +296,10 @@ bool AmbientCost::AccumulateLines(Eigen::Index first, Eigen::Index last,
   Eigen::LLT<ComplexMatrix> factor;
   std::unique_ptr<LineSums> lines;
   int last_knot = -1;
+  const std::vector<Matrix> at_knots = KnotCovariances();
   for (Eigen::Index k = first; k < last; ++k) {
-    if (!FactorizeLine(k, &factor)) return false;
+    const Matrix loads = LoadCovariance(lines_.frequency[k], at_knots);
+    if (!FactorizeLine(k, loads, &factor)) return false;
     const auto lower = factor.matrixL();
     // L^-1 (sum Y Y^H) L^-H.
     ComplexMatrix powers = lower.solve(lines_.products[static_cast<size_t>(k)]);
@@ -258,7 +316,7 @@ bool AmbientCost::AccumulateLines(Eigen::Index first, Eigen::Index last,
       lines = std::make_unique<LineSums>(*this, with_groups, knot);
       last_knot = knot;
     }
-    lines->Add(k, lower, powers);
+    lines->Add(k, loads, lower, powers);
   }
   if (lines != nullptr) sums->push_back(lines->Finish());
   return std::isfinite(*cost);

@@ -8,6 +8,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/force_bands.h"
 #include "pinode/estimate/free_run_start.h"
@@ -249,11 +250,30 @@ void ReportModes(const IdentificationProblem& problem,
   }
 }
 
+// What the record does not tell of the groups because nobody measured the
+// loads; empty: it tells of all.
+std::string WhatLoadsHide(const AmbientScore& score) {
+  std::vector<std::string> hidden;
+  for (size_t g = 0; g < score.groups.size(); ++g) {
+    if (score.information_left[static_cast<Eigen::Index>(g)] <
+        kLeastInformationLeft) {
+      hidden.push_back("'" + score.groups[g] + "'");
+    }
+  }
+  if (hidden.empty()) return "";
+  return "Ambient record '" + score.name + "': of " + Join(hidden, ", ") +
+         " less than " + FormatNumber(100.0 * kLeastInformationLeft, 2) +
+         " % of what it would say with known loads is left; other loads "
+         "explain it as well.";
+}
+
 void ReportAmbient(const Vector& free, const Objective& objective,
                    IdentificationSummary* summary) {
   for (const auto& record : objective.ambient()) {
     AmbientScore score;
     if (!record->Score(free, &score)) score.probability = 0.0;
+    const std::string hidden = WhatLoadsHide(score);
+    if (!hidden.empty()) summary->remarks.push_back(hidden);
     summary->ambient.push_back(std::move(score));
   }
 }

@@ -5,6 +5,8 @@
 #include <sstream>
 #include <string>
 
+#include "pinode/base/strings.h"
+
 namespace pinode {
 namespace {
 
@@ -41,6 +43,26 @@ bool HasTrainRecord(const IdentificationSummary& summary) {
                      });
 }
 
+// Of a fit to ambient records alone: empty where one of them tells something of
+// the structure that the loads could not have done as well.
+std::string WhyLoadsExplainAll(const IdentificationSummary& summary) {
+  if (summary.ambient.empty() || HasTrainRecord(summary) ||
+      !summary.modes.empty()) {
+    return "";
+  }
+  std::ostringstream reason;
+  for (const AmbientScore& score : summary.ambient) {
+    if (score.most_information_left >= kLeastInformationLeft) return "";
+    if (!reason.str().empty()) continue;
+    reason << "the unmeasured loads of ambient record '" << score.name
+           << "' explain all that it shows: with them unknown at most "
+           << FormatNumber(100.0 * score.most_information_left, 2)
+           << " % of what it says of the groups is left, so that none of them "
+              "can be told; fewer knots or loads, or more sensors";
+  }
+  return reason.str();
+}
+
 // As FreeRunError.
 double TrainingError(const IdentificationSummary& summary) {
   double sum = 0.0;
@@ -62,6 +84,8 @@ std::string WhyNotUsable(const GapTuning& tuning,
     return "the training records are predicted worse than by the linear terms "
            "alone";
   }
+  const std::string explained = WhyLoadsExplainAll(summary);
+  if (!explained.empty()) return explained;
   std::ostringstream reason;
   for (const AmbientScore& score : summary.ambient) {
     if (score.probability >= kLeastAmbientProbability) continue;

@@ -141,11 +141,11 @@ void VisitOne(Archive* a, ModeScore& value) {
 template <typename Archive>
 void VisitOne(Archive* a, AmbientScore& value) {
   auto& [name, lowest, highest, lines, chi_square, degrees, probability, from,
-         to, deviation, channels, explained, noise, frequencies, measured,
-         modelled, counts] = value;
+         to, deviation, channels, explained, noise, groups, left, most_left,
+         frequencies, measured, modelled, counts] = value;
   Visit(a, name, lowest, highest, lines, chi_square, degrees, probability, from,
-        to, deviation, channels, explained, noise, frequencies, measured,
-        modelled, counts);
+        to, deviation, channels, explained, noise, groups, left, most_left,
+        frequencies, measured, modelled, counts);
 }
 
 template <typename Archive>
