@@ -212,7 +212,8 @@ std::string StructureSection(const StructurePicture& picture) {
     triangles += face.nodes.size() - 2;
   }
   const size_t size = triangles + 2 * drawing.lines.size();
-  const bool turns = size <= kMostTriangles;
+  const bool can_turn = *ThreePacked() != '\0';
+  const bool turns = can_turn && size <= kMostTriangles;
   const bool still = size <= kMostStillTriangles;
   std::string html = kStructureStyle;
   html +=
@@ -231,6 +232,10 @@ std::string StructureSection(const StructurePicture& picture) {
         "<noscript><p>Scripts are off in this browser: a still picture in "
         "place of the view that turns.</p></noscript>\n"
         "<p class=\"no-webgl\" hidden></p>\n";
+  } else if (still && !can_turn) {
+    html +=
+        "<p class=\"no-webgl\">This pinode was built without three.js, "
+        "which the view that turns needs: a still picture in its place.</p>\n";
   } else {
     html += "<p class=\"no-webgl\">With " + std::to_string(size) +
             " triangles the structure is " +

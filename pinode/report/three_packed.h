@@ -6,7 +6,7 @@
 namespace pinode {
 
 // The library's script as Debian's libjs-three has it, packed by gzip, as
-// base64. Made when pinode is built.
+// base64; empty where there was none. Made when pinode is built.
 const char* ThreePacked();
 
 }  // namespace pinode
