@@ -26,6 +26,16 @@ myst_all_links_external = False
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 
+
+def as_written(app, what, name, obj, options, lines):
+    """Docstrings are plain text: their lines and indentation stay."""
+    lines[:] = ["| " + re.sub(r"([*|\\])", r"\\\1", line) for line in lines] + [""]
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", as_written)
+
+
 html_theme = "alabaster"
 html_theme_options = {
     "description": "Structural identification from matrices and records",
