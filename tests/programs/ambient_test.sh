@@ -61,6 +61,23 @@ done
 Run 0 pinode_modes --case=copied.toml --output_dir=modes_copied
 grep -q "Channel 'u3' is channel 'u1' once more" stdout || Fail "not copied"
 
+# Two loggers of differing rates, one after the other: each record has lines of
+# its own, and together they say what the whole record says.
+head -n 30001 wind.csv >fast.csv
+awk 'NR == 1 || (NR > 30001 && NR % 2 == 0)' wind.csv >slow.csv
+{
+  sed '/^\[\[record\]\]/,$d' three_storey_ambient.toml
+  sed -n '/^\[\[record\]\]/,$p' three_storey_ambient.toml >record
+  sed 's/wind/fast/' record
+  sed 's/wind/slow/; s/sampling_rate_hz = 100/sampling_rate_hz = 50/' record
+} >rates.toml
+Run 0 pinode_update --case=rates.toml --output_dir=rates --progress=false
+[[ $(grep -c '"lines"' rates/result.json) -eq 2 ]] || Fail "two records"
+Near "$(awk '$1 == "k1" { print $3; exit }' stdout)" 0.25 0.01
+Near "$(awk '$1 == "k2" { print $3; exit }' stdout)" -0.1304 0.01
+Run 0 pinode_modes --case=rates.toml --output_dir=modes_rates
+grep -q "^3 modes were found" stdout || Fail "not the three modes of both"
+
 # A verdict from modes alone: two stretches of the record as baselines, a third
 # as it is and as if the second storey had lost a tenth, by the ratios of that
 # frame's modes to the healthy one's (NumPy).
