@@ -12,7 +12,7 @@
 namespace pinode {
 namespace {
 
-constexpr int kSamples = 4000;
+constexpr int kHoldoutSamples = 4000;
 
 // One sensor in a training record and a hold-out. Both see a sine of unit size
 // with `period` samples, which the model predicts but for `misfit` of it.
@@ -32,11 +32,11 @@ class HoldoutNoiseTest : public ::testing::Test {
       }
       MeasuredChannel channel =
           testing::MakeChannel("a", Quantity::kDisplacement, 1, 0);
-      channel.values.resize(kSamples);
+      channel.values.resize(kHoldoutSamples);
       RecordScore score;
       score.finite = true;
-      score.prediction.resize(1, kSamples);
-      for (int i = 0; i < kSamples; ++i) {
+      score.prediction.resize(1, kHoldoutSamples);
+      for (int i = 0; i < kHoldoutSamples; ++i) {
         const double motion = std::sin(2.0 * kPi * i / period);
         score.prediction(0, i) = (1.0 - misfit) * motion;
         channel.values[i] = motion + noise * gaussian.Next();
@@ -88,7 +88,7 @@ TEST_F(HoldoutNoiseTest, IsThatOfTrainingWhereItCannotBeTold) {
   problem_.records[1].channels[0].observation.name = "b";
   EXPECT_EQ(Noise(), 0.02) << "another sensor";
   Make(0.02, 0.03, 8.0, 0.0);
-  for (int i = 0; i < kSamples; i += 8) {
+  for (int i = 0; i < kHoldoutSamples; i += 8) {
     problem_.records[1].channels[0].values[i] = kNaN;
   }
   EXPECT_EQ(Noise(), 0.02) << "no nine samples without a gap";

@@ -168,7 +168,8 @@ Matrix MultipleShooting::PredictStarts(size_t r, const Vector& free) const {
 bool MultipleShooting::LooksAhead() const {
   // A linearisation of the laws takes about as long as so many columns.
   constexpr int kLinearization = 10;
-  return options_.looks_ahead &&
+  // Rows are to be kept of points that were linearised, not of every trial.
+  return options_.looks_ahead && !keeps_rows_ &&
          std::any_of(records_.begin(), records_.end(),
                      [](const auto& r) { return r->HasFreeStarts(); }) &&
          layout_.num_free() <=
@@ -303,6 +304,36 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
     }
   }
   return true;
+}
+
+void MultipleShooting::KeepRows(bool keep) {
+  constexpr double kMostBytes = 1073741824.0;
+  double bytes = 0.0;
+  for (const auto& record : records_) {
+    bytes += static_cast<double>(sizeof(double)) *
+             record->observation().num_channels() *
+             record->grid().num_samples() * layout_.num_free();
+  }
+  keep = keep && IsSingleShooting() && bytes < kMostBytes;
+  if (keep && !keeps_rows_) is_linearized_ = false;
+  keeps_rows_ = keep;
+  sweep_.set_keeps_rows(keep);
+}
+
+bool MultipleShooting::BendAlong(const Vector& step, Vector* projected) {
+  // As published: small enough for a derivative, large enough for rounding.
+  constexpr double kShare = 0.1;
+  if (!keeps_rows_ || linearized_free_.size() != step.size()) return false;
+  last_free_.resize(0);
+  is_linearized_ = false;
+  has_columns_ = false;
+  const Vector there = linearized_free_ + kShare * step;
+  if (!PrepareDynamics(there)) return false;
+  std::vector<Matrix> starts;
+  for (size_t r = 0; r < records_.size(); ++r) {
+    starts.push_back(PredictStarts(r, there));
+  }
+  return sweep_.Bend(starts, step, kShare, projected);
 }
 
 std::string MultipleShooting::Failure() const {

@@ -108,6 +108,9 @@ class MultipleShooting final : public CostPart {
   void SetStateScales(const std::vector<Vector>& scales);
   // sigma, one per channel and record.
   void SetSigmas(const std::vector<Vector>& sigmas);
+  const Vector& sigmas(size_t train_record) const {
+    return records_[train_record]->sigmas();
+  }
   void SetGapPenalty(double mu) {
     gap_penalty_ = mu;
     CostHasChanged();
@@ -127,6 +130,15 @@ class MultipleShooting final : public CostPart {
   // been evaluated or changed, it answers without propagating.
   [[nodiscard]] bool Linearize(const Vector& free,
                                CondensedSystem* system) override;
+
+  // Whether Linearize keeps what BendAlong needs, samples x unknowns, where it
+  // comes to less than a GiB and records are in one piece.
+  void KeepRows(bool keep);
+  // J'r'' at the last Linearize: r'' is the second derivative of the weighted
+  // residuals along `step`, with the starts following, from a run a tenth of it
+  // away. False where it cannot be had: nothing was kept, or not finite. What
+  // was evaluated last is forgotten.
+  [[nodiscard]] bool BendAlong(const Vector& step, Vector* projected);
 
   const Divergence& divergence() const { return divergence_; }
 
@@ -232,6 +244,7 @@ class MultipleShooting final : public CostPart {
   double last_cost_ = 0.0;
   // Whether the last evaluation was this linearisation, at linearized_free_.
   bool is_linearized_ = false;
+  bool keeps_rows_ = false;
   // Whether the last evaluation has found the derivatives at its starts.
   bool has_columns_ = false;
   CondensedSystem linearized_;

@@ -553,6 +553,60 @@ TEST(MultipleShooting, WeightedResidualsAreThoseOfTheCost) {
   }
 }
 
+class BendAlong : public ::testing::TestWithParam<Start> {};
+
+// J'r'' against second differences of the residuals. A search that ends with
+// its first trial leaves starts where the last linearisation predicts them, on
+// a straight line.
+TEST_P(BendAlong, EqualsSecondDifferences) {
+  const SmallFit fit(GetParam());
+  MultipleShooting::Options options;
+  options.starts.max_iterations = 1;
+  auto objective = fit.Shoot(0, options);
+  MultipleShooting& shooting = objective->shooting();
+  const Vector step = 1e-3 * fit.free;
+  CondensedSystem system;
+  Vector bend;
+  ASSERT_TRUE(objective->Linearize(fit.free, &system));
+  EXPECT_FALSE(shooting.BendAlong(step, &bend)) << "nothing was kept";
+  shooting.KeepRows(true);
+  ASSERT_TRUE(objective->Linearize(fit.free, &system));
+  ASSERT_TRUE(shooting.BendAlong(step, &bend));
+  // A trial leaves what was kept as it is.
+  double cost = 0.0;
+  ASSERT_TRUE(objective->Evaluate(fit.free + step, &cost));
+  Vector again;
+  ASSERT_TRUE(shooting.BendAlong(step, &again));
+  EXPECT_EQ(again, bend);
+
+  const auto residuals = [&](double share) {
+    double there = 0.0;
+    std::vector<Matrix> result;
+    EXPECT_TRUE(objective->Evaluate(fit.free + share * step, &there));
+    EXPECT_TRUE(shooting.WeightedResiduals(fit.free + share * step, false,
+                                           &result, nullptr));
+    return result;
+  };
+  constexpr double kShare = 0.5;
+  std::vector<Matrix> ahead = residuals(kShare);
+  const std::vector<Matrix> behind = residuals(-kShare);
+  ASSERT_TRUE(objective->Linearize(fit.free, &system));
+  std::vector<Matrix> here, jacobians;
+  ASSERT_TRUE(shooting.WeightedResiduals(fit.free, true, &here, &jacobians));
+  Vector expected = Vector::Zero(step.size());
+  for (size_t r = 0; r < here.size(); ++r) {
+    ahead[r] += behind[r] - 2.0 * here[r];
+    expected += jacobians[r].transpose() *
+                Eigen::Map<const Vector>(ahead[r].data(), ahead[r].size()) /
+                (kShare * kShare);
+  }
+  EXPECT_GT(expected.norm(), 0.0);
+  EXPECT_LT((bend - expected).norm(), 0.02 * expected.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Starts, BendAlong,
+                         ::testing::Values(Start::kRest, Start::kFree));
+
 TEST(MultipleShooting, SaysWhereItDiverges) {
   IdentificationProblem problem;
   auto dynamics = testing::MakeGroupedChain(1, 4000.0, 0.0);

@@ -44,6 +44,11 @@ class ResidualRows {
   const Vector& residuals() const { return residuals_; }
   // As many rows; columns as AddSensorColumns has them.
   const Matrix& jacobian() const { return jacobian_; }
+  // Hands both over, without a copy.
+  void Swap(Vector* residuals, Matrix* jacobian) {
+    residuals_.swap(*residuals);
+    jacobian_.swap(*jacobian);
+  }
 
  private:
   const IdentificationProblem& problem_;

@@ -176,7 +176,70 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
   sum->hessian.selfadjointView<Eigen::Lower>().rankUpdate(
       by_parameters.transpose());
   sum->gradient.noalias() += by_parameters.transpose() * residuals;
+  if (keeps_rows_ && record->num_segments() == 1) {
+    SegmentRows& kept = record->kept_rows();
+    work.rows.Swap(&kept.residuals, &kept.jacobian);
+  }
   return true;
+}
+
+bool SegmentSweep::BendRecord(size_t r, const Vector& start, const Vector& step,
+                              double share, Thread* thread,
+                              Eigen::Ref<Vector> projected) {
+  ShootingRecord& record = *records_[r];
+  const SegmentRows& kept = record.kept_rows();
+  const int last = record.last_sample(0);
+  Thread::Work& work = thread->work(false);
+  if (!thread->propagator.Propagate(*prepared_, record.observation(),
+                                    record.grid(), start, 0, last, true,
+                                    SegmentColumns::kNone, &work.tangents)) {
+    return false;
+  }
+  work.rows.Compute(record.data(), record.sigmas(), *parameters_, 0, true,
+                    SegmentColumns::kNone, work.tangents);
+  if (kept.residuals.size() != work.rows.residuals().size()) return false;
+  const Eigen::Index by_start = kept.jacobian.cols() - step.size();
+  const auto by_parameters = kept.jacobian.rightCols(step.size());
+  Vector second = (work.rows.residuals() - kept.residuals) / share;
+  second.noalias() -= by_parameters * step;
+  if (by_start > 0) {
+    second.noalias() -= kept.jacobian.leftCols(by_start) *
+                        Vector(record.start_sensitivity() * step);
+  }
+  second *= 2.0 / share;
+  projected.noalias() = by_parameters.transpose() * second;
+  if (by_start > 0) {
+    projected.noalias() +=
+        record.start_sensitivity().transpose() *
+        Vector(kept.jacobian.leftCols(by_start).transpose() * second);
+  }
+  return true;
+}
+
+bool SegmentSweep::Bend(const std::vector<Matrix>& starts, const Vector& step,
+                        double share, Vector* projected) {
+  const auto count = static_cast<int>(records_.size());
+  bool possible = keeps_rows_;
+  for (const auto& record : records_) {
+    possible = possible && record->num_segments() == 1;
+  }
+  for (const auto& linear : linear_) possible = possible && linear == nullptr;
+  if (!possible) return false;
+  // Each record's in a column of its own, zero on other ranks: the sum is the
+  // same for any number of them. The last one counts what has failed.
+  Matrix bends = Matrix::Zero(step.size(), count + 1);
+  std::vector<char> failed(records_.size(), 0);
+  ParallelFor(count, static_cast<int>(threads_.size()), [&](int i, int thread) {
+    const auto r = static_cast<size_t>(i);
+    if (sums_.RankOf(i) != communicator_.rank()) return;
+    failed[r] =
+        !BendRecord(r, starts[r].col(0), step, share,
+                    threads_[static_cast<size_t>(thread)].get(), bends.col(i));
+  });
+  for (const char fails : failed) bends(0, count) += fails;
+  if (!communicator_.Sum(bends.data(), bends.size())) return false;
+  *projected = bends.leftCols(count).rowwise().sum();
+  return bends(0, count) == 0.0;
 }
 
 std::vector<char> SegmentSweep::EvaluateLinear(

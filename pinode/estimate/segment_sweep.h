@@ -65,6 +65,16 @@ class SegmentSweep {
   // Of the last evaluation with parameters: lower triangle and gradient.
   const FreeEquations& sum() const { return sum_; }
 
+  // Whether evaluations with parameters keep the rows of records in one piece
+  // that go step by step.
+  void set_keeps_rows(bool keeps) { keeps_rows_ = keeps; }
+  // J'r'' of the rows kept, the sum over all records, J with the starts
+  // following: r'' is the second derivative of the residuals along `step`, of
+  // which `share` has been gone to `starts` and to the point set. False where
+  // rows were not kept, or a trajectory is not finite.
+  [[nodiscard]] bool Bend(const std::vector<Matrix>& starts, const Vector& step,
+                          double share, Vector* projected);
+
   // Weighted residuals of consecutive samples of a record, from `first` on,
   // channels x count, and their derivative by the free parameters with the
   // starts following as the record's start_sensitivity() says, (channels *
@@ -92,6 +102,9 @@ class SegmentSweep {
  private:
   struct Thread;
 
+  // Of one record; see Bend.
+  bool BendRecord(size_t record, const Vector& start, const Vector& step,
+                  double share, Thread* thread, Eigen::Ref<Vector> projected);
   SegmentColumns ColumnsOf(const ShootingRecord& record,
                            bool with_parameters) const;
   // Whether LinearRecord is to be asked.
@@ -134,6 +147,7 @@ class SegmentSweep {
   const Vector* parameters_ = nullptr;
   OrderedSums sums_;
   FreeEquations sum_;
+  bool keeps_rows_ = false;
   bool answered_ = true;  // by all ranks
   int64_t work_ = 0;
 };

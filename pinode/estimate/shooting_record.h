@@ -38,6 +38,13 @@ struct SegmentResult {
   int failed_state = -1;
 };
 
+// Weighted residuals of a segment, channels * samples, channels fastest, and
+// their derivatives by start (where it is free) and free parameters.
+struct SegmentRows {
+  Vector residuals;
+  Matrix jacobian;
+};
+
 // A record's part of
 //
 //   F(s, theta) = 1/2 |r(s, theta)|^2 + (the gaps' penalty)
@@ -84,6 +91,8 @@ class ShootingRecord {
   const SegmentResult& result(int segment) const {
     return results_[static_cast<size_t>(segment)];
   }
+  // Of a record in one piece, where they were to be kept.
+  SegmentRows& kept_rows() { return kept_rows_; }
   // States at the segments' ends, num_states x segments.
   Matrix& ends() { return ends_; }
   const Matrix& ends() const { return ends_; }
@@ -124,6 +133,7 @@ class ShootingRecord {
   Vector sigmas_;
   GapPenalty gaps_;
   std::vector<SegmentResult> results_;
+  SegmentRows kept_rows_;
   Matrix ends_;
   std::unique_ptr<BlockTridiagonal> system_;
   Matrix start_sensitivity_;

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
+#include "pinode/estimate/bent_cost.h"
 #include "pinode/estimate/bounded_cost.h"
 #include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/force_bands.h"
@@ -27,6 +30,18 @@ double FirstRadius(const FitContext& context) {
                  std::all_of(networks.begin(), networks.end(), IsForceOfTime)
              ? tuning.first_radius
              : tuning.first_network_radius;
+}
+
+// Valleys of networks bend. Where unknowns have bounds Ceres searches along
+// straight lines.
+bool BendsSteps(const FitContext& context) {
+  bool bounded = false;
+  for (int j = 0; j < context.layout.num_free(); ++j) {
+    const Parameter& parameter = context.layout.free_parameter(j);
+    bounded = bounded || std::isfinite(parameter.lower) ||
+              std::isfinite(parameter.upper);
+  }
+  return context.HasNetworks() && !bounded;
 }
 
 void SetBounds(const BoundedCost& cost, double* scaled,
@@ -70,12 +85,14 @@ ceres::Solver::Options SolverOptions(const FitContext& context,
 class Solver::Callback final : public ceres::IterationCallback {
  public:
   Callback(const Solver& solver, const BoundedCost& bounded,
-           const Vector& scaled, double tolerance, double* radius)
+           const BentCost* bent, const Vector& scaled, const Limits& limits,
+           double* radius)
       : solver_(solver),
         context_(solver.context_),
         bounded_(bounded),
+        bent_(bent),
         scaled_(scaled),
-        tolerance_(tolerance),
+        limits_(limits),
         radius_(radius),
         first_iteration_(context_.summary.num_iterations) {}
 
@@ -94,10 +111,11 @@ class Solver::Callback final : public ceres::IterationCallback {
       if (!iteration.step_is_successful) ++context_.summary.rejected_steps;
     }
     *radius_ = iteration.trust_region_radius;
-    const Vector free = bounded_.Unscaled(scaled_);
+    const Vector free =
+        bounded_.Unscaled(bent_ == nullptr ? scaled_ : bent_->PointOf(scaled_));
     if (!solver_.progress_->Note(record, free)) return ceres::SOLVER_ABORT;
     return iteration.step_is_successful &&
-                   solver_.IsSettled(free, bounded_.system(), tolerance_)
+                   solver_.IsSettled(free, bounded_.system(), limits_)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
   }
@@ -106,8 +124,9 @@ class Solver::Callback final : public ceres::IterationCallback {
   const Solver& solver_;
   const FitContext& context_;
   const BoundedCost& bounded_;
+  const BentCost* bent_;
   const Vector& scaled_;
-  double tolerance_;
+  const Limits& limits_;
   double* radius_;
   int first_iteration_;
 };
@@ -119,10 +138,28 @@ Solver::Solver(const FitContext& context, Progress* progress)
 
 void Solver::ResetRadius() { radius_ = FirstRadius(context_); }
 
+bool Solver::IsBelow(double residual, const Vector& free) const {
+  MultipleShooting& shooting = context_.objective.shooting();
+  const std::vector<Vector>* squares = shooting.SquaresAt(free);
+  if (squares == nullptr) return false;
+  double sum = 0.0;
+  double count = 0.0;
+  for (size_t t = 0; t < squares->size(); ++t) {
+    const IdentificationRecord& record = context_.train_record(t);
+    sum += (*squares)[t].cwiseQuotient(shooting.sigmas(t).cwiseAbs2()).sum();
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.fit) count += CountPresent(channel.values);
+    }
+  }
+  return sum < residual * residual * count;
+}
+
 bool Solver::IsSettled(const Vector& free, const CondensedSystem& system,
-                       double tolerance) const {
-  return !context_.HasNetworks() &&
-         MeasureOptimality(context_.layout, free, system).promise < tolerance;
+                       const Limits& limits) const {
+  return (limits.residual > 0.0 && IsBelow(limits.residual, free)) ||
+         (!context_.HasNetworks() &&
+          MeasureOptimality(context_.layout, free, system).promise <
+              limits.function_tolerance);
 }
 
 void Solver::Settle(const CondensedSystem& system, double gradient_norm,
@@ -138,19 +175,20 @@ void Solver::Settle(const CondensedSystem& system, double gradient_norm,
   state->optimality = MeasureOptimality(context_.layout, state->free, system);
 }
 
-bool Solver::Solve(int max_iterations, double function_tolerance,
-                   FitState* state, bool* converged) {
+bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   *converged = false;
   IdentificationSummary& summary = context_.summary;
   Objective& objective = context_.objective;
   ceres::Solver::Options options =
-      SolverOptions(context_, function_tolerance, radius_);
+      SolverOptions(context_, limits.function_tolerance, radius_);
   options.max_num_iterations =
-      std::min(max_iterations,
+      std::min(limits.iterations,
                context_.options.max_num_iterations - summary.num_iterations);
   if (options.max_num_iterations <= 0) return true;
 
   const int n = context_.layout.num_free();
+  const bool bends = BendsSteps(context_);
+  objective.shooting().KeepRows(bends);
   const auto begin = std::chrono::steady_clock::now();
   BoundedCost bounded(context_.layout, state->free, &objective);
   summary.jacobian_seconds += SecondsSince(begin);
@@ -159,21 +197,37 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
     return false;
   }
   Vector scaled = bounded.Scaled(state->free);
-  if (IsSettled(state->free, bounded.system(), function_tolerance)) {
+  if (IsSettled(state->free, bounded.system(), limits)) {
     *converged = true;
     CondensedSystem steps;
     if (!bounded.Linearize(scaled, &steps)) return false;
     Settle(bounded.system(), steps.gradient.norm(), state);
     return true;
   }
-  CondensedCost cost(&bounded, n);
+  radius_ = options.initial_trust_region_radius;
+  std::optional<BentCost> bent;
+  if (bends) {
+    bent.emplace(
+        &bounded,
+        [&](const Vector& step, Vector* projected) {
+          if (!objective.shooting().BendAlong(bounded.Unscaled(step),
+                                              projected)) {
+            return false;
+          }
+          *projected = bounded.Unscaled(*projected);
+          return true;
+        },
+        &radius_);
+  }
+  CondensedCost cost(bends ? static_cast<CostPart*>(&*bent) : &bounded, n);
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
   problem.AddResidualBlock(&cost, nullptr, scaled.data());
   SetBounds(bounded, scaled.data(), &problem);
 
-  Callback callback(*this, bounded, scaled, function_tolerance, &radius_);
+  Callback callback(*this, bounded, bends ? &*bent : nullptr, scaled, limits,
+                    &radius_);
   options.callbacks.push_back(&callback);
 
   ceres::Solver::Summary ceres_summary;
@@ -187,6 +241,7 @@ bool Solver::Solve(int max_iterations, double function_tolerance,
     summary.message = objective.Failure();
     return false;
   }
+  if (bends) scaled = bent->PointOf(scaled);
   state->free = bounded.Unscaled(scaled);
   *converged = ceres_summary.termination_type == ceres::CONVERGENCE ||
                ceres_summary.termination_type == ceres::USER_SUCCESS;

@@ -19,13 +19,27 @@ class Solver {
   // Begins again with the first radius.
   void ResetRadius();
 
+  // What ends a solve.
+  struct Limits {
+    int iterations = 0;
+    double function_tolerance = 0.0;  // a share of the cost
+    // RMS of the residuals in units of their noise levels; 0: none is too
+    // small.
+    double residual = 0.0;
+  };
+
   // From state->free, until an iteration changes the cost by less than the
-  // share `function_tolerance` of it, or none promises to (*converged), or the
-  // iterations are used up, those that the options grant in all included.
+  // tolerance, or none promises to, or residuals are below their limit
+  // (*converged), or the iterations are used up, those that the options grant
+  // in all included. The steps of networks bend (BentCost).
   // Leaves the objective linearised at the solution. False, with the summary's
   // message, where the cost cannot be had at the point of departure.
-  [[nodiscard]] bool Solve(int max_iterations, double function_tolerance,
-                           FitState* state, bool* converged);
+  [[nodiscard]] bool Solve(const Limits& limits, FitState* state,
+                           bool* converged);
+
+  // Whether the residuals at `free`, where the objective is linearised, are
+  // below this RMS.
+  bool IsBelow(double residual, const Vector& free) const;
 
   // From a converged point: full steps of the quadratic model, while each does
   // lower the cost. An iteration that hardly changes the cost leaves the
@@ -35,11 +49,12 @@ class Solver {
  private:
   class Callback;
 
-  // Whether the best step within the bounds promises less than the share
-  // `tolerance` of the cost. Ceres finds that out by another evaluation, and
-  // takes no step then. Networks go on: what they are promised is little.
+  // Whether residuals are small enough, or the best step within the bounds
+  // promises less than the tolerance. Ceres finds that out by another
+  // evaluation, and takes no step then. Networks go on whatever they are
+  // promised, which is more than their valleys hold.
   bool IsSettled(const Vector& free, const CondensedSystem& system,
-                 double tolerance) const;
+                 const Limits& limits) const;
   // Notes a point at which there is nothing to do.
   void Settle(const CondensedSystem& system, double gradient_norm,
               FitState* state);

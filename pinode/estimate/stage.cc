@@ -23,7 +23,8 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
   for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
        ++round) {
     bool converged = false;
-    if (!solver_->Solve(iterations, solve.round_tolerance, state, &converged)) {
+    if (!solver_->Solve({iterations, solve.round_tolerance, 0.0}, state,
+                        &converged)) {
       return false;
     }
     if (progress_->interrupted()) break;
@@ -77,10 +78,14 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
       iterations =
           fine ? solve.fine_network_iterations : solve.network_round_iterations;
     }
-    if (!solver_->Solve(iterations, tolerance, state, &converged)) return false;
+    const double residual = networks && fine ? solve.smallest_residual : 0.0;
+    if (!solver_->Solve({iterations, tolerance, residual}, state, &converged)) {
+      return false;
+    }
     if (progress_->interrupted()) break;
     if (networks && fine && converged &&
-        (quiet || evidence_rounds >= 2 * evidence.rounds)) {
+        (quiet || evidence_rounds >= 2 * evidence.rounds ||
+         solver_->IsBelow(residual, state->free))) {
       *settled = true;
       break;
     }

@@ -51,6 +51,7 @@ std::vector<TuningField> TuningFields(Tuning* tuning) {
       {"solve.most_radius", &tuning->solve.most_radius},
       {"solve.uphill_steps", &tuning->solve.uphill_steps},
       {"solve.smallest_change", &tuning->solve.smallest_change},
+      {"solve.smallest_residual", &tuning->solve.smallest_residual},
       {"solve.most_network_tolerance", &tuning->solve.most_network_tolerance},
       {"solve.fine_network_iterations", &tuning->solve.fine_network_iterations},
       {"noise.first_share", &tuning->noise.first_share},
