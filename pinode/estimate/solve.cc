@@ -21,15 +21,18 @@ namespace {
 // Up to so many unknowns the more accurate solver takes no time to speak of.
 constexpr int kMostForQr = 100;
 
-// The hidden units of a network of time hardly move: its first step is that of
-// a linear fit.
+// Whether there are networks, and not of time alone: the hidden units of those
+// hardly move, and a fit is nearly a linear one.
+bool HasNetworksOfState(const FitContext& context) {
+  const auto& networks = context.problem.dynamics->networks();
+  return context.HasNetworks() &&
+         !std::all_of(networks.begin(), networks.end(), IsForceOfTime);
+}
+
 double FirstRadius(const FitContext& context) {
   const SolveTuning& tuning = context.tuning().solve;
-  const auto& networks = context.problem.dynamics->networks();
-  return !context.HasNetworks() ||
-                 std::all_of(networks.begin(), networks.end(), IsForceOfTime)
-             ? tuning.first_radius
-             : tuning.first_network_radius;
+  return HasNetworksOfState(context) ? tuning.first_network_radius
+                                     : tuning.first_radius;
 }
 
 // Valleys of networks bend. Where unknowns have bounds Ceres searches along
@@ -41,7 +44,7 @@ bool BendsSteps(const FitContext& context) {
     bounded = bounded || std::isfinite(parameter.lower) ||
               std::isfinite(parameter.upper);
   }
-  return context.HasNetworks() && !bounded;
+  return HasNetworksOfState(context) && !bounded;
 }
 
 void SetBounds(const BoundedCost& cost, double* scaled,
