@@ -1,5 +1,6 @@
 #include "pinode/estimate/bent_cost.h"
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "gtest/gtest.h"

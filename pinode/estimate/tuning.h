@@ -101,8 +101,8 @@ struct SolveTuning {
   // units of the cost.
   double smallest_change = 0.03;
   double most_network_tolerance = 1e-2;
-  // RMS of the residuals, in units of noise levels that are at their floor, at
-  // which it has converged as well: nobody can see the rest.
+  // RMS of the residuals, in units of the noise levels, at which it has
+  // converged as well: nobody can see the rest.
   double smallest_residual = 0.05;
   // Iterations after which that is measured by the cost anew.
   int fine_network_iterations = 50;
