@@ -268,6 +268,26 @@ TEST(AmbientCostTest, LoadsThatExplainEverythingAreSaid) {
   EXPECT_THAT(summary.remarks.back(), HasSubstr("'k1'"));
 }
 
+// A model of which nothing is unknown.
+TEST(AmbientCostTest, LoadsAloneAreFound) {
+  const TestChain chain = RayleighChain(2);
+  const StructuralModel model = MakeStructuralModel(
+      Matrix::Identity(2, 2), 0.5 * Matrix::Identity(2, 2), chain.stiffness);
+  IdentificationProblem problem;
+  problem.dynamics =
+      std::make_shared<StructuralDynamics>(model, std::vector<InputSpec>{});
+  problem.ambient.push_back(RecordOfChain(chain, 100.0, 9, 0.5));
+  const ParameterLayout layout(problem);
+  AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 1);
+  CondensedSystem system;
+  ASSERT_TRUE(cost.Linearize(Vector(), &system)) << cost.Failure();
+  EXPECT_EQ(system.gradient.size(), 0);
+  AmbientScore score;
+  ASSERT_TRUE(cost.Score(Vector(), &score)) << cost.Failure();
+  EXPECT_EQ(score.information_left.size(), 0);
+  EXPECT_EQ(score.most_information_left, 1.0);
+}
+
 TEST(AmbientCostTest, SaysWhatIsWrong) {
   const TestChain chain = RayleighChain(2);
   IdentificationProblem problem =

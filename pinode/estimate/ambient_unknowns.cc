@@ -219,7 +219,8 @@ void AmbientCost::FindInformationLeft(const Matrix& information) {
   const Eigen::Index nuisance = num_nuisance();
   const Eigen::Index groups = static_cast<Eigen::Index>(columns_.size());
   information_left_ = Vector::Zero(groups);
-  most_information_left_ = 0.0;
+  most_information_left_ = groups > 0 ? 0.0 : 1.0;
+  if (groups == 0) return;
   const Matrix known = information.bottomRightCorner(groups, groups);
   const Matrix cross = information.bottomLeftCorner(groups, nuisance);
   const InformationSolver loads(information.topLeftCorner(nuisance, nuisance) -
@@ -234,13 +235,13 @@ void AmbientCost::FindInformationLeft(const Matrix& information) {
       scale.cwiseInverse().asDiagonal());
   const Vector values = eigen.eigenvalues();
   const Eigen::Index seen = (values.array() > kNoInformation).count();
+  if (seen == 0) return;
   const Matrix basis =
       scale.cwiseInverse().asDiagonal() * eigen.eigenvectors().rightCols(seen) *
       values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal();
   const Matrix part = basis.transpose() * left * basis;
   const Eigen::SelfAdjointEigenSolver<Matrix> parts(0.5 *
                                                     (part + part.transpose()));
-  if (seen == 0) return;
   most_information_left_ = std::clamp(parts.eigenvalues()[seen - 1], 0.0, 1.0);
   const Vector variances =
       parts.eigenvalues().cwiseMax(kNoInformation).cwiseInverse();
