@@ -56,8 +56,13 @@ function(pinode_add_unit_test name folder label libraries)
   if(PINODE_UNITY_TESTS)
     pinode_unity_build(${name})
   endif()
+  # The long ones start first.
+  set(cost 0)
+  if(label STREQUAL "slow")
+    set(cost 10)
+  endif()
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES
-    DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${label})
+    DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${label} COST ${cost})
 endfunction()
 
 function(pinode_add_floor folder)

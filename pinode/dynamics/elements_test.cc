@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "pinode/base/logging.h"
 
@@ -37,7 +38,7 @@ TEST_P(ElementForce, MatchesTheTable) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, ElementForce,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<WorkedForce>{
         WorkedForce{"linear", {10.0, 0.5}, 0.3, -2.0, 2.0},
         WorkedForce{"cubic", {2.0}, -0.5, 0.0, -0.25},
         WorkedForce{"quadratic_stiffness", {3.0}, -0.5, 0.0, -0.75},
@@ -46,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
         WorkedForce{"bilinear", {-5.95, 0.2}, -1.15, 0.0, 5.6525},
         WorkedForce{"bilinear", {-5.95, 0.2}, 0.1, 0.0, 0.0},
         WorkedForce{"coulomb", {4.0, 0.01}, 0.0, 0.005, 4.0 * std::tanh(0.5)},
-        WorkedForce{"power_damper", {2.0, 2.0}, 0.0, -3.0, -18.0}));
+        WorkedForce{"power_damper", {2.0, 2.0}, 0.0, -3.0, -18.0}}));
 
 TEST(Elements, BoucWenFollowsItsEvolutionLaw) {
   std::string error;

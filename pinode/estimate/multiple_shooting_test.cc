@@ -146,7 +146,7 @@ TEST_P(ProjectedGradient, IsCloseWithStartsSolvedAsUsual) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, ProjectedGradient,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<ShootingSetting>{
         ShootingSetting{"RestSingle", Start::kRest, 0, RobustLoss::kNone},
         ShootingSetting{"KnownSingle", Start::kKnown, 0, RobustLoss::kNone},
         ShootingSetting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(
         ShootingSetting{"FreeSegmentsCauchy", Start::kFree, 7,
                         RobustLoss::kCauchy},
         ShootingSetting{"RestSingleCauchy", Start::kRest, 0,
-                        RobustLoss::kCauchy}),
+                        RobustLoss::kCauchy}}),
     [](const auto& setting) { return setting.param.name; });
 
 // F and its Gauss-Newton normal equations over all starts and parameters, put

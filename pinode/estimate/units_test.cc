@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/estimate/identify.h"
@@ -109,17 +110,18 @@ TEST_P(Units, ChangeNoResult) {
   EXPECT_EQ(there.num_iterations, here.num_iterations);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Factors, Units,
-    ::testing::Values(UnitFactors{"2^13 lengths", 1.0, 8192.0, 1.0},
-                      UnitFactors{"2^-13 lengths", 1.0, 1.0 / 8192.0, 1.0},
-                      UnitFactors{"2^13 forces", 8192.0, 1.0, 1.0},
-                      UnitFactors{"2^13 times", 1.0, 1.0, 8192.0},
-                      UnitFactors{"2^-13 times", 1.0, 1.0, 1.0 / 8192.0},
-                      UnitFactors{"1e4 lengths", 1.0, 1e4, 1.0},
-                      UnitFactors{"1e-4 lengths", 1.0, 1e-4, 1.0},
-                      UnitFactors{"1e-4 forces", 1e-4, 1.0, 1.0},
-                      UnitFactors{"1e4 times", 1.0, 1.0, 1e4}));
+INSTANTIATE_TEST_SUITE_P(Factors, Units,
+                         ::testing::ValuesIn(std::vector<UnitFactors>{
+                             UnitFactors{"2^13 lengths", 1.0, 8192.0, 1.0},
+                             UnitFactors{"2^-13 lengths", 1.0, 1.0 / 8192.0,
+                                         1.0},
+                             UnitFactors{"2^13 forces", 8192.0, 1.0, 1.0},
+                             UnitFactors{"2^13 times", 1.0, 1.0, 8192.0},
+                             UnitFactors{"2^-13 times", 1.0, 1.0, 1.0 / 8192.0},
+                             UnitFactors{"1e4 lengths", 1.0, 1e4, 1.0},
+                             UnitFactors{"1e-4 lengths", 1.0, 1e-4, 1.0},
+                             UnitFactors{"1e-4 forces", 1e-4, 1.0, 1.0},
+                             UnitFactors{"1e4 times", 1.0, 1.0, 1e4}}));
 
 }  // namespace
 }  // namespace pinode

@@ -1,6 +1,7 @@
 #include "pinode/record/at2.h"
 
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -56,7 +57,7 @@ TEST_P(BadAt2Test, IsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(
     At2, BadAt2Test,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadAt2>{
         BadAt2{"empty", "", "m.at2: no line such as"},
         BadAt2{"csv", "t,a\n0,1\n1,2\n", "m.at2: no line such as"},
         BadAt2{"too_few", "x\nNPTS= 4, DT= .01 SEC\n1 2\n3\n",
@@ -74,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadAt2{"velocity",
                "x\nVELOCITY TIME SERIES IN UNITS OF CM/S\n"
                "NPTS= 2, DT= .01 SEC\n1 2\n",
-               "m.at2:2: values in units of CM/S, expected"}),
+               "m.at2:2: values in units of CM/S, expected"}}),
     [](const ::testing::TestParamInfo<BadAt2>& bad) {
       return std::string(bad.param.what);
     });

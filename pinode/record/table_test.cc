@@ -114,7 +114,7 @@ TEST_P(BadTableTest, IsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(
     CsvTable, BadTableTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadTable>{
         BadTable{"empty", "", {}, ": is empty"},
         BadTable{"blank", "\n# nothing\n\n", {}, ": is empty"},
         BadTable{"no_rows", "\nt,a\n# end\n", {}, ":2: no rows"},
@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadTable{"open_quote",
                  "t,a\n0,1\n\"1,2\n2,3\n",
                  {},
-                 ":3: a quoted cell begins here"}),
+                 ":3: a quoted cell begins here"}}),
     [](const ::testing::TestParamInfo<BadTable>& bad) {
       return std::string(bad.param.what);
     });

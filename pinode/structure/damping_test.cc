@@ -1,6 +1,7 @@
 #include "pinode/structure/damping.h"
 
 #include <cmath>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -115,7 +116,7 @@ TEST_P(BadPairsTest, IsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(
     RayleighFromRatios, BadPairsTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadPairs>{
         BadPairs{"ZeroFrequency", 0.0, 0.02, 2.0, 0.02, "positive"},
         BadPairs{"NegativeFrequency", 1.0, 0.02, -2.0, 0.02, "-2 Hz"},
         BadPairs{"FrequencyNaN", kNaN, 0.02, 2.0, 0.02, "positive"},
@@ -125,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadPairs{"NegativeMassCoefficient", 1.0, 0.01, 2.0, 0.1,
                  "mass coefficient comes out negative"},
         BadPairs{"NegativeStiffnessCoefficient", 1.0, 0.1, 2.0, 0.01,
-                 "stiffness coefficient comes out negative"}),
+                 "stiffness coefficient comes out negative"}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(ModalDamping, GivesEachModeItsRatio) {

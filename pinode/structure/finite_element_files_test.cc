@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -464,7 +465,7 @@ TEST_P(BadTextTest, IsRefusedWithFileAndLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     CalculiX, BadTextTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadText>{
         BadText{"Empty", "a.sti", "", 1, "no entries"},
         BadText{"TwoWords", "a.sti", "1 1 1\n2 2\n", 2, "'2 2'"},
         BadText{"Text", "a.sti", "1 1 1\n2 2 x\n", 2, "'x'"},
@@ -478,12 +479,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "1 1 1\n1 2 1\n2 1 1\n2 2 3\n1 2 1\n", 5, "(1, 2) was given"},
         BadText{"HalfATriangle", "a.sti",
                 "1 1 1\n1 2 1\n2 1 1\n1 3 1\n2 2 1\n3 3 1\n", 4,
-                "(1, 3) has no mirror image"}),
+                "(1, 3) has no mirror image"}}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Abaqus, BadTextTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadText>{
         BadText{"Empty", "a.mtx", "** nothing\n", 1, "no entries"},
         BadText{"FourFields", "a.mtx", "1,1,1,5.0\n", 1, "node, direction"},
         BadText{"Text", "a.mtx", "1,1,1,1,1.0\n1,1,2,1,x\n", 2, "'x'"},
@@ -493,7 +494,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"HalfATriangle", "a.mtx",
                 "1,1,1,1,9.\n2,1,1,1,1.\n1,1,2,1,1.\n2,1,2,1,9.\n"
                 "3,1,1,1,1.\n3,1,3,1,9.\n",
-                5, "no mirror image"}),
+                5, "no mirror image"}}),
     [](const auto& test) { return test.param.name; });
 
 // Every prefix of a file is refused or gives the whole model (where the end

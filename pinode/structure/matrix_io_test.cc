@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <locale>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -51,7 +52,7 @@ Matrix Symmetric2x2() {
 
 INSTANTIATE_TEST_SUITE_P(
     Csv, GoodFileTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<GoodFile>{
         GoodFile{"Commas", "a.csv", "1,-2.5,3e4\n4,0,0.06\n", Expected2x3()},
         GoodFile{"Semicolons", "a.csv", "1;-2.5;3e4\n4;0;0.06", Expected2x3()},
         GoodFile{"Blanks", "a.CSV", "  1 -2.5\t3e4\n4   0 0.06 \n",
@@ -67,12 +68,12 @@ INSTANTIATE_TEST_SUITE_P(
                  Expected2x3()},
         GoodFile{"SignsAndFortran", "a.csv", "+1,-.25D+01,3.E+4\n4.,-0,6d-2",
                  Expected2x3()},
-        GoodFile{"OneNumber", "a.csv", "7", Matrix::Constant(1, 1, 7.0)}),
+        GoodFile{"OneNumber", "a.csv", "7", Matrix::Constant(1, 1, 7.0)}}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     MatrixMarket, GoodFileTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<GoodFile>{
         GoodFile{"CoordinateGeneral", "a.mtx",
                  "%%MatrixMarket matrix coordinate real general\n% K\n\n"
                  "2 3 5\n1 1 1\n2 1 4\n1 2 -2.5\n% late comment\n1 3 3e4\n"
@@ -96,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
                  Symmetric2x2()},
         GoodFile{"NoEntries", "a.mtx",
                  "%%MatrixMarket matrix coordinate real general\n2 2 0\n",
-                 Matrix::Zero(2, 2)}),
+                 Matrix::Zero(2, 2)}}),
     [](const auto& test) { return test.param.name; });
 
 struct BadFile {
@@ -134,7 +135,7 @@ TEST_P(BadFileTest, IsRefusedWithFileAndLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     Csv, BadFileTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadFile>{
         BadFile{"Extension", "a.xlsx", "1", 0, {".csv", ".mtx"}},
         BadFile{"Empty", "a.csv", "", 1, {"no entries"}},
         BadFile{"OnlyComments", "a.csv", "# nothing\n\n", 2, {"no entries"}},
@@ -156,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "a.csv",
                 std::string("1,\x01\x02") + "x",
                 1,
-                {"'??x'"}}),
+                {"'??x'"}}}),
     [](const auto& test) { return test.param.name; });
 
 constexpr char kCoordinate[] =
@@ -171,7 +172,7 @@ std::string After(const char* banner, const char* rest) {
 
 INSTANTIATE_TEST_SUITE_P(
     MatrixMarket, BadFileTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadFile>{
         BadFile{"Empty", "a.mtx", "", 1, {"banner"}},
         BadFile{"NoBanner", "a.mtx", "2 2 1\n1 1 1\n", 1, {"%%MatrixMarket"}},
         BadFile{"Vector",
@@ -340,7 +341,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "a.mtx",
                 "%%MatrixMarket matrix array integer general\n1 1\n1.5\n",
                 3,
-                {"(1, 1)", "integer"}}),
+                {"(1, 1)", "integer"}}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(ReadMatrix, RefusesWhatIsNotAFile) {

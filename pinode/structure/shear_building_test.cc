@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -153,7 +154,7 @@ TEST_P(BadBuildingTest, IsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(
     ShearBuilding, BadBuildingTest,
-    ::testing::Values(
+    ::testing::ValuesIn(std::vector<BadBuilding>{
         BadBuilding{"Empty", [](ShearBuilding* b) { *b = ShearBuilding(); },
                     "no masses"},
         BadBuilding{"FewStiffnesses",
@@ -181,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(
                     [](ShearBuilding* b) {
                       b->masses[0] = std::numeric_limits<double>::quiet_NaN();
                     },
-                    "masses is nan"}),
+                    "masses is nan"}}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "pinode/structure/structural_model.h"
 
 #include <functional>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -91,74 +92,114 @@ TEST_P(BadModelTest, IsRefusedWithAMessage) {
 
 INSTANTIATE_TEST_SUITE_P(
     StructuralModel, BadModelTest,
-    ::testing::Values(
-        BadModel{"NoDofs",
-                 [](StructuralModel* m) { *m = StructuralModel(); },
-                 {"no DOFs"}},
-        BadModel{"EmptyName",
-                 [](StructuralModel* m) { m->dof_names[1] = ""; },
-                 {"DOF 2", "empty name"}},
-        BadModel{"NameTwice",
-                 [](StructuralModel* m) { m->dof_names[2] = "u1"; },
-                 {"'u1'", "DOF 1", "DOF 3", "unique"}},
-        BadModel{"DirectionTwice",
-                 [](StructuralModel* m) {
-                   m->directions = {"x", "x"};
-                 },
-                 {"'x'", "direction 2"}},
-        BadModel{"MassSize",
-                 [](StructuralModel* m) { m->mass = Matrix::Identity(2, 2); },
-                 {"mass matrix", "2 x 2", "3 x 3"}},
-        BadModel{"DampingSize",
-                 [](StructuralModel* m) { m->damping.resize(0, 0); },
-                 {"damping matrix", "0 x 0", "3 x 3"}},
-        BadModel{"StiffnessNotSquare",
-                 [](StructuralModel* m) { m->stiffness = Matrix::Ones(3, 2); },
-                 {"stiffness matrix", "3 x 2"}},
-        BadModel{"StiffnessNaN",
-                 [](StructuralModel* m) { m->stiffness(1, 2) = kNaN; },
-                 {"stiffness matrix", "('u2', 'u3')", "nan", "finite"}},
-        BadModel{"MassInfinite",
-                 [](StructuralModel* m) { m->mass(0, 0) = kInfinity; },
-                 {"mass matrix", "('u1', 'u1')", "inf"}},
-        BadModel{"StiffnessUnsymmetric",
-                 [](StructuralModel* m) { m->stiffness(0, 1) = -10.1; },
-                 {"stiffness matrix is not symmetric", "('u2', 'u1') = -10",
-                  "('u1', 'u2') = -10.1"}},
-        BadModel{"DampingUnsymmetric",
-                 [](StructuralModel* m) { m->damping(2, 0) = 1e-8; },
-                 {"damping matrix is not symmetric", "('u3', 'u1')"}},
-        BadModel{"MassUnsymmetric",
-                 [](StructuralModel* m) { m->mass(2, 1) = 0.5; },
-                 {"mass matrix is not symmetric", "('u3', 'u2') = 0.5"}},
-        BadModel{"MassZero",
-                 [](StructuralModel* m) { m->mass(1, 1) = 0.0; },
-                 {"positive definite", "'u2'", "condense"}},
-        BadModel{"MassNegative",
-                 [](StructuralModel* m) { m->mass(2, 2) = -1.0; },
-                 {"positive definite", "'u3'", "-1"}},
-        BadModel{"MassIndefinite",
-                 [](StructuralModel* m) {
-                   m->mass(1, 2) = 2.5;
-                   m->mass(2, 1) = 2.5;
-                 },
-                 {"positive definite", "-0.25"}},
-        BadModel{"MassSingular",
-                 [](StructuralModel* m) {
-                   m->mass(1, 2) = 2.0;
-                   m->mass(2, 1) = 2.0;
-                 },
-                 {"positive definite"}},
-        BadModel{"InfluenceSize",
-                 [](StructuralModel* m) { m->influence.resize(3, 2); },
-                 {"influence", "3 x 2", "3 x 1", "direction"}},
-        BadModel{"InfluenceNaN",
-                 [](StructuralModel* m) { m->influence(2, 0) = kNaN; },
-                 {"influence", "('u3', 'x')"}},
-        BadModel{
-            "CouplingSize",
-            [](StructuralModel* m) { m->support_mass_coupling.resize(0, 0); },
-            {"support mass coupling", "0 x 0", "3 x 1"}}),
+    ::testing::ValuesIn(std::
+                            vector<BadModel>{
+                                BadModel{"NoDofs",
+                                         [](StructuralModel* m) {
+                                           *m = StructuralModel();
+                                         },
+                                         {"no DOFs"}},
+                                BadModel{"EmptyName",
+                                         [](StructuralModel* m) {
+                                           m->dof_names[1] = "";
+                                         },
+                                         {"DOF 2", "empty name"}},
+                                BadModel{"NameTwice",
+                                         [](StructuralModel* m) {
+                                           m->dof_names[2] = "u1";
+                                         },
+                                         {"'u1'", "DOF 1", "DOF 3", "unique"}},
+                                BadModel{"DirectionTwice",
+                                         [](StructuralModel* m) {
+                                           m->directions = {"x", "x"};
+                                         },
+                                         {"'x'", "direction 2"}},
+                                BadModel{"MassSize",
+                                         [](StructuralModel* m) {
+                                           m->mass = Matrix::Identity(2, 2);
+                                         },
+                                         {"mass matrix", "2 x 2", "3 x 3"}},
+                                BadModel{"DampingSize",
+                                         [](StructuralModel* m) {
+                                           m->damping.resize(0, 0);
+                                         },
+                                         {"damping matrix", "0 x 0", "3 x 3"}},
+                                BadModel{"StiffnessNotSquare",
+                                         [](StructuralModel* m) {
+                                           m->stiffness = Matrix::Ones(3, 2);
+                                         },
+                                         {"stiffness matrix", "3 x 2"}},
+                                BadModel{"StiffnessNaN",
+                                         [](StructuralModel* m) {
+                                           m->stiffness(1, 2) = kNaN;
+                                         },
+                                         {"stiffness matrix",
+                                          "('u2', 'u3')", "nan", "finite"}},
+                                BadModel{"MassInfinite",
+                                         [](StructuralModel* m) {
+                                           m->mass(0, 0) = kInfinity;
+                                         },
+                                         {"mass matrix",
+                                          "('u1', 'u1')", "inf"}},
+                                BadModel{"StiffnessUnsymmetric",
+                                         [](StructuralModel* m) {
+                                           m->stiffness(0, 1) = -10.1;
+                                         },
+                                         {"stiffness matrix is not symmetric",
+                                          "('u2', 'u1') = -10",
+                                          "('u1', 'u2') = -10.1"}},
+                                BadModel{"DampingUnsymmetric",
+                                         [](StructuralModel* m) {
+                                           m->damping(2, 0) = 1e-8;
+                                         },
+                                         {"damping matrix is not symmetric",
+                                          "('u3', 'u1')"}},
+                                BadModel{"MassUnsymmetric",
+                                         [](StructuralModel* m) {
+                                           m->mass(2, 1) = 0.5;
+                                         },
+                                         {"mass matrix is not symmetric",
+                                          "('u3', 'u2') = 0.5"}},
+                                BadModel{"MassZero",
+                                         [](StructuralModel*
+                                                m) { m->mass(1, 1) = 0.0; },
+                                         {"positive definite",
+                                          "'u2'", "condense"}},
+                                BadModel{"MassNegative",
+                                         [](StructuralModel* m) {
+                                           m->mass(2, 2) = -1.0;
+                                         },
+                                         {"positive definite", "'u3'", "-1"}},
+                                BadModel{"MassIndefinite",
+                                         [](StructuralModel* m) {
+                                           m->mass(1, 2) = 2.5;
+                                           m->mass(2, 1) = 2.5;
+                                         },
+                                         {"positive definite", "-0.25"}},
+                                BadModel{"MassSingular",
+                                         [](StructuralModel* m) {
+                                           m->mass(1, 2) = 2.0;
+                                           m->mass(2, 1) = 2.0;
+                                         },
+                                         {"positive definite"}},
+                                BadModel{"InfluenceSize",
+                                         [](StructuralModel* m) {
+                                           m->influence.resize(3, 2);
+                                         },
+                                         {"influence", "3 x 2", "3 x 1",
+                                          "direction"}},
+                                BadModel{"InfluenceNaN",
+                                         [](StructuralModel* m) {
+                                           m->influence(2, 0) = kNaN;
+                                         },
+                                         {"influence", "('u3', 'x')"}},
+                                BadModel{"CouplingSize",
+                                         [](StructuralModel* m) {
+                                           m->support_mass_coupling.resize(0,
+                                                                           0);
+                                         },
+                                         {"support mass coupling", "0 x 0",
+                                          "3 x 1"}}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(MatrixGroup, AcceptsSoundGroups) {
@@ -198,28 +239,28 @@ Matrix WithEntry(int row, int column, double value) {
   return matrix;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    MatrixGroup, BadGroupTest,
-    ::testing::Values(BadGroup{"EmptyName",
-                               Group("", Matrix::Identity(3, 3)),
-                               {"group", "empty name"}},
-                      BadGroup{"NameTwice",
-                               Group("k1", Matrix::Identity(3, 3)),
-                               {"'k1'", "group 1", "group 2"}},
-                      BadGroup{"Size",
-                               Group("k2", Matrix::Identity(2, 2)),
-                               {"group 'k2'", "2 x 2", "3 x 3"}},
-                      BadGroup{"Unsymmetric",
-                               Group("k2", WithEntry(0, 2, 0.5)),
-                               {"group 'k2'", "not symmetric",
-                                "('u1', 'u3') = 0.5"}},
-                      BadGroup{"NaN",
-                               Group("k2", WithEntry(1, 1, kNaN)),
-                               {"group 'k2'", "('u2', 'u2')", "nan"}},
-                      BadGroup{"Zero",
-                               Group("k2", Matrix::Zero(3, 3)),
-                               {"group 'k2'", "zero", "stiffness"}}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(MatrixGroup, BadGroupTest,
+                         ::testing::ValuesIn(std::vector<BadGroup>{
+                             BadGroup{"EmptyName",
+                                      Group("", Matrix::Identity(3, 3)),
+                                      {"group", "empty name"}},
+                             BadGroup{"NameTwice",
+                                      Group("k1", Matrix::Identity(3, 3)),
+                                      {"'k1'", "group 1", "group 2"}},
+                             BadGroup{"Size",
+                                      Group("k2", Matrix::Identity(2, 2)),
+                                      {"group 'k2'", "2 x 2", "3 x 3"}},
+                             BadGroup{"Unsymmetric",
+                                      Group("k2", WithEntry(0, 2, 0.5)),
+                                      {"group 'k2'", "not symmetric",
+                                       "('u1', 'u3') = 0.5"}},
+                             BadGroup{"NaN",
+                                      Group("k2", WithEntry(1, 1, kNaN)),
+                                      {"group 'k2'", "('u2', 'u2')", "nan"}},
+                             BadGroup{"Zero",
+                                      Group("k2", Matrix::Zero(3, 3)),
+                                      {"group 'k2'", "zero", "stiffness"}}}),
+                         [](const auto& test) { return test.param.name; });
 
 TEST(ApplyGroups, AddsToEachTarget) {
   const StructuralModel model = Chain();

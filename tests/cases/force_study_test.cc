@@ -75,11 +75,10 @@ TEST_P(ForceSeeds, TwentySeeds) {
 
 INSTANTIATE_TEST_SUITE_P(
     Cases, ForceSeeds,
-    ::testing::Values(Study{"impact", 1.0, 0.05},
-                      Study{"impact_pulse", 1.0, 0.005},
-                      Study{"sweep", 0.06, 0.0}, Study{"sweep_high", 0.06, 0.0},
-                      Study{"sweep_displacement", 0.05, 0.0},
-                      Study{"gust", 0.05, 0.0}),
+    ::testing::ValuesIn(std::vector<Study>{
+        Study{"impact", 1.0, 0.05}, Study{"impact_pulse", 1.0, 0.005},
+        Study{"sweep", 0.06, 0.0}, Study{"sweep_high", 0.06, 0.0},
+        Study{"sweep_displacement", 0.05, 0.0}, Study{"gust", 0.05, 0.0}}),
     [](const auto& study) { return std::string(study.param.name); });
 
 }  // namespace
