@@ -6,6 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/report/structure_drawing.h"
 #include "pinode/report/testing.h"
 #include "pinode/report/three_packed.h"
 
@@ -99,6 +100,25 @@ TEST(StructureViewTest, SectionHoldsAllThatItNeeds) {
   ASSERT_NE(at, std::string::npos);
   const std::string list = html.substr(at, html.find(']', at) - at);
   EXPECT_EQ(Occurrences(",", list), 59);
+}
+
+// A force that nobody measured has a colour of its own, still and moving.
+TEST(StructureViewTest, UnmeasuredForcesAreArrows) {
+  StructurePicture picture = TwoCubes();
+  const std::string before = StructureSvg(picture);
+  EXPECT_THAT(before, Not(HasSubstr(kUnknownForceColor)));
+  EXPECT_THAT(StructureSection(picture), HasSubstr("\"unknown_forces\":[]"));
+  picture.unknown_forces.push_back(
+      {"gust", 9, Eigen::Vector3d(-1.0, 0.0, 0.0)});
+  const std::string svg = StructureSvg(picture);
+  EXPECT_EQ(testing::FindHtmlFault(svg), "");
+  // An arrow with its head.
+  EXPECT_EQ(Occurrences("<path", svg), Occurrences("<path", before) + 2);
+  EXPECT_THAT(svg, HasSubstr(std::string("stroke=\"") + kUnknownForceColor));
+  EXPECT_THAT(svg, HasSubstr(">gust<"));
+  EXPECT_THAT(StructureSection(picture),
+              HasSubstr("\"unknown_forces\":[{\"direction\":[-1.0,0.0,0.0],"
+                        "\"name\":\"gust\",\"node\":9}]"));
 }
 
 // Nodes alone are dots.

@@ -2,12 +2,16 @@
 
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/dynamics/unknown_force.h"
+#include "pinode/dynamics/unknown_force_term.h"
 #include "pinode/study/testing.h"
 
 namespace pinode {
@@ -112,6 +116,37 @@ TEST(StructurePictureTest, SensorsAlongAnyDirection) {
   EXPECT_EQ(picture.sensors[2].direction, Eigen::Vector3d::UnitX());
   EXPECT_EQ(picture.sensors[2].name, picture.sensors[1].name);
   EXPECT_TRUE(picture.modes.empty());
+}
+
+// Where it pushes, towards what it is multiplied by; a floor's force is drawn
+// at the first of its nodes, as a sensor is.
+TEST(StructurePictureTest, UnmeasuredForces) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
+  auto dynamics = ChainAt(Vector::Zero(3));
+  UnknownForceTerm gust;
+  gust.name = "gust";
+  gust.history = std::make_shared<HalfSinePulse>();
+  gust.outputs = -2.0 * Vector::Unit(3, 1);
+  gust.parameters.name = gust.name;
+  for (const char* name : {"gust.start", "gust.duration", "gust.amplitude"}) {
+    Parameter parameter;
+    parameter.name = name;
+    parameter.value = 1.0;
+    gust.parameters.parameters.push_back(parameter);
+  }
+  std::string error;
+  ASSERT_TRUE(dynamics->AddUnknownForce(std::move(gust), &error)) << error;
+  problem.dynamics = dynamics;
+  const StructurePicture picture = MakeStructurePicture(
+      Frame(), problem, nullptr, nullptr, nullptr, nullptr, 0);
+  EXPECT_TRUE(picture.forces.empty());
+  ASSERT_EQ(picture.unknown_forces.size(), 1u);
+  const StructurePicture::Arrow& arrow = picture.unknown_forces[0];
+  EXPECT_EQ(arrow.name, "gust");
+  EXPECT_EQ(picture.geometry.node_names[static_cast<size_t>(arrow.node)], "w2");
+  EXPECT_EQ(arrow.direction, -Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(picture.notes.empty());
 }
 
 TEST(StructurePictureTest, AgainstTheModelAndWithoutPlaces) {

@@ -5,7 +5,7 @@
 
 It draws, turns by pointer and by keys, zooms, moves in its modes, opens within
 a second, a median frame takes less than 50 ms while it turns (software
-rendering), it refers to nothing outside, is printed as a still picture, and
+rendering), a force that nobody measured is an arrow, it refers to nothing outside, is printed as a still picture, and
 says so where there is no WebGL. Screenshots go to FOLDER. Status 77: there is no
 Chromium.
 """
@@ -15,6 +15,7 @@ import re
 import shutil
 import statistics
 import sys
+import tempfile
 
 import chromium
 
@@ -141,6 +142,53 @@ def with_webgl(report, folder):
     return min(seconds), median
 
 
+# Pixels of a colour, #rrggbb.
+COUNT = """((tint) => {
+  pinodeStructure.turn(0, 0);
+  return new Promise((done) => requestAnimationFrame(() => {
+    const canvas = document.querySelector('#structure canvas');
+    const paper = document.createElement('canvas');
+    paper.width = canvas.width; paper.height = canvas.height;
+    const pen = paper.getContext('2d');
+    pen.drawImage(canvas, 0, 0);
+    const p = pen.getImageData(0, 0, paper.width, paper.height).data;
+    const at = [1, 3, 5].map((i) => parseInt(tint.substr(i, 2), 16));
+    let count = 0;
+    for (let i = 0; i < p.length; i += 4) {
+      if (at.every((value, k) => Math.abs(p[i + k] - value) < 12)) ++count;
+    }
+    done(count);
+  }));
+})('%s')"""
+
+
+def unmeasured_force(text, folder):
+    """Beside what the report has, an arrow of a force that nobody measured."""
+    tint = re.search(r'"tints":\["#\w+","#\w+","(#\w+)"\]', text).group(1)
+    arrow = '{"direction":[0.0,0.0,-1.0],"name":"gust","node":0}'
+    pushed, count = re.subn(r'"unknown_forces":\[\]',
+                            f'"unknown_forces":[{arrow}]', text)
+    check(count == 1, "the report has unmeasured forces of its own")
+    browser = chromium.Browser(chromium.SOFTWARE_WEBGL)
+    try:
+        pixels = []
+        with tempfile.TemporaryDirectory() as scratch:
+            for name, page in (("without", text), ("with", pushed)):
+                path = os.path.join(scratch, name + ".html")
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(page)
+                browser.open(path)
+                browser.evaluate(f"{SECTION}.scrollIntoView()")
+                pixels.append(browser.evaluate(COUNT % tint))
+                if folder:
+                    browser.screenshot(os.path.join(folder, name + ".png"))
+        check(pixels[1] > pixels[0] + 50,
+              f"{pixels[1]} pixels of an unmeasured force, {pixels[0]} without")
+        check(not browser.errors(), f"errors: {browser.errors()}")
+    finally:
+        browser.close()
+
+
 def without_webgl(report, folder):
     browser = chromium.Browser(chromium.NO_WEBGL)
     try:
@@ -179,6 +227,7 @@ def main():
           f"asked for; median frame {median:.1f} ms")
     check(seconds <= MOST_SECONDS, f"{seconds:.2f} s, more than a second")
     check(median <= MOST_MILLISECONDS, f"median frame of {median:.1f} ms")
+    unmeasured_force(text, folder)
     without_webgl(report, folder)
 
 
