@@ -1,5 +1,6 @@
 // Universal files: what test programs exchange. Functions (data set 58, text
-// and binary), geometry (15, 2411, 82, 2412) and mode shapes (55).
+// and binary), geometry (15, 2411, 82, 2412), mode shapes (55), and which
+// coordinate systems (18, 2420) are the global one.
 //
 // The format is that of SDRC's I-DEAS, documented by the University of
 // Cincinnati (Universal File Formats for Modal Analysis Testing).
@@ -10,6 +11,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <complex>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,9 @@ struct UniversalFunction {
 struct UniversalNode {
   int label = 0;
   std::array<double, 3> position = {0.0, 0.0, 0.0};
+  // Coordinate systems of the position and of the directions at the node; 0:
+  // the global one.
+  int system = 0, displacement_system = 0;
 };
 
 // Nodes joined by lines, in their order; 0 lifts the pen.
@@ -71,6 +76,13 @@ struct UniversalFile {
   std::vector<UniversalNode> nodes;
   std::vector<UniversalLine> lines;
   std::vector<UniversalShape> shapes;
+  // Coordinate systems by their numbers: whether each is the global one, with
+  // its origin and its axes.
+  std::map<int, bool> systems;
+
+  // Of 0, of a system that the file says to be so, and of 1 where it says
+  // nothing of it: programs number the global system from 0 or from 1.
+  bool IsGlobal(int system) const;
 };
 
 // Reads all data sets of a file (.uff, .unv; also gzipped); those of other

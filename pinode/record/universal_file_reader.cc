@@ -105,15 +105,30 @@ bool Numbers(std::string_view line, std::vector<double>* values) {
   return true;
 }
 
+bool ToInteger(double number, int* value) {
+  if (!(number == std::floor(number) && std::abs(number) <= 2e9)) return false;
+  *value = static_cast<int>(number);
+  return true;
+}
+
 // As above, integers.
 bool Integers(std::string_view line, std::vector<int>* values) {
   std::vector<double> numbers;
   if (!Numbers(line, &numbers)) return false;
   for (const double number : numbers) {
-    if (number != std::floor(number) || std::abs(number) > 2e9) return false;
-    values->push_back(static_cast<int>(number));
+    int value = 0;
+    if (!ToInteger(number, &value)) return false;
+    values->push_back(value);
   }
   return true;
+}
+
+// Whether `numbers` are `expected`, but for rounding.
+bool AreNear(const std::vector<double>& numbers,
+             const std::vector<double>& expected) {
+  return numbers.size() >= expected.size() &&
+         std::equal(expected.begin(), expected.end(), numbers.begin(),
+                    [](double a, double b) { return std::abs(a - b) < 1e-6; });
 }
 
 std::string Text(std::string_view line) {
@@ -162,6 +177,12 @@ class Parser {
         return ParseNodes(1, what);
       case 2411:
         return ParseNodes(2, what);
+      case 18:
+        ParseSystems();
+        return true;
+      case 2420:
+        ParseSystemMatrices();
+        return true;
       case 82:
         return ParseLine(what);
       case 2412:
@@ -273,7 +294,7 @@ class Parser {
                   bool even, size_t wanted, std::vector<double>* numbers,
                   std::string* what) {
     std::vector<int> fields;
-    if (!Integers(std::string_view(header).substr(7), &fields) ||
+    if (!Integers(Field(header, 7, header.size()), &fields) ||
         fields.size() < 4 || fields[1] != 2 ||
         (fields[0] != 1 && fields[0] != 2)) {
       *what = "its bytes are not IEEE numbers in a known order";
@@ -317,14 +338,66 @@ class Parser {
       std::vector<double> numbers;
       std::string text;
       for (int i = 0; i < lines; ++i) text += std::string(in_.Line()) + " ";
-      if (!Numbers(text, &numbers) || numbers.size() < 7) {
+      UniversalNode node;
+      if (!Numbers(text, &numbers) || numbers.size() < 7 ||
+          !ToInteger(numbers[0], &node.label) ||
+          !ToInteger(numbers[1], &node.system) ||
+          !ToInteger(numbers[2], &node.displacement_system)) {
         *what = "'" + Text(text) + "' is no node";
         return false;
       }
-      file_->nodes.push_back(
-          {static_cast<int>(numbers[0]), {numbers[4], numbers[5], numbers[6]}});
+      node.position = {numbers[4], numbers[5], numbers[6]};
+      file_->nodes.push_back(node);
     }
     return EndOfSet(what);
+  }
+
+  // The lines of a set, behind which its separator is.
+  std::vector<std::string_view> LinesOfSet() {
+    std::vector<std::string_view> lines;
+    while (!in_.AtEnd()) {
+      const std::string_view line = in_.Line();
+      if (IsSeparator(line)) break;
+      lines.push_back(line);
+    }
+    return lines;
+  }
+
+  // Of each: number, type, reference and more; name; origin and a point of the
+  // x axis; a point of the x-z plane. What cannot be read is not the global
+  // system, and no error where nobody asks for it.
+  void ParseSystems() {
+    const std::vector<std::string_view> lines = LinesOfSet();
+    for (size_t i = 0; i + 3 < lines.size(); i += 4) {
+      std::vector<int> head;
+      std::vector<double> points;
+      if (!Integers(lines[i], &head) || head.size() < 3) return;
+      const bool good = Numbers(lines[i + 2], &points) &&
+                        Numbers(lines[i + 3], &points) && points.size() >= 9;
+      file_->systems[head[0]] = good && head[1] == 0 && head[2] == 0 &&
+                                AreNear(points, {0.0, 0.0, 0.0}) &&
+                                points[3] > 0.0 && points[8] > 0.0 &&
+                                std::abs(points[4]) < 1e-6 * points[3] &&
+                                std::abs(points[5]) < 1e-6 * points[3] &&
+                                std::abs(points[7]) < 1e-6 * points[8];
+    }
+  }
+
+  // Number and name of a part; of each system number, type and color; name;
+  // three axes and the origin.
+  void ParseSystemMatrices() {
+    const std::vector<std::string_view> lines = LinesOfSet();
+    for (size_t i = 2; i + 5 < lines.size(); i += 6) {
+      std::vector<int> head;
+      std::vector<double> axes;
+      if (!Integers(lines[i], &head) || head.size() < 2) return;
+      bool good = true;
+      for (size_t k = 2; k < 6; ++k)
+        good = good && Numbers(lines[i + k], &axes);
+      file_->systems[head[0]] = good && head[1] == 0 &&
+                                AreNear(axes, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0,
+                                               0.0, 0.0, 1.0, 0.0, 0.0, 0.0});
+    }
   }
 
   bool ParseLine(std::string* what) {
@@ -472,6 +545,11 @@ class Parser {
 };
 
 }  // namespace
+
+bool UniversalFile::IsGlobal(int system) const {
+  const auto place = systems.find(system);
+  return place == systems.end() ? system == 0 || system == 1 : place->second;
+}
 
 bool ParseUniversalFile(const std::string& bytes, const std::string& path,
                         UniversalFile* file, std::string* error) {

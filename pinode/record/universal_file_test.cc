@@ -21,7 +21,7 @@ using ::testing::SizeIs;
 
 UniversalFile Example() {
   UniversalFile file;
-  file.nodes = {{3, {0.5, -1.25, 2.0}}, {12, {1.0, 2.0, 3.0}}};
+  file.nodes = {{3, {0.5, -1.25, 2.0}, 0, 0}, {12, {1.0, 2.0, 3.0}, 0, 0}};
   file.lines = {{"outline", {3, 12, 0, 12, 3, 12, 3, 12, 3}}};
   for (int k = 0; k < 2; ++k) {
     UniversalFunction f;
@@ -114,6 +114,61 @@ TEST(UniversalFileTest, DamagedFilesAreRefused) {
   EXPECT_FALSE(ParseUniversalFile("    -1\n    58b 1 2 11 4000000 0 0\n" +
                                       std::string(400, '\n') + "    -1\n",
                                   "x.uff", &file, &error));
+}
+
+// Headers that end early, and labels that are no integers.
+TEST(UniversalFileTest, OddNumbersAreRefused) {
+  UniversalFile file;
+  std::string error;
+  for (const char* header : {"   58b", "   58b   ", "58B"}) {
+    EXPECT_FALSE(ParseUniversalFile("    -1\n" + std::string(header) + "\n" +
+                                        std::string(5, '\n') + "    1\n" +
+                                        "         2         3         1\n" +
+                                        std::string(4, '\n') + "    -1\n",
+                                    "x.uff", &file, &error));
+    EXPECT_THAT(error, HasSubstr("not IEEE numbers")) << header;
+  }
+  for (const char* label : {"1e300", "nan", "1.5", "-inf", "3e9"}) {
+    EXPECT_FALSE(ParseUniversalFile(
+        "    -1\n    15\n" + std::string(label) + " 0 0 1 0. 0. 0.\n    -1\n",
+        "x.uff", &file, &error));
+    EXPECT_THAT(error, HasSubstr("is no node")) << label;
+    EXPECT_FALSE(ParseUniversalFile(
+        "    -1\n    15\n1 0 " + std::string(label) + " 1 0. 0. 0.\n    -1\n",
+        "x.uff", &file, &error));
+  }
+}
+
+TEST(UniversalFileTest, CoordinateSystems) {
+  const std::string text =
+      "    -1\n    18\n"
+      "         1         0         0         1         1\nsame\n"
+      " 0.0 0.0 0.0 2.0 0.0 0.0\n 0.0 0.0 3.0\n"
+      "         2         0         0         1         1\nturned\n"
+      " 0.0 0.0 0.0 -1.0 0.0 0.0\n 0.0 0.0 1.0\n"
+      "         3         1         0         1         1\nround\n"
+      " 0.0 0.0 0.0 1.0 0.0 0.0\n 0.0 0.0 1.0\n"
+      "         4         0         2         1         1\nof another\n"
+      " 0.0 0.0 0.0 1.0 0.0 0.0\n 0.0 0.0 1.0\n"
+      "    -1\n    -1\n  2420\n         1\npart\n"
+      "         7         0         0\nsame\n"
+      " 1.0D+0 0.0 0.0\n 0.0 1.0 0.0\n 0.0 0.0 1.0\n 0.0 0.0 0.0\n"
+      "         8         0         0\nmoved\n"
+      " 1.0 0.0 0.0\n 0.0 1.0 0.0\n 0.0 0.0 1.0\n 0.0 0.0 5.0\n"
+      "    -1\n    -1\n    15\n"
+      "         9         7         2         1 0.0 1.0 2.0\n    -1\n";
+  UniversalFile file;
+  std::string error;
+  ASSERT_TRUE(ParseUniversalFile(text, "x.uff", &file, &error)) << error;
+  for (const int system : {0, 1, 7}) EXPECT_TRUE(file.IsGlobal(system));
+  for (const int system : {2, 3, 4, 8, 5}) {
+    EXPECT_FALSE(file.IsGlobal(system)) << system;
+  }
+  ASSERT_THAT(file.nodes, SizeIs(1));
+  EXPECT_EQ(file.nodes[0].system, 7);
+  EXPECT_EQ(file.nodes[0].displacement_system, 2);
+  EXPECT_TRUE(UniversalFile().IsGlobal(1));
+  EXPECT_FALSE(UniversalFile().IsGlobal(2));
 }
 
 // Files of many programs, held against what another reader made of them.

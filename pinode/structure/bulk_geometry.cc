@@ -107,8 +107,11 @@ class BulkReader {
     if (line.find(',') != std::string_view::npos) {
       const std::vector<std::string_view> parts = Split(line, ',');
       *name = std::string(StripBlanks(parts[0]));
-      for (size_t i = 1; i < parts.size() && i <= 8; ++i) {
-        fields.emplace_back(StripBlanks(parts[i]));
+      const bool wide = parts[0].find('*') != std::string_view::npos;
+      // What is left out at the end is blank: a line behind begins its own.
+      fields.resize(wide ? 4 : 8);
+      for (size_t i = 1; i < parts.size() && i <= fields.size(); ++i) {
+        fields[i - 1] = std::string(StripBlanks(parts[i]));
       }
       return fields;
     }
@@ -161,6 +164,8 @@ class BulkReader {
     bool good = true;
     if (card_.name == "GRID") {
       good = AddGrid();
+    } else if (card_.name == "GRDSET") {
+      good = AreBasic("GRDSET");
     } else if (const BulkElement* element = FindBulkElement(card_.name)) {
       good = AddElement(*element);
     } else if (card_.name.size() > 1 && card_.name[0] == 'C' &&
@@ -171,17 +176,23 @@ class BulkReader {
     return good;
   }
 
+  // Systems of coordinates and of displacements.
+  bool AreBasic(const std::string& what) const {
+    for (const size_t system : {2u, 6u}) {
+      if (Field(system).empty() || Field(system) == "0") continue;
+      return FailAtCard(what + " is in system " + Field(system) +
+                        ", expected the basic one");
+    }
+    return true;
+  }
+
   // GRID, number, system, x, y, z, system of displacements, ...
   bool AddGrid() {
     int number = 0;
     if (!ParseInt(Field(1), &number)) {
       return FailAtCard("GRID has '" + Field(1) + "', expected a number");
     }
-    for (const size_t system : {2u, 6u}) {
-      if (Field(system).empty() || Field(system) == "0") continue;
-      return FailAtCard("GRID " + std::to_string(number) + " is in system " +
-                        Field(system) + ", expected the basic one");
-    }
+    if (!AreBasic("GRID " + std::to_string(number))) return false;
     std::array<double, 3> position = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < 3; ++k) {
       const std::string& field = Field(3 + k);
@@ -218,6 +229,7 @@ class BulkReader {
       sets_[property].push_back(static_cast<int>(geometry_->elements.size()));
     }
     geometry_->elements.push_back(std::move(element));
+    element_lines_.push_back(card_.line);
     return true;
   }
 
@@ -234,13 +246,14 @@ class BulkReader {
                              static_cast<Eigen::Index>(k)) = positions_[i][k];
       }
     }
-    for (StructureGeometry::Element& element : geometry_->elements) {
-      for (int& node : element.nodes) {
+    for (size_t e = 0; e < geometry_->elements.size(); ++e) {
+      for (int& node : geometry_->elements[e].nodes) {
         const auto place = index_.find(node);
         if (place == index_.end()) {
-          *error_ = path_ + ": an element has node " + std::to_string(node) +
-                    ", which no GRID gives a place";
-          return false;
+          return lines_.FailAt(element_lines_[e],
+                               "an element has node " + std::to_string(node) +
+                                   ", which no GRID gives a place",
+                               error_);
         }
         node = place->second;
       }
@@ -264,6 +277,7 @@ class BulkReader {
   bool ended_ = false;
   std::unordered_map<int, int> index_;
   std::vector<std::array<double, 3>> positions_;
+  std::vector<int> element_lines_;
   std::map<std::string, std::vector<int>> sets_;
   std::map<std::string, int> unknown_;
 };

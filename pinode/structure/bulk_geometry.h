@@ -15,8 +15,8 @@ namespace pinode {
 // ENDDATA; other cards are passed over, cards C... with a count in a note.
 // Nodes are called by their numbers; elements of a property are the set of its
 // number, "PID 12". Of elements of higher order the corners are taken. Grids in
-// another system than the basic one are refused, as are INCLUDE and files
-// without GRID.
+// another system than the basic one, of their own or by GRDSET, are refused, as
+// are INCLUDE and files without GRID.
 //
 // False, with `file:line: what, and what was expected`.
 [[nodiscard]] bool ReadBulkGeometry(const std::string& path,

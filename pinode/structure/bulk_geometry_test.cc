@@ -76,6 +76,15 @@ TEST(BulkGeometryTest, Reads) {
   EXPECT_THAT(geometry.notes[0], HasSubstr("1 cards CWELD"));
 }
 
+// What is left out at the end of a line with commas is blank.
+TEST(BulkGeometryTest, LinesThatEndEarlyGoOn) {
+  const StructureGeometry geometry = BulkOrFail(
+      "GRDSET,,0,,,,0,456\nGRID*,1,,1.,2.,+\n*,3.\nGRID*,2,,4.\n*,5.\n"
+      "CROD,7,8,1,2\n");
+  EXPECT_EQ(geometry.positions.row(0), Eigen::RowVector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(geometry.positions.row(1), Eigen::RowVector3d(4.0, 0.0, 5.0));
+}
+
 TEST(BulkGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(BulkErrorOf("CEND\n"), HasSubstr("no GRID"));
   EXPECT_THAT(BulkErrorOf("GRID,1,,a,0.,0.\n"),
@@ -84,7 +93,12 @@ TEST(BulkGeometryTest, RefusesWithTheLine) {
               HasSubstr("frame.bdf:2: GRID 2 is in system 5"));
   EXPECT_THAT(BulkErrorOf("GRID,1,,0.,0.,0.,7\n"), HasSubstr("system 7"));
   EXPECT_THAT(BulkErrorOf("GRID,1\nGRID,1\n"), HasSubstr("there twice"));
-  EXPECT_THAT(BulkErrorOf("GRID,1\nCROD,1,1,1,9\n"), HasSubstr("node 9"));
+  EXPECT_THAT(BulkErrorOf("GRID,1\nCROD,1,1,1,9\nGRID,2\n"),
+              HasSubstr("frame.bdf:2: an element has node 9"));
+  EXPECT_THAT(BulkErrorOf("GRID,1\nGRDSET,,2\n"),
+              HasSubstr("frame.bdf:2: GRDSET is in system 2"));
+  EXPECT_THAT(BulkErrorOf("GRDSET,,,,,,3,123\nGRID,1\n"),
+              HasSubstr("system 3"));
   EXPECT_THAT(BulkErrorOf("GRID,1\nCROD,1,1,1\n"),
               HasSubstr("frame.bdf:2: CROD has ''"));
   EXPECT_THAT(BulkErrorOf("INCLUDE 'a.bdf'\n"), HasSubstr("INCLUDE"));

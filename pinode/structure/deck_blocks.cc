@@ -33,13 +33,24 @@ bool AddBlocks(const std::string& path, const std::string& content, int depth,
       if (!more.empty() && more.substr(0, 2) != "**") whole += more;
     }
     block.keyword = ParseDeckKeyword(whole);
+    const std::string* input = block.keyword.Find("INPUT");
     if (block.keyword.name != "*INCLUDE") {
+      if (input != nullptr) {
+        *error = block.place + ": " + block.keyword.name +
+                 " has INPUT, expected its data below it";
+        return false;
+      }
       blocks->push_back(std::move(block));
       continue;
     }
-    const std::string* input = block.keyword.Find("INPUT");
-    if (input == nullptr || input->empty() || depth >= kDeepestInclude) {
-      return lines.Fail("*INCLUDE without INPUT, or too deep", error);
+    if (input == nullptr || input->empty()) {
+      return lines.Fail("*INCLUDE has no INPUT, expected a file", error);
+    }
+    if (depth >= kDeepestInclude) {
+      return lines.Fail("*INCLUDE is the " + std::to_string(depth + 1) +
+                            "th within another, expected at most " +
+                            std::to_string(kDeepestInclude),
+                        error);
     }
     const std::string other = DeckIncludePath(path, *input);
     std::string included;

@@ -143,11 +143,12 @@ class DeckReader {
       *error_ = path + ": it has no *NODE, expected an input deck";
       return false;
     }
-    for (StructureGeometry::Element& element : geometry_->elements) {
-      for (int& node : element.nodes) {
+    for (const auto& [number, index] : element_index_) {
+      for (int& node : geometry_->elements[static_cast<size_t>(index)].nodes) {
         const auto place = node_index_.find(node);
         if (place == node_index_.end()) {
-          *error_ = path + ": an element has node " + std::to_string(node) +
+          *error_ = path + ": element " + std::to_string(number) +
+                    " has node " + std::to_string(node) +
                     ", which no *NODE gives a place";
           return false;
         }
@@ -202,6 +203,13 @@ class DeckReader {
                                 "nodes and elements written out",
                             error_);
       }
+    }
+    const bool is_read = keyword.name == "*NODE" ||
+                         keyword.name == "*ELEMENT" || keyword.name == "*ELSET";
+    if (is_read && keyword.Find("INPUT") != nullptr) {
+      return lines.FailAt(
+          number, keyword.name + " has INPUT, expected its data below it",
+          error_);
     }
     if (keyword.name == "*NODE") {
       const std::string* system = keyword.Find("SYSTEM");
@@ -410,8 +418,14 @@ class DeckReader {
   bool Include(const LineReader& lines, const DeckKeyword& keyword,
                const std::string& path, int depth) {
     const std::string* input = keyword.Find("INPUT");
-    if (input == nullptr || input->empty() || depth >= kMostIncludes) {
-      return lines.Fail("*INCLUDE without INPUT, or too deep", error_);
+    if (input == nullptr || input->empty()) {
+      return lines.Fail("*INCLUDE has no INPUT, expected a file", error_);
+    }
+    if (depth >= kMostIncludes) {
+      return lines.Fail("*INCLUDE is the " + std::to_string(depth + 1) +
+                            "th within another, expected at most " +
+                            std::to_string(kMostIncludes),
+                        error_);
     }
     const std::string other = DeckIncludePath(path, *input);
     std::string content;

@@ -14,9 +14,9 @@ namespace pinode {
 // their numbers. Of elements of higher order the corners are taken. Elements of
 // types that are not known (springs and masses are) are left out, with a note;
 // so are nodes that no coordinates are given for. Positions are those of the
-// deck: *NODE with SYSTEM=C or S, *SYSTEM, *NGEN, *NFILL, *ELGEN and parts that
-// an assembly moves are refused. An element set that holds another set by name
-// has its elements.
+// deck: *NODE with SYSTEM=C or S, *SYSTEM, *NGEN, *NFILL, *ELGEN, data of
+// nodes, elements and sets in files of INPUT, and parts that an assembly moves
+// are refused. An element set that holds another set by name has its elements.
 //
 // False, with `file:line: what, and what was expected`.
 [[nodiscard]] bool ReadDeckGeometry(const std::string& path,

@@ -111,7 +111,13 @@ TEST(DeckGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(ErrorOf("*NODE,SYSTEM=C\n1,0,0,0\n"), HasSubstr("SYSTEM=C"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT\n1,1,2\n"), HasSubstr("TYPE"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=B31\n1,1,9\n"),
-              HasSubstr("node 9"));
+              HasSubstr("element 1 has node 9"));
+  EXPECT_THAT(ErrorOf("*NODE,INPUT=nodes.txt\n"),
+              HasSubstr("deck.inp:1: *NODE has INPUT"));
+  EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=B31,input=a.txt\n"),
+              HasSubstr("deck.inp:11: *ELEMENT has INPUT"));
+  EXPECT_THAT(ErrorOf(nodes + "*ELSET,ELSET=a,INPUT=a.txt\n"),
+              HasSubstr("*ELSET has INPUT"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=B31\n1,1,2,3\n"),
               HasSubstr("has 3 nodes, expected 2"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=C3D8\n1,1,2,3\n*STEP\n"),
@@ -127,6 +133,14 @@ TEST(DeckGeometryTest, RefusesWithTheLine) {
               HasSubstr("moved"));
   EXPECT_THAT(ErrorOf("*INCLUDE,INPUT=not_there.inp\n"),
               HasSubstr("not_there.inp"));
+  EXPECT_THAT(ErrorOf("*INCLUDE\n"),
+              HasSubstr("deck.inp:1: *INCLUDE has no INPUT"));
+  TemporaryFolder folder;
+  const std::string path = folder.Write("a.inp", "*INCLUDE,INPUT=a.inp\n");
+  StructureGeometry geometry;
+  std::string error;
+  EXPECT_FALSE(ReadDeckGeometry(path, &geometry, &error));
+  EXPECT_THAT(error, HasSubstr("a.inp:1: *INCLUDE is the 11th"));
 }
 
 // The deck of the frame: what data/README.md says of it.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <string_view>
@@ -12,15 +11,10 @@
 #include "pinode/base/strings.h"
 #include "pinode/structure/deck_blocks.h"
 #include "pinode/structure/deck_geometry.h"
+#include "pinode/structure/deck_numbers.h"
 
 namespace pinode {
 namespace {
-
-// A number of a block: of `lines`, and of the fields of that line.
-struct DeckNumber {
-  size_t line = 0;
-  size_t field = 0;
-};
 
 // What stands below *MATERIAL and belongs to it.
 constexpr const char* kMaterialKeywords[] = {
@@ -62,128 +56,23 @@ bool IsAmong(const char* const (&names)[N], const std::string& name) {
                      [&name](const char* own) { return name == own; });
 }
 
-std::vector<std::string_view> FieldsOf(const std::string& line) {
-  return Split(line, ',');
+// Elements of these keywords have no mass.
+constexpr const char* kWithoutMass[] = {"*SPRING", "*DASHPOT", "*GAP"};
+
+constexpr size_t kLongestDeckName = 80;
+
+bool EndsWithSection(const std::string& name) {
+  const std::string_view end = " SECTION";
+  return name.size() > end.size() &&
+         name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
-// CalculiX and Abaqus read twenty characters, and CalculiX tells a number from
-// a direction by its point.
-std::string FormatDeckNumber(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.13E", value);
-  return text;
+bool IsQuoted(const std::string& name) {
+  return name.size() > 1 && name.front() == '"' && name.back() == '"';
 }
 
-bool FailInBlock(const DeckBlock& block, const std::string& what,
-                 std::string* error) {
-  *error = block.place + ": " + what;
-  return false;
-}
-
-// Fields that are moduli, for each of the lines that one set of constants goes
-// over.
-bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
-              std::string* error) {
-  const std::string* given = block.keyword.Find("TYPE");
-  const std::string type = given == nullptr ? "ISO" : DeckUpperCase(*given);
-  if (type == "ISO" || type == "ISOTROPIC") {
-    *by_line = {{0}};
-  } else if (block.keyword.Find("DEPENDENCIES") != nullptr) {
-    return FailInBlock(block,
-                       "*ELASTIC with DEPENDENCIES, expected constants of "
-                       "temperature alone",
-                       error);
-  } else if (type == "ENGINEERING CONSTANTS") {
-    *by_line = {{0, 1, 2, 6, 7}, {0}};
-  } else if (type == "ORTHO" || type == "ORTHOTROPIC") {
-    *by_line = {{0, 1, 2, 3, 4, 5, 6, 7}, {0}};
-  } else if (type == "LAMINA") {
-    *by_line = {{0, 1, 3, 4, 5}};
-  } else if (type == "ANISO" || type == "ANISOTROPIC") {
-    *by_line = {
-        {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4}};
-  } else {
-    return FailInBlock(block,
-                       "*ELASTIC, TYPE=" + type +
-                           ", expected ISO, ENGINEERING CONSTANTS, ORTHO, "
-                           "LAMINA or ANISO",
-                       error);
-  }
-  return true;
-}
-
-// The first data line of a spring that acts along directions has these alone.
-bool HasDirectionsAlone(const std::string& line) {
-  return line.find_first_not_of("0123456789, \t\r") == std::string::npos;
-}
-
-// The numbers of a block that are in proportion to stiffness or mass.
-bool NumbersOf(const DeckBlock& block, std::vector<DeckNumber>* numbers,
-               std::string* error) {
-  std::vector<size_t> data = block.DataLines();
-  std::vector<std::vector<size_t>> by_line = {{0}};
-  if (block.keyword.name == "*ELASTIC") {
-    if (!ModuliOf(block, &by_line, error)) return false;
-  } else if (block.keyword.name == "*SPRING") {
-    // A blank line in the place of directions says that there are none.
-    const bool blank = !data.empty() && data.front() > 0 &&
-                       StripBlanks(block.lines[data.front() - 1]).empty();
-    if (!blank && data.size() > 1 &&
-        HasDirectionsAlone(block.lines[data.front()])) {
-      data.erase(data.begin());
-    }
-  }
-  if (data.empty()) {
-    return FailInBlock(block, block.keyword.name + " has no numbers", error);
-  }
-  for (size_t i = 0; i < data.size(); ++i) {
-    const std::vector<std::string_view> fields = FieldsOf(block.lines[data[i]]);
-    for (const size_t field : by_line[i % by_line.size()]) {
-      if (field >= fields.size() || StripBlanks(fields[field]).empty()) {
-        continue;
-      }
-      double value = 0.0;
-      if (!ParseDouble(StripBlanks(fields[field]), &value) ||
-          !std::isfinite(value)) {
-        return FailInBlock(block,
-                           block.keyword.name + " has '" +
-                               std::string(StripBlanks(fields[field])) +
-                               "', expected a number",
-                           error);
-      }
-      numbers->push_back({data[i], field});
-    }
-  }
-  return true;
-}
-
-void ScaleNumbers(const std::vector<DeckNumber>& numbers, double factor,
-                  DeckBlock* block) {
-  for (const DeckNumber& number : numbers) {
-    std::string& line = block->lines[number.line];
-    std::vector<std::string> fields;
-    for (const std::string_view field : FieldsOf(line)) {
-      fields.emplace_back(field);
-    }
-    double value = 0.0;
-    if (!ParseDouble(StripBlanks(fields[number.field]), &value)) continue;
-    fields[number.field] = FormatDeckNumber(factor * value);
-    line = Join(fields, ",");
-  }
-}
-
-std::vector<double> ValuesOf(const std::vector<DeckNumber>& numbers,
-                             const DeckBlock& block) {
-  std::vector<double> values;
-  for (const DeckNumber& number : numbers) {
-    double value = 0.0;
-    if (ParseDouble(
-            StripBlanks(FieldsOf(block.lines[number.line])[number.field]),
-            &value)) {
-      values.push_back(value);
-    }
-  }
-  return values;
+std::string WithoutQuotes(const std::string& name) {
+  return IsQuoted(name) ? name.substr(1, name.size() - 2) : name;
 }
 
 class PropertyDeck {
@@ -203,13 +92,18 @@ class PropertyDeck {
         if (!AddMaterial(b)) return false;
       } else if (section || keyword.name == "*SPRING" ||
                  keyword.name == "*MASS") {
-        if (!AddOwner(b, section)) return false;
+        AddOwner(b, section);
       }
+      NoteSprings(keyword);
     }
+    for (size_t b = 0; b < blocks_.size(); ++b) AddOtherUses(b);
     for (const Owner& owner : owners_) {
       if (!owner.material.empty() && materials_.count(owner.material) == 0) {
-        return FailInBlock(blocks_[owner.block],
-                           "there is no *MATERIAL of that name", error_);
+        return FailInDeckBlock(blocks_[owner.block],
+                               "there is no *MATERIAL of that name", error_);
+      }
+      if (!owner.material.empty() && BlocksOf(owner, true).empty()) {
+        without_mass_.insert(owner.elements.begin(), owner.elements.end());
       }
     }
     return true;
@@ -223,8 +117,8 @@ class PropertyDeck {
         std::vector<double>& values = mass ? property.mass : property.stiffness;
         for (const size_t b : BlocksOf(owner, mass)) {
           std::vector<DeckNumber> numbers;
-          if (!NumbersOf(blocks_[b], &numbers, error_)) return false;
-          for (const double v : ValuesOf(numbers, blocks_[b])) {
+          if (!NumbersOf(blocks_[b], &numbers)) return false;
+          for (const double v : DeckValues(numbers, blocks_[b])) {
             values.push_back(v);
           }
         }
@@ -266,12 +160,14 @@ class PropertyDeck {
   };
   struct Material {
     size_t first = 0, end = 0;  // blocks
+    // Blocks that use it and have no factor.
+    std::vector<size_t> sections, unknown_uses;
   };
 
   bool AddMaterial(size_t b) {
     const std::string* name = blocks_[b].keyword.Find("NAME");
     if (name == nullptr || name->empty()) {
-      return FailInBlock(blocks_[b], "*MATERIAL without NAME", error_);
+      return FailInDeckBlock(blocks_[b], "*MATERIAL without NAME", error_);
     }
     Material material;
     material.first = b;
@@ -281,28 +177,99 @@ class PropertyDeck {
       ++material.end;
     }
     if (!materials_.emplace(DeckUpperCase(*name), material).second) {
-      return FailInBlock(blocks_[b], "material '" + *name + "' is there twice",
-                         error_);
+      return FailInDeckBlock(blocks_[b],
+                             "material '" + *name + "' is there twice", error_);
     }
     return true;
   }
 
-  bool AddOwner(size_t b, bool section) {
+  void AddOwner(size_t b, bool section) {
     const DeckKeyword& keyword = blocks_[b].keyword;
-    const std::string* set = keyword.Find("ELSET");
     const std::string* material = keyword.Find("MATERIAL");
-    const int index = set == nullptr ? -1 : geometry_.SetIndex(*set);
+    const std::vector<int>* elements = ElementsOf(keyword);
     // What has no elements here is changed by nobody.
-    if (index < 0 || (section && material == nullptr)) return true;
+    if (elements == nullptr || (section && material == nullptr)) return;
     Owner owner;
     owner.block = b;
-    owner.set = *set;
+    owner.set = *keyword.Find("ELSET");
     if (section) owner.material = DeckUpperCase(*material);
-    const std::vector<int>& elements =
-        geometry_.sets[static_cast<size_t>(index)].elements;
-    owner.elements.insert(elements.begin(), elements.end());
+    owner.elements.insert(elements->begin(), elements->end());
     owners_.push_back(std::move(owner));
-    return true;
+  }
+
+  // Of the set that a keyword names; nullptr: there is none.
+  const std::vector<int>* ElementsOf(const DeckKeyword& keyword) const {
+    const std::string* set = keyword.Find("ELSET");
+    const int index = set == nullptr ? -1 : geometry_.SetIndex(*set);
+    return index < 0 ? nullptr
+                     : &geometry_.sets[static_cast<size_t>(index)].elements;
+  }
+
+  void NoteSprings(const DeckKeyword& keyword) {
+    if (IsAmong(kWithoutMass, keyword.name)) {
+      if (const std::vector<int>* elements = ElementsOf(keyword)) {
+        without_mass_.insert(elements->begin(), elements->end());
+      }
+    }
+    const std::string* type = keyword.Find("TYPE");
+    const std::string* set = keyword.Find("ELSET");
+    if (keyword.name != "*ELEMENT" || type == nullptr || set == nullptr) return;
+    const std::string name = DeckUpperCase(*type);
+    const SpringStart start = name == "SPRINGA" ? SpringStart::kConstants
+                              : name == "SPRING1" || name == "SPRING2"
+                                  ? SpringStart::kDirections
+                                  : SpringStart::kUnknown;
+    const auto [place, added] =
+        spring_starts_.emplace(DeckUpperCase(*set), start);
+    if (!added && place->second != start) {
+      place->second = SpringStart::kUnknown;
+    }
+  }
+
+  // Uses of materials by what has no factor: composites and general sections,
+  // which need them as they are, and what nobody here knows.
+  void AddOtherUses(size_t b) {
+    const DeckKeyword& keyword = blocks_[b].keyword;
+    const bool known = IsAmong(kSections, keyword.name);
+    std::vector<std::string> names;
+    if (const std::string* material = keyword.Find("MATERIAL")) {
+      names.push_back(*material);
+    } else if (known || EndsWithSection(keyword.name)) {
+      for (const size_t line : blocks_[b].DataLines()) {
+        const std::vector<std::string_view> fields =
+            Split(blocks_[b].lines[line], ',');
+        // Of composites: thickness, points, material, orientation.
+        for (size_t k = known ? 2 : 0; k < (known ? 3 : fields.size()); ++k) {
+          if (k < fields.size()) names.emplace_back(StripBlanks(fields[k]));
+        }
+      }
+    } else if (keyword.name.substr(0, 7) == "*CHANGE" &&
+               keyword.Find("NAME") != nullptr) {
+      names.push_back(*keyword.Find("NAME"));
+    }
+    const bool owned = known && keyword.Find("MATERIAL") != nullptr &&
+                       ElementsOf(keyword) != nullptr;
+    if (owned) return;
+    for (const std::string& name : names) {
+      const auto material = materials_.find(DeckUpperCase(name));
+      if (material == materials_.end()) continue;
+      std::vector<size_t>& uses = EndsWithSection(keyword.name)
+                                      ? material->second.sections
+                                      : material->second.unknown_uses;
+      uses.push_back(b);
+    }
+  }
+
+  bool NumbersOf(const DeckBlock& block,
+                 std::vector<DeckNumber>* numbers) const {
+    const std::string* set = block.keyword.Find("ELSET");
+    const auto place = set == nullptr
+                           ? spring_starts_.end()
+                           : spring_starts_.find(DeckUpperCase(*set));
+    return FindDeckNumbers(
+        block,
+        place == spring_starts_.end() ? SpringStart::kUnknown : place->second,
+        numbers, error_);
   }
 
   // Of its stiffness or mass; none where it has no such part.
@@ -358,11 +325,13 @@ class PropertyDeck {
       covered.insert(owner.elements.begin(), owner.elements.end());
     }
     for (const int e : wanted) {
-      const ElementShape shape =
-          geometry_.elements[static_cast<size_t>(e)].shape;
+      if (covered.count(e) > 0) continue;
       // Points have no stiffness; of others the mass may be none.
-      const bool matters = factor.is_mass == (shape == ElementShape::kPoint);
-      if (covered.count(e) > 0 || !matters) continue;
+      const bool without =
+          factor.is_mass ? without_mass_.count(e) > 0
+                         : geometry_.elements[static_cast<size_t>(e)].shape ==
+                               ElementShape::kPoint;
+      if (without) continue;
       return fail(
           "it has elements without a section with material, spring or "
           "mass");
@@ -390,10 +359,21 @@ class PropertyDeck {
     std::map<size_t, std::string> renamed;  // owner: new material
     std::vector<std::pair<size_t, std::vector<DeckBlock>>> copies;
     for (const auto& [first, name] : order) {
+      const Material material = materials_.at(name);
       auto& kinds = by_material[name];
+      if (!material.unknown_uses.empty() &&
+          (kinds.size() > 1 || kinds.count({1.0, 1.0}) == 0)) {
+        const DeckBlock& user = blocks_[material.unknown_uses[0]];
+        return FailInDeckBlock(user,
+                               user.keyword.name + " uses material '" + name +
+                                   "', which is to be changed, expected "
+                                   "sections alone",
+                               error_);
+      }
+      // Composites and general sections keep it as it is.
+      if (!material.sections.empty()) kinds[{1.0, 1.0}];
       auto kept = kinds.find({1.0, 1.0});
       if (kept == kinds.end()) kept = kinds.begin();
-      const Material material = materials_.at(name);
       if (kinds.size() > 1 && !CanBeCopied(material)) return false;
       std::vector<DeckBlock> added;
       for (const auto& kind : kinds) {
@@ -437,8 +417,8 @@ class PropertyDeck {
                                                   : 1.0;
       if (factor == 1.0) continue;
       std::vector<DeckNumber> numbers;
-      if (!NumbersOf(block, &numbers, error_)) return false;
-      ScaleNumbers(numbers, factor, &block);
+      if (!NumbersOf(block, &numbers)) return false;
+      ScaleDeckNumbers(numbers, factor, &block);
     }
     return true;
   }
@@ -448,19 +428,23 @@ class PropertyDeck {
     if (material.end >= blocks_.size()) return true;
     const DeckBlock& next = blocks_[material.end];
     return IsAmong(kBehindMaterials, next.keyword.name) ||
-           FailInBlock(next,
-                       next.keyword.name +
-                           " behind a material that several sections share, "
-                           "expected one of their own for the sets that differ",
-                       error_);
+           FailInDeckBlock(
+               next,
+               next.keyword.name +
+                   " behind a material that several sections share, "
+                   "expected one of their own for the sets that differ",
+               error_);
   }
 
   std::string NewName(const std::string& material, const std::string& set) {
+    const std::string quote = IsQuoted(material) || IsQuoted(set) ? "\"" : "";
     const std::string wish =
-        (material + "_" + DeckUpperCase(set)).substr(0, 74);
-    std::string name = wish;
-    for (int n = 2; materials_.count(name) > 0; ++n) {
-      name = wish + "_" + std::to_string(n);
+        WithoutQuotes(material) + "_" + DeckUpperCase(WithoutQuotes(set));
+    std::string name;
+    for (int n = 1; name.empty() || materials_.count(name) > 0; ++n) {
+      const std::string end = n == 1 ? quote : "_" + std::to_string(n) + quote;
+      name = quote +
+             wish.substr(0, kLongestDeckName - quote.size() - end.size()) + end;
     }
     materials_[name] = Material();
     return name;
@@ -484,6 +468,8 @@ class PropertyDeck {
   std::vector<DeckBlock> blocks_;
   std::map<std::string, Material> materials_;
   std::vector<Owner> owners_;
+  std::set<int> without_mass_;                        // elements
+  std::map<std::string, SpringStart> spring_starts_;  // by set
   std::string* error_;
 };
 

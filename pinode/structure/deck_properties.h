@@ -36,11 +36,14 @@ struct DeckFactor {
 
 // *scaled: the deck, included files in their places, with the properties of
 // each set times its factors and everything else as it is. A material that
-// other sections share gets a copy. Refused are sets of which a section, spring
-// or mass has elements outside, sets that two factors of a kind would change,
-// elements without a property that could be changed (general sections,
-// composites, types that pictures do not know), and *ELASTIC of other kinds
-// than isotropic, engineering constants, orthotropic, lamina and anisotropic.
+// other sections share, composites and general ones too, gets a copy. Refused
+// are sets of which a section, spring or mass has elements outside, sets that
+// two factors of a kind would change, elements without a property that could be
+// changed (general sections, composites, types that pictures do not know; no
+// mass have springs, dashpots, gaps and sections of a material without
+// *DENSITY), materials that something else than a section uses, *ELASTIC of
+// other kinds than isotropic, engineering constants, orthotropic, lamina and
+// anisotropic, *MASS that is not isotropic, and keywords with INPUT.
 [[nodiscard]] bool ScaleDeck(const std::string& path,
                              const std::string& content,
                              const std::vector<DeckFactor>& factors,

@@ -220,5 +220,146 @@ TEST(DeckPropertiesTest, RefusesWhatItWouldGetWrong) {
               HasSubstr("no *MATERIAL of that name"));
 }
 
+// Where `from` stands in kDeck.
+std::string DeckWith(const std::string& from, const std::string& to) {
+  std::string other = kDeck;
+  other.replace(other.find(from), from.size(), to);
+  return other;
+}
+
+// Elements of a composite, of a general section and of a section that nobody
+// knows, all of the steel that the bars have.
+TEST(DeckPropertiesTest, WhatCompositesUseStaysAsItIs) {
+  for (const char* section :
+       {"*SHELL SECTION,ELSET=skin,COMPOSITE\n.1,,wood\n.2,,steel,axes\n",
+        "*SHELL GENERAL SECTION,ELSET=skin,MATERIAL=Steel\n.1\n",
+        "*COHESIVE SECTION,ELSET=skin,MATERIAL=steel\n.1\n",
+        "*GASKET SECTION,ELSET=skin\n.1,STEEL\n"}) {
+    const std::string deck =
+        DeckWith("*MATERIAL, NAME=Steel",
+                 std::string("*ELEMENT,TYPE=S4,ELSET=skin\n20,1,2,3,4\n") +
+                     section + "*MATERIAL, NAME=Steel");
+    const std::string scaled = ScaledOrFail({{"all_steel", false, 2.0}}, deck);
+    EXPECT_THAT(scaled, HasSubstr("Steel\n*ELASTIC\n** at two temperatures\n"
+                                  "2.1E11, 0.3, 20.\n"))
+        << section;
+    EXPECT_THAT(scaled, HasSubstr(section));
+    EXPECT_THAT(scaled, HasSubstr("ELSET=low,MATERIAL=STEEL_LOW\n"));
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_THAT(PropertiesOrFail(scaled)[i].stiffness,
+                  ElementsAre(4.2e11, 4.0e11))
+          << section;
+    }
+    for (const bool mass : {false, true}) {
+      EXPECT_THAT(ScalingErrorOf({{"skin", mass, 2.0}}, deck),
+                  HasSubstr("without a section"))
+          << section;
+    }
+  }
+  EXPECT_THAT(
+      ScalingErrorOf({{"low", false, 2.0}},
+                     DeckWith("*STEP\n", "*CHANGE MATERIAL,NAME=steel\n")),
+      HasSubstr("bridge.inp:60: *CHANGE MATERIAL uses material 'STEEL'"));
+}
+
+TEST(DeckPropertiesTest, OnlyWhatHasNoMassIsPassedOver) {
+  const auto with_set = [](const std::string& members) {
+    return DeckWith("*ELSET,ELSET=half_deck",
+                    "*ELEMENT,TYPE=S4,ELSET=skin\n20,1,2,3,4\n"
+                    "*ELSET,ELSET=part\n" +
+                        members + "\n*ELSET,ELSET=half_deck");
+  };
+  std::string deck = with_set("low,skin");
+  for (const char* section :
+       {"*SHELL GENERAL SECTION,ELSET=skin\n.1\n",
+        "*SHELL SECTION,ELSET=skin,COMPOSITE\n.1,,wood\n", ""}) {
+    EXPECT_THAT(ScalingErrorOf({{"part", true, 2.0}}, section + deck),
+                HasSubstr("the mass of element set 'part' cannot be changed"))
+        << section;
+  }
+  const std::string light =
+      "*MATERIAL,NAME=foil\n*ELASTIC\n1e5,.3\n"
+      "*SHELL SECTION,ELSET=skin,MATERIAL=foil\n.1\n";
+  EXPECT_THAT(
+      PropertiesOrFail(ScaledOrFail({{"part", true, 2.0}}, light + deck))[1]
+          .mass,
+      ElementsAre(15700.0));
+  deck = DeckWith("*MATERIAL, NAME=Steel",
+                  "*ELSET,ELSET=part\nlow,stay,soil\n*MATERIAL, NAME=Steel");
+  EXPECT_THAT(
+      PropertiesOrFail(ScaledOrFail({{"part", true, 2.0}}, deck))[0].mass,
+      ElementsAre(15700.0));
+}
+
+TEST(DeckPropertiesTest, DataInOtherFilesAreRefused) {
+  EXPECT_THAT(
+      ScalingErrorOf({{"low", false, 2.0}},
+                     DeckWith("*STEP\n", "*AMPLITUDE,NAME=a,INPUT=a.txt\n")),
+      HasSubstr("bridge.inp:60: *AMPLITUDE has INPUT"));
+}
+
+TEST(DeckPropertiesTest, CopiesOfQuotedNamesAreQuoted) {
+  std::string deck = kDeck;
+  for (const char* name : {"NAME=Steel", "=STEEL", "=steel", "=steel"}) {
+    const std::string text = name;
+    deck.replace(deck.find(text), text.size(),
+                 text.substr(0, text.find('=')) + "=\"ST 37\"");
+  }
+  std::string scaled = ScaledOrFail({{"low", false, 2.0}}, deck);
+  EXPECT_THAT(scaled, HasSubstr("*MATERIAL,NAME=\"ST 37_LOW\"\n"));
+  EXPECT_THAT(scaled, HasSubstr("ELSET=low,MATERIAL=\"ST 37_LOW\"\n"));
+  EXPECT_THAT(PropertiesOrFail(scaled)[0].stiffness,
+              ElementsAre(4.2e11, 4.0e11));
+  // Of the set alone, and no longer than decks take.
+  deck = kDeck;
+  const std::string set = '"' + std::string(76, 'A') + '"';
+  for (size_t at = deck.find("=low"); at != std::string::npos;
+       at = deck.find("=low")) {
+    deck.replace(at + 1, 3, set);
+  }
+  deck.replace(deck.find("low, mid"), 3, "mid");
+  scaled = ScaledOrFail({{set, false, 2.0}}, deck);
+  EXPECT_THAT(scaled, HasSubstr("*MATERIAL,NAME=\"STEEL_" +
+                                std::string(72, 'A') + "\"\n"));
+}
+
+TEST(DeckPropertiesTest, MassesThatAreNotIsotropicAreRefused) {
+  EXPECT_THAT(
+      ScalingErrorOf({{"ballast", true, 2.0}},
+                     DeckWith("*MASS,ELSET=ballast\n120.",
+                              "*MASS,ELSET=ballast,TYPE=ANISOTROPIC\n1.,2.")),
+      HasSubstr("bridge.inp:58: *MASS, TYPE=ANISOTROPIC"));
+  EXPECT_THAT(PropertiesOrFail(ScaledOrFail(
+                  {{"ballast", true, 2.0}},
+                  DeckWith("ELSET=ballast\n120.",
+                           "ELSET=ballast,TYPE=isotropic\n120.")))[6]
+                  .mass,
+              ElementsAre(240.0));
+}
+
+// Constants at two temperatures, of whole numbers.
+TEST(DeckPropertiesTest, ConstantsOfSpringsAreNoDirections) {
+  const std::string deck =
+      DeckWith("ELSET=stay,NONLINEAR\n-10.,-1.\n0.,0.\n20.,1.",
+               "ELSET=stay\n1000,,20\n5,,40");
+  EXPECT_THAT(PropertiesOrFail(deck)[4].stiffness, ElementsAre(1000.0, 5.0));
+  // A set of its own, whose types nobody knows.
+  const auto of_set = [](const std::string& data) {
+    return DeckWith(
+        "*SPRING,ELSET=soil\n2\n",
+        "*ELSET,ELSET=ground\nsoil\n*SPRING,ELSET=ground\n" + data + "\n");
+  };
+  for (const char* line : {"1000,,20", "7", "1,2,3", ",", "1,0"}) {
+    EXPECT_THAT(ScalingErrorOf({{"ground", false, 2.0}}, of_set(line)),
+                HasSubstr("expected directions, or numbers with a point"))
+        << line;
+  }
+  for (const char* line : {"2", "2,", "1, 6"}) {
+    EXPECT_THAT(PropertiesOrFail(of_set(line))[5].stiffness,
+                ElementsAre(5000.0))
+        << line;
+  }
+}
+
 }  // namespace
 }  // namespace pinode
