@@ -13,8 +13,8 @@ DEFINE_bool(resume, false,
             "folder");
 DEFINE_int32(threads, 0, "threads; 0: as the case says");
 DEFINE_bool(mat, false,
-            "write results.mat too, with all tables, matrices and texts of the "
-            "output folder, for MATLAB and Octave");
+            "write results.mat too, with the tables, matrices and texts at the "
+            "top of the output folder, for MATLAB and Octave");
 DEFINE_bool(progress, true, "show progress on standard error");
 
 namespace pinode {

@@ -46,14 +46,17 @@ bool CheckDeckFlag(const Case& c, std::string* error) {
   return FLAGS_deck.empty() || CheckDeck(c, FLAGS_deck, error);
 }
 
-// A loss of all that a set had cannot be written: the result goes on without.
-void WriteDeck(const Case& c, const IdentificationSummary& summary,
-               const IdentifiedModel& model, const ResultFolder& folder,
-               std::string* trouble) {
-  if (FLAGS_deck.empty() || WriteUpdatedDeck(c, summary, model, FLAGS_deck,
-                                             folder.working_path(), trouble)) {
-    trouble->clear();
-  }
+// False, with *error, is no reason to lose the result: both are in its remarks.
+bool WriteDeck(const Case& c, const IdentifiedModel& model,
+               const ResultFolder& folder, IdentificationSummary* summary,
+               std::string* error) {
+  if (FLAGS_deck.empty()) return true;
+  std::string remark;
+  const bool good = WriteUpdatedDeck(c, *summary, model, FLAGS_deck,
+                                     folder.working_path(), &remark, error);
+  if (!good) remark = "No updated deck: " + *error;
+  if (!remark.empty()) summary->remarks.push_back(remark);
+  return good;
 }
 
 // Restoring forces, searches for terms, responses of all DOFs.
@@ -120,13 +123,13 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
+  std::string deck_error;
+  const bool has_deck = WriteDeck(c, model, folder, &summary, &deck_error);
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   const std::optional<StructurePicture> picture =
       PictureOfCase(c, summary, model, nullptr);
   if (picture.has_value()) report.structure = &*picture;
-  std::string deck_trouble;
-  WriteDeck(c, summary, model, folder, &deck_trouble);
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   if (!WriteCaseResult(c, summary, model, folder, &error) ||
@@ -136,9 +139,6 @@ int main(int argc, char** argv) {
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return Refuse(error);
   }
-  if (!deck_trouble.empty()) {
-    std::fprintf(stderr, "no updated deck: %s\n", deck_trouble.c_str());
-  }
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());
   if (cut_off) {
@@ -146,6 +146,10 @@ int main(int argc, char** argv) {
                  "interrupted; what was found so far is in %s, continue with "
                  "--resume\n",
                  folder.final_path().c_str());
+  }
+  if (!has_deck) {
+    std::fprintf(stderr, "no updated deck: %s\n", deck_error.c_str());
+    if (status_of_fit == kExitDone) return kExitNotUsable;
   }
   return status_of_fit;
 }

@@ -34,6 +34,7 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
     return false;
   }
   std::unordered_map<int, int> index;
+  int turned = 0;
   geometry->positions.resize(static_cast<Eigen::Index>(file.nodes.size()), 3);
   for (const UniversalNode& node : file.nodes) {
     const auto place = static_cast<int>(index.size());
@@ -42,10 +43,23 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
                " is there twice, expected different numbers";
       return false;
     }
+    if (!file.IsGlobal(node.system)) {
+      *error = path + ": node " + std::to_string(node.label) +
+               " is in coordinate system " + std::to_string(node.system) +
+               ", expected the global one";
+      return false;
+    }
+    if (!file.IsGlobal(node.displacement_system)) ++turned;
     geometry->node_names.push_back(std::to_string(node.label));
     for (int k = 0; k < 3; ++k) {
       geometry->positions(place, k) = node.position[static_cast<size_t>(k)];
     }
+  }
+  if (turned > 0) {
+    geometry->notes.push_back(
+        std::to_string(turned) +
+        " nodes have directions of their own in the file; the pictures take "
+        "directions as those of the global axes.");
   }
   for (const UniversalLine& line : file.lines) {
     StructureGeometry::Set set;

@@ -84,7 +84,7 @@ TEST_F(GeometrySectionTest, BulkData) {
 TEST_F(GeometrySectionTest, UniversalFiles) {
   UniversalFile file;
   for (int label : {7, 8, 12}) {
-    file.nodes.push_back({label, {0.5, 0.0, 1.0 * label}});
+    file.nodes.push_back({label, {0.5, 0.0, 1.0 * label}, 0, 0});
   }
   // The pen is lifted before the last.
   file.lines.push_back({"mast", {7, 8, 0, 12}});
@@ -105,6 +105,31 @@ TEST_F(GeometrySectionTest, UniversalFiles) {
   EXPECT_EQ(placed->dofs.at("u1")[0].direction, 2);
   folder_.Write("empty.uff", FormatUniversalFile(UniversalFile()));
   EXPECT_NE(ErrorOf("[geometry]\nfile = \"empty.uff\"\n"), "");
+}
+
+// Data set 18: the first is the global system, the second is moved.
+TEST_F(GeometrySectionTest, CoordinateSystemsOfUniversalFiles) {
+  const auto with = [](const std::string& systems) {
+    return "    -1\n    18\n1 0 0 1 1\nsame\n0. 0. 0. 1. 0. 0.\n0. 0. 1.\n"
+           "2 0 0 1 1\nmoved\n0. 0. 9. 1. 0. 9.\n0. 0. 10.\n    -1\n"
+           "    -1\n    15\n7 0 0 1 0. 0. 0.\n8 " +
+           systems + " 1 0. 0. 4.\n    -1\n";
+  };
+  const std::string text = "[geometry]\nfile = \"mast.uff\"\n";
+  folder_.Write("mast.uff", with("1 1"));
+  auto placed = Read(text);
+  ASSERT_NE(placed, nullptr);
+  EXPECT_TRUE(placed->geometry.notes.empty());
+  folder_.Write("mast.uff", with("0 2"));
+  placed = Read(text);
+  ASSERT_NE(placed, nullptr);
+  ASSERT_EQ(placed->geometry.notes.size(), 1u);
+  EXPECT_THAT(placed->geometry.notes[0],
+              HasSubstr("1 nodes have directions of their own"));
+  folder_.Write("mast.uff", with("2 0"));
+  EXPECT_THAT(ErrorOf(text),
+              HasSubstr("node 8 is in coordinate system 2, expected the "
+                        "global one"));
 }
 
 TEST_F(GeometrySectionTest, RefusesInOneLine) {

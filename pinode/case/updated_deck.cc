@@ -33,6 +33,13 @@ std::vector<DeckFactor> DeckFactorsOf(
   return of_deck;
 }
 
+// What a reader of the deck alone would not know.
+std::string HeadOf(const IdentificationSummary& summary) {
+  return summary.usable ? std::string()
+                        : "** From a fit that is not usable: see the report "
+                          "beside this deck.\n";
+}
+
 }  // namespace
 
 bool CheckDeck(const Case& c, const std::string& path, std::string* error) {
@@ -59,19 +66,29 @@ bool CheckDeck(const Case& c, const std::string& path, std::string* error) {
 
 bool WriteUpdatedDeck(const Case& c, const IdentificationSummary& summary,
                       const IdentifiedModel& model, const std::string& path,
-                      const std::string& folder, std::string* error) {
+                      const std::string& folder, std::string* remark,
+                      std::string* error) {
+  remark->clear();
   StructuralDynamics dynamics = *c.problem.dynamics;
   dynamics.SetParameters(CompleteModel(c.problem, model)
                              .parameters.head(dynamics.num_parameters()));
   const std::vector<DeckFactor> factors =
       DeckFactorsOf(c, ElementFactors(*c.finite_element, dynamics, summary));
+  for (const DeckFactor& factor : factors) {
+    if (factor.factor > 0.0) continue;
+    *remark = "No updated deck: the " +
+              std::string(factor.is_mass ? "mass" : "stiffness") +
+              " of element set '" + factor.set +
+              "' is lost, and a deck takes positive numbers alone.";
+    return true;
+  }
   namespace fs = std::filesystem;
   const fs::path updated =
       fs::path(folder) / (fs::path(path).stem().string() + "_updated.inp");
   std::string content, scaled;
   return ReadTextFile(path, &content, error) &&
          ScaleDeck(path, content, factors, &scaled, error) &&
-         WriteFileAtomically(updated.string(), scaled, error);
+         WriteFileAtomically(updated.string(), HeadOf(summary) + scaled, error);
 }
 
 }  // namespace pinode

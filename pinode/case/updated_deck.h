@@ -19,13 +19,15 @@ namespace pinode {
 
 // Writes `folder`/<name>_updated.inp for a deck <name>.inp: the same with the
 // properties of each group's element sets times its factor, see ScaleDeck in
-// structure/deck_properties.h.
+// structure/deck_properties.h. Of a fit that is not usable a comment at its
+// head says so. A set that has lost all it had cannot be written: true without
+// a deck, and *remark says why; empty otherwise.
 [[nodiscard]] bool WriteUpdatedDeck(const Case& c,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
                                     const std::string& path,
                                     const std::string& folder,
-                                    std::string* error);
+                                    std::string* remark, std::string* error);
 
 }  // namespace pinode
 

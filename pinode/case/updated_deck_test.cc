@@ -1,0 +1,66 @@
+#include "pinode/case/updated_deck.h"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/case/case_file.h"
+#include "pinode/case/rod_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr char kRodDeck[] =
+    "** A rod\n*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n"
+    "*ELEMENT,TYPE=SPRINGA,ELSET=lower\n1,1,2\n"
+    "*ELEMENT,TYPE=SPRINGA,ELSET=upper\n2,2,3\n"
+    "*SPRING,ELSET=lower\n\n100.\n*SPRING,ELSET=upper\n\n200.\n";
+
+class UpdatedDeckTest : public RodCaseTest {
+ protected:
+  // The deck that a fit with these changes leaves.
+  std::string Write(double lower, double upper, bool usable) {
+    const Case c = ReadOrFail(kRodCase);
+    IdentifiedModel model;
+    model.parameters = c.problem.dynamics->Parameters();
+    model.parameters << lower, upper, 0.0;
+    IdentificationSummary summary;
+    summary.usable = usable;
+    const std::string deck = folder_.Write("rod.inp", kRodDeck);
+    good_ = CheckDeck(c, deck, &error_) &&
+            WriteUpdatedDeck(c, summary, model, deck, out_, &remark_, &error_);
+    return good_ && remark_.empty() ? folder_.Read("rod_updated.inp")
+                                    : std::string();
+  }
+
+  bool good_ = false;
+  std::string out_ = folder_.Path("");
+  std::string remark_, error_;
+};
+
+TEST_F(UpdatedDeckTest, SaysOfWhatFitItIs) {
+  const std::string deck = Write(-0.1, 0.0, true);
+  EXPECT_THAT(deck, StartsWith("** A rod\n"));
+  EXPECT_THAT(deck, HasSubstr("ELSET=lower\n\n9.0000000000000E+01\n"));
+  const std::string doubtful = Write(-0.1, 0.0, false);
+  EXPECT_THAT(doubtful, StartsWith("** From a fit that is not usable"));
+  EXPECT_EQ(doubtful.substr(doubtful.find('\n') + 1), deck);
+}
+
+TEST_F(UpdatedDeckTest, ALossOfAllIsARemarkOtherTroubleAnError) {
+  EXPECT_THAT(Write(-1.0, 0.0, true), IsEmpty());
+  EXPECT_TRUE(good_) << error_;
+  EXPECT_THAT(remark_, HasSubstr("element set 'lower' is lost"));
+  out_ = folder_.Path("not/there");
+  Write(-0.1, 0.0, true);
+  EXPECT_FALSE(good_);
+  EXPECT_THAT(error_, HasSubstr("not/there"));
+  EXPECT_THAT(remark_, IsEmpty());
+}
+
+}  // namespace
+}  // namespace pinode
