@@ -148,8 +148,13 @@ bool AddJson(const std::string& path, const std::string& name,
 bool WriteMatlabResults(const std::string& folder, std::string* error) {
   std::vector<fs::path> files;
   std::error_code status;
-  for (const auto& entry : fs::directory_iterator(folder, status)) {
-    files.push_back(entry.path());
+  for (fs::directory_iterator entry(folder, status);
+       !status && entry != fs::directory_iterator(); entry.increment(status)) {
+    files.push_back(entry->path());
+  }
+  if (status) {
+    *error = folder + ": cannot be listed: " + status.message();
+    return false;
   }
   std::sort(files.begin(), files.end());
   MatlabWriter writer(folder + "/" + kMatlabResults);

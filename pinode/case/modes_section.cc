@@ -96,7 +96,8 @@ class ModesCaseReader {
                           "damage", "profiles", "reference_curve", "modes",
                           "geometry"}) ||
         !ReadUnits(root_, &c_.units) || !ReadOptions() || !ReadRecords() ||
-        !ReadGeometry(root_, nullptr, nullptr, &c_.geometry)) {
+        !ReadGeometry(root_, root_.Has("model") ? nullptr : &dof_names_,
+                      nullptr, &c_.geometry)) {
       return false;
     }
     *result = std::move(c_);
@@ -144,6 +145,7 @@ class ModesCaseReader {
 
   bool ReadRecords() {
     const StructuralModel places = PlacesOfRecords(root_);
+    dof_names_ = places.dof_names;
     std::vector<RecordSection> sections;
     if (!errors_.ok() ||
         !ReadRecordSections(root_, c_.units, places, RecordPurpose::kResponses,
@@ -270,6 +272,8 @@ class ModesCaseReader {
 
   ModesCase c_;
   std::vector<InputSpec> inputs_;
+  // Those of the records: all there are, where there is no model.
+  std::vector<std::string> dof_names_;
   CaseErrors errors_;
   const TomlTable root_;
 };

@@ -122,6 +122,9 @@ TEST_F(ModesSectionTest, PlacesAndGeometry) {
   EXPECT_THAT(c.geometry->geometry.node_names, ElementsAre("5"));
   EXPECT_THAT(Error(text + "[geometry]\nnodes = {5 = [0, 0]}\n"),
               HasSubstr("coordinate"));
+  EXPECT_THAT(Error(text + "[geometry]\nnodes = {5 = [0, 0, 1]}\n"
+                           "dofs = {v3 = \"5.3\"}\n"),
+              HasSubstr("'v3' is not a DOF"));
 }
 
 TEST_F(ModesSectionTest, MeasuredLoadsAndFreeDecays) {

@@ -138,7 +138,9 @@ ModalSpectra FitModalSpectra(const ResponseRecord& record,
     const Vector model = densities * solution;
     result.modelled.row(c) = model.transpose();
     const double noise = densities.rightCols(1).sum() * solution.tail(1)[0];
-    result.explained[c] = (model.sum() - noise) / measured.sum();
+    const double power = measured.sum();
+    // A channel without power has nothing to explain.
+    if (power > 0.0) result.explained[c] = (model.sum() - noise) / power;
   }
   return result;
 }

@@ -76,5 +76,15 @@ TEST(ModalSpectraTest, NoModesExplainNothing) {
   EXPECT_LE(spectra.frequency_hz.tail(1)[0], 20.0);
 }
 
+TEST(ModalSpectraTest, AChannelWithoutPowerIsNotExplained) {
+  const TestChain chain(2, 4000.0);
+  ResponseRecord record = SimulateChain(chain, 0.01, 20000, 1);
+  record.samples.row(0).setZero();
+  const ModalSpectra spectra =
+      FitModalSpectra(record, ModesOf(chain), 0.0, 50.0);
+  EXPECT_EQ(spectra.explained[0], 0.0);
+  EXPECT_GT(spectra.explained[1], 0.5);
+}
+
 }  // namespace
 }  // namespace pinode

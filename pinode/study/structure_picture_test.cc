@@ -229,7 +229,7 @@ TEST(VtuTest, CellsAndPoints) {
   IdentificationSummary summary;
   summary.parameters.push_back(
       {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, true, false});
-  const StructurePicture picture = MakeStructurePicture(
+  StructurePicture picture = MakeStructurePicture(
       Frame(), problem, nullptr, &summary, nullptr, nullptr, 1);
   const std::string vtu = FormatVtu(picture);
   EXPECT_THAT(vtu, HasSubstr("NumberOfPoints=\"8\" NumberOfCells=\"9\""));
@@ -242,6 +242,13 @@ TEST(VtuTest, CellsAndPoints) {
                              "format=\"ascii\">\n1 1 0 0"));
   EXPECT_THAT(vtu, HasSubstr("Name=\"mode_1\" NumberOfComponents=\"3\""));
   EXPECT_EQ(vtu.find("nan"), std::string::npos);
+  // Two hyphens end a comment of XML.
+  for (const char* name : {"a--b", "a---b", "a----", "-----"}) {
+    picture.groups[0].name = name;
+    const std::string named = FormatVtu(picture);
+    const size_t begin = named.find("<!--") + 4;
+    EXPECT_EQ(named.find("--", begin), named.find("-->", begin)) << name;
+  }
 }
 
 }  // namespace

@@ -105,8 +105,8 @@ std::string FormatVtu(const StructurePicture& picture) {
   text.Add("<?xml version=\"1.0\"?>\n<!-- groups:");
   for (size_t g = 0; g < picture.groups.size(); ++g) {
     std::string name = picture.groups[g].name;
-    // Not allowed in a comment.
-    ReplaceAll("--", "- -", &name);
+    // Not allowed in a comment; the second time for "---".
+    for (int i = 0; i < 2; ++i) ReplaceAll("--", "- -", &name);
     text.Add(" " + std::to_string(g) + " " + name);
   }
   text.Add(
