@@ -306,7 +306,7 @@ bool MultipleShooting::Linearize(const Vector& free, CondensedSystem* system) {
   return true;
 }
 
-void MultipleShooting::KeepRows(bool keep) {
+bool MultipleShooting::KeepRows(bool keep) {
   constexpr double kMostBytes = 1073741824.0;
   double bytes = 0.0;
   for (const auto& record : records_) {
@@ -318,6 +318,10 @@ void MultipleShooting::KeepRows(bool keep) {
   if (keep && !keeps_rows_) is_linearized_ = false;
   keeps_rows_ = keep;
   sweep_.set_keeps_rows(keep);
+  if (!keep) {
+    for (auto& record : records_) record->kept_rows() = SegmentRows();
+  }
+  return keep;
 }
 
 bool MultipleShooting::BendAlong(const Vector& step, Vector* projected) {

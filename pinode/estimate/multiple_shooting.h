@@ -131,9 +131,10 @@ class MultipleShooting final : public CostPart {
   [[nodiscard]] bool Linearize(const Vector& free,
                                CondensedSystem* system) override;
 
-  // Whether Linearize keeps what BendAlong needs, samples x unknowns, where it
-  // comes to less than a GiB and records are in one piece.
-  void KeepRows(bool keep);
+  // Linearize keeps what BendAlong needs, samples x unknowns, where it comes to
+  // less than a GiB and records are in one piece. Returns whether it does;
+  // otherwise nothing is kept any more.
+  bool KeepRows(bool keep);
   // J'r'' at the last Linearize: r'' is the second derivative of the weighted
   // residuals along `step`, with the starts following, from a run a tenth of it
   // away. False where it cannot be had: nothing was kept, or not finite. What

@@ -59,7 +59,8 @@ void SetBounds(const BoundedCost& cost, double* scaled,
   }
 }
 
-ceres::Solver::Options SolverOptions(const FitContext& context,
+// `bends`: whether steps do.
+ceres::Solver::Options SolverOptions(const FitContext& context, bool bends,
                                      double function_tolerance, double radius) {
   const SolveTuning& tuning = context.tuning().solve;
   ceres::Solver::Options options;
@@ -76,7 +77,7 @@ ceres::Solver::Options SolverOptions(const FitContext& context,
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
-  if (context.HasNetworks()) {
+  if (context.HasNetworks() && !bends) {
     options.use_nonmonotonic_steps = true;
     options.max_consecutive_nonmonotonic_steps = tuning.uphill_steps;
   }
@@ -117,7 +118,13 @@ class Solver::Callback final : public ceres::IterationCallback {
     const Vector free =
         bounded_.Unscaled(bent_ == nullptr ? scaled_ : bent_->PointOf(scaled_));
     if (!solver_.progress_->Note(record, free)) return ceres::SOLVER_ABORT;
-    return iteration.step_is_successful &&
+    if (!iteration.step_is_successful || iteration.iteration == 0) {
+      return ceres::SOLVER_CONTINUE;
+    }
+    const bool crawls =
+        std::abs(iteration.cost_change) < limits_.crawl * iteration.cost;
+    crawling_steps_ = crawls ? crawling_steps_ + 1 : 0;
+    return crawling_steps_ >= context_.tuning().solve.crawling_steps ||
                    solver_.IsSettled(free, bounded_.system(), limits_)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
@@ -131,6 +138,7 @@ class Solver::Callback final : public ceres::IterationCallback {
   const Vector& scaled_;
   const Limits& limits_;
   double* radius_;
+  int crawling_steps_ = 0;  // one after the other
   int first_iteration_;
 };
 
@@ -182,16 +190,15 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   *converged = false;
   IdentificationSummary& summary = context_.summary;
   Objective& objective = context_.objective;
+  const bool bends = objective.shooting().KeepRows(BendsSteps(context_));
   ceres::Solver::Options options =
-      SolverOptions(context_, limits.function_tolerance, radius_);
+      SolverOptions(context_, bends, limits.function_tolerance, radius_);
   options.max_num_iterations =
       std::min(limits.iterations,
                context_.options.max_num_iterations - summary.num_iterations);
   if (options.max_num_iterations <= 0) return true;
 
   const int n = context_.layout.num_free();
-  const bool bends = BendsSteps(context_);
-  objective.shooting().KeepRows(bends);
   const auto begin = std::chrono::steady_clock::now();
   BoundedCost bounded(context_.layout, state->free, &objective);
   summary.jacobian_seconds += SecondsSince(begin);

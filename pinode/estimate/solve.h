@@ -26,12 +26,15 @@ class Solver {
     // RMS of the residuals in units of their noise levels; 0: none is too
     // small.
     double residual = 0.0;
+    // Share of the cost: several steps in a row that change it by no more end
+    // the solve; 0: any number may.
+    double crawl = 0.0;
   };
 
   // From state->free, until an iteration changes the cost by less than the
-  // tolerance, or none promises to, or residuals are below their limit
-  // (*converged), or the iterations are used up, those that the options grant
-  // in all included. The steps of networks bend (BentCost).
+  // tolerance, or none promises to, or residuals are below their limit, or the
+  // fit crawls (*converged), or the iterations are used up, those that the
+  // options grant in all included. The steps of networks bend (BentCost).
   // Leaves the objective linearised at the solution. False, with the summary's
   // message, where the cost cannot be had at the point of departure.
   [[nodiscard]] bool Solve(const Limits& limits, FitState* state,

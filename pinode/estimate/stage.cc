@@ -13,20 +13,19 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
   MultipleShooting& shooting = context_.objective.shooting();
   const GapTuning& gaps = context_.tuning().gaps;
   const SolveTuning& solve = context_.tuning().solve;
-  const int iterations = context_.HasNetworks() ? solve.network_round_iterations
-                                                : solve.round_iterations;
+  const bool networks = context_.HasNetworks();
+  const Solver::Limits limits{
+      networks ? solve.network_round_iterations : solve.round_iterations,
+      solve.round_tolerance, 0.0, networks ? solve.network_crawl : 0.0};
   // Gaps begin softer than the data hold the starts, and end much firmer.
-  double firmness = context_.HasNetworks() ? gaps.first_network_firmness
-                                           : gaps.first_firmness;
+  double firmness =
+      networks ? gaps.first_network_firmness : gaps.first_firmness;
   shooting.SetGapPenalty(std::max(1.0, firmness * shooting.DataCurvature()));
   double first_cost = kInfinity;
   for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
        ++round) {
     bool converged = false;
-    if (!solver_->Solve({iterations, solve.round_tolerance, 0.0}, state,
-                        &converged)) {
-      return false;
-    }
+    if (!solver_->Solve(limits, state, &converged)) return false;
     if (progress_->interrupted()) break;
     // A firmer hand makes the cost grow, but not like this: the trajectories
     // fly apart, and no further round brings them together.
@@ -55,6 +54,7 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
   const SolveTuning& solve = context_.tuning().solve;
   const EvidenceTuning& evidence = context_.tuning().evidence;
   const bool networks = context_.HasNetworks();
+  const double residual = networks ? solve.smallest_residual : 0.0;
   const double asked = context_.options.function_tolerance;
   // The first rounds are for noise levels and decay to find their place, and
   // end early; the last one runs to the tolerance asked for.
@@ -78,8 +78,8 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
       iterations =
           fine ? solve.fine_network_iterations : solve.network_round_iterations;
     }
-    const double residual = networks && fine ? solve.smallest_residual : 0.0;
-    if (!solver_->Solve({iterations, tolerance, residual}, state, &converged)) {
+    if (!solver_->Solve({iterations, tolerance, residual, 0.0}, state,
+                        &converged)) {
       return false;
     }
     if (progress_->interrupted()) break;
@@ -160,6 +160,7 @@ bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
   if (shooting.Outline(state->free, &trajectories)) {
     state->trajectories = std::move(trajectories);
   }
+  shooting.KeepRows(false);
   context_.summary.largest_gap = record->largest_gap;
   context_.summary.single_shooting = single;
   return true;

@@ -45,6 +45,8 @@ std::vector<TuningField> TuningFields(Tuning* tuning) {
       {"solve.network_round_iterations",
        &tuning->solve.network_round_iterations},
       {"solve.round_tolerance", &tuning->solve.round_tolerance},
+      {"solve.network_crawl", &tuning->solve.network_crawl},
+      {"solve.crawling_steps", &tuning->solve.crawling_steps},
       {"solve.first_radius", &tuning->solve.first_radius},
       {"solve.first_network_radius", &tuning->solve.first_network_radius},
       {"solve.least_radius", &tuning->solve.least_radius},

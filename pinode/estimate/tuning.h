@@ -87,14 +87,22 @@ struct SolveTuning {
   int round_iterations = 15;
   int network_round_iterations = 30;
   double round_tolerance = 1e-3;
+  // With networks, while segments have gaps, a round ends as well after so many
+  // steps in a row that change the cost by no more than this share: that first
+  // learning is to find out what they can do and to close the gaps, no more.
+  // One such change may be a step across the valley.
+  double network_crawl = 0.03;
+  int crawling_steps = 3;
   // First radii of the trust region; networks need small steps at first.
   double first_radius = 1e4;
   double first_network_radius = 30.0;
   // Between rounds it stays within these.
   double least_radius = 1e-2;
   double most_radius = 1e8;
-  // Steps that Ceres may take uphill before it goes back: a network's valleys
-  // bend.
+  // Steps that Ceres may take uphill before it goes back, where steps are
+  // straight and the valleys, those of a network, bend. A step that bends needs
+  // none: uphill it leads out of the valley, to where nothing but short steps
+  // is left.
   int uphill_steps = 5;
   // Change of the cost, a negative logarithm of likelihood, in one iteration at
   // which a fit with networks has converged; and the largest such change in
@@ -102,8 +110,8 @@ struct SolveTuning {
   double smallest_change = 0.03;
   double most_network_tolerance = 1e-2;
   // RMS of the residuals, in units of the noise levels, at which it has
-  // converged as well: nobody can see the rest.
-  double smallest_residual = 0.05;
+  // converged as well, in any round: nobody can see the rest.
+  double smallest_residual = 0.08;
   // Iterations after which that is measured by the cost anew.
   int fine_network_iterations = 50;
 };
