@@ -3,14 +3,11 @@
 #include <string_view>
 #include <utility>
 
-#include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/matrix_text.h"
 
 namespace pinode {
 namespace {
-
-constexpr int kDeepestInclude = 10;
 
 bool AddBlocks(const std::string& path, const std::string& content, int depth,
                std::vector<DeckBlock>* blocks, std::string* error) {
@@ -33,9 +30,8 @@ bool AddBlocks(const std::string& path, const std::string& content, int depth,
       if (!more.empty() && more.substr(0, 2) != "**") whole += more;
     }
     block.keyword = ParseDeckKeyword(whole);
-    const std::string* input = block.keyword.Find("INPUT");
     if (block.keyword.name != "*INCLUDE") {
-      if (input != nullptr) {
+      if (block.keyword.Find("INPUT") != nullptr) {
         *error = block.place + ": " + block.keyword.name +
                  " has INPUT, expected its data below it";
         return false;
@@ -43,18 +39,9 @@ bool AddBlocks(const std::string& path, const std::string& content, int depth,
       blocks->push_back(std::move(block));
       continue;
     }
-    if (input == nullptr || input->empty()) {
-      return lines.Fail("*INCLUDE has no INPUT, expected a file", error);
-    }
-    if (depth >= kDeepestInclude) {
-      return lines.Fail("*INCLUDE is the " + std::to_string(depth + 1) +
-                            "th within another, expected at most " +
-                            std::to_string(kDeepestInclude),
-                        error);
-    }
-    const std::string other = DeckIncludePath(path, *input);
-    std::string included;
-    if (!ReadTextFile(other, &included, error) ||
+    std::string other, included;
+    if (!ReadDeckInclude(lines, block.keyword, path, depth, &other, &included,
+                         error) ||
         !AddBlocks(other, included, depth + 1, blocks, error)) {
       return false;
     }

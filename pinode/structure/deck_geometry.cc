@@ -16,7 +16,6 @@
 namespace pinode {
 namespace {
 
-constexpr int kMostIncludes = 10;
 constexpr size_t kMostItems = 2000000;
 
 struct ElementType {
@@ -417,19 +416,9 @@ class DeckReader {
 
   bool Include(const LineReader& lines, const DeckKeyword& keyword,
                const std::string& path, int depth) {
-    const std::string* input = keyword.Find("INPUT");
-    if (input == nullptr || input->empty()) {
-      return lines.Fail("*INCLUDE has no INPUT, expected a file", error_);
-    }
-    if (depth >= kMostIncludes) {
-      return lines.Fail("*INCLUDE is the " + std::to_string(depth + 1) +
-                            "th within another, expected at most " +
-                            std::to_string(kMostIncludes),
-                        error_);
-    }
-    const std::string other = DeckIncludePath(path, *input);
-    std::string content;
-    return ReadTextFile(other, &content, error_) &&
+    std::string other, content;
+    return ReadDeckInclude(lines, keyword, path, depth, &other, &content,
+                           error_) &&
            ReadFile(other, content, depth + 1);
   }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 
@@ -42,9 +43,23 @@ std::string DeckUpperCase(std::string_view text) {
   return upper;
 }
 
-std::string DeckIncludePath(const std::string& deck, const std::string& input) {
+bool ReadDeckInclude(const LineReader& lines, const DeckKeyword& keyword,
+                     const std::string& path, int depth, std::string* file,
+                     std::string* content, std::string* error) {
+  constexpr int kMostDepth = 10;
+  const std::string* input = keyword.Find("INPUT");
+  if (input == nullptr || input->empty()) {
+    return lines.Fail("*INCLUDE has no INPUT, expected a file", error);
+  }
+  if (depth >= kMostDepth) {
+    return lines.Fail("*INCLUDE is the " + std::to_string(depth + 1) +
+                          "th within another, expected at most " +
+                          std::to_string(kMostDepth),
+                      error);
+  }
   namespace fs = std::filesystem;
-  return (fs::path(deck).parent_path() / fs::path(input)).string();
+  *file = (fs::path(path).parent_path() / fs::path(*input)).string();
+  return ReadTextFile(*file, content, error);
 }
 
 }  // namespace pinode

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/structure/matrix_text.h"
+
 namespace pinode {
 
 // "*ELEMENT, TYPE=B31, ELSET=columns".
@@ -25,8 +27,14 @@ DeckKeyword ParseDeckKeyword(const std::string& line);
 // A name as decks compare it.
 std::string DeckUpperCase(std::string_view text);
 
-// The file that *INCLUDE names, beside the deck that has it.
-std::string DeckIncludePath(const std::string& deck, const std::string& input);
+// What an *INCLUDE in the file `path` stands for: the file and its text. Paths
+// are relative to the file that names them. `depth`: how many files are around
+// it; at most ten. False with an error at the reader's line, or the file's own.
+[[nodiscard]] bool ReadDeckInclude(const LineReader& lines,
+                                   const DeckKeyword& keyword,
+                                   const std::string& path, int depth,
+                                   std::string* file, std::string* content,
+                                   std::string* error);
 
 }  // namespace pinode
 

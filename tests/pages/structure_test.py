@@ -31,9 +31,8 @@ def check(good, what):
 
 
 SECTION = "document.getElementById('structure')"
-# Of the canvas as it stands: how many of its pixels are not white, and their
-# mean colour, which a turn changes.
-LOOK = """(() => {
+# The bytes p of the canvas as it stands; what is put in calls done().
+PIXELS = """(() => {
   pinodeStructure.turn(0, 0);
   return new Promise((done) => requestAnimationFrame(() => {
     const canvas = document.querySelector('#structure canvas');
@@ -42,16 +41,19 @@ LOOK = """(() => {
     const pen = paper.getContext('2d');
     pen.drawImage(canvas, 0, 0);
     const p = pen.getImageData(0, 0, paper.width, paper.height).data;
-    let drawn = 0, hash = 0;
+    %s
+  }));
+})()"""
+# Of the canvas as it stands: how many of its pixels are not white, and their
+# mean colour, which a turn changes.
+LOOK = PIXELS % """let drawn = 0, hash = 0;
     for (let i = 0; i < p.length; i += 4) {
       if (p[i] + p[i + 1] + p[i + 2] < 750) {
         ++drawn;
         hash = (hash * 31 + i + p[i]) % 1000000007;
       }
     }
-    done([drawn / (p.length / 4), hash]);
-  }));
-})()"""
+    done([drawn / (p.length / 4), hash]);"""
 
 
 def with_webgl(report, folder):
@@ -143,23 +145,12 @@ def with_webgl(report, folder):
 
 
 # Pixels of a colour, #rrggbb.
-COUNT = """((tint) => {
-  pinodeStructure.turn(0, 0);
-  return new Promise((done) => requestAnimationFrame(() => {
-    const canvas = document.querySelector('#structure canvas');
-    const paper = document.createElement('canvas');
-    paper.width = canvas.width; paper.height = canvas.height;
-    const pen = paper.getContext('2d');
-    pen.drawImage(canvas, 0, 0);
-    const p = pen.getImageData(0, 0, paper.width, paper.height).data;
-    const at = [1, 3, 5].map((i) => parseInt(tint.substr(i, 2), 16));
+COUNT = """const at = [1, 3, 5].map((i) => parseInt('%s'.substr(i, 2), 16));
     let count = 0;
     for (let i = 0; i < p.length; i += 4) {
       if (at.every((value, k) => Math.abs(p[i + k] - value) < 12)) ++count;
     }
-    done(count);
-  }));
-})('%s')"""
+    done(count);"""
 
 
 def unmeasured_force(text, folder):
@@ -179,7 +170,7 @@ def unmeasured_force(text, folder):
                     file.write(page)
                 browser.open(path)
                 browser.evaluate(f"{SECTION}.scrollIntoView()")
-                pixels.append(browser.evaluate(COUNT % tint))
+                pixels.append(browser.evaluate(PIXELS % (COUNT % tint)))
                 if folder:
                     browser.screenshot(os.path.join(folder, name + ".png"))
         check(pixels[1] > pixels[0] + 50,
