@@ -9,6 +9,7 @@
 #include "pinode/estimate/identify.h"
 #include "pinode/estimate/profile.h"
 #include "pinode/estimate/progress.h"
+#include "pinode/study/load_spectra.h"
 #include "pinode/study/step_check.h"
 #include "pinode/study/term_choice.h"
 
@@ -200,6 +201,10 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
       summary->choice = choice;
       summary->remarks.push_back(choice.Sentence());
     }
+  }
+  if (!c->problem.ambient.empty()) {
+    SettleLoadSpectra(WatchedFit(watch), c->options, &c->problem, summary,
+                      model);
   }
   SettleSteps(watch, c, summary, model);
   return true;

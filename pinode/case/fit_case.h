@@ -49,6 +49,10 @@ FitFunction WatchedFit(const FitWatch& watch);
 // that of the values found, and begins in that of a checkpoint's values; *c is
 // then the case with the last one.
 //
+// Where the spectra of loads that nobody measured are too coarse for the
+// records, and the case does not say how fine they are, it is fitted again with
+// finer ones (study/load_spectra.h).
+//
 // Where finer steps would move what was found, a fit goes on with them.
 [[nodiscard]] bool FitCase(const ResultFolder& folder,
                            const IdentifiedModel* begin_from,

@@ -64,6 +64,7 @@ struct AmbientScore {
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
   int num_lines = 0;
+  int num_knots = 0;  // of the loads' spectrum
   // Whitened by the model, a line's power is one. Over parts of the band its
   // mean deviates from that by chance alone where the model is right: the
   // probability of a chi^2 as large as the one found, and the part (cycles per

@@ -32,6 +32,7 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   score->lowest_frequency = lines_.frequency[0];
   score->highest_frequency = lines_.frequency[lines - 1];
   score->num_lines = static_cast<int>(total_lines_);
+  score->num_knots = spectrum_->num_knots();
   score->explained = Vector::Zero(channels);
   const Eigen::Index parts =
       std::clamp<Eigen::Index>(lines / (8 * channels + 40), 1, kMostParts);

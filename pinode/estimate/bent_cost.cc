@@ -15,8 +15,8 @@ constexpr double kMostBend = 0.75;
 
 }  // namespace
 
-BentCost::BentCost(CostPart* part, Bend bend, const double* radius)
-    : part_(part), bend_(std::move(bend)), radius_(radius) {}
+BentCost::BentCost(CostPart* part, Bend bend, const double* radius, int held)
+    : part_(part), bend_(std::move(bend)), radius_(radius), held_(held) {}
 
 const BentCost::Place* BentCost::Find(const Vector& flat) const {
   const auto is_here = [&flat](const Place& place) {
@@ -39,6 +39,12 @@ Vector BentCost::Bent(const Vector& step) const {
   const Vector diagonal = hessian_.diagonal();
   Matrix damped = hessian_;
   damped.diagonal() += diagonal / *radius_;
+  if (held_ >= 0) {
+    damped.row(held_).setZero();
+    damped.col(held_).setZero();
+    damped(held_, held_) = 1.0;
+    projected[held_] = 0.0;
+  }
   const Eigen::LLT<Matrix> factor(damped);
   if (factor.info() != Eigen::Success) return step;
   const Vector acceleration = -factor.solve(projected);

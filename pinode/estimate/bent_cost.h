@@ -36,8 +36,9 @@ class BentCost final : public CostPart {
   using Bend = std::function<bool(const Vector& step, Vector* projected)>;
 
   // `part` and `radius`, which Levenberg-Marquardt uses for its next step, must
-  // outlive the object.
-  BentCost(CostPart* part, Bend bend, const double* radius);
+  // outlive the object. Steps do not move unknown `held` (-1: all move), nor do
+  // their bends.
+  BentCost(CostPart* part, Bend bend, const double* radius, int held = -1);
 
   // x of a y that was evaluated or linearised.
   Vector PointOf(const Vector& flat) const;
@@ -62,6 +63,7 @@ class BentCost final : public CostPart {
   CostPart* part_;
   Bend bend_;
   const double* radius_;
+  int held_;
   // Where the cost was linearised, the newest last: the end of a fit may be any
   // of them.
   std::vector<Place> centers_;

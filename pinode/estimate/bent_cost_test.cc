@@ -98,6 +98,30 @@ TEST_F(BentCostTest, BendIsShortened) {
               0.75 * std::sqrt(step.cwiseAbs2().dot(diagonal)), 1e-9);
 }
 
+// The others bend as if they were alone.
+TEST_F(BentCostTest, WhatIsHeldStays) {
+  const auto bend = [this](const Vector& along, Vector* projected) {
+    *projected = valley_.Bend(along);
+    return true;
+  };
+  CondensedSystem system;
+  double cost = 0.0;
+  BentCost first_held(&valley_, bend, &radius_, 0);
+  ASSERT_TRUE(first_held.Linearize(start_, &system));
+  const Vector up = start_ + Vector(Eigen::Vector2d(0.0, 0.1));
+  ASSERT_TRUE(first_held.Evaluate(up, &cost));
+  EXPECT_EQ(first_held.PointOf(up), up) << "along x2 alone nothing bends";
+
+  BentCost second_held(&valley_, bend, &radius_, 1);
+  ASSERT_TRUE(second_held.Linearize(start_, &system));
+  const Vector right = start_ + Vector(Eigen::Vector2d(0.1, 0.0));
+  ASSERT_TRUE(second_held.Evaluate(right, &cost));
+  const Vector point = second_held.PointOf(right);
+  EXPECT_EQ(point[1], start_[1]);
+  const double alone = -valley_.Bend(right - start_)[0] / system.hessian(0, 0);
+  EXPECT_NEAR(point[0], right[0] + 0.5 * alone, 1e-9 * std::abs(alone));
+}
+
 TEST_F(BentCostTest, StraightWhereTheBendIsNotKnown) {
   can_bend_ = false;
   const Vector step = Eigen::Vector2d(0.1, -0.2);

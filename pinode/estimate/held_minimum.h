@@ -7,6 +7,8 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
 
 namespace pinode {
@@ -18,16 +20,40 @@ struct HeldMinimum {
   bool converged = false;
 };
 
-// From `start`, within the bounds, over all free parameters but `held` (-1:
-// none is): Gauss-Newton steps with active sets while they do what they
-// promise, or else Levenberg-Marquardt by Ceres, until the cost would fall by
-// less than `tolerance` (absolute) or so many iterations are done. `stop` (may
-// be empty) is asked after each. False where the cost cannot be had at `start`.
-[[nodiscard]] bool MinimizeHolding(const ParameterLayout& layout, int held,
-                                   const Vector& start, double tolerance,
-                                   int max_iterations,
-                                   const std::function<bool()>& stop,
-                                   CostPart* cost, HeldMinimum* minimum);
+struct HeldOptions {
+  int held = -1;  // -1: none is
+  // The minimum is found where the cost would fall by less (absolute), or so
+  // many iterations are done.
+  double tolerance = 0.0;
+  int max_iterations = 50;
+  // Asked after each, and may be empty.
+  std::function<bool()> stop;
+};
+
+// Walks to minima of an objective; keeps what one walk says for the next.
+class HeldMinimizer {
+ public:
+  // Both must outlive the object.
+  HeldMinimizer(const IdentificationProblem& problem,
+                const ParameterLayout& layout, Objective* objective);
+
+  // From `start`, within the bounds, over all free parameters but the held one:
+  // Gauss-Newton steps with active sets while they do what they promise, or
+  // else Levenberg-Marquardt by Ceres, with steps that bend where the fit's do.
+  // False where the cost cannot be had at `start`.
+  [[nodiscard]] bool Minimize(const Vector& start, const HeldOptions& options,
+                              HeldMinimum* minimum);
+
+ private:
+  bool FinishByCeres(const HeldOptions& options, CostPart* cost,
+                     HeldMinimum* minimum);
+
+  const ParameterLayout& layout_;
+  Objective* objective_;
+  bool bends_;
+  // Of the trust region at the end of the last walk.
+  double radius_;
+};
 
 }  // namespace pinode
 

@@ -160,6 +160,8 @@ struct IdentificationSummary {
   double initial_damping = 0.0;
   double final_damping = 0.0;
   bool negative_damping_allowed = false;
+  // Whether a network learns a force from states.
+  bool learns_force = false;
   // By which way the fit came about, in words; empty: by its stages alone.
   std::string way;
   // The error of the training records' free runs by the linear terms alone,

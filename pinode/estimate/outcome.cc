@@ -9,6 +9,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/bending.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/force_bands.h"
 #include "pinode/estimate/free_run_start.h"
@@ -327,6 +328,7 @@ void ReportOutcome(const IdentificationProblem& problem,
       LeastDamping(*problem.dynamics, layout.InitialValues());
   summary->final_damping = LeastDamping(*problem.dynamics, model->parameters);
   summary->negative_damping_allowed = DampingsAreBounded(*problem.dynamics);
+  summary->learns_force = HasNetworksOfState(problem, layout);
 
   Certainty certainty = MeasureCertainty(problem, options, fit);
   // Intervals are those of a minimum.

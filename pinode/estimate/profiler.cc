@@ -27,6 +27,9 @@ constexpr int kMostPoints = 20;  // to one side
 constexpr int kMostJumps = 6;
 constexpr double kMostPower = 5.0;  // of a product along the way
 constexpr int kMostIterations = 50;
+// All profiles begin where this walk ends. A fit with networks ends as soon as
+// nobody can see the rest, which is far from a minimum.
+constexpr int kMostFirstIterations = 200;
 // Starts are looked for twice where they cost more than this multiple of the
 // last minimum.
 constexpr double kStrayCost = 2.0;
@@ -83,7 +86,8 @@ Profiler::Profiler(const IdentificationProblem& problem,
                    const std::function<bool()>& stop)
     : layout_(layout),
       stop_(stop),
-      objective_(problem, layout, OneThread(options)) {}
+      objective_(problem, layout, OneThread(options)),
+      minimizer_(problem, layout, &objective_) {}
 
 bool Profiler::Place(const IdentificationProblem& problem,
                      const IdentifiedModel& model,
@@ -95,8 +99,10 @@ bool Profiler::FindOrigin(const Vector& fit, ProfileOrigin* origin) {
   origin->free = fit;
   if (!objective_.Linearize(fit, &origin->system)) return false;
   HeldMinimum minimum;
-  if (!MinimizeHolding(layout_, -1, fit, 0.5 * kRatioTolerance * kChi95,
-                       kMostIterations, stop_, &objective_, &minimum)) {
+  if (!minimizer_.Minimize(
+          fit,
+          {-1, 0.5 * kRatioTolerance * kChi95, kMostFirstIterations, stop_},
+          &minimum)) {
     return false;
   }
   origin->converged = minimum.converged;
@@ -136,9 +142,9 @@ bool Profiler::Run(const ProfileOrigin& origin, int j, double sigma,
 }
 
 bool Profiler::Minimize(const Vector& start, int held, HeldMinimum* minimum) {
-  if (!MinimizeHolding(layout_, held, start,
-                       0.5 * memory_ * kRatioTolerance * kChi95,
-                       kMostIterations, stop_, &objective_, minimum)) {
+  const double tolerance = 0.5 * memory_ * kRatioTolerance * kChi95;
+  if (!minimizer_.Minimize(start, {held, tolerance, kMostIterations, stop_},
+                           minimum)) {
     return false;
   }
   profile_->linearizations += minimum->linearizations;

@@ -54,7 +54,8 @@ class Profiler {
     Vector free;
   };
 
-  // As MinimizeHolding, from `start`; counts, and says what did not converge.
+  // As HeldMinimizer does, from `start`; counts, and says what did not
+  // converge.
   bool Minimize(const Vector& start, int held, HeldMinimum* minimum);
   // Square root of the likelihood ratio.
   double RootOf(double cost) const;
@@ -75,6 +76,7 @@ class Profiler {
   const ParameterLayout& layout_;
   const std::function<bool()>& stop_;
   Objective objective_;
+  HeldMinimizer minimizer_;
   const ProfileOrigin* origin_ = nullptr;
   Point center_;
   ParameterProfile* profile_ = nullptr;

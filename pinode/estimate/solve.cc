@@ -9,10 +9,10 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/bending.h"
 #include "pinode/estimate/bent_cost.h"
 #include "pinode/estimate/bounded_cost.h"
 #include "pinode/estimate/condensed_cost.h"
-#include "pinode/estimate/force_bands.h"
 #include "pinode/estimate/optimality.h"
 
 namespace pinode {
@@ -21,30 +21,11 @@ namespace {
 // Up to so many unknowns the more accurate solver takes no time to speak of.
 constexpr int kMostForQr = 100;
 
-// Whether there are networks, and not of time alone: the hidden units of those
-// hardly move, and a fit is nearly a linear one.
-bool HasNetworksOfState(const FitContext& context) {
-  const auto& networks = context.problem.dynamics->networks();
-  return context.HasNetworks() &&
-         !std::all_of(networks.begin(), networks.end(), IsForceOfTime);
-}
-
 double FirstRadius(const FitContext& context) {
   const SolveTuning& tuning = context.tuning().solve;
-  return HasNetworksOfState(context) ? tuning.first_network_radius
-                                     : tuning.first_radius;
-}
-
-// Valleys of networks bend. Where unknowns have bounds Ceres searches along
-// straight lines.
-bool BendsSteps(const FitContext& context) {
-  bool bounded = false;
-  for (int j = 0; j < context.layout.num_free(); ++j) {
-    const Parameter& parameter = context.layout.free_parameter(j);
-    bounded = bounded || std::isfinite(parameter.lower) ||
-              std::isfinite(parameter.upper);
-  }
-  return HasNetworksOfState(context) && !bounded;
+  return HasNetworksOfState(context.problem, context.layout)
+             ? tuning.first_network_radius
+             : tuning.first_radius;
 }
 
 void SetBounds(const BoundedCost& cost, double* scaled,
@@ -190,7 +171,8 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   *converged = false;
   IdentificationSummary& summary = context_.summary;
   Objective& objective = context_.objective;
-  const bool bends = objective.shooting().KeepRows(BendsSteps(context_));
+  const bool bends = objective.shooting().KeepRows(
+      BendsSteps(context_.problem, context_.layout));
   ceres::Solver::Options options =
       SolverOptions(context_, bends, limits.function_tolerance, radius_);
   options.max_num_iterations =
@@ -217,17 +199,7 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   radius_ = options.initial_trust_region_radius;
   std::optional<BentCost> bent;
   if (bends) {
-    bent.emplace(
-        &bounded,
-        [&](const Vector& step, Vector* projected) {
-          if (!objective.shooting().BendAlong(bounded.Unscaled(step),
-                                              projected)) {
-            return false;
-          }
-          *projected = bounded.Unscaled(*projected);
-          return true;
-        },
-        &radius_);
+    bent.emplace(&bounded, BendOf(&objective, &bounded), &radius_);
   }
   CondensedCost cost(bends ? static_cast<CostPart*>(&*bent) : &bounded, n);
   ceres::Problem::Options problem_options;

@@ -12,6 +12,12 @@ namespace {
 
 // Damping ratios down to this are rounding.
 constexpr double kLeastDamping = 1e-6;
+// Of the motion, what a network may leave that is no noise.
+constexpr double kMostLeftByNetwork = 0.1;
+// Where a hold-out record's error is larger than both this and this multiple of
+// the training records', it belongs to another structure or the model is wrong.
+constexpr double kMostHoldoutError = 0.5;
+constexpr double kMostHoldoutGrowth = 3.0;
 
 // Empty: every record is predicted well enough.
 std::string WhyNotPredicted(const IdentificationSummary& summary) {
@@ -75,6 +81,63 @@ double TrainingError(const IdentificationSummary& summary) {
   return count > 0 ? std::sqrt(sum / count) : 0.0;
 }
 
+// Of the training records' motion, what is left over and has a memory from
+// sample to sample, so that it is no noise; RMS over the records.
+double StructuredTrainingError(const IdentificationSummary& summary) {
+  double sum = 0.0;
+  int count = 0;
+  for (const RecordScore& score : summary.records) {
+    if (score.role != IdentificationRecord::Role::kTrain) continue;
+    double all = 0.0, noise = 0.0;
+    for (const ChannelScore& channel : score.channels) {
+      const double energy = channel.nrmse * channel.nrmse;
+      if (!std::isfinite(energy * channel.noise_share)) continue;
+      all += energy;
+      noise += energy * channel.noise_share;
+    }
+    const double share = all > 0.0 ? 1.0 - noise / all : 1.0;
+    sum += share * score.nrmse * score.nrmse;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
+// Of a network that learns a force: it can be any force, so that what it leaves
+// over is a force that it was not given the inputs for, or did not find.
+std::string WhyNotLearned(const IdentificationSummary& summary) {
+  if (!summary.learns_force) return "";
+  const double left = StructuredTrainingError(summary);
+  if (left <= kMostLeftByNetwork) return "";
+  std::ostringstream reason;
+  reason << "the network leaves " << FormatNumber(100.0 * left, 2)
+         << " % of the training records, and that is no noise: its force is "
+            "not the one that is missing; another 'seed' of the network, more "
+            "hidden units, or inputs that it lacks";
+  return reason.str();
+}
+
+// Empty: hold-out records are predicted about as well as training records, or
+// at least not by half wrong.
+std::string WhyNotCarriedOver(const IdentificationSummary& summary) {
+  if (!HasTrainRecord(summary)) return "";
+  const double training = TrainingError(summary);
+  for (const RecordScore& score : summary.records) {
+    if (score.role != IdentificationRecord::Role::kHoldout ||
+        score.nrmse <=
+            std::max(kMostHoldoutError, kMostHoldoutGrowth * training)) {
+      continue;
+    }
+    std::ostringstream reason;
+    reason << "what was found does not carry over: hold-out record '"
+           << score.name << "' is predicted with an error of "
+           << FormatNumber(100.0 * score.nrmse, 2)
+           << " %, the training records with "
+           << FormatNumber(100.0 * training, 2) << " %";
+    return reason.str();
+  }
+  return "";
+}
+
 // Empty: it is.
 std::string WhyNotUsable(const GapTuning& tuning,
                          const IdentificationSummary& summary) {
@@ -83,6 +146,10 @@ std::string WhyNotUsable(const GapTuning& tuning,
   if (TrainingError(summary) > 1.001 * summary.linear_error) {
     return "the training records are predicted worse than by the linear terms "
            "alone";
+  }
+  for (const std::string& objection :
+       {WhyNotLearned(summary), WhyNotCarriedOver(summary)}) {
+    if (!objection.empty()) return objection;
   }
   const std::string explained = WhyLoadsExplainAll(summary);
   if (!explained.empty()) return explained;

@@ -59,6 +59,10 @@ TEST(Usable, SaysWhatIsMissing) {
   summary.records[1].prior_nrmse = 2.0;
   EXPECT_THAT(Judged(summary), HasSubstr("than by no motion at all"));
   summary = GoodSummary();
+  summary.records[1].nrmse = 0.51;
+  summary.records[1].prior_nrmse = 0.9;
+  EXPECT_THAT(Judged(summary), HasSubstr("does not carry over"));
+  summary = GoodSummary();
   summary.linear_error = 0.09;
   EXPECT_THAT(Judged(summary), HasSubstr("than by the linear terms alone"));
   summary = GoodSummary();
@@ -85,6 +89,33 @@ TEST(Usable, SaysWhatIsMissing) {
   summary.modes.resize(1);
   summary.initial_modal_cost = summary.final_modal_cost = 1.0;
   EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
+}
+
+// What a network leaves over must be noise, or little.
+TEST(Usable, NetworksHaveLearnedWhatThereIs) {
+  IdentificationSummary summary = GoodSummary();
+  summary.records[0].nrmse = 0.15;
+  ChannelScore channel;
+  channel.nrmse = 0.15;
+  channel.noise_share = 0.02;
+  summary.records[0].channels = {channel};
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "a law may be what somebody wants";
+  summary.learns_force = true;
+  EXPECT_THAT(Judged(summary), HasSubstr("the network leaves 15 %"));
+  summary.records[0].channels[0].noise_share = 0.9;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable);
+}
+
+// Half of the motion wrong is not wrong where the training records are as bad.
+TEST(Usable, HoldoutsMayBeAsBadAsTrainingRecords) {
+  IdentificationSummary summary = GoodSummary();
+  summary.records[0].nrmse = 0.2;
+  summary.records[1].nrmse = 0.55;
+  summary.records[1].prior_nrmse = 0.9;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable);
 }
 
 }  // namespace

@@ -140,12 +140,12 @@ void VisitOne(Archive* a, ModeScore& value) {
 
 template <typename Archive>
 void VisitOne(Archive* a, AmbientScore& value) {
-  auto& [name, lowest, highest, lines, chi_square, degrees, probability, from,
-         to, deviation, channels, explained, noise, groups, left, most_left,
-         frequencies, measured, modelled, counts] = value;
-  Visit(a, name, lowest, highest, lines, chi_square, degrees, probability, from,
-        to, deviation, channels, explained, noise, groups, left, most_left,
-        frequencies, measured, modelled, counts);
+  auto& [name, lowest, highest, lines, knots, chi_square, degrees, probability,
+         from, to, deviation, channels, explained, noise, groups, left,
+         most_left, frequencies, measured, modelled, counts] = value;
+  Visit(a, name, lowest, highest, lines, knots, chi_square, degrees,
+        probability, from, to, deviation, channels, explained, noise, groups,
+        left, most_left, frequencies, measured, modelled, counts);
 }
 
 template <typename Archive>
@@ -209,21 +209,21 @@ void VisitOne(Archive* a, IdentificationSummary& value) {
          forces, covariance_names, covariance, covariance_method, profiles,
          choice, undetermined, stages, iterations, initial_cost, final_cost,
          gradient_cosine, promised_share, stalled, initial_damping,
-         final_damping, negative_damping_allowed, way, linear_error,
-         largest_gap, single_shooting, num_iterations, rejected_steps,
-         failed_evaluations, effective_parameters, decays, followed_record,
-         followed_channel, remarks, seconds, profile_seconds, jacobian_seconds,
-         linear_solver_seconds] = value;
+         final_damping, negative_damping_allowed, learns_force, way,
+         linear_error, largest_gap, single_shooting, num_iterations,
+         rejected_steps, failed_evaluations, effective_parameters, decays,
+         followed_record, followed_channel, remarks, seconds, profile_seconds,
+         jacobian_seconds, linear_solver_seconds] = value;
   Visit(a, termination, message, usable, records, parameters, modes, ambient,
         initial_modal_cost, final_modal_cost, num_starts, num_starts_at_best,
         forces, covariance_names, covariance, covariance_method, profiles,
         choice, undetermined, stages, iterations, initial_cost, final_cost,
         gradient_cosine, promised_share, stalled, initial_damping,
-        final_damping, negative_damping_allowed, way, linear_error, largest_gap,
-        single_shooting, num_iterations, rejected_steps, failed_evaluations,
-        effective_parameters, decays, followed_record, followed_channel,
-        remarks, seconds, profile_seconds, jacobian_seconds,
-        linear_solver_seconds);
+        final_damping, negative_damping_allowed, learns_force, way,
+        linear_error, largest_gap, single_shooting, num_iterations,
+        rejected_steps, failed_evaluations, effective_parameters, decays,
+        followed_record, followed_channel, remarks, seconds, profile_seconds,
+        jacobian_seconds, linear_solver_seconds);
 }
 
 template <typename Archive>

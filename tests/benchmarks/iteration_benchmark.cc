@@ -7,23 +7,23 @@
 // pinode with the search for the best starts) and the Jacobian there.
 // Iterations that Ceres rejects are not counted: they lack the Jacobian.
 //
-//   starts    cost at the trial point
-//   jacobian  tangents of all segments
-//   normal    normal equations of all segments, starts eliminated
-//   solve     the rest: square root of the normal equations, Ceres' solve
+//   starts     cost at the trial point
+//   linearize  tangents of all segments; in pinode, which forms them on the
+//              way, the normal equations as well, starts eliminated, and their
+//              square root
+//   solve      the rest: Ceres' solve; for the plain way normal equations, too
 //
-// Ceres forms and solves dense normal equations in one call: for the plain way
-// `normal` holds both.
+// Beside both: the rank update alone, J'J by Eigen, of a dense J with as many
+// rows as there are measured values and as many columns as an iteration has
+// tangents (unknowns of the fit and of a segment's start).
 
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
 
-#include <algorithm>
+#include <Eigen/Core>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pinode/base/logging.h"
@@ -31,7 +31,6 @@
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/objective.h"
 #include "pinode/estimate/parameter_layout.h"
-#include "pinode/estimate/square_root.h"
 #include "tests/benchmarks/chain_problem.h"
 #include "tests/benchmarks/measure.h"
 #include "tests/benchmarks/plain_chain.h"
@@ -51,13 +50,13 @@ constexpr int kMaxTrials = 30;
 // The plain way is not run where an iteration would take longer.
 constexpr double kPlainLimitSeconds = 30.0;
 constexpr double kRequiredGrowth = 12.0;
+constexpr double kRequiredOfRankUpdate = 0.7;
 
 struct IterationTimes {
   double starts = 0.0;
-  double jacobian = 0.0;
-  double normal = 0.0;
+  double linearize = 0.0;
   double solve = 0.0;
-  double Total() const { return starts + jacobian + normal + solve; }
+  double Total() const { return starts + linearize + solve; }
 };
 
 // Reads the clock after each iteration, until `num_wanted` were accepted.
@@ -72,8 +71,8 @@ class Clock final : public ceres::IterationCallback {
     if (iteration.iteration > 0 && iteration.step_is_successful) {
       IterationTimes times;
       times.starts = times_->cost_seconds - before_.cost_seconds;
-      times.jacobian = times_->jacobian_seconds - before_.jacobian_seconds;
-      times.solve = now - last_ - times.starts - times.jacobian;
+      times.linearize = times_->jacobian_seconds - before_.jacobian_seconds;
+      times.solve = now - last_ - times.starts - times.linearize;
       iterations_.push_back(times);
     }
     before_ = *times_;
@@ -125,8 +124,7 @@ double MedianOf(const std::vector<IterationTimes>& iterations, Member member) {
 IterationTimes MedianTimes(const std::vector<IterationTimes>& iterations) {
   IterationTimes median;
   median.starts = MedianOf(iterations, &IterationTimes::starts);
-  median.jacobian = MedianOf(iterations, &IterationTimes::jacobian);
-  median.normal = MedianOf(iterations, &IterationTimes::normal);
+  median.linearize = MedianOf(iterations, &IterationTimes::linearize);
   median.solve = MedianOf(iterations, &IterationTimes::solve);
   return median;
 }
@@ -186,10 +184,7 @@ class Fit {
       ceres_problem.AddResidualBlock(new TimedCost(std::move(priors), &times),
                                      nullptr, x.data());
     }
-    std::vector<IterationTimes> iterations =
-        RunIterations(kIterations, times, &ceres_problem);
-    SplitJacobian(x, &iterations);
-    return iterations;
+    return RunIterations(kIterations, times, &ceres_problem);
   }
 
   std::vector<IterationTimes> RunPlain() {
@@ -199,12 +194,21 @@ class Fit {
     EvaluationTimes times;
     ceres::Problem ceres_problem;
     AddPlain(&starts, &x, &times, &ceres_problem);
-    std::vector<IterationTimes> iterations =
-        RunIterations(kPlainIterations, times, &ceres_problem);
-    for (IterationTimes& iteration : iterations) {
-      std::swap(iteration.normal, iteration.solve);
-    }
-    return iterations;
+    return RunIterations(kPlainIterations, times, &ceres_problem);
+  }
+
+  // Of one J'J, seconds.
+  double RunRankUpdate() const {
+    const Eigen::Index columns = layout_.num_free() + Chain::kStates;
+    const Eigen::Index rows =
+        Eigen::Index{Chain::kStates} * record().num_samples();
+    const Matrix jacobian = Matrix::Random(rows, columns);
+    Matrix product = Matrix::Zero(columns, columns);
+    const double begin = CpuSeconds();
+    product.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+    const double seconds = CpuSeconds() - begin;
+    CHECK(product(0, 0) > 0.0);
+    return seconds;
   }
 
   int num_segments() const { return static_cast<int>(boundaries_.size()) - 1; }
@@ -254,53 +258,6 @@ class Fit {
         << cost << " against " << plain_cost;
   }
 
-  // CondensedCost computes tangents, condenses and takes a square root in one
-  // evaluation. The parts are timed one by one at the last iterate and taken in
-  // proportion.
-  void SplitJacobian(const Vector& x, std::vector<IterationTimes>* iterations) {
-    CondensedSystem system;
-    CHECK(shooting_.Linearize(x, &system));
-    std::vector<double> linearize, tangents, root;
-    Matrix square_root;
-    StructuralDynamics::Prepared prepared;
-    std::string error;
-    CHECK(problem_.dynamics->Prepare(x, &prepared, &error)) << error;
-    std::vector<Observation> observations;
-    for (const MeasuredChannel& channel : record().channels) {
-      observations.push_back(channel.observation);
-    }
-    const ObservationMap observation(*problem_.dynamics, observations);
-    SegmentPropagator propagator(*problem_.dynamics,
-                                 DerivativeMethod::kTangents);
-    SegmentTangents segment;
-    const Matrix starts = shooting_.starts()[0];
-    for (int i = 0; i < 3; ++i) {
-      double begin = CpuSeconds();
-      CHECK(shooting_.Linearize(x, &system));
-      linearize.push_back(CpuSeconds() - begin);
-      begin = CpuSeconds();
-      CHECK(SquareRoot(system.hessian, &square_root));
-      root.push_back(CpuSeconds() - begin);
-      begin = CpuSeconds();
-      for (int k = 0; k < num_segments(); ++k) {
-        CHECK(propagator.Propagate(prepared, observation, grid_, starts.col(k),
-                                   boundaries_[static_cast<size_t>(k)],
-                                   boundaries_[static_cast<size_t>(k) + 1],
-                                   k + 1 == num_segments(),
-                                   SegmentColumns::kAll, &segment));
-      }
-      tangents.push_back(CpuSeconds() - begin);
-    }
-    const double all = Median(linearize) + Median(root);
-    for (IterationTimes& iteration : *iterations) {
-      const double evaluation = iteration.jacobian;
-      iteration.jacobian = evaluation * Median(tangents) / all;
-      iteration.normal =
-          evaluation * (Median(linearize) - Median(tangents)) / all;
-      iteration.solve += evaluation * Median(root) / all;
-    }
-  }
-
   IdentificationProblem problem_;
   ParameterLayout layout_;
   Objective objective_;
@@ -317,8 +274,7 @@ class Fit {
 void SetCounters(const std::string& prefix, const IterationTimes& times,
                  benchmark::State* state) {
   state->counters[prefix + "starts_ms"] = 1e3 * times.starts;
-  state->counters[prefix + "jacobian_ms"] = 1e3 * times.jacobian;
-  state->counters[prefix + "normal_ms"] = 1e3 * times.normal;
+  state->counters[prefix + "linearize_ms"] = 1e3 * times.linearize;
   state->counters[prefix + "solve_ms"] = 1e3 * times.solve;
 }
 
@@ -344,13 +300,15 @@ void BM_Iteration(benchmark::State& state) {
     const double more_segments =
         static_cast<double>(fit.num_segments()) / short_segments;
     extrapolated.starts = short_plain.starts * more_segments;
-    extrapolated.jacobian = short_plain.jacobian * more_segments;
-    extrapolated.normal = short_plain.normal * products / short_products;
+    extrapolated.linearize = short_plain.linearize * more_segments;
+    extrapolated.solve = short_plain.solve * products / short_products;
   }
   const bool run_plain = extrapolated.Total() <= kPlainLimitSeconds;
 
   std::vector<IterationTimes> pinode_iterations, plain_iterations;
+  std::vector<double> rank_updates;
   for (auto _ : state) {
+    rank_updates.push_back(fit.RunRankUpdate());
     const std::vector<IterationTimes> iterations = fit.RunPinode();
     pinode_iterations.insert(pinode_iterations.end(), iterations.begin(),
                              iterations.end());
@@ -381,21 +339,23 @@ void BM_Iteration(benchmark::State& state) {
                    std::to_string(static_cast<int>(kPlainLimitSeconds)) +
                    " s an iteration: extrapolated, not run");
   }
-  const auto compare = [&](const std::string& part, double reference,
-                           double seconds) {
-    Comparison comparison;
-    comparison.name = part + ", " + size + " / plain";
-    comparison.reference_seconds = reference;
-    comparison.pinode_seconds = seconds;
-    if (!run_plain) {
-      comparison.reference = Comparison::Reference::kExtrapolated;
-    }
-    AddComparison(comparison);
-  };
-  compare("iteration", plain.Total(), pinode.Total());
-  compare("  Jacobian", plain.jacobian, pinode.jacobian);
-  compare("  normal equations and solve", plain.normal + plain.solve,
-          pinode.normal + pinode.solve);
+  Comparison comparison;
+  comparison.name = "iteration, " + size + " / plain";
+  comparison.reference_seconds = plain.Total();
+  comparison.pinode_seconds = pinode.Total();
+  if (!run_plain) {
+    comparison.reference = Comparison::Reference::kExtrapolated;
+  }
+  AddComparison(comparison);
+  Comparison products_alone;
+  products_alone.name = "iteration, " + size + " / rank update alone";
+  products_alone.reference_seconds = Median(rank_updates);
+  products_alone.pinode_seconds = pinode.Total();
+  if (!kGroups && num_samples == 4000) {
+    products_alone.requirement = Comparison::Requirement::kAtLeast;
+    products_alone.limit = kRequiredOfRankUpdate;
+  }
+  AddComparison(products_alone);
 }
 BENCHMARK_TEMPLATE(BM_Iteration, 4, false)
     ->Arg(240)

@@ -11,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
 #include "pinode/estimate/identify.h"
+#include "pinode/estimate/profile.h"
 #include "tests/cases/case_figures.h"
 #include "tests/cases/measure.h"
 
@@ -21,14 +22,54 @@ namespace {
 // Schemes 2 and 3, which discovery begins from, are held in
 // discover_cases_test.cc.
 TEST(FourDofFree, PredictsLateTimesAndAnUnseenStart) {
-  ExpectFigures("case 1, scheme1", SchemeFigures("scheme1"),
-                RunCase(ReadCaseOrFail("data/four_dof_free/scheme1.toml")));
+  const CaseRun run =
+      RunCase(ReadCaseOrFail("data/four_dof_free/scheme1.toml"));
+  ExpectFigures("case 1, scheme1", SchemeFigures("scheme1"), run);
+  // Whole records, where steps bend with the valley: none leads out of it.
+  int num_steps = 0;
+  double cost = 0.0;
+  for (const IterationRecord& iteration : run.summary.iterations) {
+    if (iteration.segment_samples > 0 || !iteration.accepted) continue;
+    const bool is_step = iteration.step_norm > 0.0;
+    EXPECT_TRUE(!is_step || iteration.cost <= cost)
+        << "iteration " << iteration.iteration;
+    if (is_step) ++num_steps;
+    cost = iteration.cost;
+  }
+  EXPECT_GT(num_steps, 50);
+}
+
+// Profiles of what stands beside a network end at minima, and cost less than
+// the fit: their refits bend as its steps do.
+void ExpectGroupProfiles(const CaseRun& run) {
+  ProfileOptions profile_options;
+  profile_options.parameters = {"k2", "c4"};
+  std::vector<ParameterProfile> profiles;
+  std::string error;
+  ASSERT_TRUE(ProfileParameters(run.c.problem, run.summary, run.model,
+                                run.c.options, profile_options, &profiles,
+                                &error))
+      << error;
+  for (const ParameterProfile& profile : profiles) {
+    const double truth = Truth("data/four_dof_free/truth.json",
+                               "/groups/scheme2_groups/" + profile.name);
+    EXPECT_FALSE(profile.unsettled) << profile.name;
+    EXPECT_FALSE(profile.found_lower) << profile.name;
+    EXPECT_LT(profile.lower95, truth) << profile.name;
+    EXPECT_GT(profile.upper95, truth) << profile.name;
+    ExpectFigure("case 1, scheme2_groups: linearisations of a profile of " +
+                     profile.name + " over the fit's iterations",
+                 1.0, 0.5,
+                 static_cast<double>(profile.linearizations) /
+                     run.summary.num_iterations);
+  }
 }
 
 TEST(FourDofFreeGroups, FindsStiffnessAndDampingBesideTheNetwork) {
-  ExpectFigures(
-      "case 1, scheme2_groups", GroupFigures(),
-      RunCase(ReadCaseOrFail("data/four_dof_free/scheme2_groups.toml")));
+  const CaseRun run =
+      RunCase(ReadCaseOrFail("data/four_dof_free/scheme2_groups.toml"));
+  ExpectFigures("case 1, scheme2_groups", GroupFigures(), run);
+  ExpectGroupProfiles(run);
 }
 
 // Quoted for the shell.

@@ -88,6 +88,18 @@ def bridge_ambient(case):
             shares(frequency, hertz, ratios, sensors @ real, force))
 
 
+def entry(entries, place):
+    """Of a mode at a place; where the sensors of a station tell its DOFs apart
+    these are reported, and 'a u + b v' is their sum."""
+    if place in entries:
+        return entries[place]
+    words = place.split()
+    if len(words) != 5 or not {words[1], words[4]} <= entries.keys():
+        return np.nan
+    return (float(words[0]) * entries[words[1]] +
+            float(words[3]) * entries[words[4]])
+
+
 def mac(a, b):
     return np.abs(np.vdot(a, b))**2 / (np.vdot(a, a).real * np.vdot(b, b).real)
 
@@ -106,11 +118,9 @@ def main():
         reported += len(result["modes"])
         pairs = []
         for m, mode in enumerate(result["modes"]):
-            entries = {entry["place"]: complex(entry["real"],
-                                               entry["imaginary"])
-                       for entry in mode["shape"]}
-            found = np.array([entries.get(str(place), np.nan)
-                              for place in places])
+            entries = {one["place"]: complex(one["real"], one["imaginary"])
+                       for one in mode["shape"]}
+            found = np.array([entry(entries, str(place)) for place in places])
             seen = np.isfinite(found)
             for i, f in enumerate(hertz):
                 apart = abs(mode["frequency_hz"] / f - 1) + 0.1 * (

@@ -1,0 +1,106 @@
+#include "pinode/study/load_spectra.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/study/checkpoint.h"
+
+namespace pinode {
+namespace {
+
+constexpr int kMostRounds = 2;
+
+double LeastProbability(const IdentificationSummary& summary) {
+  double least = 1.0;
+  for (const AmbientScore& score : summary.ambient) {
+    least = std::min(least, score.probability);
+  }
+  return least;
+}
+
+// "7 knots (probability 3e-18)" of each record that is refined.
+std::string Describe(const IdentificationProblem& given,
+                     const IdentificationSummary& summary) {
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < summary.ambient.size(); ++i) {
+    if (given.ambient[i].knots > 0) continue;
+    const AmbientScore& score = summary.ambient[i];
+    texts.push_back("'" + score.name + "' with " +
+                    std::to_string(score.num_knots) + " knots (probability " +
+                    FormatNumber(score.probability, 2) + ")");
+  }
+  return Join(texts, ", ");
+}
+
+}  // namespace
+
+bool RefineLoadSpectra(const IdentificationProblem& given,
+                       const IdentificationSummary& summary,
+                       IdentificationProblem* problem) {
+  bool refined = false;
+  for (size_t i = 0; i < summary.ambient.size(); ++i) {
+    const AmbientScore& score = summary.ambient[i];
+    if (given.ambient[i].knots > 0 || score.num_knots < 2 ||
+        score.probability >= kDoubtfulAmbientProbability) {
+      continue;
+    }
+    problem->ambient[i].knots = 2 * score.num_knots - 1;
+    refined = true;
+  }
+  return refined;
+}
+
+void SettleLoadSpectra(const FitFunction& fit,
+                       const IdentificationOptions& options,
+                       IdentificationProblem* problem,
+                       IdentificationSummary* summary, IdentifiedModel* model) {
+  const IdentificationProblem given = *problem;
+  const FitFunction run = FitOrIdentify(fit);
+  IdentificationOptions near = options;
+  BeginNearTheEnd(&near);
+  IdentificationProblem finer = given;
+  IdentificationSummary last = *summary;
+  IdentifiedModel begin = *model;
+  std::vector<std::string> tried;
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (last.termination != Termination::kConverged ||
+        !RefineLoadSpectra(given, last, &finer)) {
+      break;
+    }
+    tried.push_back(Describe(given, last));
+    // To whoever wrote the case it is the same problem.
+    finer.description.known_as = ProblemIdentity(given);
+    IdentificationSummary next;
+    IdentifiedModel found;
+    run("finer spectra of the loads", finer, near, &begin, &next, &found);
+    if (next.termination == Termination::kInterrupted) {
+      summary->termination = Termination::kInterrupted;
+      summary->usable = false;
+      summary->message = "interrupted while the loads' spectra were refined";
+      return;
+    }
+    next.seconds += last.seconds;
+    last = next;
+    begin = found;
+    if (next.termination != Termination::kConverged ||
+        LeastProbability(next) <= LeastProbability(*summary)) {
+      continue;
+    }
+    next.choice = summary->choice;
+    *summary = std::move(next);
+    *model = std::move(found);
+    *problem = finer;
+  }
+  if (tried.empty()) return;
+  summary->seconds = last.seconds;
+  summary->remarks.push_back(
+      "The spectra of the loads were refined, for they did not describe the "
+      "ambient records: " +
+      Join(tried, "; then ") + ". What stands is " + Describe(given, *summary) +
+      ".");
+}
+
+}  // namespace pinode

@@ -1,0 +1,33 @@
+// How fine the spectra of loads are that nobody measured.
+
+#ifndef PINODE_STUDY_LOAD_SPECTRA_H_
+#define PINODE_STUDY_LOAD_SPECTRA_H_
+
+#include "pinode/estimate/identification_options.h"
+#include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identification_summary.h"
+#include "pinode/study/growth.h"
+
+namespace pinode {
+
+// Ambient records whose knots nobody has given (0) and whose spectra a fit
+// describes with a probability below kDoubtfulAmbientProbability get a knot
+// between any two: one an octave becomes two. Knots stay far wider than modes,
+// so that what a model lacks is not put down to its loads. False where there is
+// no such record.
+bool RefineLoadSpectra(const IdentificationProblem& given,
+                       const IdentificationSummary& summary,
+                       IdentificationProblem* problem);
+
+// After a fit (`summary` and `model`) of *problem, fits it again with finer
+// spectra, up to four knots an octave, until its ambient records are described.
+// What describes them best stands, and *problem has its knots; a remark says
+// what was tried. `fit`: as FitOrIdentify.
+void SettleLoadSpectra(const FitFunction& fit,
+                       const IdentificationOptions& options,
+                       IdentificationProblem* problem,
+                       IdentificationSummary* summary, IdentifiedModel* model);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_LOAD_SPECTRA_H_
