@@ -44,7 +44,7 @@ bool RefineLoadSpectra(const IdentificationProblem& given,
   for (size_t i = 0; i < summary.ambient.size(); ++i) {
     const AmbientScore& score = summary.ambient[i];
     if (given.ambient[i].knots > 0 || score.num_knots < 2 ||
-        score.probability >= kDoubtfulAmbientProbability) {
+        score.probability >= kLeastAmbientProbability) {
       continue;
     }
     problem->ambient[i].knots = 2 * score.num_knots - 1;

@@ -77,7 +77,7 @@ TEST(LoadSpectra, KnotsThatSomebodyGaveStay) {
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(problem.ambient[1].knots, 5);
   problem = given;
-  summary.ambient[0].probability = 0.06;
+  summary.ambient[0].probability = 1e-3;
   EXPECT_FALSE(RefineLoadSpectra(given, summary, &problem));
   EXPECT_EQ(problem.ambient[0].knots, 0);
 }
