@@ -462,9 +462,11 @@ TEST(Identify, HoldoutsDoNotTakePart) {
   ASSERT_EQ(chain.summary.records.size(), 2u);
   EXPECT_EQ(chain.summary.records[1].name, "other");
   EXPECT_GT(chain.summary.records[1].nrmse, 0.2);
-  // Another structure is predicted worse by the better model of this one.
-  EXPECT_EQ(chain.summary.usable, chain.summary.records[1].nrmse <=
-                                      chain.summary.records[1].prior_nrmse);
+  // Another structure is predicted worse by the better model of this one, or
+  // half wrong.
+  const RecordScore& other = chain.summary.records[1];
+  EXPECT_EQ(chain.summary.usable,
+            other.nrmse <= other.prior_nrmse && other.nrmse <= 0.5);
 }
 
 }  // namespace
