@@ -309,11 +309,10 @@ bool AmbientCost::Evaluate(const Vector& free, double* cost) {
       unknowns_ = Moved(unknowns_there_, follow_ * (free - linearized_at_));
     }
     if (!FitUnknowns(cost)) {
+      if (linearized_at_.size() != free.size()) return false;
       // Too far away for a straight line.
       unknowns_ = unknowns_there_;
-      if (linearized_at_.size() != free.size() || !FitUnknowns(cost)) {
-        return false;
-      }
+      if (!FitUnknowns(cost)) return false;
     }
   }
   evaluated_at_ = free;

@@ -172,6 +172,8 @@ bool AmbientCost::FitUnknowns(double* cost) {
       }
       const double promised = -0.5 * sums.gradient.dot(step);
       if (!(promised > left)) {
+        // Not where a step was refused.
+        unknowns_ = before;
         *cost -= std::max(0.0, promised);
         failure_.clear();
         return true;

@@ -55,4 +55,10 @@ bool CondensedCost::Evaluate(double const* const* parameters, double* residuals,
   return ok;
 }
 
+ceres::LinearSolverType DenseSolverFor(int num_free) {
+  constexpr int kMostForQr = 100;
+  return num_free <= kMostForQr ? ceres::DENSE_QR
+                                : ceres::DENSE_NORMAL_CHOLESKY;
+}
+
 }  // namespace pinode

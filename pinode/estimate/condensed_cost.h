@@ -4,6 +4,7 @@
 #define PINODE_ESTIMATE_CONDENSED_COST_H_
 
 #include <ceres/cost_function.h>
+#include <ceres/types.h>
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
@@ -46,6 +47,10 @@ class CondensedCost final : public ceres::CostFunction {
   mutable double jacobian_seconds_ = 0.0;
   mutable int failed_evaluations_ = 0;
 };
+
+// Ceres' solver for such a block: up to a hundred unknowns the more accurate
+// one, which takes no time to speak of there.
+ceres::LinearSolverType DenseSolverFor(int num_free);
 
 }  // namespace pinode
 

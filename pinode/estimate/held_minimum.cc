@@ -20,8 +20,6 @@ namespace {
 // bend the first walk is cautious, and the next ones begin as the last ended.
 constexpr double kStraightRadius = 1e8;
 constexpr double kBentRadius = 1e3;
-// Up to so many unknowns the more accurate solver takes no time to speak of.
-constexpr int kMostForQr = 100;
 
 // Counts what a solve asks of a cost.
 class CountedCost final : public CostPart {
@@ -85,8 +83,7 @@ void Solve(const BoundedCost& bounded, CostPart* part,
   }
   WalkCallback callback(held_options.stop, radius);
   ceres::Solver::Options options;
-  options.linear_solver_type =
-      n <= kMostForQr ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
+  options.linear_solver_type = DenseSolverFor(n);
   options.max_num_iterations = held_options.max_iterations;
   options.function_tolerance = function_tolerance;
   options.parameter_tolerance = 1e-14;

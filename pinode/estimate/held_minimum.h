@@ -44,6 +44,10 @@ class HeldMinimizer {
   [[nodiscard]] bool Minimize(const Vector& start, const HeldOptions& options,
                               HeldMinimum* minimum);
 
+  // Of the trust region at the end of the last walk, where steps bend.
+  double radius() const { return radius_; }
+  void set_radius(double radius) { radius_ = radius; }
+
  private:
   bool FinishByCeres(const HeldOptions& options, CostPart* cost,
                      HeldMinimum* minimum);
@@ -51,7 +55,6 @@ class HeldMinimizer {
   const ParameterLayout& layout_;
   Objective* objective_;
   bool bends_;
-  // Of the trust region at the end of the last walk.
   double radius_;
 };
 

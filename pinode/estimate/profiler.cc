@@ -106,6 +106,7 @@ bool Profiler::FindOrigin(const Vector& fit, ProfileOrigin* origin) {
     return false;
   }
   origin->converged = minimum.converged;
+  origin->radius = minimizer_.radius();
   if (minimum.system.cost <= origin->system.cost) {
     origin->free = minimum.free;
     origin->system = minimum.system;
@@ -124,6 +125,8 @@ bool Profiler::Run(const ProfileOrigin& origin, int j, double sigma,
   origin_ = &origin;
   profile_ = profile;
   profile_->unsettled = !origin.converged;
+  // What a profile is does not depend on which came before it.
+  minimizer_.set_radius(origin.radius);
   const double variance = origin.variances[j];
   memory_ = sigma > 0.0 && variance > 0.0 ? sigma * sigma / variance : 1.0;
   step_ = std::sqrt(variance * memory_);

@@ -23,6 +23,7 @@ struct ProfileOrigin {
   CondensedSystem system;
   Vector variances;  // of the inverse Hessian; 0 where it has none
   bool converged = true;
+  double radius = 0.0;  // HeldMinimizer::radius there
 };
 
 // Holds everything that the fit has come to; one for each thread.

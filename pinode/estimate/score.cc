@@ -184,4 +184,15 @@ double CombinedError(const IdentificationRecord& record,
   return count > 0 ? std::sqrt(sum / count) : 0.0;
 }
 
+double NoiseShareOf(const RecordScore& score) {
+  double noise = 0.0, all = 0.0;
+  for (const ChannelScore& channel : score.channels) {
+    const double energy = channel.nrmse * channel.nrmse;
+    if (!std::isfinite(energy * channel.noise_share)) continue;
+    all += energy;
+    noise += energy * channel.noise_share;
+  }
+  return all > 0.0 ? noise / all : kNaN;
+}
+
 }  // namespace pinode

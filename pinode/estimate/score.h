@@ -36,6 +36,10 @@ double FreeRunError(const IdentificationProblem& problem,
 double CombinedError(const IdentificationRecord& record,
                      const RecordScore& score);
 
+// Of the residuals' energy over all channels, what has no memory from sample to
+// sample (ChannelScore::noise_share), 0 to 1; NaN where no channel tells.
+double NoiseShareOf(const RecordScore& score);
+
 }  // namespace pinode
 
 #endif  // PINODE_ESTIMATE_SCORE_H_

@@ -18,9 +18,6 @@
 namespace pinode {
 namespace {
 
-// Up to so many unknowns the more accurate solver takes no time to speak of.
-constexpr int kMostForQr = 100;
-
 double FirstRadius(const FitContext& context) {
   const SolveTuning& tuning = context.tuning().solve;
   return HasNetworksOfState(context.problem, context.layout)
@@ -46,9 +43,7 @@ ceres::Solver::Options SolverOptions(const FitContext& context, bool bends,
   const SolveTuning& tuning = context.tuning().solve;
   ceres::Solver::Options options;
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
-  options.linear_solver_type = context.layout.num_free() <= kMostForQr
-                                   ? ceres::DENSE_QR
-                                   : ceres::DENSE_NORMAL_CHOLESKY;
+  options.linear_solver_type = DenseSolverFor(context.layout.num_free());
   options.function_tolerance = function_tolerance;
   options.parameter_tolerance = 1e-14;
   options.gradient_tolerance = 0.0;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pinode/base/strings.h"
+#include "pinode/estimate/score.h"
 
 namespace pinode {
 namespace {
@@ -88,15 +89,9 @@ double StructuredTrainingError(const IdentificationSummary& summary) {
   int count = 0;
   for (const RecordScore& score : summary.records) {
     if (score.role != IdentificationRecord::Role::kTrain) continue;
-    double all = 0.0, noise = 0.0;
-    for (const ChannelScore& channel : score.channels) {
-      const double energy = channel.nrmse * channel.nrmse;
-      if (!std::isfinite(energy * channel.noise_share)) continue;
-      all += energy;
-      noise += energy * channel.noise_share;
-    }
-    const double share = all > 0.0 ? 1.0 - noise / all : 1.0;
-    sum += share * score.nrmse * score.nrmse;
+    const double noise = NoiseShareOf(score);
+    // What cannot be told from motion counts as motion.
+    sum += (std::isnan(noise) ? 1.0 : 1.0 - noise) * score.nrmse * score.nrmse;
     ++count;
   }
   return count > 0 ? std::sqrt(sum / count) : 0.0;

@@ -7,6 +7,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/score.h"
 #include "pinode/report/number_text.h"
 #include "pinode/structure/modal_analysis.h"
 
@@ -132,19 +133,13 @@ const char* HowWell(double nrmse) {
 
 // "'r' well, with an error of 4 % (prior model: 20 %), 30 % of it noise".
 std::string Prediction(const RecordScore& record) {
-  double noise = 0.0, all = 0.0;
-  for (const ChannelScore& channel : record.channels) {
-    const double energy = channel.nrmse * channel.nrmse;
-    if (!std::isfinite(energy * channel.noise_share)) continue;
-    all += energy;
-    noise += energy * channel.noise_share;
-  }
+  const double noise = NoiseShareOf(record);
   std::string text = Quoted(record.name) + " " + HowWell(record.nrmse) +
                      ", with an error of " + PercentOf(record.nrmse) +
                      " (prior model: " + PercentOf(record.prior_nrmse) + ")";
-  if (all > 0.0) {
-    text += ", whose energy is noise for " +
-            ReadableNumber(100.0 * noise / all, 2) + " %";
+  if (std::isfinite(noise)) {
+    text += ", whose energy is noise for " + ReadableNumber(100.0 * noise, 2) +
+            " %";
   }
   return text;
 }

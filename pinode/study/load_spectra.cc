@@ -13,12 +13,19 @@ namespace {
 
 constexpr int kMostRounds = 2;
 
-double LeastProbability(const IdentificationSummary& summary) {
-  double least = 1.0;
-  for (const AmbientScore& score : summary.ambient) {
-    least = std::min(least, score.probability);
-  }
-  return least;
+// By the record that is described worst; where no probability can be told from
+// zero, by how far the spectra are from it.
+bool IsBetter(const IdentificationSummary& one,
+              const IdentificationSummary& other) {
+  const auto least = [](const IdentificationSummary& summary) {
+    std::pair<double, double> worst{1.0, 0.0};
+    for (const AmbientScore& score : summary.ambient) {
+      worst = std::min(worst, {score.probability,
+                               -score.chi_square / score.degrees_of_freedom});
+    }
+    return worst;
+  };
+  return least(one) > least(other);
 }
 
 // "7 knots (probability 3e-18)" of each record that is refined.
@@ -62,7 +69,8 @@ void SettleLoadSpectra(const FitFunction& fit,
   IdentificationOptions near = options;
   BeginNearTheEnd(&near);
   IdentificationProblem finer = given;
-  IdentificationSummary last = *summary;
+  const IdentificationSummary first = *summary;
+  IdentificationSummary last = first;
   IdentifiedModel begin = *model;
   std::vector<std::string> tried;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -70,7 +78,7 @@ void SettleLoadSpectra(const FitFunction& fit,
         !RefineLoadSpectra(given, last, &finer)) {
       break;
     }
-    tried.push_back(Describe(given, last));
+    if (tried.empty()) tried.push_back(Describe(given, first));
     // To whoever wrote the case it is the same problem.
     finer.description.known_as = ProblemIdentity(given);
     IdentificationSummary next;
@@ -82,20 +90,30 @@ void SettleLoadSpectra(const FitFunction& fit,
       summary->message = "interrupted while the loads' spectra were refined";
       return;
     }
+    tried.push_back(Describe(given, next));
     next.seconds += last.seconds;
     last = next;
     begin = found;
     if (next.termination != Termination::kConverged ||
-        LeastProbability(next) <= LeastProbability(*summary)) {
+        !IsBetter(next, *summary)) {
       continue;
     }
-    next.choice = summary->choice;
     *summary = std::move(next);
     *model = std::move(found);
     *problem = finer;
   }
   if (tried.empty()) return;
+  // Of all that came before, the fit that stands knows nothing.
   summary->seconds = last.seconds;
+  summary->choice = first.choice;
+  summary->way = first.way;
+  summary->linear_error = first.linear_error;
+  const std::string sentence = first.choice.Sentence();
+  if (!first.choice.empty() &&
+      std::find(summary->remarks.begin(), summary->remarks.end(), sentence) ==
+          summary->remarks.end()) {
+    summary->remarks.push_back(sentence);
+  }
   summary->remarks.push_back(
       "The spectra of the loads were refined, for they did not describe the "
       "ambient records: " +

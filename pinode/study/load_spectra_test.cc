@@ -37,6 +37,8 @@ IdentificationSummary FitOf(const IdentificationProblem& problem,
     score.name = record.name;
     score.num_knots = record.knots > 0 ? record.knots : 7;
     score.probability = record.name == "monday" ? probability : 0.5;
+    score.degrees_of_freedom = 100;
+    score.chi_square = 1e5 / score.num_knots;
     summary.ambient.push_back(score);
   }
   return summary;
@@ -112,6 +114,26 @@ TEST(LoadSpectra, TheBestStandsWhereNoneIsGood) {
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(model.parameters[0], 13.0);
   EXPECT_EQ(summary.ambient[0].probability, 1e-7);
+}
+
+// What is too small to be told from zero is smaller yet with coarser spectra.
+TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
+  IdentificationProblem problem = TwoAmbientRecords();
+  IdentificationSummary summary = FitOf(problem, 0.0);
+  summary.way = "by stages";
+  summary.linear_error = 0.25;
+  summary.choice.complete = true;
+  summary.choice.candidates = summary.choice.left_out = {"spring"};
+  IdentifiedModel model;
+  Fits fits({0.0, 0.0});
+  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  EXPECT_EQ(problem.ambient[0].knots, 25);
+  EXPECT_EQ(model.parameters[0], 25.0);
+  EXPECT_EQ(summary.way, "by stages");
+  EXPECT_EQ(summary.linear_error, 0.25);
+  ASSERT_EQ(summary.remarks.size(), 2u);
+  EXPECT_EQ(summary.remarks[0], summary.choice.Sentence());
+  EXPECT_THAT(summary.remarks[1], HasSubstr("13 knots (probability 0); then"));
 }
 
 TEST(LoadSpectra, NothingToRefine) {

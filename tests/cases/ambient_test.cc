@@ -7,6 +7,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
+#include "pinode/case/fit_case.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {
@@ -48,6 +49,36 @@ TEST(AmbientCase, WindIsNotWhite) {
   EXPECT_NE(run.summary.message.find("spectra of ambient record 'wind'"),
             std::string::npos)
       << run.summary.message;
+}
+
+// Loads that come twice, the second time weaker and a twentieth of a second
+// later: their spectrum has a knee finer than an octave. A case that does not
+// say how fine it is is fitted all the same, and by finer knots alone.
+TEST(AmbientCase, AnEchoOfTheWindAsksForFinerSpectra) {
+  constexpr Eigen::Index kDelay = 5;  // samples
+  Case c = ReadCaseOrFail(kCase);
+  Matrix& samples = c.problem.ambient[0].samples;
+  const Eigen::Index rest = samples.cols() - kDelay;
+  const Matrix echo = 0.6 * samples.leftCols(rest);
+  samples.rightCols(rest) += echo;
+  const CaseRun coarse = RunCase(c);
+  EXPECT_FALSE(coarse.summary.usable);
+  EXPECT_FALSE(coarse.summary.learns_force);
+  ASSERT_EQ(coarse.summary.ambient.size(), 1u);
+
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  std::string error;
+  ASSERT_TRUE(FitCase(ResultFolder(), nullptr, FitWatch(), &c, &summary, &model,
+                      &error))
+      << error;
+  ASSERT_TRUE(summary.usable) << summary.message;
+  EXPECT_GT(summary.ambient[0].num_knots, coarse.summary.ambient[0].num_knots);
+  EXPECT_EQ(c.problem.ambient[0].knots, summary.ambient[0].num_knots);
+  for (const ParameterEstimate& found : summary.parameters) {
+    EXPECT_NEAR(found.value, TruthOf(found.name), 3.5 * found.sigma)
+        << found.name;
+  }
 }
 
 }  // namespace
