@@ -60,6 +60,7 @@ class DrawingMaker {
     NameGroups();
     CollectFaces();
     CollectNodes();
+    MarkShortLines();
     CollectEdges();
     CollectMarks();
     return std::move(drawing_);
@@ -112,6 +113,9 @@ class DrawingMaker {
           face.nodes.push_back(element.nodes[static_cast<size_t>(corner)]);
         }
         if (corners.size() == 2) drawing_.lines.push_back(face);
+        if (corners.size() == 1 && face.group > 0) {
+          drawing_.markers.push_back(face);
+        }
         if (corners.size() < 3) continue;
         if (FacesOf(element.shape).size() > 1) TurnOutside(element, &face);
         ++count[key(face.nodes)];
@@ -163,6 +167,7 @@ class DrawingMaker {
     for (StructureDrawing::Face& line : drawing_.lines) {
       for (int& node : line.nodes) use(&node);
     }
+    for (StructureDrawing::Face& point : drawing_.markers) use(&point.nodes[0]);
     for (const auto* arrows :
          {&picture_.sensors, &picture_.forces, &picture_.unknown_forces}) {
       for (const StructurePicture::Arrow& arrow : *arrows) {
@@ -196,6 +201,20 @@ class DrawingMaker {
       drawing_.turn = 0.0;
       drawing_.tilt = 0.0;
     }
+  }
+
+  // Springs between nodes at one place would be seen by nobody.
+  void MarkShortLines() {
+    std::vector<StructureDrawing::Face> lines;
+    for (StructureDrawing::Face& line : drawing_.lines) {
+      const double length = (drawing_.positions.row(line.nodes[0]) -
+                             drawing_.positions.row(line.nodes[1]))
+                                .norm();
+      const bool is_short = length < kMarker;
+      if (is_short) line.nodes.resize(1);
+      (is_short ? drawing_.markers : lines).push_back(std::move(line));
+    }
+    drawing_.lines = std::move(lines);
   }
 
   void CollectEdges() {

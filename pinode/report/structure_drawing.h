@@ -19,6 +19,8 @@ constexpr char kUnchangedColor[] = "#bcc7d0";
 constexpr char kSensorColor[] = "#0b6e4f";
 constexpr char kForceColor[] = "#6a4c93";
 constexpr char kUnknownForceColor[] = "#c2185b";
+// Half of a marker, of the structure's size.
+constexpr double kMarker = 0.014;
 
 // In units of the structure's size around its middle.
 struct StructureDrawing {
@@ -32,6 +34,9 @@ struct StructureDrawing {
   std::vector<int> place_of;  // of a node of the geometry, -1: not drawn
   std::vector<Face> faces;
   std::vector<Face> lines;
+  // Lines that are shorter than kMarker, by their first nodes, and points that
+  // are of a group.
+  std::vector<Face> markers;
   std::vector<int> dots;  // nodes of what has neither faces nor lines
   std::vector<std::pair<int, int>> edges;
   std::vector<std::string> colors, told;  // of no group, and of each

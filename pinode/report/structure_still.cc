@@ -130,12 +130,17 @@ class SvgMaker {
     for (const StructureDrawing::Face& line : drawing_.lines) {
       bodies.push_back({DepthOf(line), &line});
     }
+    for (const StructureDrawing::Face& marker : drawing_.markers) {
+      bodies.push_back({DepthOf(marker) + kMarker, &marker});
+    }
     std::stable_sort(
         bodies.begin(), bodies.end(),
         [](const auto& a, const auto& b) { return a.depth < b.depth; });
     text_ += "<g stroke=\"#4b5560\" stroke-width=\"0.6\">\n";
     for (const Body& body : bodies) {
-      if (body.face->nodes.size() == 2) {
+      if (body.face->nodes.size() == 1) {
+        AddMarker(*body.face);
+      } else if (body.face->nodes.size() == 2) {
         AddLine(*body.face);
       } else {
         AddFace(*body.face);
@@ -152,6 +157,15 @@ class SvgMaker {
                (outline ? "#4b5560" : color) + "\" stroke-width=\"" +
                (outline ? "5" : "3.6") + "\"/>\n";
     }
+  }
+
+  void AddMarker(const StructureDrawing::Face& marker) {
+    const Eigen::RowVector2d at = flat_.row(marker.nodes[0]).head(2);
+    const Eigen::RowVector2d across(kMarker, 0.0), along(0.0, kMarker);
+    text_ += "<path class=\"marker\" d=\"M" + Point(at - along) + "L" +
+             Point(at + across) + "L" + Point(at + along) + "L" +
+             Point(at - across) + "Z\" fill=\"" +
+             drawing_.colors[static_cast<size_t>(marker.group)] + "\"/>\n";
   }
 
   void AddFace(const StructureDrawing::Face& face) {

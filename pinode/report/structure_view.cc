@@ -61,6 +61,7 @@ std::string DataAsJson(const StructurePicture& picture,
   Json data;
   data["nodes"] = RoundedRows(drawing.positions, 1e4);
   std::vector<int> triangles, triangle_groups, edges, lines, line_groups;
+  std::vector<int> markers, marker_groups;
   for (const StructureDrawing::Face& face : drawing.faces) {
     for (size_t i = 2; i < face.nodes.size(); ++i) {
       triangles.insert(triangles.end(),
@@ -73,13 +74,20 @@ std::string DataAsJson(const StructurePicture& picture,
     lines.insert(lines.end(), line.nodes.begin(), line.nodes.end());
     line_groups.push_back(line.group);
   }
+  for (const StructureDrawing::Face& marker : drawing.markers) {
+    markers.push_back(marker.nodes[0]);
+    marker_groups.push_back(marker.group);
+  }
   data["triangles"] = triangles;
   data["triangle_groups"] = triangle_groups;
   data["edges"] = edges;
   data["lines"] = lines;
   data["line_groups"] = line_groups;
+  data["markers"] = markers;
+  data["marker_groups"] = marker_groups;
   data["dots"] = drawing.dots;
   data["bar"] = kBar;
+  data["marker"] = kMarker;
   data["tints"] = {kSensorColor, kForceColor, kUnknownForceColor};
   data["colors"] = drawing.colors;
   data["told"] = drawing.told;
@@ -158,7 +166,8 @@ std::string ControlsHtml(const StructurePicture& picture,
          "</select></label> <label><input type=\"checkbox\" class=\"names\" "
          "checked> names</label> <button type=\"button\" "
          "class=\"whole\">Whole view</button> <small>Drag, or arrow keys, to "
-         "turn; wheel (once it was clicked), two fingers, or + and -, to "
+         "turn; wheel (once it was clicked), or + and -, to zoom. One finger "
+         "turns sideways and scrolls the page up and down; two turn and "
          "zoom.</small></p>\n";
 }
 
@@ -185,7 +194,7 @@ CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. -->
 )html";
 
 constexpr char kStructureStyle[] = R"css(<style>
-.structure .scene { border: 1px solid #ddd; touch-action: none; cursor: grab; line-height: 0; }
+.structure .scene { border: 1px solid #ddd; touch-action: pan-y; cursor: grab; line-height: 0; }
 .structure .scene:focus-visible { outline: 3px solid #0072b2; }
 .structure .controls label { margin-right: 1.2em; }
 .structure .controls small { color: #666; }
@@ -211,7 +220,8 @@ std::string StructureSection(const StructurePicture& picture) {
   for (const StructureDrawing::Face& face : drawing.faces) {
     triangles += face.nodes.size() - 2;
   }
-  const size_t size = triangles + 2 * drawing.lines.size();
+  const size_t size =
+      triangles + 2 * (drawing.lines.size() + drawing.markers.size());
   const bool can_turn = *ThreePacked() != '\0';
   const bool turns = can_turn && size <= kMostTriangles;
   const bool still = size <= kMostStillTriangles;

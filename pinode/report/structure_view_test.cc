@@ -121,6 +121,34 @@ TEST(StructureViewTest, UnmeasuredForcesAreArrows) {
                         "\"name\":\"gust\",\"node\":9}]"));
 }
 
+// What has no length, or is a point, shows what it has lost all the same.
+TEST(StructureViewTest, ElementsWithoutLengthAreMarkers) {
+  StructurePicture picture = TwoCubes();
+  const std::string before = StructureSvg(picture);
+  EXPECT_THAT(before, Not(HasSubstr("marker")));
+  picture.modes.clear();
+  picture.geometry.positions.conservativeResize(13, 3);
+  picture.geometry.positions.row(12) = picture.geometry.positions.row(10);
+  picture.geometry.node_names.push_back("13");
+  picture.geometry.elements.push_back({ElementShape::kLine, {10, 12}});
+  picture.geometry.elements.push_back({ElementShape::kPoint, {3}});
+  picture.geometry.elements.push_back({ElementShape::kPoint, {4}});
+  picture.groups[2].elements = {2, 3, 4};  // not the last
+  const StructureDrawing drawing = DrawStructure(picture);
+  EXPECT_EQ(drawing.lines.size(), 1u);
+  ASSERT_EQ(drawing.markers.size(), 2u);
+  EXPECT_EQ(drawing.markers[0].group, 3);
+  EXPECT_EQ(drawing.nodes[static_cast<size_t>(drawing.markers[0].nodes[0])], 3);
+  EXPECT_EQ(drawing.nodes[static_cast<size_t>(drawing.markers[1].nodes[0])],
+            10);
+  const std::string svg = StructureSvg(picture);
+  EXPECT_EQ(testing::FindHtmlFault(svg), "");
+  EXPECT_EQ(Occurrences("class=\"marker\"", svg), 2);
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(StructureSection(picture),
+              HasSubstr("\"marker_groups\":[3,3],\"markers\":["));
+}
+
 // Nodes alone are dots.
 TEST(StructureViewTest, NodesWithoutLines) {
   StructurePicture picture = TwoCubes();

@@ -5,11 +5,13 @@
 
 It draws, turns by pointer and by keys, zooms, moves in its modes, opens within
 a second, a median frame takes less than 50 ms while it turns (software
-rendering), a force that nobody measured is an arrow, it refers to nothing outside, is printed as a still picture, and
-says so where there is no WebGL. Screenshots go to FOLDER. Status 77: there is no
+rendering), one finger scrolls past it, a force that nobody measured is an
+arrow and an element without length a marker, it refers to nothing outside, is
+printed as a still picture, and says so where there is no WebGL. Screenshots go to FOLDER. Status 77: there is no
 Chromium.
 """
 
+import json
 import os
 import re
 import shutil
@@ -110,6 +112,7 @@ def with_webgl(report, folder):
         check(browser.evaluate(f"{SECTION}.dataset.away") != away,
               "two fingers do not zoom")
         browser.evaluate(f"{SECTION}.querySelector('.whole').click()")
+        touch(browser, box)
 
         # A mode moves without anybody's hand.
         modes = browser.evaluate(
@@ -144,6 +147,42 @@ def with_webgl(report, folder):
     return min(seconds), median
 
 
+def drag(browser, fingers, by):
+    """Fingers, each (x, y), together by (x, y) in ten steps."""
+    for step in range(11):
+        browser.send(
+            "Input.dispatchTouchEvent", type="touchMove" if step else "touchStart",
+            touchPoints=[dict(x=x + step * by[0] / 10, y=y + step * by[1] / 10, id=i)
+                         for i, (x, y) in enumerate(fingers)])
+        browser.evaluate("new Promise((d) => requestAnimationFrame(d))")
+    browser.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    browser.evaluate("new Promise((d) => setTimeout(d, 300))")
+
+
+def touch(browser, box):
+    """One finger scrolls past the view or turns it, two tilt it."""
+    browser.send("Emulation.setTouchEmulationEnabled", enabled=True,
+                 maxTouchPoints=2)
+    state = f"[scrollY, {SECTION}.dataset.turn, {SECTION}.dataset.tilt]"
+    two = [(box[0] - 40, box[1]), (box[0] + 40, box[1])]
+    at_first = browser.evaluate(state)
+    drag(browser, [box], (120, 0))
+    across = browser.evaluate(state)
+    check(across[0] == at_first[0] and across[1] != at_first[1],
+          f"one finger across: {across}, {at_first} before")
+    drag(browser, two, (0, -60))
+    tilted = browser.evaluate(state)
+    check(tilted[0] == across[0] and tilted[2] != across[2],
+          f"two fingers up: {tilted}, {across} before")
+    drag(browser, [box], (0, -150))
+    scrolled = browser.evaluate(state)
+    check(scrolled[0] > tilted[0] + 50 and scrolled[1:] == tilted[1:],
+          f"one finger up: {scrolled}, {tilted} before")
+    browser.send("Emulation.setTouchEmulationEnabled", enabled=False)
+    browser.evaluate(f"{SECTION}.scrollIntoView()")
+    browser.evaluate(f"{SECTION}.querySelector('.whole').click()")
+
+
 # Pixels of a colour, #rrggbb.
 COUNT = """const at = [1, 3, 5].map((i) => parseInt('%s'.substr(i, 2), 16));
     let count = 0;
@@ -175,6 +214,42 @@ def unmeasured_force(text, folder):
                     browser.screenshot(os.path.join(folder, name + ".png"))
         check(pixels[1] > pixels[0] + 50,
               f"{pixels[1]} pixels of an unmeasured force, {pixels[0]} without")
+        check(not browser.errors(), f"errors: {browser.errors()}")
+    finally:
+        browser.close()
+
+
+def marker(text, folder):
+    """What has no length is drawn, and told of where it is pointed at."""
+    head, begin, rest = text.partition('class="structure-data">')
+    data, end, tail = rest.partition("</script>")
+    data = json.loads(data)
+    for key in ("triangles", "triangle_groups", "edges", "lines", "line_groups",
+                "sensors", "forces", "marks"):
+        data[key] = []
+    data["nodes"][:3] = [0.0, 0.0, 0.0]
+    data["markers"], data["marker_groups"] = [0], [1]
+    page = head + begin + json.dumps(data).replace("</", "<\\/") + end + tail
+    browser = chromium.Browser(chromium.SOFTWARE_WEBGL)
+    try:
+        with tempfile.TemporaryDirectory() as scratch:
+            path = os.path.join(scratch, "marker.html")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(page)
+            browser.open(path)
+        browser.evaluate(f"{SECTION}.scrollIntoView()")
+        drawn = browser.evaluate(LOOK)[0]
+        if folder:
+            browser.screenshot(os.path.join(folder, "marker.png"))
+        check(0.00005 < drawn < 0.01, f"a marker on {drawn:.6f} of the picture")
+        box = browser.evaluate(
+            "(() => { const b = document.querySelector('#structure canvas')"
+            ".getBoundingClientRect(); return [b.x + b.width / 2, "
+            "b.y + b.height / 2]; })()")
+        browser.send("Input.dispatchMouseEvent", type="mouseMoved",
+                     x=box[0], y=box[1])
+        told = browser.evaluate(f"{SECTION}.querySelector('.told').textContent")
+        check(":" in told, f"of the marker it says '{told}'")
         check(not browser.errors(), f"errors: {browser.errors()}")
     finally:
         browser.close()
@@ -219,6 +294,7 @@ def main():
     check(seconds <= MOST_SECONDS, f"{seconds:.2f} s, more than a second")
     check(median <= MOST_MILLISECONDS, f"median frame of {median:.1f} ms")
     unmeasured_force(text, folder)
+    marker(text, folder)
     without_webgl(report, folder)
 
 
