@@ -178,7 +178,7 @@ int main(int argc, char** argv) {
       !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteDamageFiles(report, folder.working_path(), &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
-    return Refuse(error);
+    return CannotWrite(error, folder);
   }
 
   // 5. What a person is told.

@@ -302,12 +302,12 @@ int main(int argc, char** argv) {
     if (!WriteFittedModel(c, discovery,
                           {c.path, CommandLine(argc, argv), seconds}, folder,
                           &error)) {
-      return Refuse(error);
+      return CannotWrite(error, folder);
     }
   } else {
     if (discovery.num_terms() > 0 &&
         !WriteUnfittedModel(c, model, equations, folder, &error)) {
-      return Refuse(error);
+      return CannotWrite(error, folder);
     }
     // Of a refit of which nothing was left.
     std::error_code ignored;
@@ -315,7 +315,7 @@ int main(int argc, char** argv) {
   }
   if (!WriteDiscoverFiles(discovery, folder.working_path(), &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
-    return Refuse(error);
+    return CannotWrite(error, folder);
   }
 
   // 5. What a person is told.

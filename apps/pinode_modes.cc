@@ -173,13 +173,15 @@ int main(int argc, char** argv) {
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   ResultFolder folder;
-  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error) ||
-      !WriteModesFiles(result, folder.working_path(), &error) ||
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
+    return Refuse(error);
+  }
+  if (!WriteModesFiles(result, folder.working_path(), &error) ||
       !WriteVtu(picture, folder.working_path(), &error) ||
       !WriteModesReport(report, report_options,
                         folder.working_path() + "/report.html", &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
-    return Refuse(error);
+    return CannotWrite(error, folder);
   }
 
   // 4. What a person is told.

@@ -149,7 +149,7 @@ int main(int argc, char** argv) {
     if (!WriteResponse(c.problem, r, parameters,
                        by_sigma ? -1.0 : summary.noise_percent, &noise,
                        folder.working_path(), &finite, &error)) {
-      return Refuse(error);
+      return CannotWrite(error, folder);
     }
     const IdentificationRecord& record = c.problem.records[r];
     summary.records.push_back({record.name, record.num_samples(), finite});
@@ -161,7 +161,7 @@ int main(int argc, char** argv) {
                               &error) ||
       (FLAGS_mat && !WriteMatlabResults(folder.working_path(), &error)) ||
       !folder.Commit(&error)) {
-    return Refuse(error);
+    return CannotWrite(error, folder);
   }
   std::printf("Responses: %s\n", folder.final_path().c_str());
   return all_finite ? kExitDone : kExitNotUsable;

@@ -137,7 +137,7 @@ int main(int argc, char** argv) {
       !WriteHtmlReport(report, report_options,
                        folder.working_path() + "/report.html", &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
-    return Refuse(error);
+    return CannotWrite(error, folder);
   }
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());

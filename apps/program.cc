@@ -9,8 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include "apps/help_text.h"
 #include "pinode/base/logging.h"
@@ -140,6 +142,15 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
 int Refuse(const std::string& message) {
   std::fprintf(stderr, "%s\n", message.c_str());
   return kExitBadInput;
+}
+
+int CannotWrite(const std::string& message, const ResultFolder& folder) {
+  std::error_code status;
+  const bool can_resume =
+      std::filesystem::exists(folder.checkpoint_path(), status);
+  std::fprintf(stderr, "%s%s\n", message.c_str(),
+               can_resume ? "; --resume goes on from what was found" : "");
+  return kExitNotUsable;
 }
 
 std::string CommandLine(int argc, char** argv) {

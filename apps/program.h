@@ -5,11 +5,13 @@
 
 #include <string>
 
+#include "pinode/case/result_folder.h"
+
 namespace pinode {
 
 // Exit statuses of every program.
 inline constexpr int kExitDone = 0;
-inline constexpr int kExitNotUsable = 1;    // ran; files are written and say so
+inline constexpr int kExitNotUsable = 1;    // ran; files, or one line, say so
 inline constexpr int kExitBadInput = 2;     // one line on standard error
 inline constexpr int kExitInterrupted = 3;  // best so far written
 
@@ -23,6 +25,10 @@ inline constexpr int kExitInterrupted = 3;  // best so far written
 
 // Prints `message` as the one line of an error and returns kExitBadInput.
 int Refuse(const std::string& message);
+
+// The same for results that could not be written, and kExitNotUsable. Where
+// the folder has a checkpoint, the line says how to go on.
+int CannotWrite(const std::string& message, const ResultFolder& folder);
 
 // The command line as it could be typed again.
 std::string CommandLine(int argc, char** argv);

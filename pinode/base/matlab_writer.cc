@@ -1,11 +1,15 @@
 #include "pinode/base/matlab_writer.h"
 
 #include <matio.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
+#include <cstring>
 
+#include "pinode/base/file.h"
 #include "pinode/base/matlab_file.h"
 
 namespace pinode {
@@ -78,6 +82,18 @@ MatlabVariable Cells(const char* name, const std::vector<std::string>& texts) {
       Mat_VarCreate(name, MAT_C_CELL, MAT_T_CELL, 2, dims, cells.data(), 0));
 }
 
+// Whether a file of version 5 has all bytes of so many variables: behind a head
+// of 128 each has its size in the second four.
+bool IsWhole(const std::string& content, size_t num_variables) {
+  size_t end = 128, count = 0;
+  for (; end + 8 <= content.size(); ++count) {
+    std::uint32_t size;
+    std::memcpy(&size, &content[end + 4], sizeof(size));
+    end += 8 + size_t{size};
+  }
+  return end == content.size() && count == num_variables;
+}
+
 }  // namespace
 
 struct MatlabWriter::Opened {
@@ -85,10 +101,18 @@ struct MatlabWriter::Opened {
     void operator()(mat_t* mat) const { Mat_Close(mat); }
   };
   std::string path;
+  // matio does not look whether all that it writes arrives. It writes to
+  // memory, and Close from there to the disk.
+  int memory = -1;
+  std::string memory_path;
   std::unique_ptr<mat_t, Closer> file;
   std::vector<std::string> names;
   std::string fault;
 
+  ~Opened() {
+    file.reset();
+    if (memory >= 0) close(memory);
+  }
   void Write(MatlabVariable variable) {
     if (!fault.empty()) return;
     if (variable == nullptr ||
@@ -105,8 +129,11 @@ struct MatlabWriter::Opened {
 MatlabWriter::MatlabWriter(const std::string& path)
     : opened_(std::make_unique<Opened>()) {
   opened_->path = path;
-  opened_->file.reset(Mat_CreateVer(
-      path.c_str(), "MATLAB 5.0 MAT-file, by pinode", MAT_FT_MAT5));
+  opened_->memory = memfd_create("pinode", MFD_CLOEXEC);
+  opened_->memory_path = "/proc/self/fd/" + std::to_string(opened_->memory);
+  opened_->file.reset(Mat_CreateVer(opened_->memory_path.c_str(),
+                                    "MATLAB 5.0 MAT-file, by pinode",
+                                    MAT_FT_MAT5));
   if (opened_->file == nullptr) opened_->fault = "cannot be created";
 }
 
@@ -171,9 +198,18 @@ bool MatlabWriter::Close(std::string* error) {
       opened_->fault.empty()) {
     opened_->fault = "cannot be written";
   }
-  if (opened_->fault.empty()) return true;
-  *error = opened_->path + ": " + opened_->fault;
-  return false;
+  std::string content;
+  std::string unused;
+  if (opened_->fault.empty() &&
+      (!ReadBinaryFile(opened_->memory_path, &content, &unused) ||
+       !IsWhole(content, opened_->names.size()))) {
+    opened_->fault = "cannot be written: there is not enough memory";
+  }
+  if (!opened_->fault.empty()) {
+    *error = opened_->path + ": " + opened_->fault;
+    return false;
+  }
+  return WriteFileAtomically(opened_->path, content, error);
 }
 
 std::string MatlabName(const std::string& name,

@@ -22,7 +22,7 @@ struct MatlabField {
 
 // Names are made valid (letters, digits and '_', a letter first, at most 63),
 // and different from those that are there. Any Add after a failure does
-// nothing; Close says what went wrong.
+// nothing; Close, which writes the file, says what went wrong.
 class MatlabWriter {
  public:
   explicit MatlabWriter(const std::string& path);
@@ -39,7 +39,8 @@ class MatlabWriter {
   // A structure of columns, one below the other.
   void AddStructure(const std::string& name,
                     const std::vector<MatlabField>& fields);
-  // False, with one line in *error, where the file is not whole.
+  // The whole file, or, with one line in *error, none; what was there before
+  // then stays.
   [[nodiscard]] bool Close(std::string* error);
 
  private:

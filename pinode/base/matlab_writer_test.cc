@@ -1,6 +1,9 @@
 #include "pinode/base/matlab_writer.h"
 
+#include <sys/resource.h>
+
 #include <cmath>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -81,6 +84,33 @@ TEST(MatlabWriterTest, SparseMatricesAndTextsComeBack) {
   ASSERT_NE(text, nullptr);
   EXPECT_EQ(text->class_type, MAT_C_CHAR);
   EXPECT_EQ(text->dims[1], 14u);  // characters, not bytes
+}
+
+TEST(MatlabWriterTest, AllOrNothing) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("a.mat");
+  folder.Write("a.mat", "before");
+  std::string error;
+  {
+    // Nothing is written without Close.
+    MatlabWriter writer(path);
+    writer.AddMatrix("M", Matrix::Random(100, 100));
+  }
+  EXPECT_EQ(folder.Read("a.mat"), "before");
+  // No file may be longer than 4 kB, not even in memory.
+  struct rlimit before, limit;
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  limit = before;
+  limit.rlim_cur = 4096;
+  const auto signal_before = std::signal(SIGXFSZ, SIG_IGN);
+  MatlabWriter writer(path);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  writer.AddMatrix("M", Matrix::Random(100, 100));
+  EXPECT_FALSE(writer.Close(&error));
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, signal_before);
+  EXPECT_THAT(error, testing::HasSubstr("a.mat: cannot be written"));
+  EXPECT_EQ(folder.Read("a.mat"), "before");
 }
 
 TEST(MatlabWriterTest, NamesAreValidAndDifferent) {

@@ -86,6 +86,16 @@ std::vector<Leftover> FindLeftovers(const fs::path& final_path) {
   return found;
 }
 
+// Removes everything else.
+void KeepCheckpoint(const fs::path& folder) {
+  std::error_code status;
+  std::vector<fs::path> rest;
+  for (const auto& entry : fs::directory_iterator(folder, status)) {
+    if (entry.path().filename() != kCheckpoint) rest.push_back(entry.path());
+  }
+  for (const fs::path& file : rest) fs::remove_all(file, status);
+}
+
 }  // namespace
 
 bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
@@ -134,9 +144,10 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
 }
 
 ResultFolder::~ResultFolder() {
-  if (working_.empty()) return;
+  if (working_.empty() || is_whole_) return;
+  KeepCheckpoint(working_);
   std::error_code status;
-  if (!fs::exists(checkpoint_path(), status)) fs::remove_all(working_, status);
+  if (fs::is_empty(working_, status)) fs::remove(working_, status);
 }
 
 std::string ResultFolder::checkpoint_path() const {
@@ -167,11 +178,7 @@ bool ResultFolder::Open(const std::string& path, bool overwrite, bool resume,
     if (status) continue;
     taken_over = true;
     // The dead process may have begun to write results.
-    std::vector<fs::path> rest;
-    for (const auto& entry : fs::directory_iterator(working, status)) {
-      if (entry.path().filename() != kCheckpoint) rest.push_back(entry.path());
-    }
-    for (const fs::path& file : rest) fs::remove_all(file, status);
+    KeepCheckpoint(working);
     break;
   }
   if (!taken_over) {
@@ -194,6 +201,7 @@ bool ResultFolder::Open(const std::string& path, bool overwrite, bool resume,
 
 bool ResultFolder::Commit(std::string* error) {
   CHECK(!working_.empty()) << "Open comes before Commit";
+  is_whole_ = true;
   const fs::path final_path(final_);
   const fs::path old(final_ + ".old-" + std::to_string(::getpid()));
   std::error_code status;

@@ -22,7 +22,7 @@ namespace pinode {
 class ResultFolder {
  public:
   ResultFolder() = default;
-  // Without Commit: removes the partial folder, unless it holds a checkpoint.
+  // Without Commit: removes the partial folder, but for a checkpoint in it.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
@@ -48,11 +48,12 @@ class ResultFolder {
   // The checkpoint to resume from; empty where there is none.
   const std::string& resume_path() const { return resume_path_; }
 
-  // Puts the folder in its place. On failure *error says why, and what was in
-  // that place before is there again.
+  // Puts the folder in its place. On failure *error says why, what was in that
+  // place before is there again, and the partial folder stays, whole.
   [[nodiscard]] bool Commit(std::string* error);
 
  private:
+  bool is_whole_ = false;
   std::string final_;
   std::string working_;
   std::string resume_path_;

@@ -136,13 +136,16 @@ TEST(ResultFolderTest, ResumesAfterAKill) {
 
 TEST(ResultFolderTest, KeepsACheckpointWithoutCommit) {
   TemporaryFolder base;
-  std::string error;
+  std::string error, partial;
   {
     ResultFolder folder;
     ASSERT_TRUE(folder.Open(base.Path("out"), false, false, &error)) << error;
     Write(folder.working_path(), "checkpoint.json", "there");
+    Write(folder.working_path(), "result.json", "half");
+    partial = folder.working_path();
   }
   EXPECT_EQ(CountEntries(base.Path("")), 1);
+  EXPECT_EQ(CountEntries(partial), 1);
   // A new start does not care, and clears up behind itself.
   const std::string stale =
       base.Path("out.partial-" + std::to_string(DeadProcess()));
@@ -152,6 +155,23 @@ TEST(ResultFolderTest, KeepsACheckpointWithoutCommit) {
   EXPECT_TRUE(folder.resume_path().empty());
   ASSERT_TRUE(folder.Commit(&error)) << error;
   EXPECT_FALSE(fs::exists(stale));
+}
+
+TEST(ResultFolderTest, WhatCannotBePutInPlaceStays) {
+  TemporaryFolder base;
+  std::string error, partial;
+  {
+    ResultFolder folder;
+    ASSERT_TRUE(folder.Open(base.Path("out"), false, false, &error)) << error;
+    Write(folder.working_path(), "result.json", "1");
+    partial = folder.working_path();
+    // Somebody else was there first.
+    Write(base.Path(""), "out", "");
+    EXPECT_FALSE(folder.Commit(&error));
+  }
+  EXPECT_THAT(error, HasSubstr("the results are in " + partial));
+  EXPECT_TRUE(fs::is_regular_file(base.Path("out")));
+  EXPECT_EQ(CountEntries(partial), 1);
 }
 
 TEST(ResultFolderTest, AnotherProcessIsWriting) {

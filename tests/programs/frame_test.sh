@@ -56,6 +56,52 @@ tested=pinode_update
 sed 's/ELSET=brace_2/ELSET=brace_9/' "$data/frame.inp" >other.inp
 Refused "'brace_2' cannot be changed" --case="$data/healthy_1.toml" \
   --output_dir=E --deck=other.inp
+Refused "nowhere.inp: cannot open" --case="$data/healthy_1.toml" \
+  --output_dir=E --deck=nowhere.inp
+mkdir folder.inp
+Refused "folder.inp: is a folder" --case="$data/healthy_1.toml" \
+  --output_dir=E --deck=folder.inp
+if [[ $(id -u) -ne 0 ]]; then
+  chmod a-r other.inp
+  Refused "other.inp: cannot open" --case="$data/healthy_1.toml" \
+    --output_dir=E --deck=other.inp
+else
+  echo "skipped: a deck that may not be read; root may read anything"
+fi
+
+# A deck that goes wrong after the fit costs the deck alone: status 1, one line,
+# and a folder that is complete without it. DeckLost DECK.
+DeckLost() {
+  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
+  grep -q '^no updated deck: .*cannot' stderr || Fail "expected a reason"
+  [[ -s E/report.html && -z $(find . -path './E*' -name '*.inp*') &&
+    $(find . -maxdepth 1 -name 'E*') == ./E ]] || Fail "not a folder without"
+  grep -q 'No updated deck' E/result.json || Fail "no remark"
+}
+# The deck's name is good, that of the updated one too long for a file.
+long=$(printf 'n%.0s' {1..245}).inp
+cp -- "$data/frame.inp" "$long"
+cp -r D1 E
+rm E/*.inp
+Run 1 pinode_update --case="$data/healthy_1.toml" --output_dir=E --resume \
+  --progress=false --deck="$long"
+DeckLost
+rm -r E
+# The deck is gone when it is read again.
+cp -- "$data/frame.inp" gone.inp
+Vanish() {
+  for _ in {1..500}; do
+    compgen -G 'E.partial-*' >vanish && break
+    sleep 0.02
+  done
+  rm gone.inp
+}
+Vanish &
+Run 1 pinode_update --case="$data/healthy_1.toml" --output_dir=E \
+  --progress=false --deck=gone.inp
+wait
+DeckLost
+rm -r E
 
 # "name value" of each entry of the object KEY in truth.json: of STATE, or, with
 # "", at the top. One entry a line is how the generator writes them.

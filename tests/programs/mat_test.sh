@@ -71,3 +71,40 @@ assert np.array_equal(response["a3"], np.array(table("S/response_train.csv")["a3
 damage = scipy.io.loadmat("D/results.mat", simplify_cells=True)
 assert json.loads(damage["damage_json"])["verdict"] == "no_damage", damage["damage_json"]
 END
+
+# A disk that is full stands as a limit to the size of a file, whose signal is
+# ignored. NotWritten LIMIT FILE PROGRAM ARGUMENT...: status 1, one line that
+# names the file, and no folder F.
+trap '' XFSZ
+NotWritten() {
+  local limit=$1 file=$2 program=$3 status=0
+  shift 3
+  prlimit --fsize="$limit" "$programs/$program" "$@" >stdout 2>stderr ||
+    status=$?
+  [[ $status -eq 1 ]] || Fail "$program $*: status $status, expected 1"
+  [[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line"
+  grep -qF -- "$file: cannot" stderr || Fail "expected a line on $file"
+  [[ ! -e F ]] || Fail "there is a folder F"
+}
+# Of so short records results.mat is the longest file.
+for name in train holdout; do
+  head -n 4 $name.csv >short && mv short $name.csv
+done
+Run 0 pinode_simulate --case=three_storey.toml --output_dir=T --mat
+size=$(stat -c %s T/results.mat)
+[[ $(find T -type f -size +$((size - 1))c) == T/results.mat ]] || Fail "longer files"
+NotWritten $((size - 1)) results.mat pinode_simulate \
+  --case=three_storey.toml --output_dir=F --mat
+[[ -z $(find . -name 'F*') ]] || Fail "something partial is left"
+
+# Of a fit the checkpoint stays beside where the folder would be, and nothing
+# else.
+cp -- "$data"/*.csv .
+NotWritten 100000 prediction_train.csv pinode_update \
+  --case=three_storey.toml --output_dir=F --mat --progress=false
+grep -q -e '--resume' stderr || Fail "expected a word on --resume"
+[[ $(find . -path './F*' -type f) == ./F.partial-*/checkpoint.json ]] ||
+  Fail "something else is left than a checkpoint"
+Run 0 pinode_update --case=three_storey.toml --output_dir=F --mat --resume \
+  --progress=false
+[[ -s F/results.mat && $(find . -name 'F*') == ./F ]] || Fail "not resumed"
