@@ -655,6 +655,11 @@ TEST(CaseFileTest, Simulation) {
   EXPECT_TRUE(std::isnan(record.channels[0].values[0]));
   EXPECT_FALSE(c.problem.IsDriven(c.problem.records[0]));
   EXPECT_GE(record.substeps, 1);
+
+  const std::string eternal = folder.Write(
+      "eternal.toml", Replaced(text, "duration = 2.0", "duration = 1e300"));
+  EXPECT_FALSE(ReadCaseForSimulation(eternal, &c, &error));
+  EXPECT_THAT(error, HasSubstr("'duration' holds 1e8 samples or more"));
 }
 
 // Linear models have no steps unless they are asked for.
@@ -831,6 +836,9 @@ const BadCase kBadCases[] = {
      "start = \"rest\"\nsubsteps = 1\nresample_hz = 4.0",
      "case.toml:22: record 'quake': its sampling is too coarse for the model's "
      "highest mode"},
+    {"ResampledToAbsurdity", "start = \"rest\"",
+     "start = \"rest\"\nresample_hz = 1e9",
+     "case.toml:22: record 'quake': 'resample_hz' is more than 100 times"},
     {"WindowOutside", "start = \"rest\"",
      "start = \"rest\"\nwindow = [0.0, 99.0]",
      "case.toml:22: record 'quake': window [0, 99] reaches beyond"},

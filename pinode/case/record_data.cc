@@ -23,6 +23,10 @@
 namespace pinode {
 namespace {
 
+// Beyond these somebody has mistyped, and would wait for days.
+constexpr double kMostResampled = 100.0;  // times the record's own rate
+constexpr double kMostSamples = 1e8;
+
 // Whether all values that are present are the same.
 bool IsConstant(const Vector& values) {
   double lowest = std::numeric_limits<double>::infinity();
@@ -99,8 +103,13 @@ class RecordDataReader {
     }
     if (section_.file.empty()) {
       base_step_ = section_.sampling_step;
-      num_samples_ = 1 + static_cast<int>(
-                             std::floor(section_.duration / base_step_ + 1e-6));
+      const double steps = std::floor(section_.duration / base_step_ + 1e-6);
+      if (!(steps < kMostSamples)) {
+        return table_.Fail("duration",
+                           "'duration' holds 1e8 samples or more, expected "
+                           "fewer");
+      }
+      num_samples_ = 1 + static_cast<int>(steps);
       if (num_samples_ < 2) {
         return table_.Fail("duration",
                            "'duration' holds fewer than two "
@@ -268,6 +277,11 @@ class RecordDataReader {
 
   bool ResampleAll() {
     if (section_.resampling_step == 0.0) return true;
+    if (section_.resampling_step * kMostResampled < merged_.sampling_step) {
+      return table_.Fail("resample_hz",
+                         "'resample_hz' is more than 100 times the record's "
+                         "own rate, expected less");
+    }
     merged_ = ResampleRecord(merged_, section_.resampling_step);
     if (merged_.num_samples() < 2) {
       return table_.Fail("resample_hz",

@@ -28,6 +28,13 @@ bool BeginsName(char c) {
 
 bool InName(char c) { return BeginsName(c) || IsDigit(c); }
 
+// With all bytes that it has in UTF-8.
+std::string CharacterAt(const std::string& text, size_t position) {
+  size_t end = position + 1;
+  while (end < text.size() && (text[end] & 0xC0) == 0x80) ++end;
+  return text.substr(position, end - position);
+}
+
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 // Length of the number at the beginning of `text`, 0 if there is none.
@@ -235,7 +242,7 @@ bool LibraryFunctionBuilder::Translate() {
       append(i++, std::string(1, c));
       canonical_ += c;
     } else {
-      return Fail(i, std::string("unexpected character '") + c +
+      return Fail(i, "unexpected character '" + CharacterAt(text_, i) +
                          "', expected features, numbers, functions and "
                          "operators");
     }
@@ -382,7 +389,7 @@ bool LibraryFunctionBuilder::FailAs(const mu::ParserError& caught) {
           ? positions_[static_cast<size_t>(caught.GetPos())]
           : text_.size();
   const std::string at = position < text_.size()
-                             ? "at '" + text_.substr(position, 1) + "' "
+                             ? "at '" + CharacterAt(text_, position) + "' "
                              : std::string();
   switch (caught.GetCode()) {
     case mu::ecEMPTY_EXPRESSION:

@@ -273,6 +273,7 @@ TEST(LibraryFunction, SaysWhereATextIsWrong) {
       {"t > 0 ? 1", "'t > 0 ? 1', column 10: ends too early, '?'"},
       {"t : 1", "'t : 1', column "},
       {"t*\"a\"", "'t*\"a\"', column 3: unexpected character"},
+      {"t*\u00e9", "'t*\u00e9', column 3: unexpected character '\u00e9',"},
       {"x[u1]*[0]", "'x[u1]*[0]', column 7: unexpected character '['"},
       {"sin t", "'sin t', column 1: at 's' an operator was expected, or '('"},
   };

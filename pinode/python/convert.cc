@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pinode/base/file.h"
+
 namespace pinode::python {
 namespace {
 
@@ -100,7 +102,11 @@ SparseMatrix FromCompressed(const py::object& columns,
 
 }  // namespace
 
-std::string Error::WithoutZeros(std::string sentence) {
+std::string Error::Readable(std::string sentence) {
+  for (size_t at = FirstInvalidUtf8(sentence); at != std::string::npos;
+       at = FirstInvalidUtf8(sentence)) {
+    sentence[at] = '?';
+  }
   for (size_t at = sentence.find('\0'); at != std::string::npos;
        at = sentence.find('\0', at)) {
     sentence.replace(at, 1, "\\0");

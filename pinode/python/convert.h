@@ -17,12 +17,13 @@ namespace pinode::python {
 // pinode.Error of Python, a ValueError: one sentence.
 class Error : public std::runtime_error {
  public:
-  // What Python passes may have zero bytes, at which the sentence would end.
+  // What Python passes may have zero bytes, at which the sentence would end,
+  // and what is not UTF-8 would leave nothing of it.
   explicit Error(const std::string& sentence)
-      : std::runtime_error(WithoutZeros(sentence)) {}
+      : std::runtime_error(Readable(sentence)) {}
 
  private:
-  static std::string WithoutZeros(std::string sentence);
+  static std::string Readable(std::string sentence);
 };
 
 // Throws *error where a function of the library has failed.

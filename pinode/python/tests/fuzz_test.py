@@ -146,6 +146,22 @@ def try_all(case):
             is_sentence(failure)
 
 
+# What was found once.
+FOUND = [
+    (("library", 0, "terms", 0), "x[u2]*\u00e9"),  # a sentence that was empty
+    (("record", 0, "resample_hz"), 14500221.0),  # a quarter of an hour
+]
+
+
+@pytest.mark.parametrize("path, value", FOUND)
+def test_what_was_found(path, value):
+    tree = copy.deepcopy(EXAMPLE)
+    put(tree, path, value)
+    with pytest.raises(pinode.Error) as failure:
+        pinode.Case.from_dict(tree)
+    is_sentence(failure.value)
+
+
 def test_the_example_is_a_case():
     case = pinode.Case.from_dict(EXAMPLE)
     assert case.identify(callback=lambda s: s["iteration"] < 2).records
