@@ -782,6 +782,7 @@ const BadCase kBadCases[] = {
     {"WrongType", "scale = 200.0", "scale = \"200\"",
      "case.toml:14: group 'k1': 'scale' is the text '200', expected a finite"},
     {"UnknownUnit", "force = \"kN\"", "force = \"KN\"", "case.toml:3: [units]"},
+    {"EmptyUnit", "force = \"kN\"", "force = \"\"", "case.toml:3: [units]"},
     {"UnknownDof", "between = [\"ground\", \"u1\"]",
      "between = [\"ground\", \"u11\"]",
      "case.toml:13: group 'k1': 'u11' is not a DOF of the model; did you mean"},

@@ -317,9 +317,9 @@ bool ReadUnits(const TomlTable& root, UnitSystem* units) {
   if (!table.errors()->ok()) return false;
   // One at a time, so that the message has the line of the wrong one.
   for (const char* key : {"force", "length", "time"}) {
+    if (!table.Has(key)) continue;
     UnitSystem single;
     const std::string unit = table.String(key);
-    if (unit.empty()) continue;
     (key[0] == 'f'   ? single.force
      : key[0] == 'l' ? single.length
                      : single.time) = unit;

@@ -216,6 +216,12 @@ class RecordDataReader {
              Vector* values) {
     if (signal.file == section_.file) return true;
     if (std::abs(file.step - base_step_) > 1e-9 * base_step_) {
+      if (!(file.num_samples * (file.step / base_step_) < kMostSamples)) {
+        return signal.table.Fail("file",
+                                 "at the record's rate it has 1e8 samples or "
+                                 "more, expected a record that is sampled less "
+                                 "often");
+      }
       *values = Resample(*values, file.step, base_step_);
       record_->description.remarks.push_back(
           signal.label + ": resampled from a step of " +

@@ -114,9 +114,9 @@ std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
     baselines.emplace_back();
     std::string error;
     if (py::isinstance<py::str>(entry)) {
-      Require(
-          ReadBaseline(entry.cast<std::string>(), c, &baselines.back(), &error),
-          error);
+      const auto folder =
+          Cast<std::string>(entry, "a baseline", "a fit or a result folder");
+      Require(ReadBaseline(folder, c, &baselines.back(), &error), error);
       continue;
     }
     const auto fit = Cast<std::shared_ptr<Fit>>(entry, "a baseline",

@@ -50,22 +50,21 @@ Vector Resample(const Vector& values, double step, double new_step) {
   if (std::abs(ratio - 1.0) * static_cast<double>(last) < kSameInstant) {
     return values;
   }
+  const auto num_new = static_cast<Eigen::Index>(std::floor(
+                           static_cast<double>(last) / ratio + kSameInstant)) +
+                       1;
+  // All of the history lies before the second new sample: there is nothing that
+  // a cutoff could keep, and the sum below would have no end.
+  if (num_new == 1) return values.head(1);
   if (CountPresent(values) == 0) {
     // Nothing to draw a line through.
-    return Vector::Constant(
-        static_cast<Eigen::Index>(
-            std::floor(static_cast<double>(last) / ratio + kSameInstant)) +
-            1,
-        std::numeric_limits<double>::quiet_NaN());
+    return Vector::Constant(num_new, std::numeric_limits<double>::quiet_NaN());
   }
   const Vector filled = FillMissing(values);
   // Zeros of the sinc are 1 / bandwidth old samples apart.
   const double bandwidth = ratio > 1.0 ? kCutoff / ratio : 1.0;
   const double reach = kNumZeros / bandwidth;
 
-  const auto num_new = static_cast<Eigen::Index>(std::floor(
-                           static_cast<double>(last) / ratio + kSameInstant)) +
-                       1;
   Vector result(num_new);
   for (Eigen::Index k = 0; k < num_new; ++k) {
     // Time in old samples.

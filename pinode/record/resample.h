@@ -26,7 +26,8 @@ namespace pinode {
 //
 // NaN marks missing samples, in and out: a new sample is missing if one of the
 // two old ones around it is (or the old one at its very time). Nearby samples
-// see a straight line across the gap.
+// see a straight line across the gap. Of a history shorter than new_step its
+// first sample is left.
 Vector Resample(const Vector& values, double step, double new_step);
 
 // All channels of a record; the start time stays.

@@ -91,6 +91,12 @@ TEST(ResampleTest, ConstantsAndEnds) {
       1e-4);
 }
 
+TEST(ResampleTest, OneSampleIsLeft) {
+  for (const double step : {0.4, 1e6, 1e300}) {
+    EXPECT_EQ(Resample(Sine(3.0, 0.01, 40), 0.01, step), Sine(3.0, 0.01, 1));
+  }
+}
+
 TEST(ResampleTest, MissingSamplesStayMissing) {
   Vector values = Sine(2.0, 0.01, 401);
   for (int i = 200; i < 210; ++i) {

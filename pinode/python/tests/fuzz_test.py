@@ -150,6 +150,8 @@ def try_all(case):
 FOUND = [
     (("library", 0, "terms", 0), "x[u2]*\u00e9"),  # a sentence that was empty
     (("record", 0, "resample_hz"), 14500221.0),  # a quarter of an hour
+    (("units", "force"), ""),  # an abort
+    (("record", 0, "resample_hz"), 1e-18),  # a number too large for an index
 ]
 
 
@@ -279,6 +281,56 @@ def test_parts_of_anything(data):
 @pytest.fixture(scope="module")
 def fit():
     return pinode.Case.from_dict(EXAMPLE).identify(callback=lambda s: s["iteration"] < 3)
+
+
+def test_folders_without_utf8(fit):
+    with pytest.raises(pinode.Error, match="a baseline is"):
+        fit.damage(["\ud800"])
+
+
+@pytest.fixture(scope="module")
+def folder(fit, tmp_path_factory):
+    path = tmp_path_factory.mktemp("fuzz")
+    fit.save(path / "result")
+    os.chdir(path)  # whatever is written is written here
+    return pinode.read_result("result")
+
+
+@settings
+@hypothesis.given(st.data())
+def test_files_of_anything(fit, folder, data):
+    case = pinode.Case.from_dict(EXAMPLE)
+    work = data.draw(st.sampled_from([
+        lambda v: pinode.read_result(v),
+        lambda v: pinode.read_case(v),
+        lambda v: folder.table(v),
+        lambda v: folder.matrix(v),
+        lambda v: folder.prediction(v),
+        lambda v: folder[v],
+        lambda v: case.replace(title=v),
+        lambda v: case.replace(records=v),
+        lambda v: case.save(v),
+        lambda v: fit.save(v),
+        lambda v: pinode.Unknown(v),
+        lambda v: pinode.Unknown(0.0, lower=v, upper=v),
+        lambda v: pinode.figures.prediction(fit, v),
+        lambda v: pinode.figures.prediction(fit, "r", most=v),
+        lambda v: pinode.frames.frame(fit, v),
+        lambda v: pinode.calculix.element_sets(v),
+        lambda v: pinode.calculix.export("no.inp", v),
+        lambda v: pinode.calculix.export("no.inp", [], factor=v),
+        lambda v: pinode.calculix.export(v, ["a"], masses=v),
+        lambda v: pinode.opensees.read_matrix(v),
+        lambda v: pinode.opensees.read(v, v, dofs={1: [0]}),
+        lambda v: pinode.opensees.equation_names(v, 2),
+        lambda v: pinode.opensees.equation_names({1: [0, v]}, 2),
+    ]))
+    # An integer is an open file to Python, of standard input for one.
+    value = data.draw(values.filter(lambda v: not isinstance(v, (int, np.integer, np.bool_))))
+    try:
+        work(value)
+    except EXPECTED + (AttributeError, IndexError, OSError) as failure:
+        is_sentence(failure)
 
 
 @settings
