@@ -111,7 +111,7 @@ struct SolveTuning {
   double most_network_tolerance = 1e-2;
   // RMS of the residuals, in units of the noise levels, at which it has
   // converged as well, in any round: nobody can see the rest.
-  double smallest_residual = 0.08;
+  double smallest_residual = 0.07;
   // Iterations after which that is measured by the cost anew.
   int fine_network_iterations = 50;
 };
