@@ -77,7 +77,8 @@ double OffsetOf(const SpectralLines& lines) {
             (2.0 * diagonal.array().max(1e-300).log().sum() +
              static_cast<double>(channels));
   }
-  return 3.0 * static_cast<double>(channels * lines.values.cols()) - cost;
+  return (3.0 * static_cast<double>(channels * lines.values.cols()) - cost) /
+         lines.tied;
 }
 
 }  // namespace
@@ -142,6 +143,7 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
     highest = std::max(highest, 2.0 * lowest);
   }
   SetLoads(modes, highest);
+  num_nodes_ = loads_.cols() < channels ? 2 : 1;
   SpectralLines lines =
       FindSpectralLines(record.samples, record.sampling_step, lowest, highest);
   total_lines_ = static_cast<double>(lines.frequency.size());
@@ -225,6 +227,12 @@ Eigen::PartialPivLU<ComplexMatrix> AmbientCost::DynamicStiffness(
   return z.partialPivLu();
 }
 
+double AmbientCost::NodeFrequency(Eigen::Index line, int node) const {
+  if (num_nodes_ == 1) return lines_.frequency[line];
+  return lines_.frequency[line] +
+         (node == 0 ? -lines_.spread[line] : lines_.spread[line]);
+}
+
 ComplexVector AmbientCost::ChannelFactors(double frequency) const {
   const double w = kTwoPi * frequency;
   ComplexVector factors(scales_.size());
@@ -245,11 +253,16 @@ void AmbientCost::FindTransfer(bool all) {
   ParallelFor(kPieces, num_threads_, [&](int piece, int) {
     if (!all && RankOf(piece) != communicator_.rank()) return;
     for (Eigen::Index k = FirstLine(piece); k < FirstLine(piece + 1); ++k) {
-      const double f = lines_.frequency[k];
-      transfer_[static_cast<size_t>(k)] =
-          ChannelFactors(f).asDiagonal() *
-              (sensors_ * DynamicStiffness(f).solve(loads)) +
-          direct;
+      ComplexMatrix& h = transfer_[static_cast<size_t>(k)];
+      h.resize(scales_.size(), num_nodes_ * loads.cols());
+      for (int node = 0; node < num_nodes_; ++node) {
+        const double f = NodeFrequency(k, node);
+        h.middleCols(node * loads.cols(), loads.cols()) =
+            ChannelFactors(f).asDiagonal() *
+                (sensors_ * DynamicStiffness(f).solve(loads)) +
+            direct;
+      }
+      h /= std::sqrt(static_cast<double>(num_nodes_));
     }
   });
 }
@@ -278,7 +291,12 @@ bool AmbientCost::FactorizeLine(Eigen::Index line, const Matrix& loads,
                                 Eigen::LLT<ComplexMatrix>* factor) const {
   const ComplexMatrix& h = transfer_[static_cast<size_t>(line)];
   const auto rows = RealRows(h);
-  const Matrix half = rows * loads;
+  const Eigen::Index areas = loads.cols();
+  Matrix half(rows.rows(), rows.cols());
+  for (int node = 0; node < num_nodes_; ++node) {
+    half.middleCols(node * areas, areas).noalias() =
+        rows.middleCols(node * areas, areas) * loads;
+  }
   const Matrix product = half * rows.transpose();
   ComplexMatrix s(h.rows(), h.rows());
   for (Eigen::Index j = 0; j < h.rows(); ++j) {

@@ -33,9 +33,12 @@ namespace pinode {
 //   gradient  sum tr W_p - z^H W_p z,     information  sum tr(W_p W_q),
 //
 // of groups, loads and noise together, from which the latter are eliminated.
-// Lines within an eighth of a mode's bandwidth are one. Work per line: n^3 of
-// the n DOFs for the transfer function, areas^4 for the loads, and for each
-// group n^2 times the rank of its matrix.
+// Lines within an eighth of a mode's bandwidth are one. Where loads act at
+// fewer areas than there are channels, S_y is all but singular, and what the
+// transfer function turns within such a line is more than small noise: its mean
+// over the line is then taken by two frequencies, right to the third power of
+// the width. Work per line: n^3 of the n DOFs for the transfer function,
+// areas^4 for the loads, and for each group n^2 times the rank of its matrix.
 //
 // The frequency domain was taken rather than innovations in time: a spectrum
 // that nobody knows needs no filter there, modes beyond the band no model, and
@@ -105,6 +108,8 @@ class AmbientCost final : public CostPart {
   // n x n at a frequency, factorised.
   Eigen::PartialPivLU<Eigen::MatrixXcd> DynamicStiffness(
       double frequency) const;
+  // At which a line's spectrum is taken.
+  double NodeFrequency(Eigen::Index line, int node) const;
   // Of displacements to what the channels measure, over their scales.
   Eigen::VectorXcd ChannelFactors(double frequency) const;
   // Where forces act, as the record says or leaves to be found.
@@ -182,9 +187,13 @@ class AmbientCost final : public CostPart {
   // mode far from a knot tell nothing of themselves there, and an estimate
   // alone would find them perfectly correlated. Empty: none.
   Matrix prior_;
-  double offset_ = 0.0;                     // makes the cost positive
-  Matrix mass_, damping_, stiffness_;       // at the last free parameters
-  std::vector<Eigen::MatrixXcd> transfer_;  // per line: channels x areas
+  double offset_ = 0.0;                // makes the cost positive
+  Matrix mass_, damping_, stiffness_;  // at the last free parameters
+  // Frequencies at which the spectrum of a line is taken, one or two, whose
+  // mean it is; per line channels x (areas of each), over the root of their
+  // number.
+  int num_nodes_ = 1;
+  std::vector<Eigen::MatrixXcd> transfer_;
   Vector unknowns_;  // of the loads, then half the logarithms of the noise
   bool unknowns_known_ = false;
   double firmness_ = 0.0;  // of their last step

@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <memory>
+#include <random>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/ranks_testing.h"
+#include "pinode/base/statistics.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/modal/testing.h"
 #include "pinode/record/resample.h"
@@ -20,11 +22,12 @@ using ::testing::HasSubstr;
 AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
                             unsigned seed, double memory,
                             const std::vector<int>& derivatives = {2},
-                            bool base = false) {
+                            bool base = false, double noise = 0.02) {
   constexpr double kStep = 0.02;
   TestExcitation excitation;
   excitation.memory = memory;
   excitation.base = base;
+  excitation.sensor_noise = noise;
   const ResponseRecord fine = SimulateChain(
       chain, 0.2 * kStep, static_cast<Eigen::Index>(5.0 * seconds / kStep),
       seed, derivatives, excitation);
@@ -102,10 +105,7 @@ constexpr double kSpring = 900.0;
 // 1; those between have a little more.
 TestChain RayleighChain(int masses) { return TestChain(masses, kSpring); }
 
-TEST(AmbientCostTest, GradientIsThatOfTheCost) {
-  const TestChain chain = RayleighChain(3);
-  IdentificationProblem problem = ProblemOfChain(
-      chain, kSpring, 0.002, RecordOfChain(chain, 300.0, 1, 0.5, {2, 1, 0}));
+void ExpectGradientOfCost(const IdentificationProblem& problem) {
   const ParameterLayout layout(problem);
   AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 2);
   const Vector free = layout.Free(layout.InitialValues());
@@ -126,6 +126,35 @@ TEST(AmbientCostTest, GradientIsThatOfTheCost) {
     EXPECT_NEAR(slope, system.gradient[i],
                 0.03 * std::abs(slope) + 0.05 * std::sqrt(system.hessian(i, i)))
         << "parameter " << i;
+  }
+}
+
+TEST(AmbientCostTest, GradientIsThatOfTheCost) {
+  const TestChain chain = RayleighChain(3);
+  ExpectGradientOfCost(ProblemOfChain(
+      chain, kSpring, 0.002, RecordOfChain(chain, 300.0, 1, 0.5, {2, 1, 0})));
+}
+
+// The spectrum of a line is then the mean of two.
+TEST(AmbientCostTest, GradientWithFewerLoadsThanChannels) {
+  const TestChain chain = RayleighChain(2);
+  AmbientRecord record = RecordOfChain(chain, 300.0, 1, 0.5);
+  // Between the two, with noise of its own.
+  Observation middle = record.channels[0];
+  middle.name = "middle";
+  middle.weights = Vector::Constant(2, 0.5);
+  record.channels.push_back(middle);
+  record.samples.conservativeResize(3, Eigen::NoChange);
+  record.samples.row(2) = 0.5 * record.samples.topRows(2).colwise().sum();
+  std::mt19937 generator(2);
+  std::normal_distribution<double> noise(
+      0.0, 0.02 * StandardDeviationOfPresent(record.samples.row(0)));
+  for (double& value : record.samples.row(2)) value += noise(generator);
+  record.loads = Matrix::Identity(2, 2);
+  record.areas = {"u1", "u2"};
+  for (const bool correlated : {true, false}) {
+    record.correlated = correlated;
+    ExpectGradientOfCost(ProblemOfChain(chain, kSpring, 0.002, record));
   }
 }
 
@@ -207,6 +236,30 @@ TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
     const ParameterEstimate& k = summary.parameters[i];
     EXPECT_NEAR(k.value, 0.0, 4.0 * k.sigma);
     EXPECT_LT(k.sigma, 0.02);
+  }
+}
+
+// What the transfer function turns within a spectral line is more than sensors
+// that good would hide.
+TEST(AmbientCostTest, OneMotionAndGoodSensors) {
+  const TestChain chain = RayleighChain(2);
+  for (const double noise : {0.01, 0.003}) {
+    IdentificationProblem problem = ProblemOfChain(
+        chain, kSpring, 0.1,
+        RecordOfChain(chain, 600.0, 3, 0.9, {2}, /*base=*/true, noise));
+    problem.ambient[0].base = Matrix::Ones(2, 1);
+    IdentificationOptions options;
+    options.num_threads = 2;
+    IdentificationSummary summary;
+    IdentifiedModel model;
+    Identify(problem, options, nullptr, &summary, &model);
+    EXPECT_TRUE(summary.usable) << noise << ": " << summary.message;
+    ASSERT_EQ(summary.ambient.size(), 1u);
+    EXPECT_GT(summary.ambient[0].probability, 0.01) << noise;
+    for (size_t i = 0; i < 2; ++i) {
+      const ParameterEstimate& k = summary.parameters[i];
+      EXPECT_NEAR(k.value, 0.0, 4.0 * k.sigma) << noise;
+    }
   }
 }
 
@@ -300,6 +353,25 @@ TEST(AmbientCostTest, SaysWhatIsWrong) {
   problem.ambient[0].channels[0].quantity = Quantity::kForce;
   EXPECT_FALSE(problem.IsValid(&error));
   EXPECT_THAT(error, HasSubstr("'u1' is a force"));
+  problem.ambient[0] = RecordOfChain(chain, 20.0, 1, 0.5);
+  problem.ambient[0].knots = 2000;
+  EXPECT_FALSE(problem.IsValid(&error));
+  EXPECT_THAT(error, HasSubstr("2000 knots with 3 numbers each is too fine"));
+}
+
+TEST(AmbientCostTest, ChannelsWhoseGapsLeaveLittleInCommon) {
+  const TestChain chain = RayleighChain(6);
+  IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.0, RecordOfChain(chain, 40.0, 1, 0.5));
+  Matrix& samples = problem.ambient[0].samples;
+  const Eigen::Index gap = samples.cols() / 11;
+  for (Eigen::Index c = 0; c < 6; ++c) {
+    samples.row(c).segment(c * gap, gap).setConstant(std::nan(""));
+    std::string error;
+    EXPECT_EQ(problem.IsValid(&error), c < 5) << error;
+    if (c < 5) continue;
+    EXPECT_THAT(error, HasSubstr("only 46 % of it is free"));
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/ambient_spectrum.h"
 #include "pinode/record/channel_faults.h"
 #include "pinode/structure/modal_analysis.h"
 
@@ -18,6 +19,10 @@ constexpr double kCopy = 1e-10;
 // Of the model's lowest mode in the band: below it spectral lines are no longer
 // independent numbers.
 constexpr double kFewestCyclesOfMode = 20.0;
+// Of a record, that all channels have.
+constexpr double kLeastInCommon = 0.5;
+// Numbers of the loads' covariances at all knots.
+constexpr Eigen::Index kMostUnknowns = 4000;
 
 // Of the model as it is at first, inside the band of the record; 0: none.
 double LowestModeInBand(const AmbientRecord& record,
@@ -87,6 +92,14 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
       }
     }
   }
+  const double in_common = ShareOutsideGaps(samples);
+  if (in_common < kLeastInCommon) {
+    return fail("its channels have gaps at different times, and only " +
+                FormatNumber(100.0 * in_common, 2) +
+                " % of it is free of them, expected " +
+                FormatNumber(100.0 * kLeastInCommon, 2) +
+                " % and more; leave out the channels with the most gaps");
+  }
   if (loads.size() > 0 &&
       (loads.rows() != dofs || !loads.allFinite() ||
        (loads.colwise().squaredNorm().array() <= 0.0).any() ||
@@ -108,6 +121,14 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
                 " loads at most, or such that are not correlated");
   }
   if (knots < 0) return fail("its number of knots must not be negative");
+  const Eigen::Index per_knot =
+      correlated ? areas_of_all * (areas_of_all + 1) / 2 : areas_of_all;
+  if (knots > kMostUnknowns / per_knot) {
+    return fail("a spectrum of " + std::to_string(knots) + " knots with " +
+                std::to_string(per_knot) +
+                " numbers each is too fine, expected " +
+                std::to_string(kMostUnknowns / per_knot) + " knots at most");
+  }
   const double nyquist = 0.5 / sampling_step;
   if (!(lowest_frequency >= 0.0) || !(highest_frequency >= 0.0) ||
       highest_frequency > nyquist ||

@@ -14,9 +14,6 @@ namespace {
 // Parts of the band that are looked at for themselves, and points of a figure.
 constexpr Eigen::Index kMostParts = 40;
 constexpr Eigen::Index kGridPoints = 400;
-// By how much the taper makes powers of neighbouring lines fluctuate together:
-// sum h^4 / (sum h^2)^2 times the samples.
-constexpr double kTaperedLines = 1.06;
 
 }  // namespace
 
@@ -34,6 +31,7 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   score->num_lines = static_cast<int>(total_lines_);
   score->num_knots = spectrum_->num_knots();
   score->explained = Vector::Zero(channels);
+  const double total_count = lines_.count.sum();
   const Eigen::Index parts =
       std::clamp<Eigen::Index>(lines / (8 * channels + 40), 1, kMostParts);
   const Eigen::Index points = std::min<Eigen::Index>(lines, kGridPoints);
@@ -64,7 +62,7 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
     const ComplexMatrix half = factor.matrixL().solve(y);
     const size_t part = std::min(
         products.size() - 1,
-        static_cast<size_t>(seen * static_cast<double>(parts) / total_lines_));
+        static_cast<size_t>(seen * static_cast<double>(parts) / total_count));
     const double count = lines_.count[k];
     seen += count;
     products[part] += factor.matrixL().solve(half.adjoint().eval());
@@ -102,23 +100,28 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
                             std::sqrt(0.5 / record_.sampling_step);
   }
   // n |Q - I|^2 of the mean Q of n products z z^H has the expectation
-  // channels^2, and the variance 2 channels^2 of a chi^2, where n is large.
+  // channels^2, and the variance 2 channels^2 of a chi^2 where n is large;
+  // 1 + 2 channels / n times that otherwise, as r times a chi^2 of channels^2/r
+  // degrees has.
   const double square = static_cast<double>(channels * channels);
+  const double r =
+      1.0 + 2.0 * static_cast<double>(channels * parts) / total_count;
   for (size_t p = 0; p < products.size(); ++p) {
     if (counts[p] == 0.0) continue;
     const ComplexMatrix off =
         products[p] / counts[p] - ComplexMatrix::Identity(channels, channels);
-    const double value = counts[p] / kTaperedLines * off.squaredNorm();
-    score->chi_square += value;
-    const double deviation = (value - square) / std::sqrt(2.0 * square);
+    const double value = counts[p] * off.squaredNorm();
+    score->chi_square += value / r;
+    const double deviation = (value - square) / std::sqrt(2.0 * r * square);
     if (p == 0 || deviation > score->worst_deviation) {
       score->worst_deviation = deviation;
       score->worst_from = starts[p];
       score->worst_to = ends[p];
     }
   }
-  score->degrees_of_freedom = std::max(
-      1, static_cast<int>(square * static_cast<double>(parts) - NumFitted()));
+  score->degrees_of_freedom =
+      std::max(1, static_cast<int>(
+                      (square * static_cast<double>(parts) - NumFitted()) / r));
   score->probability =
       ChiSquareProbability(score->chi_square, score->degrees_of_freedom);
   return true;

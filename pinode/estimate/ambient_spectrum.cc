@@ -17,17 +17,60 @@ namespace {
 
 // Of a record, at either end.
 constexpr double kTapered = 0.05;
+// Cycles of the lowest frequency beside a gap, and what is kept of the squares
+// of what is there; samples in a row that need no taper.
+constexpr double kCyclesBesideGap = 8.0;
+constexpr double kLeastKept = 0.75;
+constexpr Eigen::Index kMostBridged = 4;
 
-Vector Taper(Eigen::Index size) {
-  Vector taper = Vector::Ones(size);
-  const Eigen::Index ends =
-      static_cast<Eigen::Index>(kTapered * static_cast<double>(size));
-  for (Eigen::Index k = 0; k < ends; ++k) {
-    const double value =
-        0.5 - 0.5 * std::cos(kPi * (static_cast<double>(k) + 0.5) /
-                             static_cast<double>(ends));
-    taper[k] = value;
-    taper[size - 1 - k] = value;
+// From 0 to 1 over an interval of length one.
+double Rise(double x) {
+  return 0.5 - 0.5 * std::cos(kPi * std::clamp(x, 0.0, 1.0));
+}
+
+// Of each sample from the next one within a gap of any channel; infinite where
+// there is none.
+Vector DistanceFromGaps(const Matrix& samples, Eigen::Index size) {
+  Vector distance = Vector::Constant(size, kInfinity);
+  for (Eigen::Index c = 0; c < samples.rows(); ++c) {
+    Eigen::Index first = 0;  // of the samples missing in a row
+    for (Eigen::Index k = 0; k <= size; ++k) {
+      if (k < size && std::isnan(samples(c, k))) continue;
+      if (k - first > kMostBridged) {
+        distance.segment(first, k - first).setZero();
+      }
+      first = k + 1;
+    }
+  }
+  for (Eigen::Index k = 1; k < size; ++k) {
+    distance[k] = std::min(distance[k], distance[k - 1] + 1.0);
+  }
+  for (Eigen::Index k = size - 1; k > 0; --k) {
+    distance[k - 1] = std::min(distance[k - 1], distance[k] + 1.0);
+  }
+  return distance;
+}
+
+// `beside`: samples of the taper at a gap's edge, at most.
+Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
+  Vector ends(size);
+  const double at_end =
+      std::max(1.0, std::floor(kTapered * static_cast<double>(size)));
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const double distance =
+        static_cast<double>(std::min(k, size - 1 - k)) + 0.5;
+    ends[k] = Rise(distance / at_end);
+  }
+  const Vector distance = DistanceFromGaps(samples, size);
+  const Vector present = (distance.array() > 0.0).cast<double>();
+  const double all = ends.cwiseProduct(present).squaredNorm();
+  Vector taper = ends.cwiseProduct(present);
+  for (double length = beside; length > 1.0; length *= 0.5) {
+    const Vector shortened = ends.cwiseProduct(
+        ((distance.array() - 0.5) / length).unaryExpr(&Rise).matrix());
+    if (shortened.squaredNorm() < kLeastKept * all) continue;
+    taper = shortened;
+    break;
   }
   return taper;
 }
@@ -47,6 +90,12 @@ Eigen::Index FastSize(Eigen::Index size) {
 
 }  // namespace
 
+double ShareOutsideGaps(const Matrix& samples) {
+  return (DistanceFromGaps(samples, samples.cols()).array() > 0.0)
+      .cast<double>()
+      .mean();
+}
+
 SpectralLines FindSpectralLines(const Matrix& samples, double step,
                                 double lowest, double highest) {
   const Eigen::Index size = FastSize(samples.cols());
@@ -61,13 +110,22 @@ SpectralLines FindSpectralLines(const Matrix& samples, double step,
       Vector::LinSpaced(count, static_cast<double>(first) * spacing,
                         static_cast<double>(last) * spacing);
   lines.values.resize(samples.rows(), count);
-  const Vector taper = Taper(size);
-  const double scale = std::sqrt(2.0 * step / taper.squaredNorm());
+  const Vector taper =
+      Taper(samples, size,
+            kCyclesBesideGap / std::max(lowest * step, spacing * step));
+  const Vector weights = taper / taper.sum();
+  const double square = taper.squaredNorm();
+  const double scale = std::sqrt(2.0 * step / square);
+  lines.tied = static_cast<double>(size) * taper.cwiseAbs2().squaredNorm() /
+               (square * square);
+  // The second moment of |H|^2 is the square of h's derivative.
+  lines.bandwidth = (taper.tail(size - 1) - taper.head(size - 1)).norm() /
+                    (kTwoPi * step * std::sqrt(square));
   Eigen::FFT<double> fft;
   Eigen::VectorXcd transform;
   for (Eigen::Index c = 0; c < samples.rows(); ++c) {
     Vector values = FillMissing(samples.row(c).head(size));
-    values.array() -= values.mean();
+    values.array() -= weights.dot(values);
     values.array() *= scale * taper.array();
     fft.fwd(transform, values);
     lines.values.row(c) = transform.segment(first, count).transpose();
@@ -78,6 +136,7 @@ SpectralLines FindSpectralLines(const Matrix& samples, double step,
 LineGroups GroupLines(const SpectralLines& lines, double width) {
   LineGroups groups;
   std::vector<double> frequencies;
+  std::vector<double> spreads;
   std::vector<double> counts;
   Eigen::Index first = 0;
   while (first < lines.frequency.size()) {
@@ -88,13 +147,18 @@ LineGroups GroupLines(const SpectralLines& lines, double width) {
       ++last;
     }
     const auto y = lines.values.middleCols(first, last - first);
-    groups.products.emplace_back(y * y.adjoint());
-    frequencies.push_back(lines.frequency.segment(first, last - first).mean());
-    counts.push_back(static_cast<double>(last - first));
+    groups.products.emplace_back(y * y.adjoint() / lines.tied);
+    const auto f = lines.frequency.segment(first, last - first);
+    frequencies.push_back(f.mean());
+    spreads.push_back(std::hypot(lines.bandwidth,
+                                 (f.array() - f.mean()).matrix().norm() /
+                                     std::sqrt(static_cast<double>(f.size()))));
+    counts.push_back(static_cast<double>(last - first) / lines.tied);
     first = last;
   }
   const Eigen::Index size = static_cast<Eigen::Index>(counts.size());
   groups.frequency = Eigen::Map<const Vector>(frequencies.data(), size);
+  groups.spread = Eigen::Map<const Vector>(spreads.data(), size);
   groups.count = Eigen::Map<const Vector>(counts.data(), size);
   return groups;
 }

@@ -15,12 +15,21 @@ namespace pinode {
 // noise of spectral density S makes them independent complex normal numbers of
 // covariance S (P. Whittle, J. Roy. Statist. Soc. B 15 (1953) 125). The ends
 // are tapered over a twentieth of the record, so that what is strong at one
-// frequency does not leak over all. Missing samples are bridged by straight
-// lines.
+// frequency does not leak over all. A few missing samples are bridged by
+// straight lines; gaps longer than that, in whatever channel, are cut out of
+// all with tapers of their own, eight cycles of the lowest frequency long, or
+// shorter where gaps would leave little.
 struct SpectralLines {
   Vector frequency;         // cycles per unit of time
   Eigen::MatrixXcd values;  // channels x lines; |.|^2 is a one-sided density
+  // For how many lines an independent one stands, n sum h^4 / (sum h^2)^2 of
+  // the n samples' tapers h: powers of neighbours fluctuate together.
+  double tied = 1.0;
+  // Standard deviation of the frequencies that the tapers mix into a line.
+  double bandwidth = 0.0;
 };
+// What is left of a record, as a fraction, where such gaps are cut out.
+double ShareOutsideGaps(const Matrix& samples);
 SpectralLines FindSpectralLines(const Matrix& samples, double step,
                                 double lowest, double highest);
 
@@ -37,9 +46,10 @@ inline Eigen::Map<const Matrix> RealRows(const Eigen::MatrixXcd& matrix) {
 // them: their products are all that the likelihood wants. How many there are
 // does not grow with the record.
 struct LineGroups {
-  Vector frequency;                        // means
-  Vector count;                            // of lines
-  std::vector<Eigen::MatrixXcd> products;  // sum of Y Y^H
+  Vector frequency;  // means
+  Vector spread;     // standard deviation of what is in it, with the bandwidth
+  Vector count;      // of independent lines
+  std::vector<Eigen::MatrixXcd> products;  // mean of Y Y^H, times that
 
   Eigen::Index size() const { return frequency.size(); }
 };

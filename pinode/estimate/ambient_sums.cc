@@ -62,6 +62,8 @@ class AmbientCost::LineSums {
         groups_(with_groups ? static_cast<Eigen::Index>(cost.columns_.size())
                             : 0),
         square_(channels_ * channels_),
+        areas_(cost.spectrum_->num_areas()),
+        nodes_(cost.num_nodes_),
         knot_(knot),
         two_(spectrum_.num_knots() > 1),
         root_(spectrum_.Root(cost.unknowns_, knot)),
@@ -71,15 +73,16 @@ class AmbientCost::LineSums {
         rows_(square_ * kStretch, channels_ + groups_),
         misfit_(square_ * kStretch),
         rest_(Matrix::Zero(channels_ + groups_, channels_ + groups_)) {
-    const Eigen::Index areas = spectrum_.num_areas();
-    const Eigen::Index rows = 2 * channels_ * kStretch;
-    for (Matrix& seen : seen_) seen.resize(rows, areas);
-    misfit_seen_.resize(rows, areas);
-    by_group_.assign(static_cast<size_t>(groups_), Matrix(rows, areas));
+    const Eigen::Index rows = 2 * channels_ * nodes_ * kStretch;
+    for (Matrix& seen : seen_) seen.resize(rows, areas_);
+    misfit_seen_.resize(rows, areas_);
+    by_group_.assign(static_cast<size_t>(groups_), Matrix(rows, areas_));
     by_noise_.assign(static_cast<size_t>(channels_),
-                     Matrix(2 * kStretch, areas));
-    for (Matrix& weights : weights_) weights.resize(2 * kStretch, channels_);
-    const Matrix empty = Matrix::Zero(areas * areas, channels_ + groups_);
+                     Matrix(2 * nodes_ * kStretch, areas_));
+    for (Matrix& weights : weights_) {
+      weights.resize(2 * nodes_ * kStretch, channels_);
+    }
+    const Matrix empty = Matrix::Zero(areas_ * areas_, channels_ + groups_);
     cross_ = {empty, empty};
   }
 
@@ -100,12 +103,13 @@ class AmbientCost::LineSums {
     off_ = -powers;
     off_.diagonal().array() += count;
     product_.noalias() = h_.adjoint() * h_;
-    information_.Add(product_, count, below, above);
-    const Eigen::Index first = 2 * channels_ * in_stretch_;
-    seen_[0].middleRows(first, 2 * channels_) = below * RealRows(h_);
-    seen_[1].middleRows(first, 2 * channels_) = above * RealRows(h_);
+    AddInformation(count, below, above);
     moved_.noalias() = off_ * h_;
-    misfit_seen_.middleRows(first, 2 * channels_) = RealRows(moved_);
+    for (int node = 0; node < nodes_; ++node) {
+      RowsOf(node, &seen_[0]) = below * OfNode(h_, node);
+      RowsOf(node, &seen_[1]) = above * OfNode(h_, node);
+      RowsOf(node, &misfit_seen_) = OfNode(moved_, node);
+    }
     const Eigen::Index place = in_stretch_ * square_;
     off_ /= root_of_count;
     Flatten(off_, misfit_.segment(place, square_));
@@ -118,15 +122,18 @@ class AmbientCost::LineSums {
       square.noalias() = (root_of_count * noise[c] * inverse_.col(c)) *
                          inverse_.col(c).adjoint();
       Flatten(square, rows_.col(c).segment(place, square_));
-      by_noise_[static_cast<size_t>(c)].middleRows(2 * in_stretch_, 2) =
-          RealRows(moved_).middleRows(2 * c, 2);
+      const Eigen::Index first = 2 * nodes_ * in_stretch_;
+      for (int node = 0; node < nodes_; ++node) {
+        by_noise_[static_cast<size_t>(c)].middleRows(first + 2 * node, 2) =
+            OfNode(moved_, node).middleRows(2 * c, 2);
+      }
       weights_[0]
           .col(c)
-          .segment(2 * in_stretch_, 2)
+          .segment(first, 2 * nodes_)
           .setConstant(count * noise[c] * below);
       weights_[1]
           .col(c)
-          .segment(2 * in_stretch_, 2)
+          .segment(first, 2 * nodes_)
           .setConstant(count * noise[c] * above);
     }
     if (groups_ > 0) AddGroups(line, loads, lower);
@@ -139,7 +146,6 @@ class AmbientCost::LineSums {
     const Eigen::Index per_knot = spectrum_.per_knot();
     const Eigen::Index rest = channels_ + groups_;
     const Eigen::Index active = 2 * per_knot + rest;
-    const Eigen::Index areas = spectrum_.num_areas();
     IntervalSums sums;
     sums.knot = knot_;
     Matrix& information = sums.information;
@@ -152,7 +158,7 @@ class AmbientCost::LineSums {
             ByLoadEntries(spectrum_, side == 0 ? root_ : next_root_,
                           Eigen::Map<const Matrix>(
                               cross_[static_cast<size_t>(side)].col(i).data(),
-                              areas, areas));
+                              areas_, areas_));
       }
     }
     information.bottomLeftCorner(rest, 2 * per_knot) =
@@ -172,15 +178,64 @@ class AmbientCost::LineSums {
   }
 
  private:
+  // Columns of a node in what has those of all; its rows in a sum of the
+  // stretch.
+  auto OfNode(const ComplexMatrix& all, int node) const {
+    return RealRows(all).middleCols(node * areas_, areas_);
+  }
+  auto RowsOf(int node, Matrix* sums) const {
+    return sums->middleRows(2 * channels_ * (in_stretch_ * nodes_ + node),
+                            2 * channels_);
+  }
+
+  // Both nodes have the same loads:
+  //   sum over nodes s, t of tr(A_st D_p A_ts D_q),  A_st = H_s^H S^-1 H_t,
+  // where A_01 = B + i C counts as B and C do, both Hermitian.
+  void AddInformation(double count, double below, double above) {
+    for (int node = 0; node < nodes_; ++node) {
+      information_.Add(
+          product_.block(node * areas_, node * areas_, areas_, areas_), count,
+          below, above);
+    }
+    if (nodes_ == 1) return;
+    const ComplexMatrix a = product_.topRightCorner(areas_, areas_);
+    information_.Add(0.5 * (a + a.adjoint()), 2.0 * count, below, above);
+    information_.Add(Complex(0.0, -0.5) * (a - a.adjoint()), 2.0 * count, below,
+                     above);
+  }
+
   // Of h_, the line's.
   template <typename Lower>
   void AddGroups(Eigen::Index line, const Matrix& loads, const Lower& lower) {
     const double count = cost_.lines_.count[line];
-    const double f = cost_.lines_.frequency[line];
+    std::vector<ComplexMatrix> both(static_cast<size_t>(groups_),
+                                    ComplexMatrix::Zero(channels_, channels_));
+    for (int node = 0; node < nodes_; ++node) {
+      AddHalves(line, node, loads, lower, &both);
+    }
+    for (Eigen::Index g = 0; g < groups_; ++g) {
+      ComplexMatrix& half = both[static_cast<size_t>(g)];
+      half += half.adjoint().eval();
+      Flatten(std::sqrt(count) * half,
+              rows_.col(channels_ + g).segment(in_stretch_ * square_, square_));
+      moved_.noalias() = count * half * h_;
+      for (int node = 0; node < nodes_; ++node) {
+        RowsOf(node, &by_group_[static_cast<size_t>(g)]) = OfNode(moved_, node);
+      }
+    }
+  }
+
+  // Adds L^-1 dH P H^H L^-H of a node for each group.
+  template <typename Lower>
+  void AddHalves(Eigen::Index line, int node, const Matrix& loads,
+                 const Lower& lower, std::vector<ComplexMatrix>* halves) const {
+    const double f = cost_.NodeFrequency(line, node);
     const double w = kTwoPi * f;
     // Forces that go with each whitened channel, and what they move; what
     // moves the channels.
-    const ComplexMatrix right = loads * h_.adjoint();
+    const ComplexMatrix right = loads *
+                                h_.middleCols(node * areas_, areas_).adjoint() /
+                                std::sqrt(static_cast<double>(nodes_));
     const Eigen::Index dofs = cost_.mass_.rows();
     ComplexMatrix both_sides(dofs, 2 * channels_);
     both_sides.leftCols(channels_) = cost_.loads_ * right;
@@ -193,9 +248,9 @@ class AmbientCost::LineSums {
     lower.solveInPlace(left);
     const ComplexMatrix based =
         (cost_.base_ * right.bottomRows(cost_.base_.cols())).transpose();
-    const Eigen::Index first = 2 * channels_ * in_stretch_;
     for (Eigen::Index g = 0; g < groups_; ++g) {
       const Column& group = cost_.columns_[static_cast<size_t>(g)];
+      if (group.left.cols() == 0) continue;
       const bool mass = group.target == MatrixGroup::Target::kMass;
       const Complex by = group.target == MatrixGroup::Target::kStiffness
                              ? Complex(1.0, 0.0)
@@ -204,16 +259,10 @@ class AmbientCost::LineSums {
                              : Complex(-w * w, 0.0);
       const ComplexMatrix pushed = mass ? ComplexMatrix(-by * moved - based)
                                         : ComplexMatrix(-by * moved);
-      const ComplexMatrix half =
+      (*halves)[static_cast<size_t>(g)].noalias() +=
           TimesReal(left, group.left) *
           (group.right.size() > 0 ? TimesReal(pushed, group.right) : pushed)
               .transpose();
-      const ComplexMatrix both = half + half.adjoint();
-      Flatten(std::sqrt(count) * both,
-              rows_.col(channels_ + g).segment(in_stretch_ * square_, square_));
-      moved_.noalias() = count * both * h_;
-      by_group_[static_cast<size_t>(g)].middleRows(first, 2 * channels_) =
-          RealRows(moved_);
     }
   }
 
@@ -228,8 +277,7 @@ class AmbientCost::LineSums {
   void EndStretch() {
     if (in_stretch_ == 0) return;
     const Eigen::Index per_knot = spectrum_.per_knot();
-    const Eigen::Index areas = spectrum_.num_areas();
-    const Eigen::Index rows = 2 * channels_ * in_stretch_;
+    const Eigen::Index rows = 2 * channels_ * nodes_ * in_stretch_;
     const auto part = rows_.topRows(in_stretch_ * square_);
     Vector score(2 * per_knot + channels_ + groups_);
     for (int side = 0; side < (two_ ? 2 : 1); ++side) {
@@ -239,7 +287,7 @@ class AmbientCost::LineSums {
           ByLoadEntries(spectrum_, side == 0 ? root_ : next_root_,
                         seen * misfit_seen_.topRows(rows));
       for (Eigen::Index i = 0; i < channels_ + groups_; ++i) {
-        Eigen::Map<Matrix> cross(cross_[s].col(i).data(), areas, areas);
+        Eigen::Map<Matrix> cross(cross_[s].col(i).data(), areas_, areas_);
         if (i >= channels_) {
           cross.noalias() +=
               seen *
@@ -247,10 +295,10 @@ class AmbientCost::LineSums {
           continue;
         }
         const auto by_noise =
-            by_noise_[static_cast<size_t>(i)].topRows(2 * in_stretch_);
+            by_noise_[static_cast<size_t>(i)].topRows(rows / channels_);
         cross.noalias() +=
             by_noise.transpose() *
-            (weights_[s].col(i).head(2 * in_stretch_).asDiagonal() * by_noise);
+            (weights_[s].col(i).head(rows / channels_).asDiagonal() * by_noise);
       }
     }
     if (!two_) score.segment(per_knot, per_knot).setZero();
@@ -267,18 +315,21 @@ class AmbientCost::LineSums {
 
   const AmbientCost& cost_;
   const LoadSpectrum& spectrum_;
-  const Eigen::Index channels_, groups_, square_;
+  const Eigen::Index channels_, groups_, square_, areas_;
+  const int nodes_;
   const int knot_;
   const bool two_;
   const Matrix root_, next_root_;
   LoadInformation information_;
-  // Of a line: L^-1 H, L^-1, what is left of the powers, H^H S^-1 H.
+  // Of a line: L^-1 H of all nodes, L^-1, what is left of the powers, and H^H
+  // S^-1 H.
   ComplexMatrix h_, inverse_, off_, product_, moved_;
   // Of the stretch: rows of noise and groups, and what they should explain.
   Matrix rows_;
   Vector misfit_;
-  // Of the stretch, rows of each line: L^-1 H with the weights of both sides,
-  // and (I - powers), W of the groups and roots of that of the noise times it.
+  // Of the stretch, rows of each line and node: L^-1 H with the weights of both
+  // sides, and (I - powers), W of the groups and roots of that of the noise
+  // times it.
   std::array<Matrix, 2> seen_;
   Matrix misfit_seen_;
   std::vector<Matrix> by_group_, by_noise_;

@@ -26,6 +26,10 @@ constexpr double kLargestFall = 0.9;
 constexpr double kLeastFirmness = 1e-3;
 constexpr double kMostFirmness = 1e8;
 constexpr double kFirmer = 4.0;
+// Of what a step promises of the cost, so much must come true; and more than so
+// much before the next one is held less.
+constexpr double kLeastOfPromise = 0.1;
+constexpr double kMostOfPromise = 0.7;
 // Of a channel's density over that of the band: noise below it makes no
 // difference.
 constexpr double kSmallestNoise = 1e-7;
@@ -155,11 +159,11 @@ bool AmbientCost::FitUnknowns(double* cost) {
   for (int iteration = 0; iteration < kMostScoringSteps; ++iteration) {
     HoldNoise(&sums);
     const Matrix metric = RelativeMetric();
-    firmness = std::clamp(firmness / (kFirmer * kFirmer), kLeastFirmness,
-                          kMostFirmness / kFirmer);
+    firmness = std::clamp(firmness, kLeastFirmness, kMostFirmness / kFirmer);
     const Vector before = unknowns_;
     bool is_lower = false;
     double next = 0.0;
+    double kept = 0.0;
     while (!is_lower && firmness < kMostFirmness) {
       const InformationSolver solver(sums.information + firmness * metric);
       Vector step;
@@ -179,16 +183,18 @@ bool AmbientCost::FitUnknowns(double* cost) {
         return true;
       }
       unknowns_ = Moved(before, step);
-      is_lower = unknowns_.allFinite() && Accumulate(false, &next, nullptr) &&
-                 next <= *cost;
+      kept = unknowns_.allFinite() && Accumulate(false, &next, nullptr)
+                 ? (*cost - next) / promised
+                 : 0.0;
+      is_lower = kept >= kLeastOfPromise;
       if (!is_lower) firmness *= kFirmer;
     }
     if (!is_lower) {
       unknowns_ = before;
       break;
     }
-    const bool done = *cost - next < left;
-    if (done || !Accumulate(false, cost, &sums)) {
+    if (kept > kMostOfPromise) firmness /= kFirmer * kFirmer;
+    if (!Accumulate(false, cost, &sums)) {
       *cost = next;
       break;
     }

@@ -42,6 +42,25 @@ std::string Describe(const IdentificationProblem& given,
   return Join(texts, ", ");
 }
 
+// Loads and noise were first found at a model that was further away: the powers
+// of their spectra, and what their covariances are held to, are of that one.
+bool MayHaveBetterLoads(const IdentificationSummary& summary) {
+  return summary.termination == Termination::kConverged &&
+         std::any_of(summary.ambient.begin(), summary.ambient.end(),
+                     [](const AmbientScore& score) {
+                       return score.probability < kDoubtfulAmbientProbability;
+                     });
+}
+
+bool Interrupted(const IdentificationSummary& next,
+                 IdentificationSummary* summary) {
+  if (next.termination != Termination::kInterrupted) return false;
+  summary->termination = Termination::kInterrupted;
+  summary->usable = false;
+  summary->message = "interrupted while the loads' spectra were refined";
+  return true;
+}
+
 }  // namespace
 
 bool RefineLoadSpectra(const IdentificationProblem& given,
@@ -70,26 +89,37 @@ void SettleLoadSpectra(const FitFunction& fit,
   BeginNearTheEnd(&near);
   IdentificationProblem finer = given;
   const IdentificationSummary first = *summary;
+  bool again = false;
   IdentificationSummary last = first;
   IdentifiedModel begin = *model;
   std::vector<std::string> tried;
+  if (MayHaveBetterLoads(first)) {
+    IdentificationSummary next;
+    IdentifiedModel found;
+    run("loads at the model found", given, near, &begin, &next, &found);
+    if (Interrupted(next, summary)) return;
+    last.seconds = next.seconds += first.seconds;
+    if (next.termination == Termination::kConverged &&
+        next.final_cost < first.final_cost) {
+      last = next;
+      begin = found;
+      *summary = std::move(next);
+      *model = std::move(found);
+    }
+    again = true;
+  }
   for (int round = 0; round < kMostRounds; ++round) {
     if (last.termination != Termination::kConverged ||
         !RefineLoadSpectra(given, last, &finer)) {
       break;
     }
-    if (tried.empty()) tried.push_back(Describe(given, first));
+    if (tried.empty()) tried.push_back(Describe(given, last));
     // To whoever wrote the case it is the same problem.
     finer.description.known_as = ProblemIdentity(given);
     IdentificationSummary next;
     IdentifiedModel found;
     run("finer spectra of the loads", finer, near, &begin, &next, &found);
-    if (next.termination == Termination::kInterrupted) {
-      summary->termination = Termination::kInterrupted;
-      summary->usable = false;
-      summary->message = "interrupted while the loads' spectra were refined";
-      return;
-    }
+    if (Interrupted(next, summary)) return;
     tried.push_back(Describe(given, next));
     next.seconds += last.seconds;
     last = next;
@@ -102,7 +132,7 @@ void SettleLoadSpectra(const FitFunction& fit,
     *model = std::move(found);
     *problem = finer;
   }
-  if (tried.empty()) return;
+  if (tried.empty() && !again) return;
   // Of all that came before, the fit that stands knows nothing.
   summary->seconds = last.seconds;
   summary->choice = first.choice;
@@ -114,6 +144,7 @@ void SettleLoadSpectra(const FitFunction& fit,
           summary->remarks.end()) {
     summary->remarks.push_back(sentence);
   }
+  if (tried.empty()) return;
   summary->remarks.push_back(
       "The spectra of the loads were refined, for they did not describe the "
       "ambient records: " +

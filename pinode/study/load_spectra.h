@@ -19,10 +19,12 @@ bool RefineLoadSpectra(const IdentificationProblem& given,
                        const IdentificationSummary& summary,
                        IdentificationProblem* problem);
 
-// After a fit (`summary` and `model`) of *problem, fits it again with finer
-// spectra, up to four knots an octave, until its ambient records are described.
-// What describes them best stands, and *problem has its knots; a remark says
-// what was tried. `fit`: as FitOrIdentify.
+// After a fit (`summary` and `model`) of *problem whose ambient records it
+// describes doubtfully, fits it once more from there, with loads found anew at
+// that model; what costs least stands. Then fits it with finer spectra, up to
+// four knots an octave, until its ambient records are described. What describes
+// them best stands, and *problem has its knots; a remark says what was tried.
+// `fit`: as FitOrIdentify.
 void SettleLoadSpectra(const FitFunction& fit,
                        const IdentificationOptions& options,
                        IdentificationProblem* problem,

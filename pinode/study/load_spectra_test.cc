@@ -32,6 +32,7 @@ IdentificationSummary FitOf(const IdentificationProblem& problem,
   IdentificationSummary summary;
   summary.termination = Termination::kConverged;
   summary.seconds = 1.0;
+  summary.final_cost = 10.0 - probability;
   for (const AmbientRecord& record : problem.ambient) {
     AmbientScore score;
     score.name = record.name;
@@ -89,14 +90,14 @@ TEST(LoadSpectra, RefinedUntilTheyDescribeTheRecords) {
   const std::string identity = ProblemIdentity(problem);
   IdentificationSummary summary = FitOf(problem, 1e-18);
   IdentifiedModel model;
-  Fits fits({0.3, 0.9});
+  Fits fits({1e-17, 0.3, 0.9});
   SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
-  EXPECT_THAT(fits.knots, ElementsAre(13));
-  EXPECT_THAT(fits.identities, ElementsAre(identity));
+  EXPECT_THAT(fits.knots, ElementsAre(0, 13));
+  EXPECT_THAT(fits.identities, ElementsAre(identity, identity));
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(model.parameters[0], 13.0);
   EXPECT_EQ(summary.ambient[0].probability, 0.3);
-  EXPECT_EQ(summary.seconds, 2.0);
+  EXPECT_EQ(summary.seconds, 3.0);
   ASSERT_EQ(summary.remarks.size(), 1u);
   EXPECT_THAT(summary.remarks[0],
               HasSubstr("'monday' with 7 knots (probability 1e-18)"));
@@ -108,9 +109,9 @@ TEST(LoadSpectra, TheBestStandsWhereNoneIsGood) {
   IdentificationProblem problem = TwoAmbientRecords();
   IdentificationSummary summary = FitOf(problem, 1e-18);
   IdentifiedModel model;
-  Fits fits({1e-7, 1e-9});
+  Fits fits({1e-19, 1e-7, 1e-9});
   SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
-  EXPECT_THAT(fits.knots, ElementsAre(13, 25));
+  EXPECT_THAT(fits.knots, ElementsAre(0, 13, 25));
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(model.parameters[0], 13.0);
   EXPECT_EQ(summary.ambient[0].probability, 1e-7);
@@ -125,7 +126,7 @@ TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
   summary.choice.complete = true;
   summary.choice.candidates = summary.choice.left_out = {"spring"};
   IdentifiedModel model;
-  Fits fits({0.0, 0.0});
+  Fits fits({0.0, 0.0, 0.0});
   SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
   EXPECT_EQ(problem.ambient[0].knots, 25);
   EXPECT_EQ(model.parameters[0], 25.0);
@@ -134,6 +135,29 @@ TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
   ASSERT_EQ(summary.remarks.size(), 2u);
   EXPECT_EQ(summary.remarks[0], summary.choice.Sentence());
   EXPECT_THAT(summary.remarks[1], HasSubstr("13 knots (probability 0); then"));
+}
+
+// With the same knots: what the first fit took for loads was of its start.
+TEST(LoadSpectra, FoundAnewAtTheModel) {
+  IdentificationProblem problem = TwoAmbientRecords();
+  IdentificationSummary summary = FitOf(problem, 1e-3);
+  summary.way = "by stages";
+  IdentifiedModel model;
+  Fits fits({0.4});
+  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  EXPECT_THAT(fits.knots, ElementsAre(0));
+  EXPECT_EQ(summary.ambient[0].probability, 0.4);
+  EXPECT_EQ(summary.seconds, 2.0);
+  EXPECT_EQ(summary.way, "by stages");
+  EXPECT_EQ(model.parameters.size(), 1);
+  EXPECT_TRUE(summary.remarks.empty());
+  EXPECT_EQ(problem.ambient[0].knots, 0);
+  // What costs more does not stand.
+  summary = FitOf(problem, 1e-3);
+  Fits worse({1e-5});
+  SettleLoadSpectra(worse.Function(), {}, &problem, &summary, &model);
+  EXPECT_THAT(worse.knots, ElementsAre(0));
+  EXPECT_EQ(summary.ambient[0].probability, 1e-3);
 }
 
 TEST(LoadSpectra, NothingToRefine) {
