@@ -247,8 +247,11 @@ class ModeFinder {
     SubspaceOptions subspace;
     subspace.block_rows = band.block_rows;
     subspace.max_order = band.max_order;
-    subspace.lowest_hz = band.lowest_hz;
-    subspace.highest_hz = band.highest_hz;
+    // Of a decay all modes have to be known, for they are fitted together.
+    if (!is_decay()) {
+      subspace.lowest_hz = band.lowest_hz;
+      subspace.highest_hz = band.highest_hz;
+    }
     std::vector<SubspacePole> poles;
     std::vector<SubspacePole> checks;
     const auto identify = [&](const HankelWindows& matrix,
@@ -352,7 +355,14 @@ class ModeFinder {
   void Keep(const Level& level, const std::vector<SubspacePole>& poles,
             const std::vector<SubspacePole>& checks, double window_seconds,
             AnalysedBand band) {
+    const auto is_inside = [&band](const SubspacePole& pole) {
+      return pole.frequency() >= band.lowest_hz &&
+             pole.frequency() <= band.highest_hz;
+    };
+    std::vector<int> places;  // in band.poles; what is not inside has none
     for (const SubspacePole& pole : poles) {
+      places.push_back(static_cast<int>(band.poles.size()));
+      if (!is_inside(pole)) continue;
       band.poles.push_back({pole.order, pole.frequency(),
                             FindPoleSigmas(pole, window_seconds).frequency,
                             pole.damping_ratio(), -1});
@@ -360,17 +370,25 @@ class ModeFinder {
     const int number = static_cast<int>(result_->bands.size());
     std::vector<PoleCluster> clusters = FindClusters(
         poles, band.max_order, window_seconds, options_.stabilisation);
-    if (is_decay() && options_.stabilisation.pick.empty()) {
-      LeaveOutNoise(level, &clusters);
+    if (is_decay()) {
+      if (options_.stabilisation.pick.empty()) LeaveOutNoise(level, &clusters);
+      FitDecayShapes(decay_, level.step, &clusters);
     }
     for (const PoleCluster& cluster : clusters) {
+      if (!is_inside(cluster.mean)) continue;
+      std::vector<int> members;
+      for (const int member : cluster.members) {
+        if (is_inside(poles[static_cast<size_t>(member)])) {
+          members.push_back(places[static_cast<size_t>(member)]);
+        }
+      }
       IdentifiedMode mode = MakeMode(record_, level.scales, level.step, cluster,
                                      band.max_order, window_seconds);
       if (!checks.empty()) {
         CheckMode(cluster, checks, band.max_order, options_.stabilisation,
                   &mode);
       }
-      found_.push_back({std::move(mode), number, cluster.members});
+      found_.push_back({std::move(mode), number, std::move(members)});
     }
     result_->bands.push_back(std::move(band));
   }

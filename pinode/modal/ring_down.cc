@@ -119,21 +119,28 @@ class NoiseSeries {
   Matrix Make(unsigned seed) const {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
-    Eigen::VectorXcd turned(samples_);
-    Eigen::VectorXcd turn(samples_);
-    turn.setZero();
-    for (Eigen::Index f = 1; 2 * f < samples_; ++f) {
-      turn[f] =
+    // Above zero and below half the sampling rate.
+    const Eigen::Index last = (samples_ - 1) / 2;
+    const Eigen::Index reach = std::max<Eigen::Index>(1, last / kNeighbourhood);
+    std::uniform_int_distribution<Eigen::Index> apart(-reach, reach);
+    Eigen::MatrixXcd turned = Eigen::MatrixXcd::Zero(samples_, channels_);
+    for (Eigen::Index f = 1; f <= last; ++f) {
+      const Eigen::Index from =
+          std::clamp<Eigen::Index>(f + apart(random), 1, last);
+      const std::complex<double> turn =
           std::complex<double>(normal(random), normal(random)) / std::sqrt(2.0);
-      turn[samples_ - f] = std::conj(turn[f]);
+      turned.row(f) = turn * transforms_.row(from);
+      turned.row(samples_ - f) = turned.row(f).conjugate();
     }
-    if (samples_ % 2 == 0) turn[samples_ / 2] = normal(random);
+    if (samples_ % 2 == 0) {
+      turned.row(samples_ / 2) = normal(random) * transforms_.row(samples_ / 2);
+    }
     Eigen::FFT<double> fft;
     Matrix series(channels_, samples_);
     Eigen::VectorXcd back;
     for (Eigen::Index c = 0; c < channels_; ++c) {
-      turned = transforms_.col(c).cwiseProduct(turn);
-      fft.inv(back, turned);
+      const Eigen::VectorXcd column = turned.col(c);
+      fft.inv(back, column);
       series.row(c) = back.real().transpose();
     }
     return series;
@@ -161,10 +168,12 @@ RingDown RingDownHankel(const Matrix& samples, int block_rows, int order) {
   result.noise =
       residuals.rowwise().norm() / std::sqrt(static_cast<double>(used));
   const auto noise = std::make_shared<const NoiseSeries>(residuals);
+  result.noise_series = [noise](int b) {
+    return noise->Make(static_cast<unsigned>(b) + 1u);
+  };
   hankel.num_windows = kNoiseSeries;
-  hankel.change = [noise, block_rows, columns](int b) {
-    return HankelOf(noise->Make(static_cast<unsigned>(b) + 1u), block_rows,
-                    columns);
+  hankel.change = [series = result.noise_series, block_rows, columns](int b) {
+    return HankelOf(series(b), block_rows, columns);
   };
   return result;
 }
@@ -207,6 +216,61 @@ std::vector<bool> FindSignificantDecays(
   std::vector<bool> significant(s.size(), false);
   for (const size_t i : kept) significant[i] = true;
   return significant;
+}
+
+void FitDecayShapes(const RingDown& ring_down, double step,
+                    std::vector<PoleCluster>* clusters) {
+  using Complex = std::complex<double>;
+  if (clusters->empty()) return;
+  const Eigen::Index count = static_cast<Eigen::Index>(clusters->size());
+  const Eigen::Index samples = ring_down.samples.cols();
+  std::vector<Complex> lambdas;
+  for (const PoleCluster& cluster : *clusters) {
+    lambdas.push_back(std::exp(cluster.mean.s * step));
+  }
+  Matrix basis(samples, 2 * count + 1);
+  basis << DecayBasis(lambdas, samples), Vector::Ones(samples);
+  const Eigen::ColPivHouseholderQR<Matrix> qr(basis);
+  // Channels x modes: what decays by Re a lambda^k.
+  const auto amplitudes = [&](const Matrix& data) {
+    const Matrix parts = qr.solve(data.transpose());
+    ComplexMatrix a(data.rows(), count);
+    for (Eigen::Index m = 0; m < count; ++m) {
+      a.col(m).real() = parts.row(2 * m).transpose();
+      a.col(m).imag() = -parts.row(2 * m + 1).transpose();
+    }
+    return a;
+  };
+  const ComplexMatrix shapes = amplitudes(ring_down.samples);
+  // A change ds of s moves lambda^k by ds times the time times itself.
+  const Vector times =
+      step * Vector::LinSpaced(samples, 0.0, static_cast<double>(samples - 1));
+  const Eigen::Index series = (*clusters)[0].mean.s_influence.size();
+  std::vector<ComplexMatrix> influences(static_cast<size_t>(count),
+                                        ComplexMatrix(shapes.rows(), series));
+  for (Eigen::Index b = 0; b < series; ++b) {
+    Matrix data = ring_down.noise_series(static_cast<int>(b));
+    for (Eigen::Index m = 0; m < count; ++m) {
+      const Complex ds =
+          (*clusters)[static_cast<size_t>(m)].mean.s_influence[b];
+      const ComplexVector moved = ds * shapes.col(m);
+      data.noalias() -= (moved.real() * basis.col(2 * m).transpose() -
+                         moved.imag() * basis.col(2 * m + 1).transpose()) *
+                        times.asDiagonal();
+    }
+    const ComplexMatrix change = amplitudes(data);
+    for (Eigen::Index m = 0; m < count; ++m) {
+      influences[static_cast<size_t>(m)].col(b) = change.col(m);
+    }
+  }
+  for (Eigen::Index m = 0; m < count; ++m) {
+    PoleCluster& cluster = (*clusters)[static_cast<size_t>(m)];
+    cluster.mean.shape = shapes.col(m);
+    cluster.mean.shape_influence =
+        std::move(influences[static_cast<size_t>(m)]);
+    cluster.mean.shape.cwiseAbs().maxCoeff(&cluster.reference);
+    cluster.mean = NormalisedPole(cluster.mean, cluster.reference);
+  }
 }
 
 }  // namespace pinode

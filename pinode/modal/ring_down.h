@@ -4,9 +4,11 @@
 #define PINODE_MODAL_RING_DOWN_H_
 
 #include <complex>
+#include <functional>
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/modal/stabilisation.h"
 #include "pinode/modal/subspace.h"
 
 namespace pinode {
@@ -17,6 +19,8 @@ struct RingDown {
   Matrix samples;
   // Root mean square of what decaying vibrations leave of them, per channel.
   Vector noise;
+  // Series b of the noise, channels x samples; from several threads at once.
+  std::function<Matrix(int)> noise_series;
 };
 
 // Of samples y(k) (channels x samples, complete, k = 0 on a free decay) the
@@ -45,6 +49,14 @@ constexpr int kNoiseSeries = 120;
 std::vector<bool> FindSignificantDecays(
     const RingDown& ring_down, const std::vector<std::complex<double>>& s,
     double step);
+
+// Shapes of modes by what their decays together, with a constant, explain of
+// the samples: least squares, to which all samples contribute, where a first
+// block row of the observability matrix is as good as the few samples of its
+// noise. Influences are those of the noise series, and of what these do to the
+// poles.
+void FitDecayShapes(const RingDown& ring_down, double step,
+                    std::vector<PoleCluster>* clusters);
 
 }  // namespace pinode
 

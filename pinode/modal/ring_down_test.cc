@@ -84,6 +84,61 @@ TEST(RingDownTest, IntervalsHoldTheTruth) {
   EXPECT_GE(inside, 30) << inside << " of " << count;
 }
 
+// Where a decay is, it has taken noise with it; the series have it back.
+TEST(RingDownTest, NoiseSeriesAreAsLargeAtAModeAsNoiseIs) {
+  constexpr double kStepSize = 0.02;
+  constexpr double kNoise = 0.1;
+  const TestChain chain(3, 900.0);
+  const double w = kTwoPi * chain.frequency_hz[0];
+  const std::complex<double> s(-0.01 * w, w);
+  double ratio = 0.0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const ResponseRecord quiet =
+        SimulateRingDown(chain, kStepSize, 1000, seed, 0.0);
+    const ResponseRecord record =
+        SimulateRingDown(chain, kStepSize, 1000, seed, kNoise);
+    const RingDown decay = RingDownHankel(record.samples, 100, 60);
+    const Eigen::Index size = decay.samples.cols();
+    ComplexVector mode(size);
+    for (Eigen::Index k = 0; k < size; ++k) {
+      mode[k] = std::exp(s * kStepSize * static_cast<double>(k));
+    }
+    for (int b = 0; b < kNoiseSeries; ++b) {
+      const ComplexVector seen =
+          decay.noise_series(b).cast<std::complex<double>>() * mode.conjugate();
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        const double variance =
+            kNoise * kNoise * quiet.samples.row(c).squaredNorm() / 1000.0;
+        ratio += std::norm(seen[c]) / (variance * mode.squaredNorm());
+      }
+    }
+  }
+  ratio /= 6.0 * 3.0 * kNoiseSeries;
+  EXPECT_GT(ratio, 0.7);
+  EXPECT_LT(ratio, 1.3);
+}
+
+// Least squares over the whole decay, not what its first samples say.
+TEST(RingDownTest, ShapesAreAsGoodAsTheDecayAllows) {
+  const TestChain chain(3, 900.0);
+  double squares = 0.0;
+  double count = 0.0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const ModesOfRecord result =
+        DecayModes(SimulateRingDown(chain, 0.02, 1000, seed, 0.1));
+    ASSERT_EQ(result.modes.size(), 3u) << seed;
+    const IdentifiedMode& mode = result.modes[0];
+    const Vector expected = chain.shapes.col(0) / chain.shapes(2, 0);
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      squares += std::norm(
+          (mode.shape[i] - expected[i]) /
+          std::hypot(mode.shape_sigma_real[i], mode.shape_sigma_imaginary[i]));
+      count += 1.0;
+    }
+  }
+  EXPECT_LT(squares / count, 2.0);
+}
+
 TEST(RingDownTest, NoiseHasNoModes) {
   ResponseRecord record =
       SimulateRingDown(TestChain(2, 900.0), 0.02, 2000, 1, 0.0);

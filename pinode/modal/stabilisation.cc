@@ -240,11 +240,19 @@ class ClusterFinder {
                       std::sqrt(mean.damping_ratio() / (kTwoPi * f * duration));
   }
 
+  double ShapeSigma(const SubspacePole& mean) const {
+    const Matrix smooth =
+        Scatter(mean, Influences(mean), window_seconds_, nullptr);
+    return smooth.bottomRows(smooth.rows() - 2).norm() /
+           std::sqrt(static_cast<double>(mean.shape.size()));
+  }
+
   bool IsCertain(const PoleCluster& cluster) const {
     return cluster.frequency_sigma <=
                options_.largest_frequency_sigma * cluster.mean.frequency() &&
            cluster.excess <= options_.largest_excess &&
-           cluster.mean.damping_ratio() <= options_.largest_damping_ratio;
+           cluster.mean.damping_ratio() <= options_.largest_damping_ratio &&
+           ShapeSigma(cluster.mean) <= options_.largest_shape_sigma;
   }
 
   const std::vector<SubspacePole>& poles_;
