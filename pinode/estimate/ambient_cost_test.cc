@@ -263,6 +263,26 @@ TEST(AmbientCostTest, OneMotionAndGoodSensors) {
   }
 }
 
+// The fourth mode lies 1.7 times as high as the band ends; what forces on it do
+// there is far more than noise.
+TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
+  const TestChain chain = RayleighChain(4);
+  IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.05, RecordOfChain(chain, 600.0, 5, 0.5));
+  problem.ambient[0].highest_frequency = chain.frequency_hz[3] / 1.7;
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &summary, &model);
+  EXPECT_TRUE(summary.usable) << summary.message;
+  ASSERT_EQ(summary.ambient.size(), 1u);
+  EXPECT_GT(summary.ambient[0].probability, 0.001);
+  for (const double left : summary.ambient[0].information_left) {
+    EXPECT_GT(left, 0.05);
+  }
+}
+
 // One logger at 50 Hz and one at 25 Hz, at other times: each with its own
 // lines, and what they say together is more than either says alone.
 TEST(AmbientCostTest, RecordsOfDifferingRates) {

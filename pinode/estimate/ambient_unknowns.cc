@@ -35,6 +35,8 @@ constexpr double kMostOfPromise = 0.7;
 constexpr double kSmallestNoise = 1e-7;
 // Of the largest information on a combination of groups: less is none.
 constexpr double kNoInformation = 1e-12;
+// Of the prior's weight, where it should take no part.
+constexpr double kPriorLeft = 0.01;
 // Lines over whose mean noise is looked for.
 constexpr double kLinesOfNoise = 32.0;
 // What the intensities that covariances are held to weigh, in lines; the least
@@ -231,8 +233,9 @@ void AmbientCost::FindInformationLeft(const Matrix& information) {
   if (groups == 0) return;
   const Matrix known = information.bottomRightCorner(groups, groups);
   const Matrix cross = information.bottomLeftCorner(groups, nuisance);
+  // A little of the prior stays, for what no channel sees.
   const InformationSolver loads(information.topLeftCorner(nuisance, nuisance) -
-                                PriorInformation());
+                                (1.0 - kPriorLeft) * PriorInformation());
   if (!loads.ok()) return;
   const Matrix left = known - cross * loads.Solve(cross.transpose());
   // In units in which the known information is one, but for what no load at

@@ -40,6 +40,9 @@ constexpr int kFewestWindows = 20;
 // Of a ring-down: most block rows, and what may be left of a channel.
 constexpr int kMostDecayRows = 300;
 constexpr double kLargestRest = 0.3;
+// Beside a measured load, which tells modes side by side from each other: a
+// pole whose shape is less certain is none.
+constexpr double kLargestShapeSigma = 0.4;
 // Deviations by which two methods may differ on one record.
 constexpr double kDisagreement = 3.0;
 
@@ -368,8 +371,13 @@ class ModeFinder {
                             pole.damping_ratio(), -1});
     }
     const int number = static_cast<int>(result_->bands.size());
-    std::vector<PoleCluster> clusters = FindClusters(
-        poles, band.max_order, window_seconds, options_.stabilisation);
+    StabilisationOptions stabilisation = options_.stabilisation;
+    if (method_ == ModalMethod::kInputOutput) {
+      stabilisation.largest_shape_sigma =
+          std::min(stabilisation.largest_shape_sigma, kLargestShapeSigma);
+    }
+    std::vector<PoleCluster> clusters =
+        FindClusters(poles, band.max_order, window_seconds, stabilisation);
     if (is_decay()) {
       if (options_.stabilisation.pick.empty()) LeaveOutNoise(level, &clusters);
       FitDecayShapes(decay_, level.step, &clusters);

@@ -49,9 +49,9 @@ struct StabilisationOptions {
   double largest_frequency_sigma = 0.02;  // as a fraction, in all
   double largest_damping_ratio = 0.15;
   // Root mean square over the channels, each in units of what it records, of
-  // the standard deviations of a shape whose entry at the reference is one:
-  // poles of noise have none that they agree on.
-  double largest_shape_sigma = 0.4;
+  // the standard deviations of a shape whose entry at the reference is one.
+  // Shapes of two modes side by side may be as uncertain as those of noise.
+  double largest_shape_sigma = 1e300;
   // Frequencies (Hz): of each the mode is taken that the most certain pole
   // within frequency_tolerance belongs to, whether or not it is stable; nothing
   // else is. Empty: the diagram is read as above.
