@@ -180,10 +180,10 @@ class AmbientCost::LineSums {
  private:
   // Columns of a node in what has those of all; its rows in a sum of the
   // stretch.
-  auto OfNode(const ComplexMatrix& all, int node) const {
+  Eigen::Ref<const Matrix> OfNode(const ComplexMatrix& all, int node) const {
     return RealRows(all).middleCols(node * areas_, areas_);
   }
-  auto RowsOf(int node, Matrix* sums) const {
+  Eigen::Ref<Matrix> RowsOf(int node, Matrix* sums) const {
     return sums->middleRows(2 * channels_ * (in_stretch_ * nodes_ + node),
                             2 * channels_);
   }

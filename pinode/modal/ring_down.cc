@@ -220,11 +220,10 @@ std::vector<bool> FindSignificantDecays(
 
 void FitDecayShapes(const RingDown& ring_down, double step,
                     std::vector<PoleCluster>* clusters) {
-  using Complex = std::complex<double>;
   if (clusters->empty()) return;
   const Eigen::Index count = static_cast<Eigen::Index>(clusters->size());
   const Eigen::Index samples = ring_down.samples.cols();
-  std::vector<Complex> lambdas;
+  std::vector<std::complex<double>> lambdas;
   for (const PoleCluster& cluster : *clusters) {
     lambdas.push_back(std::exp(cluster.mean.s * step));
   }
@@ -251,7 +250,7 @@ void FitDecayShapes(const RingDown& ring_down, double step,
   for (Eigen::Index b = 0; b < series; ++b) {
     Matrix data = ring_down.noise_series(static_cast<int>(b));
     for (Eigen::Index m = 0; m < count; ++m) {
-      const Complex ds =
+      const std::complex<double> ds =
           (*clusters)[static_cast<size_t>(m)].mean.s_influence[b];
       const ComplexVector moved = ds * shapes.col(m);
       data.noalias() -= (moved.real() * basis.col(2 * m).transpose() -
