@@ -91,6 +91,14 @@ if(PINODE_MPI)
 endif()
 list(JOIN development ", " development)
 set(soversion ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+# Of programs and the Python package, where they are linked with it.
+set(library)
+set(comma)
+if(PINODE_HWCAPS)
+  set(library "libpinode${soversion} (= ${PROJECT_VERSION})")
+  set(comma ", ")
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR})
+endif()
 
 if(PINODE_BUILD_APPS)
   pinode_debian_package(programs pinode science
@@ -103,6 +111,7 @@ the trajectory agrees with the record.
 .
 This package has the programs, which read case files.")
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "${library}")
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS gnuplot-nox)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS libpinode-dev,python3-pinode)
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/case/README.md
@@ -150,7 +159,7 @@ of files.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
   math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-    "python3 (>= 3.${Python3_VERSION_MINOR}~), python3 (<< 3.${next_python}), python3-numpy")
+    "${library}${comma}python3 (>= 3.${Python3_VERSION_MINOR}~), python3 (<< 3.${next_python}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS
     "python3-scipy, python3-matplotlib")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS

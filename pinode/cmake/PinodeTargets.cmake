@@ -25,8 +25,8 @@ endif()
 # Flags of our own sources; none of them is exported.
 function(pinode_private_flags target)
   target_compile_options(${target} PRIVATE ${PINODE_WARNINGS})
-  if(PINODE_NATIVE)
-    target_compile_options(${target} PRIVATE -march=native)
+  if(PINODE_ARCH)
+    target_compile_options(${target} PRIVATE -march=${PINODE_ARCH})
     # GCC before 13 takes the deliberately undefined registers of its own AVX
     # headers for mistakes (GCC bug 105593). The presets `dev` and `asan`, which
     # compile for any machine, keep the two warnings.
@@ -81,9 +81,8 @@ function(pinode_add_floor folder)
   # code took from malloc. So everybody who includes our headers gets the
   # alignment of the widest registers on the heap and that of SSE in fixed-size
   # members. (tests/install_test.sh crashes if this is wrong.)
-  if(PINODE_NATIVE)
-    target_compile_definitions(${target} PUBLIC
-      EIGEN_MAX_ALIGN_BYTES=64 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
+  if(PINODE_ALIGNMENT)
+    target_compile_definitions(${target} PUBLIC ${PINODE_ALIGNMENT})
   endif()
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_link_libraries(${target} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE})
@@ -141,13 +140,52 @@ function(pinode_add_shared_library)
   target_include_directories(pinode_shared INTERFACE
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  if(PINODE_NATIVE)
-    target_compile_definitions(pinode_shared INTERFACE
-      EIGEN_MAX_ALIGN_BYTES=64 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
+  if(PINODE_ALIGNMENT)
+    target_compile_definitions(pinode_shared INTERFACE ${PINODE_ALIGNMENT})
   endif()
   install(TARGETS pinode_shared EXPORT pinodeTargets
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
     COMPONENT shared NAMELINK_COMPONENT development)
+  if(PINODE_HWCAPS)
+    pinode_add_shared_library_for(x86-64-v3)
+  endif()
+endfunction()
+
+# The same library for newer processors, which the dynamic linker of glibc takes
+# where the processor is one (ld.so(8), glibc-hwcaps); a build of its own.
+function(pinode_add_shared_library_for architecture)
+  include(ExternalProject)
+  set(folder glibc-hwcaps/${architecture})
+  set(build ${PROJECT_BINARY_DIR}/${architecture})
+  set(soname libpinode.so.${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  ExternalProject_Add(pinode_${architecture}
+    SOURCE_DIR ${PROJECT_SOURCE_DIR}
+    BINARY_DIR ${build}
+    CMAKE_ARGS
+      -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}
+      -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
+      -DPINODE_ARCH=${architecture}
+      -DPINODE_BUILD_APPS=OFF
+      -DPINODE_BUILD_TESTS=OFF
+      -DPINODE_MPI=OFF
+      -DPINODE_PYTHON=OFF
+      -DPINODE_UNITY_BATCH=${PINODE_UNITY_BATCH}
+      -DPINODE_UNITY_LIBRARY=${PINODE_UNITY_LIBRARY}
+      -DPINODE_WERROR=OFF
+    BUILD_COMMAND ${CMAKE_COMMAND} --build . --target pinode_shared
+    INSTALL_COMMAND ${CMAKE_COMMAND} -E make_directory
+      ${PROJECT_BINARY_DIR}/${folder}
+    COMMAND ${CMAKE_COMMAND} -E copy ${build}/${soname}
+      ${PROJECT_BINARY_DIR}/${folder}/${soname}
+    # What is installed as a file cpack does not strip.
+    COMMAND ${CMAKE_STRIP} --strip-unneeded
+      ${PROJECT_BINARY_DIR}/${folder}/${soname}
+    BUILD_ALWAYS ON
+    USES_TERMINAL_BUILD ON)
+  # One of the two at a time, or a small machine has no memory left.
+  add_dependencies(pinode_${architecture} pinode_shared)
+  install(FILES ${PROJECT_BINARY_DIR}/${folder}/${soname}
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder} COMPONENT shared)
 endfunction()
 
 function(pinode_install_package)

@@ -79,7 +79,17 @@ cat >"$scratch/in/use.sh" <<'END'
 set -eux
 export DEBIAN_FRONTEND=noninteractive
 cd /in
-apt-get install --yes --no-install-recommends ./pinode_*.deb ./python3-pinode_*.deb
+apt-get install --yes --no-install-recommends ./libpinode0*.deb ./pinode_*.deb \
+  ./python3-pinode_*.deb
+# The library for this processor, and the one for any.
+if grep -qw avx2 /proc/cpuinfo; then
+  ldd /usr/bin/pinode_update | grep 'glibc-hwcaps/x86-64-v3/libpinode'
+fi
+/lib64/ld-linux-x86-64.so.2 --glibc-hwcaps-mask none --list \
+  /usr/bin/pinode_update | grep 'x86_64-linux-gnu/libpinode'
+/lib64/ld-linux-x86-64.so.2 --glibc-hwcaps-mask none /usr/bin/pinode_update \
+  --case=three_storey/three_storey.toml --output_dir=plain --progress=false
+test -s plain/report.html
 pinode_check --version
 pinode_check --case=three_storey/three_storey.toml >check.txt
 grep -q 'Every named parameter' check.txt
