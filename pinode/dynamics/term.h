@@ -181,11 +181,13 @@ class TermRange {
  public:
   class Iterator {
    public:
+    // NOLINTBEGIN(readability-identifier-naming): the standard's names.
     using iterator_category = std::forward_iterator_tag;
     using value_type = Description;
     using difference_type = std::ptrdiff_t;
     using pointer = const Description*;
     using reference = const Description&;
+    // NOLINTEND(readability-identifier-naming)
 
     explicit Iterator(const std::unique_ptr<Term>* term) : term_(term) {}
     reference operator*() const {

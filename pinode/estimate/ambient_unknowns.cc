@@ -244,7 +244,7 @@ void AmbientCost::FindInformationLeft(const Matrix& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
       scale.cwiseInverse().asDiagonal() * known *
       scale.cwiseInverse().asDiagonal());
-  const Vector values = eigen.eigenvalues();
+  const Vector& values = eigen.eigenvalues();
   const Eigen::Index seen = (values.array() > kNoInformation).count();
   if (seen == 0) return;
   const Matrix basis =

@@ -108,8 +108,9 @@ void CheckMode(const PoleCluster& cluster,
     const auto [place, added] = by_order.insert({pole.order, next});
     if (!added && distance < place->second.distance) place->second = next;
   }
+  const int orders = max_order / 2;
   if (static_cast<double>(by_order.size()) <
-      options.smallest_share_of_all * (max_order / 2)) {
+      options.smallest_share_of_all * orders) {
     return;
   }
   std::vector<double> frequencies;

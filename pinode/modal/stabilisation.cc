@@ -173,7 +173,8 @@ class ClusterFinder {
   bool IsStable(const std::vector<int>& members) const {
     const int seen = static_cast<int>(members.size());
     const int possible = (max_order_ - pole(members.front()).order) / 2 + 1;
-    return seen >= options_.smallest_share_of_all * (max_order_ / 2) &&
+    const int orders = max_order_ / 2;
+    return seen >= options_.smallest_share_of_all * orders &&
            seen >= options_.smallest_share * possible;
   }
 
