@@ -380,7 +380,7 @@ class ModeFinder {
         FindClusters(poles, band.max_order, window_seconds, stabilisation);
     if (is_decay()) {
       if (options_.stabilisation.pick.empty()) LeaveOutNoise(level, &clusters);
-      FitDecayShapes(decay_, level.step, &clusters);
+      FitShapes(level, poles, band.max_order, &clusters);
     }
     for (const PoleCluster& cluster : clusters) {
       if (!is_inside(cluster.mean)) continue;
@@ -399,6 +399,32 @@ class ModeFinder {
       found_.push_back({std::move(mode), number, std::move(members)});
     }
     result_->bands.push_back(std::move(band));
+  }
+
+  // Beside modes that were picked decay those that were not.
+  void FitShapes(const Level& level, const std::vector<SubspacePole>& poles,
+                 int max_order, std::vector<PoleCluster>* clusters) const {
+    const size_t count = clusters->size();
+    StabilisationOptions automatic = options_.stabilisation;
+    if (!automatic.pick.empty()) {
+      automatic.pick.clear();
+      std::vector<PoleCluster> others =
+          FindClusters(poles, max_order, 0.0, automatic);
+      LeaveOutNoise(level, &others);
+      for (PoleCluster& other : others) {
+        const bool picked = std::any_of(
+            clusters->begin(), clusters->begin() + static_cast<long>(count),
+            [&other](const PoleCluster& cluster) {
+              return std::find_first_of(
+                         cluster.members.begin(), cluster.members.end(),
+                         other.members.begin(),
+                         other.members.end()) != cluster.members.end();
+            });
+        if (!picked) clusters->push_back(std::move(other));
+      }
+    }
+    FitDecayShapes(decay_, level.step, clusters);
+    clusters->resize(count);
   }
 
   void LeaveOutNoise(const Level& level,

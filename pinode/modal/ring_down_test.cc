@@ -139,6 +139,18 @@ TEST(RingDownTest, ShapesAreAsGoodAsTheDecayAllows) {
   EXPECT_LT(squares / count, 2.0);
 }
 
+// The others decay all the same.
+TEST(RingDownTest, OneModeIsPicked) {
+  const TestChain chain(3, 900.0);
+  ModeIdentificationOptions options;
+  options.stabilisation.pick = {chain.frequency_hz[0]};
+  const ModesOfRecord result =
+      DecayModes(SimulateRingDown(chain, 0.02, 1000, 1, 0.01), options);
+  ASSERT_EQ(result.modes.size(), 1u);
+  const Vector expected = chain.shapes.col(0) / chain.shapes(2, 0);
+  EXPECT_LT((result.modes[0].shape - expected).norm(), 0.003);
+}
+
 TEST(RingDownTest, NoiseHasNoModes) {
   ResponseRecord record =
       SimulateRingDown(TestChain(2, 900.0), 0.02, 2000, 1, 0.0);
