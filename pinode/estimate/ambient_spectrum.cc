@@ -9,6 +9,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/smooth_number.h"
 #include "pinode/base/statistics.h"
 #include "pinode/record/prepare.h"
 
@@ -75,17 +76,11 @@ Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
   return taper;
 }
 
-// A size near `size`, not larger, that is a product of small primes: what is
-// left over at the end is less than a hundredth.
+// Samples of a record that are transformed: what is left over at the end is less
+// than a hundredth.
 Eigen::Index FastSize(Eigen::Index size) {
-  for (Eigen::Index n = size; n > size - size / 100; --n) {
-    Eigen::Index rest = n;
-    for (const Eigen::Index prime : {2, 3, 5}) {
-      while (rest % prime == 0) rest /= prime;
-    }
-    if (rest == 1) return n;
-  }
-  return size;
+  const Eigen::Index fast = SmoothNumberBelow(size);
+  return fast > size - size / 100 ? fast : size;
 }
 
 }  // namespace

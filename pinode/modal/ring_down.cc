@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/smooth_number.h"
 #include "pinode/base/statistics.h"
 
 namespace pinode {
@@ -42,18 +43,6 @@ Eigen::Index UsedSamples(const Matrix& samples, Eigen::Index fewest) {
   return last == kStretches
              ? samples.cols()
              : std::min(samples.cols(), std::max(fewest, last * size));
-}
-
-// The largest product of twos, threes and fives up to `limit`: transforms of
-// such lengths are fast.
-Eigen::Index SmoothLength(Eigen::Index limit) {
-  for (Eigen::Index size = limit;; --size) {
-    Eigen::Index rest = size;
-    for (const int factor : {2, 3, 5}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return size;
-  }
 }
 
 Matrix HankelOf(const Matrix& samples, int block_rows, Eigen::Index columns) {
@@ -156,7 +145,7 @@ class NoiseSeries {
 
 RingDown RingDownHankel(const Matrix& samples, int block_rows, int order) {
   RingDown result;
-  const Eigen::Index used = SmoothLength(std::min(
+  const Eigen::Index used = SmoothNumberBelow(std::min(
       kMostColumns + block_rows - 1, UsedSamples(samples, 3 * block_rows)));
   result.samples = samples.leftCols(used);
   const Eigen::Index columns = used + 1 - block_rows;
