@@ -41,6 +41,10 @@ class AmbientReader {
       record_->samples.row(static_cast<Eigen::Index>(c)) =
           measured.channels[c].values.transpose();
     }
+    if (section_.has_excitation()) {
+      record_->measured_loads = measured.excitation;
+      record_->filter = measured.filter;
+    }
     for (const std::string& remark : measured.description.remarks) {
       remarks->push_back("Record '" + section_.name + "': " + remark);
     }

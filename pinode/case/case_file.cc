@@ -133,8 +133,8 @@ class CaseReader {
                             &sections_)) {
       return false;
     }
-    SetAmbientApart();
     std::vector<InputSpec> inputs = CollectInputs(sections_, model_.model);
+    SetAmbientApart();
     if (!AddRecordSwitches(root_, sections_, &inputs)) return false;
     AddScaleSwitches(sections_, &inputs);
     dynamics_ =

@@ -374,7 +374,8 @@ class RecordReader {
     return table_.errors()->ok();
   }
 
-  // A record of loads that nobody measured has neither inputs nor a start.
+  // A record of loads that nobody measured has no start; measured forces and
+  // ground motions may act beside them.
   bool CheckAmbient() {
     const std::string excitation = table_.Choice(
         "excitation", {"measured", "ambient", "none"}, "measured");
@@ -398,13 +399,33 @@ class RecordReader {
                              (planning_ ? "planned for" : "simulated") +
                              ", expected measured ones");
     }
-    for (const char* key :
-         {"ground", "force", "motion", "covariate", "start", "start_samples",
-          "substeps", "integrator", "interpolation", "periodic"}) {
+    for (const char* key : {"motion", "covariate", "start", "start_samples",
+                            "substeps", "integrator", "periodic"}) {
       if (!table_.Has(key)) continue;
       return table_.Fail(key, std::string("'") + key +
                                   "' has no meaning in a record with "
                                   "excitation = \"ambient\"");
+    }
+    for (const InputSection& input : section_->inputs) {
+      const TomlTable& table = input.signal.table;
+      for (const char* key : {"sigma", "sigma_percent"}) {
+        if (!table.Has(key)) continue;
+        return table.Fail(key, std::string("'") + key +
+                                   "' of a measured load beside loads that "
+                                   "nobody measured, expected none: its "
+                                   "noise is one of these");
+      }
+      if (IsVoltage(table)) {
+        return table.Fail("unit",
+                          "a load in volts in a record with excitation = "
+                          "\"ambient\", expected a force and a number for "
+                          "'scale'");
+      }
+      const TomlValue* scale = table.Find("scale");
+      if (scale == nullptr || !scale->IsTable()) continue;
+      return table.Fail("scale",
+                        "an unknown 'scale' in a record with excitation = "
+                        "\"ambient\", expected a number");
     }
     for (const ChannelSection& channel : section_->channels) {
       for (const char* key : {"gain", "offset", "delay"}) {

@@ -184,6 +184,9 @@ Json AmbientAsJson(const IdentificationProblem& problem,
       channels.push_back({{"name", score.channels[c]},
                           {"explained", score.explained[row]},
                           {"noise_sigma", score.noise_sigma[row]}});
+      if (score.by_measured_loads.size() > 0) {
+        channels.back()["by_measured_loads"] = score.by_measured_loads[row];
+      }
     }
     Json left = Json::object();
     for (size_t g = 0; g < score.groups.size(); ++g) {
@@ -200,6 +203,9 @@ Json AmbientAsJson(const IdentificationProblem& problem,
                        {"degrees_of_freedom", score.degrees_of_freedom},
                        {"probability", score.probability},
                        {"channels", channels}});
+    if (score.by_measured_loads.size() > 0) {
+      records.back()["coherence_probability"] = score.coherence_probability;
+    }
   }
   return records;
 }

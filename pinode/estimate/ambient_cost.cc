@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/parallel_for.h"
@@ -61,15 +62,20 @@ void FindFactors(const Matrix& g, Matrix* left, Matrix* right) {
   }
 }
 
-// The cost of a model as good as the means of neighbouring lines, and room
-// below: what makes all costs positive.
-double OffsetOf(const SpectralLines& lines) {
+// The cost of a model as good as the means of neighbouring lines, of what is
+// left of them by the straight best combination of `inputs`, and room below:
+// what makes all costs positive.
+double OffsetOf(const SpectralLines& lines, const ComplexMatrix& inputs) {
   const Eigen::Index channels = lines.values.rows();
-  const Eigen::Index stretch = 2 * channels + 8;
+  const Eigen::Index stretch = 2 * channels + 8 + 2 * inputs.rows();
   double cost = 0.0;
   for (Eigen::Index first = 0; first < lines.values.cols(); first += stretch) {
     const Eigen::Index count = std::min(stretch, lines.values.cols() - first);
-    const auto y = lines.values.middleCols(first, count);
+    ComplexMatrix y = lines.values.middleCols(first, count);
+    if (inputs.rows() > 0) {
+      const ComplexMatrix u = inputs.middleCols(first, count).adjoint();
+      y -= (u * u.colPivHouseholderQr().solve(y.adjoint())).adjoint();
+    }
     ComplexMatrix mean = y * y.adjoint() / static_cast<double>(count);
     mean.diagonal().array() += 1e-9 * mean.diagonal().real().mean() + 1e-300;
     const Eigen::LLT<ComplexMatrix> factor(mean);
@@ -145,8 +151,9 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
   }
   SetLoads(modes, highest);
   num_nodes_ = loads_.cols() < channels ? 2 : 1;
-  SpectralLines lines =
-      FindSpectralLines(record.samples, record.sampling_step, lowest, highest);
+  LineTransform transform(record.samples, record.sampling_step, lowest,
+                          highest);
+  SpectralLines lines = transform.Apply(record.samples);
   total_lines_ = static_cast<double>(lines.frequency.size());
   for (Eigen::Index c = 0; c < channels; ++c) {
     scales_[c] = std::sqrt(std::max(
@@ -166,7 +173,14 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
   spectrum_ = std::make_unique<LoadSpectrum>(lowest, highest, knots,
                                              static_cast<int>(loads_.cols()),
                                              record.correlated);
-  offset_ = OffsetOf(lines);
+  ComplexMatrix inputs;
+  if (record.measured_loads.has_value()) {
+    inputs = transform.Apply(record.measured_loads->samples()).values;
+    mean_ = std::make_unique<AmbientMean>(record, dynamics,
+                                          std::move(transform), scales_,
+                                          num_threads);
+  }
+  offset_ = OffsetOf(lines, inputs);
 }
 
 void AmbientCost::SetLoads(const ModalProperties& modes, double highest) {
@@ -216,6 +230,10 @@ bool AmbientCost::SetModel(const Vector& free) {
   damping_ = model.damping;
   stiffness_ = model.stiffness;
   loads_.rightCols(base_.cols()) = -mass_ * base_;
+  if (mean_ != nullptr) {
+    if (!mean_->SetPoint(free, &failure_)) return false;
+    lines_.SetProducts(mean_->left());
+  }
   return true;
 }
 
@@ -347,7 +365,9 @@ bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
   double cost = 0.0;
   double ignored = 0.0;
   Sums sums;
-  if (!Evaluate(free, &cost) || !Accumulate(true, &ignored, &sums)) {
+  if (!Evaluate(free, &cost) ||
+      (mean_ != nullptr && !mean_->SetSlopes(free, &failure_)) ||
+      !Accumulate(true, &ignored, &sums)) {
     return false;
   }
   HoldNoise(&sums);

@@ -13,6 +13,7 @@
 #include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/ambient_mean.h"
 #include "pinode/estimate/ambient_record.h"
 #include "pinode/estimate/ambient_spectrum.h"
 #include "pinode/estimate/cost_part.h"
@@ -33,6 +34,8 @@ namespace pinode {
 //   gradient  sum tr W_p - z^H W_p z,     information  sum tr(W_p W_q),
 //
 // of groups, loads and noise together, from which the latter are eliminated.
+// Measured loads make Y the record's lines minus those of the response m to
+// them, and add -2 Re dm^H S^-1 Y and 2 Re dm^H S^-1 dm.
 // Lines within an eighth of a mode's bandwidth are one. Where loads act at
 // fewer areas than there are channels, S_y is all but singular, and what the
 // transfer function turns within such a line is more than small noise: its mean
@@ -178,8 +181,9 @@ class AmbientCost final : public CostPart {
   Matrix sensors_;  // channels x num_dofs
   Vector derivatives_;  // 0, 1, 2 of each channel
   Vector scales_;       // of the channels
+  std::unique_ptr<AmbientMean> mean_;  // nullptr: no load is measured
   std::vector<Column> columns_;
-  LineGroups lines_;  // over the scales
+  LineGroups lines_;  // over the scales; minus mean_ at the last model
   double total_lines_ = 0.0;
   std::unique_ptr<LoadSpectrum> spectrum_;
   // Intensities of the loads at the knots, areas x knots: covariances are as if

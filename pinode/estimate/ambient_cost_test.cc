@@ -8,126 +8,13 @@
 #include "gtest/gtest.h"
 #include "pinode/base/ranks_testing.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/ambient_testing.h"
 #include "pinode/estimate/identify.h"
-#include "pinode/modal/testing.h"
-#include "pinode/record/resample.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-// A chain under wind as a logger with a filter against aliasing records it:
-// simulated in steps of a fifth.
-AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
-                            unsigned seed, double memory,
-                            const std::vector<int>& derivatives = {2},
-                            bool base = false, double noise = 0.02) {
-  constexpr double kStep = 0.02;
-  TestExcitation excitation;
-  excitation.memory = memory;
-  excitation.base = base;
-  excitation.sensor_noise = noise;
-  const ResponseRecord fine = SimulateChain(
-      chain, 0.2 * kStep, static_cast<Eigen::Index>(5.0 * seconds / kStep),
-      seed, derivatives, excitation);
-  AmbientRecord record;
-  record.name = "wind";
-  record.sampling_step = kStep;
-  const Eigen::Index n = chain.masses();
-  for (Eigen::Index c = 0; c < n; ++c) {
-    const Vector values = Resample(fine.samples.row(c), 0.2 * kStep, kStep);
-    if (c == 0) record.samples.resize(n, values.size());
-    record.samples.row(c) = values.transpose();
-    Observation channel;
-    channel.name = fine.channels[static_cast<size_t>(c)].name;
-    const int d = fine.channels[static_cast<size_t>(c)].derivative;
-    channel.quantity = d == 2   ? Quantity::kAbsoluteAcceleration
-                       : d == 1 ? Quantity::kVelocity
-                                : Quantity::kDisplacement;
-    channel.weights = Vector::Unit(n, c);
-    record.channels.push_back(channel);
-  }
-  return record;
-}
-
-// The chain with its storeys as groups that begin `off` of their stiffness
-// away, and damping in two parts, each about as large as in truth.
-IdentificationProblem ProblemOfChain(const TestChain& chain, double spring,
-                                     double off, AmbientRecord record) {
-  const Eigen::Index n = chain.masses();
-  StructuralModel model = MakeStructuralModel(
-      Matrix::Identity(n, n), Matrix::Zero(n, n), chain.stiffness);
-  auto dynamics =
-      std::make_shared<StructuralDynamics>(model, std::vector<InputSpec>{});
-  for (Eigen::Index storey = 0; storey < n; ++storey) {
-    GroupTerm term;
-    term.group.name = "k" + std::to_string(storey + 1);
-    term.group.matrix = Matrix::Zero(n, n);
-    term.group.matrix(storey, storey) = spring;
-    if (storey > 0) {
-      term.group.matrix(storey - 1, storey - 1) = spring;
-      term.group.matrix(storey, storey - 1) = -spring;
-      term.group.matrix(storey - 1, storey) = -spring;
-    }
-    term.alpha.name = term.group.name;
-    term.alpha.value = off * (storey % 2 == 0 ? 1.0 : -1.0);
-    term.alpha.free = true;
-    std::string error;
-    EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
-  }
-  // 2 zeta w at the ends of the band from both.
-  const double low = 6.283185307179586 * chain.frequency_hz[0];
-  const double high = 6.283185307179586 * chain.frequency_hz[n - 1];
-  const double by_mass = 2.0 * 0.01 * low * high / (low + high);
-  const double by_stiffness = 2.0 * 0.01 / (low + high);
-  for (const bool mass : {true, false}) {
-    GroupTerm term;
-    term.group.name = mass ? "cm" : "ck";
-    term.group.target = MatrixGroup::Target::kDamping;
-    term.group.matrix = mass ? Matrix(by_mass * Matrix::Identity(n, n))
-                             : Matrix(by_stiffness * chain.stiffness);
-    term.alpha.name = term.group.name;
-    term.alpha.value = 0.8;
-    term.alpha.free = true;
-    std::string error;
-    EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
-  }
-  IdentificationProblem problem;
-  problem.dynamics = dynamics;
-  problem.ambient.push_back(std::move(record));
-  return problem;
-}
-
-constexpr double kSpring = 900.0;
-
-// The chain whose first and last mode have the damping of those two groups at
-// 1; those between have a little more.
-TestChain RayleighChain(int masses) { return TestChain(masses, kSpring); }
-
-void ExpectGradientOfCost(const IdentificationProblem& problem) {
-  const ParameterLayout layout(problem);
-  AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 2);
-  const Vector free = layout.Free(layout.InitialValues());
-  CondensedSystem system;
-  ASSERT_TRUE(cost.Linearize(free, &system)) << cost.Failure();
-  EXPECT_GT(system.cost, 0.0);
-  for (Eigen::Index i = 0; i < free.size(); ++i) {
-    const double step = 0.05 / std::sqrt(system.hessian(i, i));
-    double forth = 0.0;
-    double back = 0.0;
-    Vector moved = free;
-    moved[i] += step;
-    ASSERT_TRUE(cost.Evaluate(moved, &forth));
-    moved[i] -= 2.0 * step;
-    ASSERT_TRUE(cost.Evaluate(moved, &back));
-    const double slope = (forth - back) / (2.0 * step);
-    // In scores' deviations, of which loads and noise leave a few hundredths.
-    EXPECT_NEAR(slope, system.gradient[i],
-                0.03 * std::abs(slope) + 0.05 * std::sqrt(system.hessian(i, i)))
-        << "parameter " << i;
-  }
-}
 
 TEST(AmbientCostTest, GradientIsThatOfTheCost) {
   const TestChain chain = RayleighChain(3);

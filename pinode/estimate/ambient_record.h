@@ -3,12 +3,17 @@
 #ifndef PINODE_ESTIMATE_AMBIENT_RECORD_H_
 #define PINODE_ESTIMATE_AMBIENT_RECORD_H_
 
+#include <algorithm>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/record/excitation.h"
+#include "pinode/record/filter.h"
 
 namespace pinode {
 
@@ -21,7 +26,9 @@ namespace pinode {
 // are triangles over the logarithm of the frequency, one around each knot; the
 // P_b are covariances between the forces, unknown, positive semidefinite. A
 // spectrum that is correlated between areas and falls with frequency as that of
-// wind does is of this form.
+// wind does is of this form. Beside such forces measured ones may act: what the
+// model's response to these, from rest, leaves of the record is what has that
+// density.
 struct AmbientRecord {
   std::string name;
   double sampling_step = 0.0;  // model time
@@ -44,6 +51,13 @@ struct AmbientRecord {
   bool correlated = true;
   // Knots of the spectrum; 1: white; 0: one an octave of the band.
   int knots = 0;
+
+  // Loads that were measured, a row for each input of the dynamics, which must
+  // be linear; as many samples as the record.
+  std::optional<Excitation> measured_loads;
+  // Applied to `samples` by whoever read them, and here to the response to
+  // measured loads.
+  std::shared_ptr<const ZeroPhaseFilter> filter;
 
   // The band that is looked at, cycles per model time. Default (0): from 0.3 of
   // the lowest frequency of the model as it is at first to 1.5 of its highest,
@@ -72,12 +86,17 @@ struct AmbientScore {
   double chi_square = 0.0;
   int degrees_of_freedom = 0;
   double probability = 1.0;
+  // What the response to measured loads leaves has nothing in common with it
+  // but by chance: the probability of a chi^2 as large as the one found.
+  double coherence_probability = 1.0;
   double worst_from = 0.0, worst_to = 0.0, worst_deviation = 0.0;
   // Of each channel: what part of its power in the band the structure's motion
-  // explains, the rest being noise; the noise's standard deviation over all
+  // explains, the rest being noise, and what part measured loads explain alone
+  // (empty: there are none); the noise's standard deviation over all
   // frequencies, in the channel's unit.
   std::vector<std::string> channels;
   Vector explained;
+  Vector by_measured_loads;
   Vector noise_sigma;
   // Free groups, and what part of what the record says of each (the inverse of
   // a variance) is left where the loads are unknown; the largest such part of
@@ -91,6 +110,11 @@ struct AmbientScore {
   Matrix measured;
   Matrix modelled;
   Vector lines;
+
+  // Of both tests.
+  double LeastProbability() const {
+    return std::min(probability, coherence_probability);
+  }
 };
 
 // Below this probability the model does not describe the record.

@@ -1,8 +1,11 @@
 // How well a model describes an ambient record.
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
+#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
@@ -14,6 +17,74 @@ namespace {
 // Parts of the band that are looked at for themselves, and points of a figure.
 constexpr Eigen::Index kMostParts = 40;
 constexpr Eigen::Index kGridPoints = 400;
+
+// What the response to measured loads leaves should have nothing in common with
+// it. In each part of the band the rest is explained by the response of each
+// channel times a complex factor: where the model is right, the squares that go
+// are a chi^2 of two degrees for each channel.
+class Coherence {
+ public:
+  Coherence(const AmbientMean& mean, size_t parts)
+      : mean_(mean),
+        channels_(mean.left().rows()),
+        grams_(parts, ComplexMatrix::Zero(channels_, channels_)),
+        products_(parts, Eigen::VectorXcd::Zero(channels_)) {}
+
+  // Lines first ... end - 1 of a part, whose S_y has the factor `lower`;
+  // `weight`: how many independent lines each stands for. Adds what they have
+  // of measured power and of that of the response.
+  template <typename Lower>
+  void Add(size_t part, Eigen::Index first, Eigen::Index end, double weight,
+           const Lower& lower, Vector* measured, Vector* response) {
+    ComplexMatrix both(channels_, channels_ + 1);
+    for (Eigen::Index line = first; line < end; ++line) {
+      const Eigen::VectorXcd run =
+          mean_.measured().col(line) - mean_.left().col(line);
+      *measured += weight * mean_.measured().col(line).cwiseAbs2();
+      *response += weight * run.cwiseAbs2();
+      both.leftCols(channels_) = run.asDiagonal();
+      both.col(channels_) = mean_.left().col(line);
+      lower.solveInPlace(both);
+      const auto by_channel = both.leftCols(channels_);
+      grams_[part].noalias() += weight * by_channel.adjoint() * by_channel;
+      products_[part].noalias() +=
+          weight * by_channel.adjoint() * both.col(channels_);
+    }
+  }
+
+  // `fitted`: parameters of the response.
+  void Finish(Eigen::Index fitted, AmbientScore* score) const {
+    Eigen::Index degrees = -fitted;
+    double chi_square = 0.0;
+    for (size_t p = 0; p < grams_.size(); ++p) {
+      // Channels that do not move take no part.
+      const Vector scale =
+          grams_[p].diagonal().real().cwiseMax(1e-300).cwiseSqrt();
+      const ComplexMatrix gram = scale.cwiseInverse().asDiagonal() * grams_[p] *
+                                 scale.cwiseInverse().asDiagonal();
+      const Eigen::SelfAdjointEigenSolver<ComplexMatrix> eigen(gram);
+      const Eigen::VectorXcd product = eigen.eigenvectors().adjoint() *
+                                       products_[p].cwiseQuotient(scale);
+      for (Eigen::Index i = 0; i < channels_; ++i) {
+        if (!(eigen.eigenvalues()[i] > kNothing)) continue;
+        chi_square += 2.0 * std::norm(product[i]) / eigen.eigenvalues()[i];
+        degrees += 2;
+      }
+    }
+    if (degrees <= 0) return;
+    score->coherence_probability =
+        ChiSquareProbability(chi_square, static_cast<int>(degrees));
+  }
+
+ private:
+  // Of an eigenvalue: channels that say the same.
+  static constexpr double kNothing = 1e-8;
+
+  const AmbientMean& mean_;
+  const Eigen::Index channels_;
+  std::vector<ComplexMatrix> grams_;
+  std::vector<Eigen::VectorXcd> products_;
+};
 
 }  // namespace
 
@@ -52,6 +123,11 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   score->information_left = information_left_;
   score->most_information_left = most_information_left_;
   const std::vector<Matrix> at_knots = KnotCovariances();
+  std::optional<Coherence> coherence;
+  if (mean_ != nullptr) {
+    coherence.emplace(*mean_, products.size());
+    score->by_measured_loads = Vector::Zero(channels);
+  }
   Eigen::LLT<ComplexMatrix> factor;
   for (Eigen::Index k = 0; k < lines; ++k) {
     if (!FactorizeLine(k, LoadCovariance(lines_.frequency[k], at_knots),
@@ -76,6 +152,19 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
     score->modelled.col(point) += count * power;
     score->lines[point] += count;
     total += count * power;
+    if (coherence.has_value()) {
+      const Eigen::Index first = lines_.first[static_cast<size_t>(k)];
+      const Eigen::Index end = lines_.first[static_cast<size_t>(k) + 1];
+      Vector response = Vector::Zero(channels);
+      Vector all = Vector::Zero(channels);
+      coherence->Add(part, first, end, count / static_cast<double>(end - first),
+                     factor.matrixL(), &all, &response);
+      score->measured.col(point) += all - y.diagonal().real();
+      score->modelled.col(point) += response;
+      score->by_measured_loads += response;
+      score->explained += response;
+      total += response;
+    }
     for (Eigen::Index c = 0; c < channels; ++c) {
       score->explained[c] +=
           count *
@@ -91,6 +180,10 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
     }
   }
   score->explained.array() /= total.array();
+  if (coherence.has_value()) {
+    score->by_measured_loads.array() /= total.array();
+    coherence->Finish(mean_->num_free(), score);
+  }
   score->noise_sigma.resize(channels);
   for (Eigen::Index c = 0; c < channels; ++c) {
     score->channels.push_back(record_.channels[static_cast<size_t>(c)].name);

@@ -91,41 +91,61 @@ double ShareOutsideGaps(const Matrix& samples) {
       .mean();
 }
 
-SpectralLines FindSpectralLines(const Matrix& samples, double step,
-                                double lowest, double highest) {
+LineTransform::LineTransform(const Matrix& samples, double step, double lowest,
+                             double highest) {
   const Eigen::Index size = FastSize(samples.cols());
   const double spacing = 1.0 / (static_cast<double>(size) * step);
-  const Eigen::Index first = std::max<Eigen::Index>(
+  first_ = std::max<Eigen::Index>(
       1, static_cast<Eigen::Index>(std::ceil(lowest / spacing)));
   const Eigen::Index last = std::min<Eigen::Index>(
       (size - 1) / 2, static_cast<Eigen::Index>(std::floor(highest / spacing)));
-  const Eigen::Index count = std::max<Eigen::Index>(0, last - first + 1);
-  SpectralLines lines;
-  lines.frequency =
-      Vector::LinSpaced(count, static_cast<double>(first) * spacing,
-                        static_cast<double>(last) * spacing);
-  lines.values.resize(samples.rows(), count);
-  const Vector taper =
-      Taper(samples, size,
-            kCyclesBesideGap / std::max(lowest * step, spacing * step));
-  const Vector weights = taper / taper.sum();
-  const double square = taper.squaredNorm();
-  const double scale = std::sqrt(2.0 * step / square);
-  lines.tied = static_cast<double>(size) * taper.cwiseAbs2().squaredNorm() /
-               (square * square);
+  const Eigen::Index count = std::max<Eigen::Index>(0, last - first_ + 1);
+  frequency_ = Vector::LinSpaced(count, static_cast<double>(first_) * spacing,
+                                 static_cast<double>(last) * spacing);
+  taper_ = Taper(samples, size,
+                 kCyclesBesideGap / std::max(lowest * step, spacing * step));
+  const double square = taper_.squaredNorm();
+  scale_ = std::sqrt(2.0 * step / square);
+  tied_ = static_cast<double>(size) * taper_.cwiseAbs2().squaredNorm() /
+          (square * square);
   // The second moment of |H|^2 is the square of h's derivative.
-  lines.bandwidth = (taper.tail(size - 1) - taper.head(size - 1)).norm() /
-                    (kTwoPi * step * std::sqrt(square));
+  bandwidth_ = (taper_.tail(size - 1) - taper_.head(size - 1)).norm() /
+               (kTwoPi * step * std::sqrt(square));
+}
+
+Eigen::MatrixXcd LineTransform::Values(const Matrix& samples) const {
+  Eigen::MatrixXcd lines(samples.rows(), frequency_.size());
+  const Vector weights = taper_ / taper_.sum();
   Eigen::FFT<double> fft;
   Eigen::VectorXcd transform;
   for (Eigen::Index c = 0; c < samples.rows(); ++c) {
-    Vector values = FillMissing(samples.row(c).head(size));
+    Vector values = FillMissing(samples.row(c).head(taper_.size()));
     values.array() -= weights.dot(values);
-    values.array() *= scale * taper.array();
+    values.array() *= scale_ * taper_.array();
     fft.fwd(transform, values);
-    lines.values.row(c) = transform.segment(first, count).transpose();
+    lines.row(c) = transform.segment(first_, frequency_.size()).transpose();
   }
   return lines;
+}
+
+SpectralLines LineTransform::Apply(const Matrix& samples) const {
+  return {frequency_, Values(samples), tied_, bandwidth_};
+}
+
+SpectralLines FindSpectralLines(const Matrix& samples, double step,
+                                double lowest, double highest) {
+  return LineTransform(samples, step, lowest, highest).Apply(samples);
+}
+
+void LineGroups::SetProducts(const Eigen::MatrixXcd& values) {
+  products.resize(static_cast<size_t>(size()));
+  for (size_t k = 0; k < products.size(); ++k) {
+    const Eigen::Index lines = first[k + 1] - first[k];
+    const auto y = values.middleCols(first[k], lines);
+    products[k].noalias() = y * y.adjoint() *
+                            (count[static_cast<Eigen::Index>(k)] /
+                             static_cast<double>(lines));
+  }
 }
 
 LineGroups GroupLines(const SpectralLines& lines, double width) {
@@ -141,8 +161,7 @@ LineGroups GroupLines(const SpectralLines& lines, double width) {
                width * lines.frequency[first]) {
       ++last;
     }
-    const auto y = lines.values.middleCols(first, last - first);
-    groups.products.emplace_back(y * y.adjoint() / lines.tied);
+    groups.first.push_back(first);
     const auto f = lines.frequency.segment(first, last - first);
     frequencies.push_back(f.mean());
     spreads.push_back(std::hypot(lines.bandwidth,
@@ -151,10 +170,12 @@ LineGroups GroupLines(const SpectralLines& lines, double width) {
     counts.push_back(static_cast<double>(last - first) / lines.tied);
     first = last;
   }
+  groups.first.push_back(first);
   const Eigen::Index size = static_cast<Eigen::Index>(counts.size());
   groups.frequency = Eigen::Map<const Vector>(frequencies.data(), size);
   groups.spread = Eigen::Map<const Vector>(spreads.data(), size);
   groups.count = Eigen::Map<const Vector>(counts.data(), size);
+  groups.SetProducts(lines.values);
   return groups;
 }
 

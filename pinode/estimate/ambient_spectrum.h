@@ -11,14 +11,7 @@
 
 namespace pinode {
 
-// Fourier coefficients of a record at the frequencies of a band: stationary
-// noise of spectral density S makes them independent complex normal numbers of
-// covariance S (P. Whittle, J. Roy. Statist. Soc. B 15 (1953) 125). The ends
-// are tapered over a twentieth of the record, so that what is strong at one
-// frequency does not leak over all. A few missing samples are bridged by
-// straight lines; gaps longer than that, in whatever channel, are cut out of
-// all with tapers of their own, eight cycles of the lowest frequency long, or
-// shorter where gaps would leave little.
+// Lines of a record.
 struct SpectralLines {
   Vector frequency;         // cycles per unit of time
   Eigen::MatrixXcd values;  // channels x lines; |.|^2 is a one-sided density
@@ -28,6 +21,34 @@ struct SpectralLines {
   // Standard deviation of the frequencies that the tapers mix into a line.
   double bandwidth = 0.0;
 };
+
+// Fourier coefficients at the frequencies of a band: stationary noise of
+// spectral density S makes them independent complex normal numbers of
+// covariance S (P. Whittle, J. Roy. Statist. Soc. B 15 (1953) 125). The ends
+// are tapered over a twentieth of the record, so that what is strong at one
+// frequency does not leak over all. A few missing samples are bridged by
+// straight lines; gaps longer than that, in whatever channel, are cut out of
+// all with tapers of their own, eight cycles of the lowest frequency long, or
+// shorter where gaps would leave little.
+class LineTransform {
+ public:
+  // As the gaps of `samples`, channels x samples, ask for it.
+  LineTransform(const Matrix& samples, double step, double lowest,
+                double highest);
+
+  // Of as many samples, linear in them: their weighted means are subtracted.
+  Eigen::MatrixXcd Values(const Matrix& samples) const;
+  SpectralLines Apply(const Matrix& samples) const;
+
+ private:
+  Eigen::Index first_ = 0;
+  Vector frequency_;
+  Vector taper_;  // of the samples that are used
+  double scale_ = 1.0;
+  double tied_ = 1.0;
+  double bandwidth_ = 0.0;
+};
+
 // What is left of a record, as a fraction, where such gaps are cut out.
 double ShareOutsideGaps(const Matrix& samples);
 SpectralLines FindSpectralLines(const Matrix& samples, double step,
@@ -50,8 +71,12 @@ struct LineGroups {
   Vector spread;     // standard deviation of what is in it, with the bandwidth
   Vector count;      // of independent lines
   std::vector<Eigen::MatrixXcd> products;  // mean of Y Y^H, times that
+  // Of each the first line, then the number of all.
+  std::vector<Eigen::Index> first;
 
   Eigen::Index size() const { return frequency.size(); }
+  // Products of other values at the same lines.
+  void SetProducts(const Eigen::MatrixXcd& values);
 };
 // Bands `width` times the frequency wide.
 LineGroups GroupLines(const SpectralLines& lines, double width);

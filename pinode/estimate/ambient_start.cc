@@ -36,6 +36,15 @@ Vector RealShape(const Eigen::VectorXcd& shape) {
   return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
 }
 
+// Of inputs, those that are not of other records.
+Matrix MovingRows(const Matrix& inputs) {
+  std::vector<int> rows;
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
+    if (!inputs.row(i).isZero(0.0)) rows.push_back(static_cast<int>(i));
+  }
+  return inputs(rows, Eigen::all);
+}
+
 // What one record says, at the DOFs that a channel alone measures.
 void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
               int num_threads, ModalData* modal) {
@@ -63,6 +72,9 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
     channel.weights.cwiseAbs().maxCoeff(&dof);
     dofs.push_back(static_cast<int>(dof));
     scales[static_cast<Eigen::Index>(i)] = channel.weights[dof];
+  }
+  if (record.measured_loads.has_value()) {
+    response.inputs = MovingRows(record.measured_loads->samples());
   }
   ModeIdentificationOptions options;
   options.lowest_hz = record.lowest_frequency;

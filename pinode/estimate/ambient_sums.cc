@@ -72,7 +72,9 @@ class AmbientCost::LineSums {
         information_(spectrum_),
         rows_(square_ * kStretch, channels_ + groups_),
         misfit_(square_ * kStretch),
-        rest_(Matrix::Zero(channels_ + groups_, channels_ + groups_)) {
+        rest_(Matrix::Zero(channels_ + groups_, channels_ + groups_)),
+        mean_score_(Vector::Zero(groups_)),
+        mean_information_(Matrix::Zero(groups_, groups_)) {
     const Eigen::Index rows = 2 * channels_ * nodes_ * kStretch;
     for (Matrix& seen : seen_) seen.resize(rows, areas_);
     misfit_seen_.resize(rows, areas_);
@@ -137,6 +139,7 @@ class AmbientCost::LineSums {
           .setConstant(count * noise[c] * above);
     }
     if (groups_ > 0) AddGroups(line, loads, lower);
+    if (groups_ > 0 && cost_.mean_ != nullptr) AddMean(line, lower);
     if (++in_stretch_ == kStretch) EndStretch();
   }
 
@@ -164,6 +167,8 @@ class AmbientCost::LineSums {
     information.bottomLeftCorner(rest, 2 * per_knot) =
         information.topRightCorner(2 * per_knot, rest).transpose();
     information.bottomRightCorner(rest, rest) = rest_;
+    information.bottomRightCorner(groups_, groups_) +=
+        Matrix(mean_information_.selfadjointView<Eigen::Lower>());
     sums.gradient = Vector::Zero(active);
     for (const Vector& score : scores_) sums.gradient += score;
     if (groups_ > 0) {
@@ -222,6 +227,30 @@ class AmbientCost::LineSums {
       for (int node = 0; node < nodes_; ++node) {
         RowsOf(node, &by_group_[static_cast<size_t>(g)]) = OfNode(moved_, node);
       }
+    }
+  }
+
+  // What measured loads do, of each line for itself.
+  template <typename Lower>
+  void AddMean(Eigen::Index group, const Lower& lower) {
+    const AmbientMean& mean = *cost_.mean_;
+    const Eigen::Index first = cost_.lines_.first[static_cast<size_t>(group)];
+    const Eigen::Index end = cost_.lines_.first[static_cast<size_t>(group) + 1];
+    const double weight =
+        2.0 * cost_.lines_.count[group] / static_cast<double>(end - first);
+    ComplexMatrix both(channels_, 1 + groups_);
+    for (Eigen::Index line = first; line < end; ++line) {
+      both.col(0) = mean.left().col(line);
+      for (Eigen::Index g = 0; g < groups_; ++g) {
+        both.col(1 + g) = mean.slopes(line).col(
+            cost_.columns_[static_cast<size_t>(g)].free);
+      }
+      lower.solveInPlace(both);
+      const auto rows = RealRows(both);
+      mean_score_.noalias() -=
+          weight * rows.rightCols(groups_).transpose() * rows.col(0);
+      mean_information_.selfadjointView<Eigen::Lower>().rankUpdate(
+          rows.rightCols(groups_).transpose(), weight);
     }
   }
 
@@ -304,6 +333,8 @@ class AmbientCost::LineSums {
     if (!two_) score.segment(per_knot, per_knot).setZero();
     score.tail(channels_ + groups_) =
         part.transpose() * misfit_.head(in_stretch_ * square_);
+    score.tail(groups_) += mean_score_;
+    mean_score_.setZero();
     if (groups_ > 0 || scores_.empty()) {
       scores_.push_back(std::move(score));
     } else {
@@ -337,6 +368,8 @@ class AmbientCost::LineSums {
   Eigen::Index in_stretch_ = 0;
   std::array<Matrix, 2> cross_;  // sides: areas^2 x (channels + groups)
   Matrix rest_;
+  Vector mean_score_;        // of the stretch
+  Matrix mean_information_;  // lower triangle
   std::vector<Vector> scores_;  // of stretches
 };
 

@@ -98,7 +98,7 @@ bool AnyMisfit(const Vector& free, const Objective& objective) {
                      [&free](const auto& record) {
                        AmbientScore score;
                        return !record->Score(free, &score) ||
-                              score.probability < kDoubtfulAmbientProbability;
+                              score.LeastProbability() < kDoubtfulAmbientProbability;
                      });
 }
 

@@ -150,6 +150,16 @@ std::string WhyNotUsable(const GapTuning& tuning,
   if (!explained.empty()) return explained;
   std::ostringstream reason;
   for (const AmbientScore& score : summary.ambient) {
+    if (score.coherence_probability < kLeastAmbientProbability) {
+      reason << "what the response to the measured loads of record '"
+             << score.name
+             << "' leaves still goes with it (probability "
+             << score.coherence_probability
+             << " that it does by chance): a load or a sensor of the wrong "
+                "size, sign or place, loads from before the record, or modes "
+                "that the model lacks";
+      return reason.str();
+    }
     if (score.probability >= kLeastAmbientProbability) continue;
     reason << "the model does not describe the spectra of ambient record '"
            << score.name << "' (probability " << score.probability

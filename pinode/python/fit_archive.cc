@@ -141,11 +141,12 @@ void VisitOne(Archive* a, ModeScore& value) {
 template <typename Archive>
 void VisitOne(Archive* a, AmbientScore& value) {
   auto& [name, lowest, highest, lines, knots, chi_square, degrees, probability,
-         from, to, deviation, channels, explained, noise, groups, left,
+         coherence, from, to, deviation, channels, explained, by_loads, noise,
+         groups, left,
          most_left, frequencies, measured, modelled, counts] = value;
   Visit(a, name, lowest, highest, lines, knots, chi_square, degrees,
-        probability, from, to, deviation, channels, explained, noise, groups,
-        left, most_left, frequencies, measured, modelled, counts);
+        probability, coherence, from, to, deviation, channels, explained,
+        by_loads, noise, groups, left, most_left, frequencies, measured, modelled, counts);
 }
 
 template <typename Archive>

@@ -186,6 +186,7 @@ TextTable MakeAmbientTable(const ReportInput& input) {
   TextTable table({{"record", Align::kLeft},
                    {"channel", Align::kLeft},
                    {"explained, %", Align::kDecimal},
+                   {"by measured loads, %", Align::kDecimal},
                    {"noise", Align::kDecimal},
                    {"from, Hz", Align::kDecimal},
                    {"to, Hz", Align::kDecimal},
@@ -197,10 +198,13 @@ TextTable MakeAmbientTable(const ReportInput& input) {
       table.AddRow(
           {c == 0 ? score.name : "", score.channels[c],
            ReadableNumber(100.0 * score.explained[row], 4),
+           score.by_measured_loads.size() > 0
+               ? ReadableNumber(100.0 * score.by_measured_loads[row], 4)
+               : "-",
            ReadableNumber(score.noise_sigma[row], 3),
            c == 0 ? ReadableNumber(hz * score.lowest_frequency, 3) : "",
            c == 0 ? ReadableNumber(hz * score.highest_frequency, 3) : "",
-           c == 0 ? ReadableNumber(score.probability, 2) : ""});
+           c == 0 ? ReadableNumber(score.LeastProbability(), 2) : ""});
     }
   }
   return table;

@@ -197,9 +197,9 @@ std::string Verdict(const ReportInput& input) {
     std::vector<std::string> records;
     double least = 1.0;
     for (const AmbientScore& score : summary.ambient) {
-      least = std::min(least, score.probability);
+      least = std::min(least, score.LeastProbability());
       records.push_back("'" + score.name + "' (probability " +
-                        ReadableNumber(score.probability, 2) + ")");
+                        ReadableNumber(score.LeastProbability(), 2) + ")");
     }
     return "Usable. The spectra of " +
            std::string(records.size() == 1 ? "ambient record "
