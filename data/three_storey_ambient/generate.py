@@ -4,7 +4,10 @@
 Writes wind.csv.gz (accelerations of the floors), C_mass.csv, C_stiffness.csv and
 truth.json.  --seed gives another realisation, --white forces of flat spectra
 that have nothing to do with each other, --loss 2 0.1 a structure whose second
-storey has lost a tenth of its stiffness.
+storey has lost a tenth of its stiffness.  --shaker noise 3 adds a measured force
+on the top floor, column F, whose response is three times as strong as the
+wind's: noise from 0.5 to 20 Hz that has acted before the record too, a sweep
+from 1 to 15 Hz from rest, or fifteen blows.  shaker.toml is the case with it.
 
 The wind's force on floor j has the one-sided spectrum of a longitudinal gust
 after von Karman, S(f) ~ 1 / (1 + 70.8 (f L / U)^2)^(5/6), which falls with
@@ -54,6 +57,41 @@ def force_root(frequency, white):
                               np.outer(FORCE, FORCE))
 
 
+def responses(force, period, storey):
+    """Accelerations of the floors over a period; `force`: one-sided spectra of
+    its inner lines, lines by floors."""
+    frequency = np.fft.rfftfreq(period, 1 / RATE)[1:-1]
+    w = 2 * np.pi * frequency[:, None, None]
+    dynamic = (reference.chain(storey) - w**2 * np.diag(FRAME.MASS) +
+               1j * w * FRAME.damping_matrix())
+    motion = np.linalg.solve(dynamic, force[:, :, None])[:, :, 0]
+    spectrum = np.zeros((period // 2 + 1, 3), dtype=complex)
+    spectrum[1:-1] = -w[:, :, 0]**2 * motion
+    return np.fft.irfft(spectrum, period, axis=0)
+
+
+def shaker(seed, kind):
+    """A measured force over twice the record, in any unit."""
+    rng = np.random.default_rng(1000 + seed)
+    samples = int(round(DURATION * RATE))
+    time = np.arange(samples) / RATE
+    force = np.zeros(2 * samples)
+    if kind == "noise":
+        frequency = np.fft.rfftfreq(2 * samples, 1 / RATE)
+        normal = rng.standard_normal((len(frequency), 2)) @ [1, 1j]
+        force = np.fft.irfft(
+            np.where((frequency > 0.5) & (frequency < 20), normal, 0),
+            2 * samples)
+    elif kind == "sweep":
+        force[:samples] = np.sin(
+            2 * np.pi * time * (1 + 7 * time / DURATION)) * np.minimum(
+                1, time / 5)
+    else:
+        for at in np.arange(7, DURATION, 40) + rng.uniform(0, 5, 15):
+            force[:samples] += np.exp(-0.5 * ((time - at) / 0.025)**2)
+    return force
+
+
 def record(seed, white, storey):
     """Accelerations (samples by floors) with noise, and the noise's sigma."""
     rng = np.random.default_rng(seed)
@@ -64,19 +102,40 @@ def record(seed, white, storey):
     # Half the one-sided density on either side.
     force = 0.5 * np.sqrt(period * RATE) * np.einsum(
         "kij,kj->ki", force_root(frequency, white), normal)
-    w = 2 * np.pi * frequency[:, None, None]
-    dynamic = (reference.chain(storey) - w**2 * np.diag(FRAME.MASS) +
-               1j * w * FRAME.damping_matrix())
-    motion = np.linalg.solve(dynamic, force[:, :, None])[:, :, 0]
-    spectrum = np.zeros((period // 2 + 1, 3), dtype=complex)
-    spectrum[1:-1] = -w[:, :, 0]**2 * motion
-    values = np.fft.irfft(spectrum, period, axis=0)[:samples]
+    values = responses(force, period, storey)[:samples]
     sigma = NOISE * values.std(axis=0)
     return values + sigma * rng.standard_normal(values.shape), sigma
 
 
+def add_shaker(seed, kind, ratio, storey, values):
+    """What `record` gives, with its force as a fourth column."""
+    force = shaker(seed, kind)
+    lines = np.fft.rfft(force)[1:-1]
+    zero = np.zeros_like(lines)
+    motion = responses(np.stack([zero, zero, lines], axis=1), len(force),
+                       storey)[:len(values)]
+    factor = ratio * values.std() / motion.std()
+    return np.column_stack([values + factor * motion,
+                            factor * force[:len(values)]])
+
+
+def write_shaker_case(folder):
+    with open(os.path.join(HERE, "three_storey_ambient.toml")) as file:
+        case = file.read()
+    line = 'excitation = "ambient"\n'
+    assert line in case
+    with open(os.path.join(folder, "shaker.toml"), "w") as file:
+        file.write(case.replace(line, line + """interpolation = "band_limited"
+
+  [[record.force]]
+  dof    = "u3"
+  column = "F"
+  unit   = "N"
+"""))
+
+
 def write_record(path, values):
-    lines = ["a1,a2,a3"]
+    lines = ["a1,a2,a3,F" if values.shape[1] > 3 else "a1,a2,a3"]
     lines += [",".join("%.5g" % v for v in row) for row in values]
     data = ("\n".join(lines) + "\n").encode()
     with open(path, "wb") as file:
@@ -89,11 +148,17 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--white", action="store_true")
     parser.add_argument("--loss", type=float, nargs=2, default=[1, 0.0])
+    parser.add_argument("--shaker", nargs=2, metavar=("KIND", "RATIO"),
+                        help="noise, sweep or blows")
     args = parser.parse_args()
     storey = FRAME.STOREY.copy()
     storey[int(args.loss[0]) - 1] *= 1 - args.loss[1]
     reference.prepare_output(HERE, args.output)
     values, sigma = record(args.seed, args.white, storey)
+    if args.shaker:
+        values = add_shaker(args.seed, args.shaker[0], float(args.shaker[1]),
+                            storey, values)
+        write_shaker_case(args.output)
     write_record(os.path.join(args.output, "wind.csv.gz"), values)
     a0, a1 = FRAME.rayleigh_coefficients()
     prior = FRAME.PRIOR_DAMPING_FACTOR

@@ -106,6 +106,8 @@ class AmbientCost final : public CostPart {
   // Whose a piece is.
   int RankOf(int piece) const { return piece * communicator_.size() / kPieces; }
 
+  // All of a score that needs no line, and room for the rest.
+  AmbientScore BlankScore() const;
   // The model at `free`; notes why where there is none.
   [[nodiscard]] bool SetModel(const Vector& free);
   // n x n at a frequency, factorised.

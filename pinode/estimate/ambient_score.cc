@@ -86,6 +86,68 @@ class Coherence {
   std::vector<Eigen::VectorXcd> products_;
 };
 
+// Of z z^H the mean Q over n neighbouring lines is I but for chance: n |Q - I|^2
+// has the expectation channels^2, and the variance 2 channels^2 of a chi^2 where
+// n is large; 1 + 2 channels / n times that otherwise, as r times a chi^2 of
+// channels^2 / r degrees has.
+class Whiteness {
+ public:
+  Whiteness(Eigen::Index parts, Eigen::Index channels, double total_count)
+      : channels_(channels),
+        square_(static_cast<double>(channels * channels)),
+        r_(1.0 + 2.0 * static_cast<double>(channels * parts) / total_count),
+        parts_(static_cast<size_t>(parts),
+               {ComplexMatrix::Zero(channels, channels), 0.0, kInfinity, 0.0}) {
+  }
+
+  // `products`: sum of z z^H, of so many lines at a frequency.
+  void Add(size_t part, const ComplexMatrix& products, double count,
+           double frequency) {
+    Part& own = parts_[part];
+    own.products += products;
+    own.count += count;
+    own.from = std::min(own.from, frequency);
+    own.to = std::max(own.to, frequency);
+  }
+
+  // `fitted`: unknowns of the spectra.
+  void Finish(double fitted, AmbientScore* score) const {
+    for (size_t p = 0; p < parts_.size(); ++p) {
+      const Part& part = parts_[p];
+      if (part.count == 0.0) continue;
+      const ComplexMatrix off = part.products / part.count -
+                                ComplexMatrix::Identity(channels_, channels_);
+      const double value = part.count * off.squaredNorm();
+      score->chi_square += value / r_;
+      const double deviation =
+          (value - square_) / std::sqrt(2.0 * r_ * square_);
+      if (p == 0 || deviation > score->worst_deviation) {
+        score->worst_deviation = deviation;
+        score->worst_from = part.from;
+        score->worst_to = part.to;
+      }
+    }
+    const double numbers = square_ * static_cast<double>(parts_.size());
+    score->degrees_of_freedom =
+        std::max(1, static_cast<int>((numbers - fitted) / r_));
+    score->probability =
+        ChiSquareProbability(score->chi_square, score->degrees_of_freedom);
+  }
+
+ private:
+  struct Part {
+    ComplexMatrix products;
+    double count = 0.0;
+    double from = kInfinity;
+    double to = 0.0;
+  };
+
+  const Eigen::Index channels_;
+  const double square_;
+  const double r_;
+  std::vector<Part> parts_;
+};
+
 }  // namespace
 
 bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
@@ -93,131 +155,100 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   double cost = 0.0;
   if (!Linearize(free, &ignored) || !Evaluate(free, &cost)) return false;
   FindTransfer(/*all=*/true);
+  *score = BlankScore();
   const Eigen::Index channels = scales_.size();
   const Eigen::Index lines = num_lines();
-  *score = AmbientScore();
-  score->name = record_.name;
-  score->lowest_frequency = lines_.frequency[0];
-  score->highest_frequency = lines_.frequency[lines - 1];
-  score->num_lines = static_cast<int>(total_lines_);
-  score->num_knots = spectrum_->num_knots();
-  score->explained = Vector::Zero(channels);
   const double total_count = lines_.count.sum();
   const Eigen::Index parts =
       std::clamp<Eigen::Index>(lines / (8 * channels + 40), 1, kMostParts);
-  const Eigen::Index points = std::min<Eigen::Index>(lines, kGridPoints);
-  score->frequencies = Vector::Zero(points);
-  score->measured = Matrix::Zero(channels, points);
-  score->modelled = Matrix::Zero(channels, points);
-  score->lines = Vector::Zero(points);
-  std::vector<ComplexMatrix> products(static_cast<size_t>(parts),
-                                      ComplexMatrix::Zero(channels, channels));
-  std::vector<double> counts(static_cast<size_t>(parts), 0.0);
-  std::vector<double> starts(static_cast<size_t>(parts), kInfinity);
-  std::vector<double> ends(static_cast<size_t>(parts), 0.0);
+  const Eigen::Index points = score->frequencies.size();
+  const Vector noise =
+      (2.0 * unknowns_.tail(channels)).array().exp();  // densities
+  Whiteness whiteness(parts, channels, total_count);
+  std::optional<Coherence> coherence;
+  if (mean_ != nullptr) coherence.emplace(*mean_, static_cast<size_t>(parts));
+  const std::vector<Matrix> at_knots = KnotCovariances();
+  Eigen::LLT<ComplexMatrix> factor;
   double seen = 0.0;
   Vector total = Vector::Zero(channels);
-  for (const Column& column : columns_) {
-    score->groups.push_back(layout_.free_parameter(column.free).name);
-  }
-  score->information_left = information_left_;
-  score->most_information_left = most_information_left_;
-  const std::vector<Matrix> at_knots = KnotCovariances();
-  std::optional<Coherence> coherence;
-  if (mean_ != nullptr) {
-    coherence.emplace(*mean_, products.size());
-    score->by_measured_loads = Vector::Zero(channels);
-  }
-  Eigen::LLT<ComplexMatrix> factor;
   for (Eigen::Index k = 0; k < lines; ++k) {
-    if (!FactorizeLine(k, LoadCovariance(lines_.frequency[k], at_knots),
-                       &factor)) {
+    const double frequency = lines_.frequency[k];
+    if (!FactorizeLine(k, LoadCovariance(frequency, at_knots), &factor)) {
       return false;
     }
-    const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
-    const ComplexMatrix half = factor.matrixL().solve(y);
-    const size_t part = std::min(
-        products.size() - 1,
-        static_cast<size_t>(seen * static_cast<double>(parts) / total_count));
+    const auto lower = factor.matrixL();
+    const size_t part = static_cast<size_t>(
+        std::min(static_cast<double>(parts - 1),
+                 std::floor(seen * static_cast<double>(parts) / total_count)));
     const double count = lines_.count[k];
     seen += count;
-    products[part] += factor.matrixL().solve(half.adjoint().eval());
-    counts[part] += count;
-    starts[part] = std::min(starts[part], lines_.frequency[k]);
-    ends[part] = std::max(ends[part], lines_.frequency[k]);
-    const Eigen::Index point = k * points / lines;
-    const Vector power = factor.reconstructedMatrix().diagonal().real();
-    score->frequencies[point] += count * lines_.frequency[k];
-    score->measured.col(point) += y.diagonal().real();
-    score->modelled.col(point) += count * power;
-    score->lines[point] += count;
-    total += count * power;
+    const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
+    const ComplexMatrix half = lower.solve(y);
+    whiteness.Add(part, lower.solve(half.adjoint().eval()), count, frequency);
+    Vector measured = y.diagonal().real();
+    Vector modelled = count * factor.reconstructedMatrix().diagonal().real();
+    score->explained += modelled - count * noise;
     if (coherence.has_value()) {
+      Vector response = Vector::Zero(channels);
+      measured.setZero();
       const Eigen::Index first = lines_.first[static_cast<size_t>(k)];
       const Eigen::Index end = lines_.first[static_cast<size_t>(k) + 1];
-      Vector response = Vector::Zero(channels);
-      Vector all = Vector::Zero(channels);
       coherence->Add(part, first, end, count / static_cast<double>(end - first),
-                     factor.matrixL(), &all, &response);
-      score->measured.col(point) += all - y.diagonal().real();
-      score->modelled.col(point) += response;
+                     lower, &measured, &response);
       score->by_measured_loads += response;
       score->explained += response;
-      total += response;
+      modelled += response;
     }
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      score->explained[c] +=
-          count *
-          (power[c] - std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + c]));
-    }
+    total += modelled;
+    const Eigen::Index point = k * points / lines;
+    score->frequencies[point] += count * frequency;
+    score->measured.col(point) += measured;
+    score->modelled.col(point) += modelled;
+    score->lines[point] += count;
   }
   score->frequencies.array() /= score->lines.array();
   for (Matrix* density : {&score->measured, &score->modelled}) {
-    for (Eigen::Index point = 0; point < points; ++point) {
-      density->col(point) =
-          density->col(point).cwiseProduct(scales_.cwiseAbs2()) /
-          score->lines[point];
-    }
+    *density = scales_.cwiseAbs2().asDiagonal() * *density *
+               score->lines.cwiseInverse().asDiagonal();
   }
   score->explained.array() /= total.array();
+  whiteness.Finish(NumFitted(), score);
   if (coherence.has_value()) {
     score->by_measured_loads.array() /= total.array();
     coherence->Finish(mean_->num_free(), score);
   }
-  score->noise_sigma.resize(channels);
-  for (Eigen::Index c = 0; c < channels; ++c) {
-    score->channels.push_back(record_.channels[static_cast<size_t>(c)].name);
-    // A one-sided density up to half the sampling rate.
-    score->noise_sigma[c] = scales_[c] *
-                            std::exp(unknowns_[spectrum_->num_unknowns() + c]) *
-                            std::sqrt(0.5 / record_.sampling_step);
-  }
-  // n |Q - I|^2 of the mean Q of n products z z^H has the expectation
-  // channels^2, and the variance 2 channels^2 of a chi^2 where n is large;
-  // 1 + 2 channels / n times that otherwise, as r times a chi^2 of channels^2/r
-  // degrees has.
-  const double square = static_cast<double>(channels * channels);
-  const double r =
-      1.0 + 2.0 * static_cast<double>(channels * parts) / total_count;
-  for (size_t p = 0; p < products.size(); ++p) {
-    if (counts[p] == 0.0) continue;
-    const ComplexMatrix off =
-        products[p] / counts[p] - ComplexMatrix::Identity(channels, channels);
-    const double value = counts[p] * off.squaredNorm();
-    score->chi_square += value / r;
-    const double deviation = (value - square) / std::sqrt(2.0 * r * square);
-    if (p == 0 || deviation > score->worst_deviation) {
-      score->worst_deviation = deviation;
-      score->worst_from = starts[p];
-      score->worst_to = ends[p];
-    }
-  }
-  score->degrees_of_freedom =
-      std::max(1, static_cast<int>(
-                      (square * static_cast<double>(parts) - NumFitted()) / r));
-  score->probability =
-      ChiSquareProbability(score->chi_square, score->degrees_of_freedom);
   return true;
+}
+
+AmbientScore AmbientCost::BlankScore() const {
+  const Eigen::Index channels = scales_.size();
+  const Eigen::Index points = std::min<Eigen::Index>(num_lines(), kGridPoints);
+  AmbientScore score;
+  score.name = record_.name;
+  score.lowest_frequency = lines_.frequency[0];
+  score.highest_frequency = lines_.frequency[num_lines() - 1];
+  score.num_lines = static_cast<int>(total_lines_);
+  score.num_knots = spectrum_->num_knots();
+  for (const Column& column : columns_) {
+    score.groups.push_back(layout_.free_parameter(column.free).name);
+  }
+  score.information_left = information_left_;
+  score.most_information_left = most_information_left_;
+  for (const Observation& channel : record_.channels) {
+    score.channels.push_back(channel.name);
+  }
+  // A one-sided density up to half the sampling rate.
+  score.noise_sigma =
+      std::sqrt(0.5 / record_.sampling_step) *
+      scales_.cwiseProduct(
+          unknowns_.tail(channels).array().exp().matrix());
+  score.explained = Vector::Zero(channels);
+  if (mean_ != nullptr) score.by_measured_loads = Vector::Zero(channels);
+  score.frequencies = Vector::Zero(points);
+  score.measured = Matrix::Zero(channels, points);
+  score.modelled = Matrix::Zero(channels, points);
+  score.lines = Vector::Zero(points);
+  return score;
 }
 
 }  // namespace pinode

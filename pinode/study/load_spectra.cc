@@ -70,7 +70,8 @@ bool RefineLoadSpectra(const IdentificationProblem& given,
   for (size_t i = 0; i < summary.ambient.size(); ++i) {
     const AmbientScore& score = summary.ambient[i];
     if (given.ambient[i].knots > 0 || score.num_knots < 2 ||
-        score.probability >= kLeastAmbientProbability) {
+        score.probability >= kLeastAmbientProbability ||
+        score.coherence_probability < kLeastAmbientProbability) {
       continue;
     }
     problem->ambient[i].knots = 2 * score.num_knots - 1;

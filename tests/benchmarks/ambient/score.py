@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Scores the results that ambient.sh has left in a folder: score.py FOLDER
-[--white].  The Cramer-Rao bound is that of the record's spectrum with the loads'
+[options of ambient.sh].  The Cramer-Rao bound is that of the record's spectrum with the loads'
 as they are, known (Whittle's information, by differences)."""
 
 import glob
@@ -56,7 +56,7 @@ def bound(truth, white):
 
 def main():
     folder, white = sys.argv[1], "--white" in sys.argv
-    for case in ["three_storey_ambient", "independent"]:
+    for case in ["three_storey_ambient", "independent", "shaker"]:
         errors, sigmas, usable, probability, seconds = [], [], 0, [], []
         truth = None
         for path in sorted(glob.glob(os.path.join(folder, "*", case,
@@ -72,10 +72,11 @@ def main():
             sigmas.append([(found[n]["upper95"] - found[n]["lower95"]) / 3.92
                            for n in NAMES])
             usable += result["usable"]
-            probability.append(result["ambient"][0]["probability"])
+            score = result["ambient"][0]
+            probability.append(min(score["probability"],
+                                   score.get("coherence_probability", 1)))
             seconds.append(result["solver"]["seconds"])
         if not errors:
-            print(case + ": no results")
             continue
         errors, sigmas = np.array(errors), np.array(sigmas)
         crb = bound(truth, white)
