@@ -176,9 +176,8 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
   ComplexMatrix inputs;
   if (record.measured_loads.has_value()) {
     inputs = transform.Apply(record.measured_loads->samples()).values;
-    mean_ = std::make_unique<AmbientMean>(record, dynamics,
-                                          std::move(transform), scales_,
-                                          num_threads);
+    mean_ = std::make_unique<AmbientMean>(
+        record, dynamics, std::move(transform), scales_, num_threads);
   }
   offset_ = OffsetOf(lines, inputs);
 }

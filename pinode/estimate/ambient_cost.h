@@ -181,8 +181,8 @@ class AmbientCost final : public CostPart {
   Matrix base_;     // num_dofs x directions
   Matrix direct_;   // channels x areas: of the base in absolute accelerations
   Matrix sensors_;  // channels x num_dofs
-  Vector derivatives_;  // 0, 1, 2 of each channel
-  Vector scales_;       // of the channels
+  Vector derivatives_;                 // 0, 1, 2 of each channel
+  Vector scales_;                      // of the channels
   std::unique_ptr<AmbientMean> mean_;  // nullptr: no load is measured
   std::vector<Column> columns_;
   LineGroups lines_;  // over the scales; minus mean_ at the last model

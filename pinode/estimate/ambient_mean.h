@@ -27,8 +27,7 @@ class AmbientMean {
   // Of a record with measured loads. The lines are those of `transform`, over
   // `scales`, one a channel; all others must outlive this object.
   AmbientMean(const AmbientRecord& record, const StructuralDynamics& dynamics,
-              LineTransform transform, const Vector& scales,
-              int num_threads);
+              LineTransform transform, const Vector& scales, int num_threads);
 
   // Free parameters of the dynamics, which come first among those of a problem.
   int num_free() const { return layout_.num_free(); }

@@ -51,8 +51,7 @@ TEST(AmbientMeanTest, TheRunIsTakenOffBeforeTheTapers) {
       Matrix::Constant(1, 1, w * w));
   IdentificationProblem problem;
   problem.dynamics = std::make_shared<StructuralDynamics>(
-      model,
-      std::vector<InputSpec>{{InputSpec::Kind::kForce, 0, "force_u1"}});
+      model, std::vector<InputSpec>{{InputSpec::Kind::kForce, 0, "force_u1"}});
   AmbientRecord record;
   record.name = "sine";
   record.sampling_step = kStep;
@@ -70,7 +69,8 @@ TEST(AmbientMeanTest, TheRunIsTakenOffBeforeTheTapers) {
     force(0, k) = std::sin(wf * t);
     record.samples(0, k) =
         scale * (a * std::sin(wf * t) - b * std::cos(wf * t)) +
-        std::exp(-ratio * w * t) * (p * std::cos(wd * t) + q * std::sin(wd * t));
+        std::exp(-ratio * w * t) *
+            (p * std::cos(wd * t) + q * std::sin(wd * t));
   }
   // One that is missing is bridged in both.
   record.samples(0, 3001) = kNaN;
@@ -124,8 +124,8 @@ TEST(AmbientMeanTest, SlopesAreThoseOfTheRun) {
 
 TEST(AmbientMeanTest, GradientIsThatOfTheCost) {
   const TestChain chain = RayleighChain(3);
-  ExpectGradientOfCost(ProblemOfChain(chain, kSpring, 0.002,
-                                      HalfMeasured(chain, 300.0, 1, {2, 1, 0})));
+  ExpectGradientOfCost(ProblemOfChain(
+      chain, kSpring, 0.002, HalfMeasured(chain, 300.0, 1, {2, 1, 0})));
 }
 
 TEST(AmbientMeanTest, RanksFindTheSameBits) {
@@ -136,8 +136,7 @@ TEST(AmbientMeanTest, RanksFindTheSameBits) {
   const auto find = [&](Communicator* ranks) {
     CondensedSystem system;
     AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 1, ranks);
-    EXPECT_TRUE(
-        cost.Linearize(layout.Free(layout.InitialValues()), &system))
+    EXPECT_TRUE(cost.Linearize(layout.Free(layout.InitialValues()), &system))
         << cost.Failure();
     return system;
   };
@@ -219,8 +218,8 @@ TEST(AmbientMeanTest, SaysWhatIsWrong) {
   EXPECT_THAT(error, HasSubstr("need a finite row for each input"));
 
   auto with_law = std::make_shared<StructuralDynamics>(*problem.dynamics);
-  ASSERT_TRUE(with_law->AddElement("stop", "cubic", Feature::kGround, 0, {1.0},
-                                   &error))
+  ASSERT_TRUE(
+      with_law->AddElement("stop", "cubic", Feature::kGround, 0, {1.0}, &error))
       << error;
   problem.dynamics = with_law;
   problem.ambient[0] = good;

@@ -130,8 +130,7 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
     }
     if (measured.num_inputs() != dynamics.num_inputs() ||
         measured.num_samples() != samples.cols() ||
-        measured.step() != sampling_step ||
-        !measured.samples().allFinite()) {
+        measured.step() != sampling_step || !measured.samples().allFinite()) {
       return fail(
           "its measured loads need a finite row for each input of the model, "
           "at the samples of its channels");

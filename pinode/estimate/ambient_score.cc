@@ -63,8 +63,8 @@ class Coherence {
       const ComplexMatrix gram = scale.cwiseInverse().asDiagonal() * grams_[p] *
                                  scale.cwiseInverse().asDiagonal();
       const Eigen::SelfAdjointEigenSolver<ComplexMatrix> eigen(gram);
-      const Eigen::VectorXcd product = eigen.eigenvectors().adjoint() *
-                                       products_[p].cwiseQuotient(scale);
+      const Eigen::VectorXcd product =
+          eigen.eigenvectors().adjoint() * products_[p].cwiseQuotient(scale);
       for (Eigen::Index i = 0; i < channels_; ++i) {
         if (!(eigen.eigenvalues()[i] > kNothing)) continue;
         chi_square += 2.0 * std::norm(product[i]) / eigen.eigenvalues()[i];
@@ -86,10 +86,10 @@ class Coherence {
   std::vector<Eigen::VectorXcd> products_;
 };
 
-// Of z z^H the mean Q over n neighbouring lines is I but for chance: n |Q - I|^2
-// has the expectation channels^2, and the variance 2 channels^2 of a chi^2 where
-// n is large; 1 + 2 channels / n times that otherwise, as r times a chi^2 of
-// channels^2 / r degrees has.
+// Of z z^H the mean Q over n neighbouring lines is I but for chance: n |Q -
+// I|^2 has the expectation channels^2, and the variance 2 channels^2 of a chi^2
+// where n is large; 1 + 2 channels / n times that otherwise, as r times a chi^2
+// of channels^2 / r degrees has.
 class Whiteness {
  public:
   Whiteness(Eigen::Index parts, Eigen::Index channels, double total_count)
@@ -240,8 +240,7 @@ AmbientScore AmbientCost::BlankScore() const {
   // A one-sided density up to half the sampling rate.
   score.noise_sigma =
       std::sqrt(0.5 / record_.sampling_step) *
-      scales_.cwiseProduct(
-          unknowns_.tail(channels).array().exp().matrix());
+      scales_.cwiseProduct(unknowns_.tail(channels).array().exp().matrix());
   score.explained = Vector::Zero(channels);
   if (mean_ != nullptr) score.by_measured_loads = Vector::Zero(channels);
   score.frequencies = Vector::Zero(points);

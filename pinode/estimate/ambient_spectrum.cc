@@ -76,8 +76,8 @@ Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
   return taper;
 }
 
-// Samples of a record that are transformed: what is left over at the end is less
-// than a hundredth.
+// Samples of a record that are transformed: what is left over at the end is
+// less than a hundredth.
 Eigen::Index FastSize(Eigen::Index size) {
   const Eigen::Index fast = SmoothNumberBelow(size);
   return fast > size - size / 100 ? fast : size;
@@ -142,9 +142,9 @@ void LineGroups::SetProducts(const Eigen::MatrixXcd& values) {
   for (size_t k = 0; k < products.size(); ++k) {
     const Eigen::Index lines = first[k + 1] - first[k];
     const auto y = values.middleCols(first[k], lines);
-    products[k].noalias() = y * y.adjoint() *
-                            (count[static_cast<Eigen::Index>(k)] /
-                             static_cast<double>(lines));
+    products[k].noalias() =
+        y * y.adjoint() *
+        (count[static_cast<Eigen::Index>(k)] / static_cast<double>(lines));
   }
 }
 

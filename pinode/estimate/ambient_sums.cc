@@ -242,8 +242,8 @@ class AmbientCost::LineSums {
     for (Eigen::Index line = first; line < end; ++line) {
       both.col(0) = mean.left().col(line);
       for (Eigen::Index g = 0; g < groups_; ++g) {
-        both.col(1 + g) = mean.slopes(line).col(
-            cost_.columns_[static_cast<size_t>(g)].free);
+        both.col(1 + g) =
+            mean.slopes(line).col(cost_.columns_[static_cast<size_t>(g)].free);
       }
       lower.solveInPlace(both);
       const auto rows = RealRows(both);
@@ -368,8 +368,8 @@ class AmbientCost::LineSums {
   Eigen::Index in_stretch_ = 0;
   std::array<Matrix, 2> cross_;  // sides: areas^2 x (channels + groups)
   Matrix rest_;
-  Vector mean_score_;        // of the stretch
-  Matrix mean_information_;  // lower triangle
+  Vector mean_score_;           // of the stretch
+  Matrix mean_information_;     // lower triangle
   std::vector<Vector> scores_;  // of stretches
 };
 

@@ -22,10 +22,10 @@ namespace pinode {
 // simulated in steps of a fifth. Of a record with the forces on the first
 // `measured` masses the steps are those of the simulation.
 inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
-                            unsigned seed, double memory,
-                            const std::vector<int>& derivatives = {2},
-                            bool base = false, double noise = 0.02,
-                            int measured = 0) {
+                                   unsigned seed, double memory,
+                                   const std::vector<int>& derivatives = {2},
+                                   bool base = false, double noise = 0.02,
+                                   int measured = 0) {
   TestExcitation excitation;
   excitation.memory = memory;
   excitation.base = base;
@@ -67,8 +67,9 @@ inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
 
 // The chain with its storeys as groups that begin `off` of their stiffness
 // away, and damping in two parts, each about as large as in truth.
-inline IdentificationProblem ProblemOfChain(const TestChain& chain, double spring,
-                                     double off, AmbientRecord record) {
+inline IdentificationProblem ProblemOfChain(const TestChain& chain,
+                                            double spring, double off,
+                                            AmbientRecord record) {
   const Eigen::Index n = chain.masses();
   StructuralModel model = MakeStructuralModel(
       Matrix::Identity(n, n), Matrix::Zero(n, n), chain.stiffness);
@@ -124,7 +125,9 @@ inline constexpr double kSpring = 900.0;
 
 // The chain whose first and last mode have the damping of those two groups at
 // 1; those between have a little more.
-inline TestChain RayleighChain(int masses) { return TestChain(masses, kSpring); }
+inline TestChain RayleighChain(int masses) {
+  return TestChain(masses, kSpring);
+}
 
 inline void ExpectGradientOfCost(const IdentificationProblem& problem) {
   const ParameterLayout layout(problem);

@@ -98,7 +98,8 @@ bool AnyMisfit(const Vector& free, const Objective& objective) {
                      [&free](const auto& record) {
                        AmbientScore score;
                        return !record->Score(free, &score) ||
-                              score.LeastProbability() < kDoubtfulAmbientProbability;
+                              score.LeastProbability() <
+                                  kDoubtfulAmbientProbability;
                      });
 }
 

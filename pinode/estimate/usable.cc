@@ -152,8 +152,7 @@ std::string WhyNotUsable(const GapTuning& tuning,
   for (const AmbientScore& score : summary.ambient) {
     if (score.coherence_probability < kLeastAmbientProbability) {
       reason << "what the response to the measured loads of record '"
-             << score.name
-             << "' leaves still goes with it (probability "
+             << score.name << "' leaves still goes with it (probability "
              << score.coherence_probability
              << " that it does by chance): a load or a sensor of the wrong "
                 "size, sign or place, loads from before the record, or modes "

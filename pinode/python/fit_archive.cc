@@ -142,11 +142,12 @@ template <typename Archive>
 void VisitOne(Archive* a, AmbientScore& value) {
   auto& [name, lowest, highest, lines, knots, chi_square, degrees, probability,
          coherence, from, to, deviation, channels, explained, by_loads, noise,
-         groups, left,
-         most_left, frequencies, measured, modelled, counts] = value;
+         groups, left, most_left, frequencies, measured, modelled, counts] =
+      value;
   Visit(a, name, lowest, highest, lines, knots, chi_square, degrees,
         probability, coherence, from, to, deviation, channels, explained,
-        by_loads, noise, groups, left, most_left, frequencies, measured, modelled, counts);
+        by_loads, noise, groups, left, most_left, frequencies, measured,
+        modelled, counts);
 }
 
 template <typename Archive>

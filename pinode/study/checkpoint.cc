@@ -171,7 +171,8 @@ void Add(const AmbientRecord& record, Hash* hash) {
   if (record.base.size() > 0) hash->Add(record.base);
   if (record.measured_loads.has_value()) {
     hash->Add(record.measured_loads->samples());
-    hash->Add(static_cast<std::int64_t>(record.measured_loads->interpolation()));
+    hash->Add(
+        static_cast<std::int64_t>(record.measured_loads->interpolation()));
   }
   for (const double value :
        {record.correlated ? 1.0 : 0.0, static_cast<double>(record.knots),

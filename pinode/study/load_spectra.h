@@ -13,9 +13,9 @@ namespace pinode {
 // Ambient records whose knots nobody has given (0) and whose spectra a fit
 // describes with a probability below kLeastAmbientProbability get a knot
 // between any two: one an octave becomes two. (Not where what is left goes with
-// measured loads, which finer spectra would but hide.) Knots stay far wider than modes,
-// so that what a model lacks is not put down to its loads. False where there is
-// no such record.
+// measured loads, which finer spectra would but hide.) Knots stay far wider
+// than modes, so that what a model lacks is not put down to its loads. False
+// where there is no such record.
 bool RefineLoadSpectra(const IdentificationProblem& given,
                        const IdentificationSummary& summary,
                        IdentificationProblem* problem);
