@@ -15,6 +15,7 @@
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "apps/sensor_planning.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/estimate/assessment.h"
@@ -184,6 +185,17 @@ void PrintAmbientRecords(const Case& c) {
         record.sampling_step,
         record.sampling_step * static_cast<double>(record.samples.cols() - 1),
         record.channels.size());
+    if (!record.measured_loads.has_value()) continue;
+    const Excitation& measured = *record.measured_loads;
+    std::vector<std::string> names;
+    for (int i = 0; i < measured.num_inputs(); ++i) {
+      if (measured.samples().row(i).isZero(0.0)) continue;
+      names.push_back(
+          c.problem.dynamics->inputs()[static_cast<size_t>(i)].name);
+    }
+    std::printf("    measured beside them, %s between samples: %s\n",
+                InterpolationName(measured.interpolation()),
+                Join(names, ", ").c_str());
   }
 }
 

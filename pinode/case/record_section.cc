@@ -415,28 +415,54 @@ class RecordReader {
                                    "nobody measured, expected none: its "
                                    "noise is one of these");
       }
-      if (IsVoltage(table)) {
+      const TomlValue* scale = table.Find("scale");
+      if (IsVoltage(table) && scale == nullptr) {
         return table.Fail("unit",
                           "a load in volts in a record with excitation = "
-                          "\"ambient\", expected a force and a number for "
-                          "'scale'");
+                          "\"ambient\", expected a number for 'scale'");
       }
-      const TomlValue* scale = table.Find("scale");
       if (scale == nullptr || !scale->IsTable()) continue;
       return table.Fail("scale",
                         "an unknown 'scale' in a record with excitation = "
                         "\"ambient\", expected a number");
     }
+    return CheckAmbientChannels();
+  }
+
+  bool CheckAmbientChannels() {
     for (const ChannelSection& channel : section_->channels) {
+      const TomlTable& table = channel.signal.table;
       for (const char* key : {"gain", "offset", "delay"}) {
-        if (!channel.signal.table.Has(key)) continue;
-        return channel.signal.table.Fail(
-            key, std::string("'") + key +
-                     "' cannot be told from loads that nobody measured, "
-                     "expected none");
+        if (!table.Has(key)) continue;
+        return table.Fail(key, std::string("'") + key +
+                                   "' cannot be told from loads that nobody "
+                                   "measured, expected none");
+      }
+      // Of modes alone the size of a channel says nothing, nor does its noise.
+      if (responses_only_) continue;
+      if (IsVoltage(table)) {
+        return table.Fail("unit",
+                          "a channel in volts in a record with excitation = "
+                          "\"ambient\", expected the unit of what it measures");
+      }
+      for (const char* key : {"fit", "sigma", "sigma_percent"}) {
+        if (!table.Has(key)) continue;
+        return table.Fail(key, std::string("'") + key +
+                                   "' of a channel in a record with "
+                                   "excitation = \"ambient\", expected none: "
+                                   "its noise is found, and it is fitted");
       }
     }
-    return true;
+    if (responses_only_) return true;
+    if (section_->role == IdentificationRecord::Role::kHoldout) {
+      return table_.Fail("role",
+                         "a hold-out with excitation = \"ambient\", which "
+                         "cannot be predicted, expected train");
+    }
+    return section_->has_excitation() || !table_.Has("interpolation") ||
+           table_.Fail("interpolation",
+                       "'interpolation' has no meaning in a record with "
+                       "excitation = \"ambient\" and no measured load");
   }
 
   const UnitSystem& units_;

@@ -32,6 +32,13 @@ constexpr Eigen::Index kMostModalLoads = 24;
 // least damped mode, within these.
 constexpr double kLeastDampingOfLines = 5e-4;
 constexpr double kMostDampingOfLines = 0.01;
+// Of a channel's density over that of the band: noise below it makes no
+// difference.
+constexpr double kSmallestNoise = 1e-7;
+// Room below the cost of neighbours' means; where measured loads are taken off,
+// neighbours' combinations of them leave more than the model does.
+constexpr double kRoom = 3.0;
+constexpr double kRoomOfRest = 12.0;
 
 int DerivativeOf(Quantity quantity) {
   switch (quantity) {
@@ -62,20 +69,34 @@ void FindFactors(const Matrix& g, Matrix* left, Matrix* right) {
   }
 }
 
-// The cost of a model as good as the means of neighbouring lines, of what is
-// left of them by the straight best combination of `inputs`, and room below:
-// what makes all costs positive.
-double OffsetOf(const SpectralLines& lines, const ComplexMatrix& inputs) {
-  const Eigen::Index channels = lines.values.rows();
-  const Eigen::Index stretch = 2 * channels + 8 + 2 * inputs.rows();
+// Stretches of neighbouring lines over which a mean says something.
+Eigen::Index StretchOf(Eigen::Index channels, Eigen::Index inputs) {
+  return 2 * channels + 8 + 2 * inputs;
+}
+
+// What the best combination of inputs leaves of lines, stretch by stretch.
+ComplexMatrix WithoutInputs(const ComplexMatrix& values,
+                            const ComplexMatrix& inputs) {
+  ComplexMatrix rest = values;
+  const Eigen::Index stretch = StretchOf(values.rows(), inputs.rows());
+  for (Eigen::Index first = 0; first < values.cols(); first += stretch) {
+    const Eigen::Index count = std::min(stretch, values.cols() - first);
+    const ComplexMatrix u = inputs.middleCols(first, count).adjoint();
+    auto y = rest.middleCols(first, count);
+    y -= (u * u.colPivHouseholderQr().solve(y.adjoint())).adjoint().eval();
+  }
+  return rest;
+}
+
+// The cost of a model as good as the means of neighbouring lines, and `room`
+// below for each channel and line: what makes all costs positive.
+double OffsetOf(const ComplexMatrix& lines, double tied, double room) {
+  const Eigen::Index channels = lines.rows();
+  const Eigen::Index stretch = StretchOf(channels, 0);
   double cost = 0.0;
-  for (Eigen::Index first = 0; first < lines.values.cols(); first += stretch) {
-    const Eigen::Index count = std::min(stretch, lines.values.cols() - first);
-    ComplexMatrix y = lines.values.middleCols(first, count);
-    if (inputs.rows() > 0) {
-      const ComplexMatrix u = inputs.middleCols(first, count).adjoint();
-      y -= (u * u.colPivHouseholderQr().solve(y.adjoint())).adjoint();
-    }
+  for (Eigen::Index first = 0; first < lines.cols(); first += stretch) {
+    const Eigen::Index count = std::min(stretch, lines.cols() - first);
+    const auto y = lines.middleCols(first, count);
     ComplexMatrix mean = y * y.adjoint() / static_cast<double>(count);
     mean.diagonal().array() += 1e-9 * mean.diagonal().real().mean() + 1e-300;
     const Eigen::LLT<ComplexMatrix> factor(mean);
@@ -84,8 +105,35 @@ double OffsetOf(const SpectralLines& lines, const ComplexMatrix& inputs) {
             (2.0 * diagonal.array().max(1e-300).log().sum() +
              static_cast<double>(channels));
   }
-  return (3.0 * static_cast<double>(channels * lines.values.cols()) - cost) /
-         lines.tied;
+  return (room * static_cast<double>(channels * lines.cols()) - cost) / tied;
+}
+
+// What of a record is looked at where it does not say; `frequencies`: of the
+// model's modes.
+void FindBand(const AmbientRecord& record, const Vector& frequencies,
+              double* lowest, double* highest) {
+  *lowest = record.lowest_frequency;
+  *highest = record.highest_frequency;
+  const double nyquist = 0.5 / record.sampling_step;
+  const double ten_lines = 10.0 / (static_cast<double>(record.samples.cols()) *
+                                   record.sampling_step);
+  if (*lowest == 0.0) {
+    *lowest = ten_lines;
+    for (const double f : frequencies) {
+      if (f > 0.0) {
+        *lowest = std::max(ten_lines, kBelowLowest * f);
+        break;
+      }
+    }
+    *lowest = std::min(*lowest, 0.1 * nyquist);
+  }
+  if (*highest == 0.0) {
+    *highest = kBelowNyquist * nyquist;
+    if (frequencies.size() > 0 && frequencies.tail(1)[0] > 0.0) {
+      *highest = std::min(*highest, kAboveHighest * frequencies.tail(1)[0]);
+    }
+    *highest = std::max(*highest, 2.0 * *lowest);
+  }
 }
 
 }  // namespace
@@ -119,9 +167,6 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
     FindFactors(term.group.matrix, &column.left, &column.right);
     columns_.push_back(std::move(column));
   }
-  double lowest = record.lowest_frequency;
-  double highest = record.highest_frequency;
-  const double nyquist = 0.5 / record.sampling_step;
   const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
   ModalProperties modes;
   std::string ignored;
@@ -130,25 +175,9 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
                    &ignored)) {
     frequencies = modes.frequency_hz;
   }
-  const double ten_lines = 10.0 / (static_cast<double>(record.samples.cols()) *
-                                   record.sampling_step);
-  if (lowest == 0.0) {
-    lowest = ten_lines;
-    for (const double f : frequencies) {
-      if (f > 0.0) {
-        lowest = std::max(ten_lines, kBelowLowest * f);
-        break;
-      }
-    }
-    lowest = std::min(lowest, 0.1 * nyquist);
-  }
-  if (highest == 0.0) {
-    highest = kBelowNyquist * nyquist;
-    if (frequencies.size() > 0 && frequencies.tail(1)[0] > 0.0) {
-      highest = std::min(highest, kAboveHighest * frequencies.tail(1)[0]);
-    }
-    highest = std::max(highest, 2.0 * lowest);
-  }
+  double lowest = 0.0;
+  double highest = 0.0;
+  FindBand(record, frequencies, &lowest, &highest);
   SetLoads(modes, highest);
   num_nodes_ = loads_.cols() < channels ? 2 : 1;
   LineTransform transform(record.samples, record.sampling_step, lowest,
@@ -173,13 +202,21 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
   spectrum_ = std::make_unique<LoadSpectrum>(lowest, highest, knots,
                                              static_cast<int>(loads_.cols()),
                                              record.correlated);
-  ComplexMatrix inputs;
-  if (record.measured_loads.has_value()) {
-    inputs = transform.Apply(record.measured_loads->samples()).values;
-    mean_ = std::make_unique<AmbientMean>(
-        record, dynamics, std::move(transform), scales_, num_threads);
+  smallest_noise_ = Vector::Constant(channels, kSmallestNoise);
+  if (!record.measured_loads.has_value()) {
+    offset_ = OffsetOf(lines.values, lines.tied, kRoom);
+    return;
   }
-  offset_ = OffsetOf(lines, inputs);
+  const ComplexMatrix rest = WithoutInputs(
+      lines.values, transform.Values(record.measured_loads->samples()));
+  for (Eigen::Index c = 0; c < channels; ++c) {
+    smallest_noise_[c] *= std::clamp(
+        rest.row(c).squaredNorm() / lines.values.row(c).squaredNorm(),
+        kSmallestNoise, 1.0);
+  }
+  offset_ = OffsetOf(rest, lines.tied, kRoomOfRest);
+  mean_ = std::make_unique<AmbientMean>(record, dynamics, std::move(transform),
+                                        scales_, num_threads);
 }
 
 void AmbientCost::SetLoads(const ModalProperties& modes, double highest) {
@@ -231,7 +268,7 @@ bool AmbientCost::SetModel(const Vector& free) {
   loads_.rightCols(base_.cols()) = -mass_ * base_;
   if (mean_ != nullptr) {
     if (!mean_->SetPoint(free, &failure_)) return false;
-    lines_.SetProducts(mean_->left());
+    lines_.SetProducts(mean_->rest());
   }
   return true;
 }

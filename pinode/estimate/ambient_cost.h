@@ -156,7 +156,6 @@ class AmbientCost final : public CostPart {
   // step.
   Vector Moved(const Vector& unknowns, const Vector& step) const;
   // Noise that would vanish takes no part any more.
-  double SmallestNoise() const;
   void HoldNoise(Sums* sums) const;
   // Unknowns that the record determines: all but what the prior does.
   double NumFitted() const;
@@ -193,6 +192,9 @@ class AmbientCost final : public CostPart {
   // mode far from a knot tell nothing of themselves there, and an estimate
   // alone would find them perfectly correlated. Empty: none.
   Matrix prior_;
+  // Noise below it makes no difference, of what measured loads leave; densities
+  // over the scales.
+  Vector smallest_noise_;
   double offset_ = 0.0;                // makes the cost positive
   Matrix mass_, damping_, stiffness_;  // at the last free parameters
   // Frequencies at which the spectrum of a line is taken, one or two, whose

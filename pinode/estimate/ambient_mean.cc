@@ -10,8 +10,8 @@
 namespace pinode {
 namespace {
 
-// Derivatives of the response that are kept at a time, in numbers: 128 MiB.
-constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 24;
+// Derivatives of the response that are kept at a time, in numbers: 256 MiB.
+constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 25;
 
 // A run of what is measured, with nothing to be met.
 IdentificationProblem RunOf(const AmbientRecord& record,
@@ -63,29 +63,30 @@ AmbientMean::AmbientMean(const AmbientRecord& record,
   shooting_.SetWholeRecords({Vector::Zero(dynamics.num_states())});
 }
 
-Eigen::MatrixXcd AmbientMean::LinesOf(Matrix response) const {
-  for (Eigen::Index c = 0; c < response.rows(); ++c) {
-    Vector values = response.row(c);
+Eigen::MatrixXcd AmbientMean::LinesOf(Matrix samples) const {
+  for (Eigen::Index c = 0; c < samples.rows(); ++c) {
+    Vector values = samples.row(c);
     CopyMissing(record_.samples.row(c), &values);
-    response.row(c) = values / scales_[c];
+    samples.row(c) = values / scales_[c];
   }
-  return transform_.Values(response);
+  return transform_.Values(samples);
 }
 
 bool AmbientMean::SetPoint(const Vector& free, std::string* error) {
-  Matrix left = record_.samples;
+  Matrix rest = record_.samples;
   const bool runs = shooting_.VisitWeightedResiduals(
       free.head(num_free()), /*with_jacobian=*/false,
-      [&left](size_t, int first, const Matrix& part, const Matrix&) {
-        left.middleCols(first, part.cols()) -= part;
+      [&](size_t, int first, const Matrix& part, const Matrix&) {
+        rest.middleCols(first, part.cols()) =
+            record_.samples.middleCols(first, part.cols()) - part;
       },
       num_threads_);
-  if (!runs || left.array().isInf().any()) {
+  if (!runs || rest.array().isInf().any()) {
     *error = "the response to the measured loads of record '" + record_.name +
              "' is not finite";
     return false;
   }
-  left_ = LinesOf(std::move(left));
+  rest_ = LinesOf(std::move(rest));
   return true;
 }
 

@@ -35,7 +35,7 @@ class AmbientMean {
   // Runs the model; on failure *error says why.
   [[nodiscard]] bool SetPoint(const Vector& free, std::string* error);
   // Lines of what the run leaves of the record, channels x lines.
-  const Eigen::MatrixXcd& left() const { return left_; }
+  const Eigen::MatrixXcd& rest() const { return rest_; }
   // Lines of the record itself.
   const Eigen::MatrixXcd& measured() const { return measured_; }
 
@@ -47,8 +47,8 @@ class AmbientMean {
   }
 
  private:
-  // Those of the run, with the gaps of the record.
-  Eigen::MatrixXcd LinesOf(Matrix response) const;
+  // With the gaps of the record.
+  Eigen::MatrixXcd LinesOf(Matrix samples) const;
 
   const AmbientRecord& record_;
   const LineTransform transform_;
@@ -58,7 +58,7 @@ class AmbientMean {
   ParameterLayout layout_;
   MultipleShooting shooting_;
   Eigen::MatrixXcd measured_;
-  Eigen::MatrixXcd left_;
+  Eigen::MatrixXcd rest_;
   Eigen::MatrixXcd slopes_;  // (channels num_free()) x lines
 };
 

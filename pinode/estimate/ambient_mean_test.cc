@@ -86,7 +86,7 @@ TEST(AmbientMeanTest, TheRunIsTakenOffBeforeTheTapers) {
   std::string error;
   ASSERT_TRUE(mean.SetPoint(Vector(), &error)) << error;
   // What cubic pieces leave of a sine.
-  EXPECT_LT(mean.left().norm(), 1e-4 * mean.measured().norm());
+  EXPECT_LT(mean.rest().norm(), 1e-4 * mean.measured().norm());
 }
 
 TEST(AmbientMeanTest, SlopesAreThoseOfTheRun) {
@@ -110,10 +110,10 @@ TEST(AmbientMeanTest, SlopesAreThoseOfTheRun) {
     Vector moved = free;
     moved[j] += kMove;
     ASSERT_TRUE(mean.SetPoint(moved, &error)) << error;
-    Eigen::MatrixXcd slope = -mean.left();
+    Eigen::MatrixXcd slope = -mean.rest();
     moved[j] -= 2.0 * kMove;
     ASSERT_TRUE(mean.SetPoint(moved, &error)) << error;
-    slope = (slope + mean.left()) / (2.0 * kMove);
+    slope = (slope + mean.rest()) / (2.0 * kMove);
     double off = 0.0;
     for (Eigen::Index line = 0; line < slope.cols(); ++line) {
       off += (slope.col(line) - mean.slopes(line).col(j)).squaredNorm();

@@ -43,6 +43,28 @@ double LowestModeInBand(const AmbientRecord& record,
   return 0.0;
 }
 
+// The measured loads; empty where there are none, or they are as they should
+// be.
+std::string WhyNotTakenOff(const AmbientRecord& record,
+                           const StructuralDynamics& dynamics) {
+  if (!record.measured_loads.has_value()) return {};
+  if (!dynamics.IsLinear()) {
+    return "its measured loads ask for a linear model, and this one has more "
+           "than constant matrices (laws, networks, groups that follow "
+           "something, unknown scales of forces); leave out its measured "
+           "loads, or what is not linear";
+  }
+  const Excitation& measured = *record.measured_loads;
+  if (measured.num_inputs() != dynamics.num_inputs() ||
+      measured.num_samples() != record.samples.cols() ||
+      measured.step() != record.sampling_step ||
+      !measured.samples().allFinite()) {
+    return "its measured loads need a finite row for each input of the model, "
+           "at the samples of its channels";
+  }
+  return {};
+}
+
 }  // namespace
 
 bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
@@ -120,22 +142,8 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
                 std::to_string(kMostCorrelatedAreas) +
                 " loads at most, or such that are not correlated");
   }
-  if (measured_loads.has_value()) {
-    const Excitation& measured = *measured_loads;
-    if (!dynamics.IsLinear()) {
-      return fail(
-          "its measured loads ask for a linear model, and this one has more "
-          "than constant matrices; leave out its measured loads, or what is "
-          "not linear");
-    }
-    if (measured.num_inputs() != dynamics.num_inputs() ||
-        measured.num_samples() != samples.cols() ||
-        measured.step() != sampling_step || !measured.samples().allFinite()) {
-      return fail(
-          "its measured loads need a finite row for each input of the model, "
-          "at the samples of its channels");
-    }
-  }
+  const std::string wrong = WhyNotTakenOff(*this, dynamics);
+  if (!wrong.empty()) return fail(wrong);
   if (knots < 0) return fail("its number of knots must not be negative");
   const Eigen::Index per_knot =
       correlated ? areas_of_all * (areas_of_all + 1) / 2 : areas_of_all;

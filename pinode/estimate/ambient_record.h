@@ -105,7 +105,8 @@ struct AmbientScore {
   Vector information_left;
   double most_information_left = 1.0;
   // Spectral densities over a grid of frequencies, channels x grid: as measured
-  // (means of lines) and of the model, with the number of lines.
+  // (means of lines; without the response to measured loads) and of the model,
+  // with the number of lines.
   Vector frequencies;
   Matrix measured;
   Matrix modelled;

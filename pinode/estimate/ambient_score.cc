@@ -20,43 +20,53 @@ constexpr Eigen::Index kGridPoints = 400;
 
 // What the response to measured loads leaves should have nothing in common with
 // it. In each part of the band the rest is explained by the response of each
-// channel times a complex factor: where the model is right, the squares that go
-// are a chi^2 of two degrees for each channel.
+// channel times a complex factor: where the model is right, the squares that
+// go, over the power that the whitened rest has there, are a chi^2 of two
+// degrees for each channel. What groups take of it is not counted: most is held
+// elsewhere, and it is little beside the degrees.
 class Coherence {
  public:
   Coherence(const AmbientMean& mean, size_t parts)
       : mean_(mean),
-        channels_(mean.left().rows()),
+        channels_(mean.rest().rows()),
         grams_(parts, ComplexMatrix::Zero(channels_, channels_)),
-        products_(parts, Eigen::VectorXcd::Zero(channels_)) {}
+        products_(parts, Eigen::VectorXcd::Zero(channels_)),
+        powers_(Vector::Zero(static_cast<Eigen::Index>(parts))),
+        counts_(powers_) {}
 
   // Lines first ... end - 1 of a part, whose S_y has the factor `lower`;
-  // `weight`: how many independent lines each stands for. Adds what they have
-  // of measured power and of that of the response.
+  // `weight`: how many independent lines each stands for. The power of the
+  // response in each channel.
   template <typename Lower>
-  void Add(size_t part, Eigen::Index first, Eigen::Index end, double weight,
-           const Lower& lower, Vector* measured, Vector* response) {
+  Vector Add(size_t part, Eigen::Index first, Eigen::Index end, double weight,
+             const Lower& lower) {
+    Vector power = Vector::Zero(channels_);
     ComplexMatrix both(channels_, channels_ + 1);
     for (Eigen::Index line = first; line < end; ++line) {
       const Eigen::VectorXcd run =
-          mean_.measured().col(line) - mean_.left().col(line);
-      *measured += weight * mean_.measured().col(line).cwiseAbs2();
-      *response += weight * run.cwiseAbs2();
+          mean_.measured().col(line) - mean_.rest().col(line);
+      power += weight * run.cwiseAbs2();
       both.leftCols(channels_) = run.asDiagonal();
-      both.col(channels_) = mean_.left().col(line);
+      both.col(channels_) = mean_.rest().col(line);
       lower.solveInPlace(both);
       const auto by_channel = both.leftCols(channels_);
       grams_[part].noalias() += weight * by_channel.adjoint() * by_channel;
       products_[part].noalias() +=
           weight * by_channel.adjoint() * both.col(channels_);
+      const Eigen::Index place = static_cast<Eigen::Index>(part);
+      powers_[place] += weight * both.col(channels_).squaredNorm();
+      counts_[place] += weight * static_cast<double>(channels_);
     }
+    return power;
   }
 
-  // `fitted`: parameters of the response.
-  void Finish(Eigen::Index fitted, AmbientScore* score) const {
-    Eigen::Index degrees = -fitted;
+  void Finish(AmbientScore* score) const {
+    Eigen::Index degrees = 0;
     double chi_square = 0.0;
     for (size_t p = 0; p < grams_.size(); ++p) {
+      const Eigen::Index place = static_cast<Eigen::Index>(p);
+      if (!(counts_[place] > 0.0)) continue;
+      const double power = powers_[place] / counts_[place];
       // Channels that do not move take no part.
       const Vector scale =
           grams_[p].diagonal().real().cwiseMax(1e-300).cwiseSqrt();
@@ -67,11 +77,12 @@ class Coherence {
           eigen.eigenvectors().adjoint() * products_[p].cwiseQuotient(scale);
       for (Eigen::Index i = 0; i < channels_; ++i) {
         if (!(eigen.eigenvalues()[i] > kNothing)) continue;
-        chi_square += 2.0 * std::norm(product[i]) / eigen.eigenvalues()[i];
+        chi_square +=
+            2.0 * std::norm(product[i]) / (eigen.eigenvalues()[i] * power);
         degrees += 2;
       }
     }
-    if (degrees <= 0) return;
+    if (degrees == 0) return;
     score->coherence_probability =
         ChiSquareProbability(chi_square, static_cast<int>(degrees));
   }
@@ -84,6 +95,7 @@ class Coherence {
   const Eigen::Index channels_;
   std::vector<ComplexMatrix> grams_;
   std::vector<Eigen::VectorXcd> products_;
+  Vector powers_, counts_;  // of the whitened rest, in all channels
 };
 
 // Of z z^H the mean Q over n neighbouring lines is I but for chance: n |Q -
@@ -185,24 +197,22 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
     const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
     const ComplexMatrix half = lower.solve(y);
     whiteness.Add(part, lower.solve(half.adjoint().eval()), count, frequency);
-    Vector measured = y.diagonal().real();
-    Vector modelled = count * factor.reconstructedMatrix().diagonal().real();
+    const Vector modelled =
+        count * factor.reconstructedMatrix().diagonal().real();
     score->explained += modelled - count * noise;
+    total += modelled;
     if (coherence.has_value()) {
-      Vector response = Vector::Zero(channels);
-      measured.setZero();
       const Eigen::Index first = lines_.first[static_cast<size_t>(k)];
       const Eigen::Index end = lines_.first[static_cast<size_t>(k) + 1];
-      coherence->Add(part, first, end, count / static_cast<double>(end - first),
-                     lower, &measured, &response);
+      const Vector response = coherence->Add(
+          part, first, end, count / static_cast<double>(end - first), lower);
       score->by_measured_loads += response;
       score->explained += response;
-      modelled += response;
+      total += response;
     }
-    total += modelled;
     const Eigen::Index point = k * points / lines;
     score->frequencies[point] += count * frequency;
-    score->measured.col(point) += measured;
+    score->measured.col(point) += y.diagonal().real();
     score->modelled.col(point) += modelled;
     score->lines[point] += count;
   }
@@ -215,7 +225,7 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   whiteness.Finish(NumFitted(), score);
   if (coherence.has_value()) {
     score->by_measured_loads.array() /= total.array();
-    coherence->Finish(mean_->num_free(), score);
+    coherence->Finish(score);
   }
   return true;
 }

@@ -36,13 +36,19 @@ Vector RealShape(const Eigen::VectorXcd& shape) {
   return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
 }
 
-// Of inputs, those that are not of other records.
-Matrix MovingRows(const Matrix& inputs) {
+// Forces and ground motions that are not of other records alone.
+Matrix LoadsThatAct(const Matrix& samples,
+                    const std::vector<InputSpec>& inputs) {
   std::vector<int> rows;
-  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
-    if (!inputs.row(i).isZero(0.0)) rows.push_back(static_cast<int>(i));
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    const InputSpec::Kind kind = inputs[static_cast<size_t>(i)].kind;
+    if ((kind == InputSpec::Kind::kForce ||
+         kind == InputSpec::Kind::kGroundAcceleration) &&
+        samples.row(i).maxCoeff() > samples.row(i).minCoeff()) {
+      rows.push_back(static_cast<int>(i));
+    }
   }
-  return inputs(rows, Eigen::all);
+  return samples(rows, Eigen::all);
 }
 
 // What one record says, at the DOFs that a channel alone measures.
@@ -74,7 +80,8 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
     scales[static_cast<Eigen::Index>(i)] = channel.weights[dof];
   }
   if (record.measured_loads.has_value()) {
-    response.inputs = MovingRows(record.measured_loads->samples());
+    response.inputs = LoadsThatAct(record.measured_loads->samples(),
+                                   problem.dynamics->inputs());
   }
   ModeIdentificationOptions options;
   options.lowest_hz = record.lowest_frequency;

@@ -240,7 +240,7 @@ class AmbientCost::LineSums {
         2.0 * cost_.lines_.count[group] / static_cast<double>(end - first);
     ComplexMatrix both(channels_, 1 + groups_);
     for (Eigen::Index line = first; line < end; ++line) {
-      both.col(0) = mean.left().col(line);
+      both.col(0) = mean.rest().col(line);
       for (Eigen::Index g = 0; g < groups_; ++g) {
         both.col(1 + g) =
             mean.slopes(line).col(cost_.columns_[static_cast<size_t>(g)].free);

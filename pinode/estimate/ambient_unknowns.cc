@@ -30,9 +30,6 @@ constexpr double kFirmer = 4.0;
 // much before the next one is held less.
 constexpr double kLeastOfPromise = 0.1;
 constexpr double kMostOfPromise = 0.7;
-// Of a channel's density over that of the band: noise below it makes no
-// difference.
-constexpr double kSmallestNoise = 1e-7;
 // Of the largest information on a combination of groups: less is none.
 constexpr double kNoInformation = 1e-12;
 // Of the prior's weight, where it should take no part.
@@ -73,18 +70,15 @@ void AmbientCost::StartUnknowns() {
     }
     if (!std::isfinite(least)) least = sum / std::max(1.0, count);
     unknowns_[spectrum_->num_unknowns() + c] =
-        0.5 * std::log(std::max(0.5 * least, kSmallestNoise));
+        0.5 * std::log(std::max(0.5 * least, smallest_noise_[c]));
   }
-}
-
-double AmbientCost::SmallestNoise() const {
-  return 0.5 * std::log(kSmallestNoise);
 }
 
 void AmbientCost::HoldNoise(Sums* sums) const {
   const Eigen::Index loads = spectrum_->num_unknowns();
+  const Vector smallest = 0.5 * smallest_noise_.array().log();
   for (Eigen::Index c = loads; c < unknowns_.size(); ++c) {
-    if (unknowns_[c] > SmallestNoise() || sums->gradient[c] < 0.0) continue;
+    if (unknowns_[c] > smallest[c - loads] || sums->gradient[c] < 0.0) continue;
     sums->gradient[c] = 0.0;
     sums->information.row(c).setZero();
     sums->information.col(c).setZero();
@@ -125,7 +119,7 @@ Vector AmbientCost::Moved(const Vector& unknowns, const Vector& step) const {
   moved << spectrum_->Moved(unknowns.head(loads), step.head(loads)),
       (unknowns.tail(noise).array() +
        0.5 * (1.0 + 2.0 * step.tail(noise).array()).max(kMostFall).log())
-          .max(SmallestNoise());
+          .max(0.5 * smallest_noise_.array().log());
   return moved;
 }
 

@@ -282,6 +282,10 @@ py::list Ambient(const std::shared_ptr<Fit>& fit) {
     entry["channels"] = score.channels;
     entry["probability"] = score.probability;
     entry["explained"] = FromVector(score.explained);
+    if (score.by_measured_loads.size() > 0) {
+      entry["by_measured_loads"] = FromVector(score.by_measured_loads);
+      entry["coherence_probability"] = score.coherence_probability;
+    }
     entry["frequencies_hz"] = FromVector(to_hz * score.frequencies);
     entry["measured"] = View(score.measured, py::cast(fit));
     entry["modelled"] = View(score.modelled, py::cast(fit));

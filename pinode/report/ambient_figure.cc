@@ -44,7 +44,10 @@ Figure MakeAmbientFigure(const ReportInput& input, int record) {
       "ambient" + std::to_string(record), score.channels,
       hz * score.lowest_frequency, hz * score.highest_frequency,
       "Record '" + score.name +
-          "': spectral densities, means of neighbouring lines, and those of "
+          (score.by_measured_loads.size() > 0
+               ? "', what the response to the measured loads leaves of it"
+               : "'") +
+          ": spectral densities, means of neighbouring lines, and those of "
           "the model with the band in which 95 % of the measured ones lie if "
           "it is right.",
       [&](int c, FigureScript* script) { DrawChannel(score, c, hz, script); });

@@ -183,28 +183,40 @@ TextTable MakeMeasuredModeTable(const ReportInput& input) {
 }
 
 TextTable MakeAmbientTable(const ReportInput& input) {
-  TextTable table({{"record", Align::kLeft},
-                   {"channel", Align::kLeft},
-                   {"explained, %", Align::kDecimal},
-                   {"by measured loads, %", Align::kDecimal},
-                   {"noise", Align::kDecimal},
-                   {"from, Hz", Align::kDecimal},
-                   {"to, Hz", Align::kDecimal},
-                   {"probability", Align::kDecimal}});
+  const std::vector<AmbientScore>& scores = input.summary->ambient;
+  const bool measured =
+      std::any_of(scores.begin(), scores.end(), [](const AmbientScore& score) {
+        return score.by_measured_loads.size() > 0;
+      });
+  std::vector<TextTable::Column> columns = {{"record", Align::kLeft},
+                                            {"channel", Align::kLeft},
+                                            {"explained, %", Align::kDecimal}};
+  if (measured) columns.push_back({"by measured loads, %", Align::kDecimal});
+  for (const char* header : {"noise", "from, Hz", "to, Hz", "probability"}) {
+    columns.push_back({header, Align::kDecimal});
+  }
+  TextTable table(std::move(columns));
   const double hz = input.problem->description.HzPerModelFrequency();
-  for (const AmbientScore& score : input.summary->ambient) {
+  for (const AmbientScore& score : scores) {
     for (size_t c = 0; c < score.channels.size(); ++c) {
       const Eigen::Index row = static_cast<Eigen::Index>(c);
-      table.AddRow(
-          {c == 0 ? score.name : "", score.channels[c],
-           ReadableNumber(100.0 * score.explained[row], 4),
-           score.by_measured_loads.size() > 0
-               ? ReadableNumber(100.0 * score.by_measured_loads[row], 4)
-               : "-",
-           ReadableNumber(score.noise_sigma[row], 3),
-           c == 0 ? ReadableNumber(hz * score.lowest_frequency, 3) : "",
-           c == 0 ? ReadableNumber(hz * score.highest_frequency, 3) : "",
-           c == 0 ? ReadableNumber(score.LeastProbability(), 2) : ""});
+      std::vector<std::string> cells = {
+          c == 0 ? score.name : "", score.channels[c],
+          ReadableNumber(100.0 * score.explained[row], 4)};
+      if (measured) {
+        cells.push_back(
+            score.by_measured_loads.size() > 0
+                ? ReadableNumber(100.0 * score.by_measured_loads[row], 4)
+                : "-");
+      }
+      cells.push_back(ReadableNumber(score.noise_sigma[row], 3));
+      for (const double value :
+           {hz * score.lowest_frequency, hz * score.highest_frequency}) {
+        cells.push_back(c == 0 ? ReadableNumber(value, 3) : "");
+      }
+      cells.push_back(c == 0 ? ReadableNumber(score.LeastProbability(), 2)
+                             : "");
+      table.AddRow(std::move(cells));
     }
   }
   return table;

@@ -275,7 +275,9 @@ class _Outcome:
     @property
     def ambient(self) -> dict[str, dict[str, Any]]:
         """Of ambient records the spectral densities, measured and modelled
-        (channels x frequencies), and what part of each channel is explained."""
+        (channels x frequencies; without the response to measured loads), and
+        what part of each channel is explained, by measured loads too where
+        there are some."""
         return {a["name"]: a for a in self._handle.ambient()}
 
     @property
