@@ -113,6 +113,8 @@ paste -d, wind.csv S/response_wind.csv | awk -F, '
 WithForce 'excitation = "ambient"\
 ' | sed 's/wind.csv/both.csv/' >both.toml
 Run 0 pinode_check --case=both.toml
+grep -q "measured beside them, band_limited between samples: force_u3" stdout ||
+  Fail "nothing of the measured load"
 Run 0 pinode_update --case=both.toml --output_dir=both --progress=false
 Near "$(awk '$1 == "k1" { print $3; exit }' stdout)" 0.25 0.004
 Near "$(awk '$1 == "k2" { print $3; exit }' stdout)" -0.1304 0.004
@@ -130,6 +132,20 @@ for key in 'sigma = 1.0' 'scale = {initial = 1.0}'; do
   sed "s/^  column = \"F\"/&\n  $key/" both.toml >unknown.toml
   Refused "unknown.toml" --case=unknown.toml --output_dir=E
 done
+sed 's/unit = "N"/unit = "V"/' both.toml >volts.toml
+Refused "a load in volts" --case=volts.toml --output_dir=E
+for key in 'fit = false' 'sigma = 0.1' 'sigma_percent = 2'; do
+  sed "s/^  column   = \"a2\"/&\n  $key/" both.toml >channel.toml
+  Refused "its noise is found" --case=channel.toml --output_dir=E
+done
+sed 's/^excitation/role = "holdout"\n&/' both.toml >holdout.toml
+Refused "cannot be predicted" --case=holdout.toml --output_dir=E
+sed 's/^excitation/interpolation = "linear"\n&/' three_storey_ambient.toml \
+  >idle.toml
+Refused "no measured load" --case=idle.toml --output_dir=E
+sed 's/^  quantity = "absolute_acceleration"/&\n  gain = {initial = 1.0}/' \
+  both.toml >gain.toml
+Refused "cannot be told" --case=gain.toml --output_dir=E
 sed '/^interpolation/d' both.toml >between.toml
 Refused "'interpolation' is missing" --case=between.toml --output_dir=E
 
