@@ -34,9 +34,9 @@ inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
   // Those that are measured tell nothing of the others.
   if (measured > 0) excitation.common = 0.0;
   constexpr double kFineStep = 0.004;
-  const ResponseRecord fine = SimulateChain(
-      chain, kFineStep, static_cast<Eigen::Index>(seconds / kFineStep + 0.5),
-      seed, derivatives, excitation);
+  const ResponseRecord fine =
+      SimulateChain(chain, kFineStep, std::lround(seconds / kFineStep), seed,
+                    derivatives, excitation);
   AmbientRecord record;
   record.name = "wind";
   // Measured forces are known as they are held.
