@@ -2,7 +2,9 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "pinode/base/strings.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/record_data.h"
 #include "pinode/modal/response_record.h"
@@ -147,6 +149,18 @@ bool ReadAmbientRecords(const std::vector<RecordSection>& sections,
                         const UnitSystem& units,
                         const StructuralDynamics& dynamics,
                         IdentificationProblem* problem) {
+  std::vector<std::string> following;
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.follows != GroupTerm::Follows::kNothing) {
+      following.push_back("'" + term.group.name + "'");
+    }
+  }
+  if (!sections.empty() && !following.empty()) {
+    problem->description.remarks.push_back(
+        "Groups that follow something have no part in ambient records, which "
+        "are taken as of their reference: " +
+        Join(following, ", ") + ".");
+  }
   for (const RecordSection& section : sections) {
     if (!section.ambient) continue;
     AmbientRecord record;

@@ -149,6 +149,25 @@ Refused "cannot be told" --case=gain.toml --output_dir=E
 sed '/^interpolation/d' both.toml >between.toml
 Refused "'interpolation' is missing" --case=between.toml --output_dir=E
 
+# What follows the time has no part in them, and that is said.
+{
+  sed '/^\[\[record\]\]/,$d' three_storey_ambient.toml
+  cat <<'END'
+[[group]]
+name    = "softer"
+adds_to = "stiffness"
+storey  = 1
+follows = {time = "linear", reference = 0.0}
+
+END
+  cat record
+  sed 's/name = "wind"/name = "decay"\nwindow = [0.0, 20.0]/
+    s/^excitation.*/excitation = "none"/' record
+} >softer.toml
+Run 0 pinode_check --case=softer.toml
+grep -q "no part in ambient records.*'softer'" stdout ||
+  Fail "nothing of a group that follows the time"
+
 # A verdict from modes alone: two stretches of the record as baselines, a third
 # as it is and as if the second storey had lost a tenth, by the ratios of that
 # frame's modes to the healthy one's (NumPy).
