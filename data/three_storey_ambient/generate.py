@@ -7,7 +7,8 @@ that have nothing to do with each other, --loss 2 0.1 a structure whose second
 storey has lost a tenth of its stiffness.  --shaker noise 3 adds a measured force
 on the top floor, column F, whose response is three times as strong as the
 wind's: noise from 0.5 to 20 Hz that has acted before the record too, a sweep
-from 1 to 15 Hz from rest, or fifteen blows.  shaker.toml is the case with it.
+from 1 to 15 Hz from rest, or fifteen blows.  shaker.toml is the case with it;
+--gain 1.1 records a tenth too much of it.
 
 The wind's force on floor j has the one-sided spectrum of a longitudinal gust
 after von Karman, S(f) ~ 1 / (1 + 70.8 (f L / U)^2)^(5/6), which falls with
@@ -107,7 +108,7 @@ def record(seed, white, storey):
     return values + sigma * rng.standard_normal(values.shape), sigma
 
 
-def add_shaker(seed, kind, ratio, storey, values):
+def add_shaker(seed, kind, ratio, gain, storey, values):
     """What `record` gives, with its force as a fourth column."""
     force = shaker(seed, kind)
     lines = np.fft.rfft(force)[1:-1]
@@ -116,7 +117,7 @@ def add_shaker(seed, kind, ratio, storey, values):
                        storey)[:len(values)]
     factor = ratio * values.std() / motion.std()
     return np.column_stack([values + factor * motion,
-                            factor * force[:len(values)]])
+                            gain * factor * force[:len(values)]])
 
 
 def write_shaker_case(folder):
@@ -150,6 +151,7 @@ def main():
     parser.add_argument("--loss", type=float, nargs=2, default=[1, 0.0])
     parser.add_argument("--shaker", nargs=2, metavar=("KIND", "RATIO"),
                         help="noise, sweep or blows")
+    parser.add_argument("--gain", type=float, default=1.0)
     args = parser.parse_args()
     storey = FRAME.STOREY.copy()
     storey[int(args.loss[0]) - 1] *= 1 - args.loss[1]
@@ -157,7 +159,7 @@ def main():
     values, sigma = record(args.seed, args.white, storey)
     if args.shaker:
         values = add_shaker(args.seed, args.shaker[0], float(args.shaker[1]),
-                            storey, values)
+                            args.gain, storey, values)
         write_shaker_case(args.output)
     write_record(os.path.join(args.output, "wind.csv.gz"), values)
     a0, a1 = FRAME.rayleigh_coefficients()

@@ -10,6 +10,7 @@
 #include "pinode/dynamics/feature.h"
 #include "pinode/estimate/ambient_testing.h"
 #include "pinode/estimate/identify.h"
+#include "pinode/record/filter.h"
 
 namespace pinode {
 namespace {
@@ -55,7 +56,7 @@ TEST(AmbientMeanTest, TheRunIsTakenOffBeforeTheTapers) {
   AmbientRecord record;
   record.name = "sine";
   record.sampling_step = kStep;
-  constexpr Eigen::Index kSamples = 6000;  // 60 s: an eighth of the memory
+  constexpr Eigen::Index kSamples = 6000;  // 60 s, less than the memory's 72 s
   record.samples.resize(1, kSamples);
   Matrix force(1, kSamples);
   // x'' + 2 ratio w x' + w^2 x = sin(wf t).
@@ -93,7 +94,7 @@ TEST(AmbientMeanTest, SlopesAreThoseOfTheRun) {
   const TestChain chain = RayleighChain(3);
   AmbientRecord record = HalfMeasured(chain, 60.0, 1, {2, 1, 0});
   record.samples.row(1).segment(5000, 1500).setConstant(kNaN);
-  record.samples(0, 77) = kNaN;
+  record.samples(0, 7777) = kNaN;
   const IdentificationProblem problem =
       ProblemOfChain(chain, kSpring, 0.05, record);
   const ParameterLayout layout(problem);
@@ -119,6 +120,73 @@ TEST(AmbientMeanTest, SlopesAreThoseOfTheRun) {
       off += (slope.col(line) - mean.slopes(line).col(j)).squaredNorm();
     }
     EXPECT_LT(std::sqrt(off), 1e-5 * slope.norm()) << "parameter " << j;
+  }
+}
+
+// A run through the record's filter leaves nothing of such a run.
+TEST(AmbientMeanTest, TheFilterIsPartOfTheRun) {
+  const TestChain chain = RayleighChain(2);
+  AmbientRecord record = HalfMeasured(chain, 20.0, 1);
+  record.samples.setZero();
+  const Vector scales = Vector::Ones(2);
+  const LineTransform transform(record.samples, 0.004, 0.5, 15.0);
+  const IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.0, record);
+  const ParameterLayout layout(problem);
+  const Vector free = layout.Free(layout.InitialValues());
+  // Without a record the rest is minus the run.
+  AmbientRecord filtered = problem.ambient[0];
+  filtered.filter = std::make_shared<ZeroPhaseFilter>(
+      FilterOptions{FilterType::kLowPass, {4.0}, 4}, 0.004);
+  AmbientMean whole(problem.ambient[0], *problem.dynamics, transform, scales,
+                    1);
+  AmbientMean part(filtered, *problem.dynamics, transform, scales, 1);
+  std::string error;
+  ASSERT_TRUE(whole.SetPoint(free, &error)) << error;
+  ASSERT_TRUE(part.SetPoint(free, &error)) << error;
+  Eigen::MatrixXcd expected = whole.rest();
+  const Vector frequency = transform.Apply(record.samples).frequency;
+  for (Eigen::Index line = 0; line < frequency.size(); ++line) {
+    expected.col(line) *= filtered.filter->Gain(frequency[line]);
+  }
+  // Not all is left, and what is left is what the filter lets through.
+  EXPECT_LT(expected.norm(), 0.9 * whole.rest().norm());
+  EXPECT_LT((part.rest() - expected).norm(), 0.02 * expected.norm());
+}
+
+// At the truth the information is what the cost bends by, but for chance: where
+// the measured loads are ten times as large as the others nearly all of it is
+// theirs.
+TEST(AmbientMeanTest, InformationIsTheCurvatureOfTheCost) {
+  const TestChain chain = RayleighChain(2);
+  AmbientRecord record = HalfMeasured(chain, 300.0, 5);
+  AmbientRecord loud = RecordOfChain(chain, 300.0, 5, 0.5, {2}, /*base=*/false,
+                                     /*noise=*/0.0, chain.masses());
+  record.samples += 9.0 * loud.samples;
+  const Matrix force = 10.0 * record.measured_loads->samples();
+  record.measured_loads.emplace(0.0, 0.004, force, Interpolation::kHeld);
+  const IdentificationProblem problem =
+      ProblemOfChain(chain, kSpring, 0.0, record);
+  const ParameterLayout layout(problem);
+  Vector free = layout.Free(layout.InitialValues());
+  free.tail(2).setOnes();
+  AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 2);
+  double at_truth = 0.0;
+  ASSERT_TRUE(cost.Evaluate(1.001 * free, &at_truth)) << cost.Failure();
+  CondensedSystem system;
+  ASSERT_TRUE(cost.Linearize(free, &system)) << cost.Failure();
+  ASSERT_TRUE(cost.Evaluate(free, &at_truth));
+  for (Eigen::Index i = 0; i < free.size(); ++i) {
+    const double step = 3.0 / std::sqrt(system.hessian(i, i));
+    double forth = 0.0;
+    double back = 0.0;
+    Vector moved = free;
+    moved[i] += step;
+    ASSERT_TRUE(cost.Evaluate(moved, &forth));
+    moved[i] -= 2.0 * step;
+    ASSERT_TRUE(cost.Evaluate(moved, &back));
+    const double bend = (forth - 2.0 * at_truth + back) / (step * step);
+    EXPECT_NEAR(bend / system.hessian(i, i), 1.0, 0.15) << "parameter " << i;
   }
 }
 

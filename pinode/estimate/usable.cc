@@ -155,8 +155,8 @@ std::string WhyNotUsable(const GapTuning& tuning,
              << score.name << "' leaves still goes with it (probability "
              << score.coherence_probability
              << " that it does by chance): a load or a sensor of the wrong "
-                "size, sign, offset or place, loads from before the record, "
-                "or modes that the model lacks";
+                "size, sign, time or place, loads from before the record, or "
+                "modes that the model lacks";
       return reason.str();
     }
     if (score.probability >= kLeastAmbientProbability) continue;

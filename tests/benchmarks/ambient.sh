@@ -3,18 +3,21 @@
 # 95 % intervals of data/three_storey_ambient hold the truth, and how far the
 # errors are from the Cramer-Rao bound of the spectrum that acted.
 #
-#   tests/benchmarks/ambient.sh [SEEDS [--white | --shaker KIND RATIO]]
+#   tests/benchmarks/ambient.sh [SEEDS [--white | --shaker KIND RATIO [--gain G]]]
 #
 # --white: forces that are white and independent, as the case then says.
 # --shaker: a measured force beside the wind (KIND noise, sweep or blows), whose
-# response is RATIO times as strong; the bound is that of the wind alone. NumPy
+# response is RATIO times as strong; the bound is that of the wind alone. --gain:
+# what is recorded of that force, times G. NumPy
 # and SciPy, of PYTHON, default python3.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
 cd -- "$root"
 seeds=${1:-100}
-case $# in 0) options= ;; *) options="${*:2}" ;; esac
+options=${*:2}
+cases="three_storey_ambient independent"
+if [[ $options == *--shaker* ]]; then cases=shaker; fi
 if ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
   echo "skipped: no SciPy"
   exit 0
@@ -36,18 +39,13 @@ run() {
   # The same record by a case that takes the loads as white and independent.
   sed 's/^excitation = "ambient"/&\n[record.ambient]\nknots = 1\ncorrelated = false/' \
     "$folder/three_storey_ambient.toml" >"$folder/independent.toml"
-  for case in three_storey_ambient independent shaker; do
-    [[ -f $folder/$case.toml ]] || continue
-    case $case in
-    shaker) ;;
-    *) [[ $options != *--shaker* ]] || continue ;;
-    esac
+  for case in $cases; do
     "$build/apps/pinode_update" --case="$folder/$case.toml" --threads=1 \
       --output_dir="$folder/$case" --noprogress >/dev/null 2>&1 || true
   done
   rm -f "$folder/wind.csv.gz"
 }
 export -f run
-export work build options PYTHON
+export work build options cases PYTHON
 seq "$seeds" | xargs -P "$(nproc)" -I{} bash -c 'run {}'
 "${PYTHON:-python3}" tests/benchmarks/ambient/score.py "$work" $options

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Scores the results that ambient.sh has left in a folder: score.py FOLDER
-[options of ambient.sh].  The Cramer-Rao bound is that of the record's spectrum with the loads'
-as they are, known (Whittle's information, by differences)."""
+[options of ambient.sh].  The Cramer-Rao bound is that of the record's spectrum
+with the loads' as they are, known (Whittle's information, by differences)."""
 
 import glob
 import importlib.util
@@ -56,7 +56,8 @@ def bound(truth, white):
 
 def main():
     folder, white = sys.argv[1], "--white" in sys.argv
-    for case in ["three_storey_ambient", "independent", "shaker"]:
+    cases = ["three_storey_ambient", "independent"]
+    for case in ["shaker"] if "--shaker" in sys.argv else cases:
         errors, sigmas, usable, probability, seconds = [], [], 0, [], []
         truth = None
         for path in sorted(glob.glob(os.path.join(folder, "*", case,
@@ -77,6 +78,7 @@ def main():
                                    score.get("coherence_probability", 1)))
             seconds.append(result["solver"]["seconds"])
         if not errors:
+            print(case + ": no results")
             continue
         errors, sigmas = np.array(errors), np.array(sigmas)
         crb = bound(truth, white)
