@@ -175,6 +175,26 @@ void PrintRecords(const Case& c) {
   }
 }
 
+// What was measured beside the responses of an ambient record.
+void PrintInputs(const Case& c, const AmbientRecord& record) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  std::vector<std::string> loads;
+  for (int i = 0; i < dynamics.num_inputs(); ++i) {
+    const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
+    const auto samples = record.inputs->samples().row(i);
+    if (input.kind == InputSpec::Kind::kCovariate) {
+      std::printf("    %s: mean %.5g, from %.5g to %.5g\n", input.name.c_str(),
+                  samples.mean(), samples.minCoeff(), samples.maxCoeff());
+    } else if (samples.maxCoeff() > samples.minCoeff()) {
+      loads.push_back(input.name);
+    }
+  }
+  if (loads.empty()) return;
+  std::printf("    measured beside them, %s between samples: %s\n",
+              InterpolationName(record.inputs->interpolation()),
+              Join(loads, ", ").c_str());
+}
+
 void PrintAmbientRecords(const Case& c) {
   if (c.problem.ambient.empty()) return;
   std::printf("\nRecords of loads that nobody measured\n");
@@ -185,17 +205,7 @@ void PrintAmbientRecords(const Case& c) {
         record.sampling_step,
         record.sampling_step * static_cast<double>(record.samples.cols() - 1),
         record.channels.size());
-    if (!record.measured_loads.has_value()) continue;
-    const Excitation& measured = *record.measured_loads;
-    std::vector<std::string> names;
-    for (int i = 0; i < measured.num_inputs(); ++i) {
-      if (measured.samples().row(i).isZero(0.0)) continue;
-      names.push_back(
-          c.problem.dynamics->inputs()[static_cast<size_t>(i)].name);
-    }
-    std::printf("    measured beside them, %s between samples: %s\n",
-                InterpolationName(measured.interpolation()),
-                Join(names, ", ").c_str());
+    if (record.inputs.has_value()) PrintInputs(c, record);
   }
 }
 

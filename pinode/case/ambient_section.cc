@@ -1,5 +1,6 @@
 #include "pinode/case/ambient_section.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,12 @@ class AmbientReader {
       : section_(section),
         units_(units),
         dynamics_(dynamics),
+        follows_(!dynamics.group_curves().empty() ||
+                 std::any_of(dynamics.groups().begin(), dynamics.groups().end(),
+                             [](const GroupTerm& term) {
+                               return term.follows !=
+                                      GroupTerm::Follows::kNothing;
+                             })),
         table_(
             section.table.Table("ambient", section.table.name() + ", ambient")),
         record_(record) {}
@@ -43,8 +50,8 @@ class AmbientReader {
       record_->samples.row(static_cast<Eigen::Index>(c)) =
           measured.channels[c].values.transpose();
     }
-    if (section_.has_excitation()) {
-      record_->measured_loads = measured.excitation;
+    if (section_.has_excitation() || follows_) {
+      record_->inputs = measured.excitation;
       record_->filter = measured.filter;
     }
     for (const std::string& remark : measured.description.remarks) {
@@ -139,6 +146,7 @@ class AmbientReader {
   const RecordSection& section_;
   const UnitSystem& units_;
   const StructuralDynamics& dynamics_;
+  const bool follows_;  // a group follows something
   const TomlTable table_;
   AmbientRecord* record_;
 };
@@ -149,18 +157,6 @@ bool ReadAmbientRecords(const std::vector<RecordSection>& sections,
                         const UnitSystem& units,
                         const StructuralDynamics& dynamics,
                         IdentificationProblem* problem) {
-  std::vector<std::string> following;
-  for (const GroupTerm& term : dynamics.groups()) {
-    if (term.follows != GroupTerm::Follows::kNothing) {
-      following.push_back("'" + term.group.name + "'");
-    }
-  }
-  if (!sections.empty() && !following.empty()) {
-    problem->description.remarks.push_back(
-        "Groups that follow something have no part in ambient records, which "
-        "are taken as of their reference: " +
-        Join(following, ", ") + ".");
-  }
   for (const RecordSection& section : sections) {
     if (!section.ambient) continue;
     AmbientRecord record;

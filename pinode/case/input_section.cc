@@ -152,7 +152,7 @@ class InputReader {
   bool ReadCovariates() {
     for (TomlTable& table : table_.Tables("covariate", "record")) {
       table.set_name(table_.name() + ", covariate");
-      if (!table.AllowKeys({"name", "column", "file"})) return false;
+      if (!table.AllowKeys({"name", "column", "file", "value"})) return false;
       InputSection input(table);
       input.spec.kind = InputSpec::Kind::kCovariate;
       input.spec.name = table.RequiredString("name");
@@ -165,9 +165,18 @@ class InputReader {
                                       "excitation, expected another name");
       }
       input.signal.label = "covariate " + input.spec.name;
-      if (!ReadSource(file_, &input.signal) || !AddInput(std::move(input))) {
+      if (table.Has("value")) {
+        for (const char* key : {"column", "file"}) {
+          if (!table.Has(key)) continue;
+          return table.Fail("value", "'value' beside '" + std::string(key) +
+                                         "', expected one of the two");
+        }
+        input.value = table.Number("value", 0.0);
+        if (!table.errors()->ok()) return false;
+      } else if (!ReadSource(file_, &input.signal)) {
         return false;
       }
+      if (!AddInput(std::move(input))) return false;
     }
     return true;
   }

@@ -4,6 +4,7 @@
 #ifndef PINODE_CASE_INPUT_SECTION_H_
 #define PINODE_CASE_INPUT_SECTION_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ namespace pinode {
 struct InputSection {
   SignalSection signal;
   InputSpec spec;
+  // Of a covariate that is the same all the time and in no file.
+  std::optional<double> value;
 
   explicit InputSection(const TomlTable& t) : signal(t) {}
 };

@@ -92,6 +92,7 @@ class RecordDataReader {
     std::map<std::string, std::vector<std::string>> wanted;
     if (!section_.file.empty()) wanted[section_.file];
     for (const InputSection& input : section_.inputs) {
+      if (input.value.has_value()) continue;
       wanted[input.signal.file].push_back(input.signal.column);
     }
     for (const ChannelSection& channel : section_.channels) {
@@ -263,7 +264,13 @@ class RecordDataReader {
     merged_.start_time = base_start_;
     merged_.sampling_step = base_step_;
     for (const InputSection& input : section_.inputs) {
-      if (!AddSignal(input.signal, true)) return false;
+      if (input.value.has_value()) {
+        merged_.channels.push_back(
+            {input.signal.label, "1",
+             Vector::Constant(num_samples_, *input.value)});
+      } else if (!AddSignal(input.signal, true)) {
+        return false;
+      }
     }
     for (const ChannelSection& channel : section_.channels) {
       if (simulation_) {
@@ -367,7 +374,25 @@ class RecordDataReader {
     return true;
   }
 
+  // A thermometer is read now and then, and what it measures is slow.
+  void FillCovariates() {
+    for (const InputSection& input : section_.inputs) {
+      if (input.spec.kind != InputSpec::Kind::kCovariate) continue;
+      for (Channel& channel : merged_.channels) {
+        if (channel.name != input.signal.label) continue;
+        const int present = CountPresent(channel.values);
+        if (present == 0 || present == channel.values.size()) continue;
+        channel.values = FillMissing(channel.values);
+        record_->description.remarks.push_back(
+            input.signal.label + ": " + std::to_string(present) + " of " +
+            std::to_string(channel.values.size()) +
+            " samples are there, the others on straight lines between them.");
+      }
+    }
+  }
+
   bool MakeExcitation() {
+    FillCovariates();
     const int samples = merged_.num_samples();
     Matrix inputs = Matrix::Zero(dynamics_.num_inputs(), samples);
     record_->input_sigma = Vector::Zero(dynamics_.num_inputs());

@@ -262,7 +262,7 @@ class RecordReader {
     std::vector<std::string> files;
     if (!section_->file.empty()) files.push_back(section_->file);
     for (const InputSection& input : section_->inputs) {
-      files.push_back(input.signal.file);
+      if (!input.value.has_value()) files.push_back(input.signal.file);
     }
     for (const ChannelSection& channel : section_->channels) {
       if (!simulation_) files.push_back(channel.signal.file);
@@ -399,8 +399,8 @@ class RecordReader {
                              (planning_ ? "planned for" : "simulated") +
                              ", expected measured ones");
     }
-    for (const char* key : {"motion", "covariate", "start", "start_samples",
-                            "substeps", "integrator", "periodic"}) {
+    for (const char* key : {"motion", "start", "start_samples", "substeps",
+                            "integrator", "periodic"}) {
       if (!table_.Has(key)) continue;
       return table_.Fail(key, std::string("'") + key +
                                   "' has no meaning in a record with "

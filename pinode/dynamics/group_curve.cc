@@ -106,6 +106,8 @@ class GroupCurveDynamics final
     return curve.parameters.IsValid(error);
   }
 
+  std::unique_ptr<Term> Averaged(const Conditions& over) const override;
+
   std::unique_ptr<TermPrepared> Prepare(
       const LinearSystem& linear, const double* /*parameters*/) const override {
     auto prepared = std::make_unique<PreparedCurve>();
@@ -192,6 +194,83 @@ class GroupCurveDynamics final
     }
   }
 };
+
+// A curve of which the mean is taken: each parameter changes a matrix.
+class AveragedCurve final
+    : public DescribedTerm<AveragedCurve, GroupCurve, &GroupCurve::parameters> {
+ public:
+  AveragedCurve(GroupCurve curve, const RowVector& covariate)
+      : DescribedTerm(std::move(curve)) {
+    Vector weights = Vector::Zero(parameters().size());
+    for (const double u : covariate) {
+      const CurvePlace place = PlaceOnCurve(description_, u);
+      for (int i = 0; i < 2; ++i) {
+        if (place.parameter[i] >= 0) {
+          weights[place.parameter[i]] += place.weight[i];
+        }
+      }
+    }
+    for (const double weight : weights) {
+      changes_.push_back(description_.group);
+      changes_.back().matrix *= weight / static_cast<double>(covariate.size());
+    }
+  }
+
+  TermKind kind() const override { return TermKind::kGroupCurve; }
+  bool IsValid(const StructuralModel& /*model*/, int /*num_inputs*/,
+               std::string* /*error*/) const override {
+    return true;
+  }
+  std::vector<MatrixChange> MatrixChanges() const override {
+    const std::vector<int> columns = TangentColumns(parameters());
+    std::vector<MatrixChange> changes;
+    for (size_t k = 0; k < changes_.size(); ++k) {
+      changes.push_back({&changes_[k], static_cast<int>(k), columns[k]});
+    }
+    return changes;
+  }
+  bool IsConstant() const override { return true; }
+
+  // There is nothing else to it.
+  std::unique_ptr<TermPrepared> Prepare(
+      const LinearSystem& /*linear*/,
+      const double* /*parameters*/) const override {
+    return std::make_unique<TermPrepared>();
+  }
+  std::unique_ptr<TermLinearization> MakeLinearization(
+      const TermPlace& /*place*/) const override {
+    return std::make_unique<TermLinearization>();
+  }
+  void AddRate(const TermPrepared& /*prepared*/,
+               const TermPoint<double>& /*at*/, TermRate<double>* /*rate*/,
+               TermLinearization* /*scratch*/) const override {}
+  void AddRate(const TermPrepared& /*prepared*/,
+               const TermPoint<WideJet>& /*at*/,
+               TermRate<WideJet>* /*rate*/) const override {}
+  void Linearize(const TermPrepared& /*prepared*/,
+                 const TermPoint<double>& /*at*/, TermRate<double>* /*rate*/,
+                 Matrix* /*jacobian*/,
+                 TermLinearization* /*kept*/) const override {}
+  std::unique_ptr<TermTangentScratch> MakeTangentScratch(
+      const TermPlace& /*place*/, int /*rows*/) const override {
+    return std::make_unique<TermTangentScratch>();
+  }
+  void AddParameterTangents(const TermPlace& /*place*/,
+                            const TermPrepared& /*prepared*/,
+                            const TermLinearization* const* /*stages*/,
+                            const Matrix* const* /*lefts*/, int /*num_stages*/,
+                            TermTangentScratch* /*scratch*/,
+                            double* /*result*/) const override {}
+
+ private:
+  std::vector<MatrixGroup> changes_;  // one for each parameter
+};
+
+std::unique_ptr<Term> GroupCurveDynamics::Averaged(
+    const Conditions& over) const {
+  return std::make_unique<AveragedCurve>(description_,
+                                         over.inputs.row(description_.input));
+}
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 namespace pinode {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // Two masses in a row on springs of 10, the first of which follows the
@@ -94,6 +95,94 @@ TEST(GroupCurve, CorrectedModelIsThatAtTheReference) {
       TwoMassesInFrost({-20.0, 0.0, 10.0}, 1, {0.5, 0.2});
   EXPECT_NEAR(dynamics.CorrectedModel(dynamics.Parameters()).stiffness(0, 0),
               21.0, 1e-13);
+}
+
+// The mean over samples of what the curve says, not the curve at their mean;
+// by parameters as before.
+TEST(GroupCurve, AveragedIsConstantAtItsMean) {
+  const StructuralDynamics dynamics =
+      TwoMassesInFrost({-20.0, 0.0, 10.0, 30.0}, 2, {0.5, 0.2, -0.1});
+  const RowVector samples = (RowVector(3) << -20.0, 25.0, 10.0).finished();
+  const StructuralDynamics averaged = dynamics.Averaged({samples, {}});
+  EXPECT_FALSE(dynamics.IsLinear());
+  EXPECT_TRUE(averaged.IsLinear());
+  Vector theta = dynamics.Parameters();
+  EXPECT_EQ(averaged.Parameters(), theta);
+  EXPECT_NEAR(averaged.CorrectedModel(theta).stiffness(0, 0),
+              10.0 * (2.1 + (0.5 - 0.075) / 3.0), 1e-12);
+  for (const double temperature : {-20.0, 5.0, 90.0}) {
+    EXPECT_NEAR(StiffnessAt(averaged, temperature),
+                10.0 * (1.1 + (0.5 - 0.075) / 3.0), 1e-12);
+  }
+  // One at each knot but the reference, a third of what each sample has of it.
+  for (const auto& [parameter, slope] : std::vector<std::pair<int, double>>{
+           {0, 10.0}, {1, 10.0 / 3.0}, {2, 0.0}, {3, 7.5 / 3.0}}) {
+    theta = dynamics.Parameters();
+    theta[parameter] += 1.0;
+    EXPECT_NEAR(
+        averaged.CorrectedModel(theta).stiffness(0, 0) -
+            averaged.CorrectedModel(dynamics.Parameters()).stiffness(0, 0),
+        slope, 1e-12)
+        << parameter;
+  }
+}
+
+TEST(GroupCurve, AveragedStraightLines) {
+  StructuralDynamics dynamics(
+      testing::MakeChain(2, 10.0, 0.0),
+      {{InputSpec::Kind::kForce, 0, "force_u1"},
+       {InputSpec::Kind::kCovariate, 0, "temperature"}});
+  std::string error;
+  for (const auto follows :
+       {GroupTerm::Follows::kCovariate, GroupTerm::Follows::kTime}) {
+    GroupTerm group;
+    group.group.name =
+        follows == GroupTerm::Follows::kTime ? "ageing" : "frost";
+    group.group.matrix = 10.0 * SpringMatrix(2, -1, 0);
+    group.follows = follows;
+    group.input = 1;
+    group.reference = 5.0;
+    group.alpha.value = 0.1;
+    ASSERT_TRUE(dynamics.AddGroup(group, &error)) << error;
+  }
+  EXPECT_THAT(dynamics.CovariateParameters(), ElementsAre("frost"));
+  const Matrix inputs = (Matrix(2, 2) << 100.0, 200.0, 7.0, 11.0).finished();
+  const Vector theta = dynamics.Parameters();
+  const StructuralDynamics both = dynamics.Averaged({inputs, 2.0});
+  EXPECT_TRUE(both.IsLinear());
+  EXPECT_NEAR(both.CorrectedModel(theta).stiffness(0, 0),
+              20.0 + 10.0 * 0.1 * (9.0 - 5.0) + 10.0 * 0.1 * (2.0 - 5.0),
+              1e-12);
+  EXPECT_THAT(both.CovariateParameters(), ElementsAre());
+  // Without a time the second still follows it.
+  const StructuralDynamics one = dynamics.Averaged({inputs, {}});
+  EXPECT_FALSE(one.IsLinear());
+  EXPECT_NEAR(one.CorrectedModel(theta).stiffness(0, 0), 24.0, 1e-12);
+}
+
+TEST(GroupCurve, HoldingFixesByName) {
+  StructuralDynamics dynamics =
+      TwoMassesInFrost({-20.0, 0.0, 10.0}, 1, {0.5, 0.2});
+  std::string error;
+  ASSERT_TRUE(dynamics.AddElement("spring", "cubic", 0, 1, {3.0}, &error))
+      << error;
+  const StructuralDynamics held =
+      dynamics.Holding({{"p1", 0.7}, {"p2", 0.8}, {"of another", 1.0}});
+  ASSERT_EQ(held.blocks().size(), dynamics.blocks().size());
+  EXPECT_EQ(held.laws().size(), 1u);
+  Vector expected = dynamics.Parameters();
+  for (size_t b = 0, i = 0; b < held.blocks().size(); ++b) {
+    for (const Parameter& parameter : held.blocks()[b].parameters) {
+      const bool of_curve = parameter.name[0] == 'p';
+      EXPECT_EQ(parameter.free, !of_curve) << parameter.name;
+      if (of_curve) {
+        expected[static_cast<Eigen::Index>(i)] =
+            parameter.name == "p1" ? 0.7 : 0.8;
+      }
+      ++i;
+    }
+  }
+  EXPECT_EQ(held.Parameters(), expected);
 }
 
 // Row times (values at all knots) is the scaled difference that it stands for.

@@ -128,6 +128,24 @@ std::vector<MatrixChange> GroupTerms::MatrixChanges() const {
   return changes;
 }
 
+std::unique_ptr<Term> GroupTerms::Averaged(const Conditions& over) const {
+  auto averaged = std::make_unique<GroupTerms>(*this);
+  averaged->following_.clear();
+  for (const int j : following_) {
+    GroupTerm& group = averaged->groups_[GroupIndex(j)];
+    if (group.follows == Follows::kTime && !over.time.has_value()) {
+      averaged->following_.push_back(j);
+      continue;
+    }
+    group.group.matrix *= (group.follows == Follows::kTime
+                               ? *over.time
+                               : over.inputs.row(group.input).mean()) -
+                          group.reference;
+    group.follows = Follows::kNothing;
+  }
+  return averaged;
+}
+
 std::unique_ptr<TermPrepared> GroupTerms::Prepare(
     const LinearSystem& linear, const double* /*parameters*/) const {
   auto prepared = std::make_unique<PreparedGroups>();

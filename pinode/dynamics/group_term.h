@@ -44,6 +44,8 @@ class GroupTerms final : public Term {
   const ParameterBlock& parameters() const override { return block_; }
   void SetParameters(const Vector& values) override;
   std::vector<MatrixChange> MatrixChanges() const override;
+  bool IsConstant() const override { return following_.empty(); }
+  std::unique_ptr<Term> Averaged(const Conditions& over) const override;
   std::unique_ptr<TermPrepared> Prepare(
       const LinearSystem& linear, const double* parameters) const override;
   std::unique_ptr<TermLinearization> MakeLinearization(

@@ -26,6 +26,7 @@ class LawDynamics final
   using FeatureTerm::FeatureTerm;
 
   TermKind kind() const override { return TermKind::kLaw; }
+  bool IsConstant() const override { return description_.law->IsIdle(); }
 
   bool IsValid(const StructuralModel& model, int num_inputs,
                std::string* error) const override {

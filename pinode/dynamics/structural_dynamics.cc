@@ -217,19 +217,60 @@ void StructuralDynamics::Layout() {
 }
 
 bool StructuralDynamics::IsLinear() const {
-  if (!prescribed_.empty()) return false;
-  for (const auto& term : terms_) {
-    if (term->kind() != TermKind::kGroups && term->kind() != TermKind::kLaw) {
-      return false;
+  return prescribed_.empty() &&
+         std::all_of(terms_.begin(), terms_.end(),
+                     [](const auto& term) { return term->IsConstant(); });
+}
+
+StructuralDynamics StructuralDynamics::Averaged(const Conditions& over) const {
+  CHECK_EQ(over.inputs.rows(), num_inputs());
+  StructuralDynamics averaged(*this);
+  for (auto& term : averaged.terms_) term = term->Averaged(over);
+  averaged.Layout();
+  return averaged;
+}
+
+std::vector<std::string> StructuralDynamics::CovariateParameters() const {
+  std::vector<std::string> names;
+  for (const GroupTerm& term : groups()) {
+    if (term.follows == GroupTerm::Follows::kCovariate) {
+      names.push_back(term.group.name);
     }
   }
-  for (const LawTerm& law : laws()) {
-    if (!law.law->IsIdle()) return false;
+  for (const GroupCurve& curve : group_curves()) {
+    for (const Parameter& parameter : curve.parameters.parameters) {
+      names.push_back(parameter.name);
+    }
   }
-  return std::all_of(groups().begin(), groups().end(),
-                     [](const GroupTerm& group) {
-                       return group.follows == GroupTerm::Follows::kNothing;
-                     });
+  return names;
+}
+
+StructuralDynamics StructuralDynamics::Holding(
+    const std::map<std::string, double>& values) const {
+  const auto hold = [&values](Parameter* parameter) {
+    const auto held = values.find(parameter->name);
+    if (held == values.end()) return;
+    parameter->value = held->second;
+    parameter->free = false;
+  };
+  StructuralDynamics result(model(), inputs());
+  std::string error;
+  for (GroupTerm group : groups()) {
+    hold(&group.alpha);
+    CHECK(result.AddGroup(std::move(group), &error)) << error;
+  }
+  for (const auto& term : terms_) {
+    if (term->kind() == TermKind::kGroups) continue;
+    if (term->kind() != TermKind::kGroupCurve) {
+      CHECK(result.AddTerm(term->Clone(), &error)) << error;
+      continue;
+    }
+    GroupCurve curve =
+        static_cast<const TermOf<GroupCurve>&>(*term).description();
+    for (Parameter& parameter : curve.parameters.parameters) hold(&parameter);
+    CHECK(result.AddGroupCurve(std::move(curve), &error)) << error;
+  }
+  return result;
 }
 
 std::vector<std::string> StructuralDynamics::StateNames() const {

@@ -4,6 +4,7 @@
 #ifndef PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 #define PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -113,6 +114,18 @@ class StructuralDynamics {
   // Whether dh/dt = F h + G u with constant F and G: nothing but groups that
   // follow nothing and laws that are idle, and no prescribed motion.
   bool IsLinear() const;
+
+  // A copy with the same parameters whose groups follow nothing: each is as
+  // large as the mean of what it follows over the samples of all inputs makes
+  // it. Of small slow changes of its matrices a stationary motion shows the
+  // mean, to the first order. Groups that follow the time stay as they are
+  // where none is given.
+  StructuralDynamics Averaged(const Conditions& over) const;
+  // Names of the parameters by which groups follow covariates.
+  std::vector<std::string> CovariateParameters() const;
+  // A copy whose groups have these values by name, and fixed; those of a curve
+  // are held together.
+  StructuralDynamics Holding(const std::map<std::string, double>& values) const;
 
   int num_dofs() const { return linear_.num_dofs(); }
   int num_internal() const { return num_internal_; }

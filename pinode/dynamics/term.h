@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,6 +80,12 @@ struct TermTangentScratch {
   virtual ~TermTangentScratch() = default;
 };
 
+// Over what StructuralDynamics::Averaged takes its means.
+struct Conditions {
+  Matrix inputs;               // inputs x samples
+  std::optional<double> time;  // the mean time; none: time does not pass
+};
+
 // One term of the equation of motion. StructuralDynamics composes them: it
 // finds their places, hands each its own part of state and parameters, and
 // knows nothing of what they do.
@@ -125,6 +132,12 @@ class Term {
   // What it does to the constant matrices. The linear part takes care of it,
   // tangents included; the functions below leave it out.
   virtual std::vector<MatrixChange> MatrixChanges() const { return {}; }
+  // Whether it does nothing else.
+  virtual bool IsConstant() const { return false; }
+  // A copy in which matrices that follow something are constant: their means.
+  virtual std::unique_ptr<Term> Averaged(const Conditions& /*over*/) const {
+    return Clone();
+  }
 
   // For values of its parameters, and `linear` with everybody's changes.
   virtual std::unique_ptr<TermPrepared> Prepare(

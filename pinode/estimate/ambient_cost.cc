@@ -143,7 +143,7 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
                          const ParameterLayout& layout, int num_threads,
                          Communicator* communicator)
     : record_(record),
-      dynamics_(dynamics),
+      dynamics_(record.AveragedDynamics(dynamics)),
       layout_(layout),
       num_threads_(num_threads),
       communicator_(CommunicatorOrSingle(communicator)) {
@@ -157,17 +157,16 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
     sensors_.row(c) = channel.weights.transpose();
     derivatives_[c] = DerivativeOf(channel.quantity);
   }
-  for (size_t j = 0; j < dynamics.groups().size(); ++j) {
-    const GroupTerm& term = dynamics.groups()[j];
-    const int free = layout.FreeIndex(static_cast<int>(j));
-    if (free < 0 || term.follows != GroupTerm::Follows::kNothing) continue;
+  for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {
     Column column;
-    column.free = free;
-    column.target = term.group.target;
-    FindFactors(term.group.matrix, &column.left, &column.right);
+    column.free = layout.FreeIndex(change.parameter);
+    column.target = change.group->target;
+    if (column.free < 0 || change.group->matrix.isZero(0.0)) continue;
+    FindFactors(change.group->matrix, &column.left, &column.right);
     columns_.push_back(std::move(column));
   }
-  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
+  const StructuralModel model =
+      dynamics_.CorrectedModel(dynamics_.Parameters());
   ModalProperties modes;
   std::string ignored;
   Vector frequencies;
@@ -203,19 +202,20 @@ AmbientCost::AmbientCost(const AmbientRecord& record,
                                              static_cast<int>(loads_.cols()),
                                              record.correlated);
   smallest_noise_ = Vector::Constant(channels, kSmallestNoise);
-  if (!record.measured_loads.has_value()) {
+  const Matrix measured_loads = record.MeasuredLoads(dynamics);
+  if (measured_loads.rows() == 0) {
     offset_ = OffsetOf(lines.values, lines.tied, kRoom);
     return;
   }
-  const ComplexMatrix rest = WithoutInputs(
-      lines.values, transform.Values(record.measured_loads->samples()));
+  const ComplexMatrix rest =
+      WithoutInputs(lines.values, transform.Values(measured_loads));
   for (Eigen::Index c = 0; c < channels; ++c) {
     smallest_noise_[c] *= std::clamp(
         rest.row(c).squaredNorm() / lines.values.row(c).squaredNorm(),
         kSmallestNoise, 1.0);
   }
   offset_ = OffsetOf(rest, lines.tied, kRoomOfRest);
-  mean_ = std::make_unique<AmbientMean>(record, dynamics, std::move(transform),
+  mean_ = std::make_unique<AmbientMean>(record, dynamics_, std::move(transform),
                                         scales_, num_threads);
 }
 

@@ -26,9 +26,10 @@ namespace pinode {
 //
 //   sum over lines of  log det S_y + Y^H S_y^-1 Y,
 //
-// as a function of the free groups (those that follow nothing), the spectrum of
-// the loads and the noise of the channels being chosen for each as those that
-// make it smallest: they are nobody's question. With W_p = S^-1/2 (dS/dp)
+// as a function of the free groups (those that follow something at its mean
+// over the record), the spectrum of the loads and the noise of the channels
+// being chosen for each as those that make it smallest: they are nobody's
+// question. With W_p = S^-1/2 (dS/dp)
 // S^-H/2 and z = S^-1/2 Y,
 //
 //   gradient  sum tr W_p - z^H W_p z,     information  sum tr(W_p W_q),
@@ -52,7 +53,7 @@ namespace pinode {
 // Eng. Struct. Dyn. 30 (2001) 1129 (spectral density approach).
 class AmbientCost final : public CostPart {
  public:
-  // `record` is valid; all must outlive this object. The ranks of
+  // `record` is valid; it and `layout` must outlive this object. The ranks of
   // `communicator` (nullptr: a single process) share the lines, and come to the
   // same bits as one process does.
   AmbientCost(const AmbientRecord& record, const StructuralDynamics& dynamics,
@@ -170,7 +171,7 @@ class AmbientCost final : public CostPart {
   int num_nuisance() const { return static_cast<int>(unknowns_.size()); }
 
   const AmbientRecord& record_;
-  const StructuralDynamics& dynamics_;
+  const StructuralDynamics dynamics_;  // averaged over the record
   const ParameterLayout& layout_;
   const int num_threads_;
   Communicator& communicator_;

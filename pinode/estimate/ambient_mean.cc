@@ -23,7 +23,7 @@ IdentificationProblem RunOf(const AmbientRecord& record,
   IdentificationRecord run;
   run.name = record.name;
   run.start = IdentificationRecord::Start::kRest;
-  run.excitation = record.measured_loads;
+  run.excitation = record.inputs;
   run.filter = record.filter;
   run.substeps = 1;
   run.integrator = Integrator::kExact;

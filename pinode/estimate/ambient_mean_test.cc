@@ -75,7 +75,7 @@ TEST(AmbientMeanTest, TheRunIsTakenOffBeforeTheTapers) {
   }
   // One that is missing is bridged in both.
   record.samples(0, 3001) = kNaN;
-  record.measured_loads.emplace(0.0, kStep, force, Interpolation::kCubic);
+  record.inputs.emplace(0.0, kStep, force, Interpolation::kCubic);
   Observation channel;
   channel.name = "u1";
   channel.quantity = Quantity::kDisplacement;
@@ -163,8 +163,8 @@ TEST(AmbientMeanTest, InformationIsTheCurvatureOfTheCost) {
   AmbientRecord loud = RecordOfChain(chain, 300.0, 5, 0.5, {2}, /*base=*/false,
                                      /*noise=*/0.0, chain.masses());
   record.samples += 9.0 * loud.samples;
-  const Matrix force = 10.0 * record.measured_loads->samples();
-  record.measured_loads.emplace(0.0, 0.004, force, Interpolation::kHeld);
+  const Matrix force = 10.0 * record.inputs->samples();
+  record.inputs.emplace(0.0, 0.004, force, Interpolation::kHeld);
   const IdentificationProblem problem =
       ProblemOfChain(chain, kSpring, 0.0, record);
   const ParameterLayout layout(problem);
@@ -235,7 +235,7 @@ TEST(AmbientMeanTest, MeasuredLoadsTellMore) {
   EXPECT_GT(both.ambient[0].explained.minCoeff(), 0.9);
   EXPECT_GT(both.ambient[0].by_measured_loads.minCoeff(), 0.35);
   EXPECT_LT(both.ambient[0].by_measured_loads.maxCoeff(), 0.65);
-  problem.ambient[0].measured_loads.reset();
+  problem.ambient[0].inputs.reset();
   const IdentificationSummary without = Fitted(problem);
   ASSERT_TRUE(without.usable) << without.message;
   EXPECT_EQ(without.ambient[0].by_measured_loads.size(), 0);
@@ -254,11 +254,11 @@ TEST(AmbientMeanTest, AWrongLoadIsSeen) {
   const TestChain chain = RayleighChain(2);
   const IdentificationProblem problem =
       ProblemOfChain(chain, kSpring, 0.02, HalfMeasured(chain, 200.0, 3));
-  const Matrix force = problem.ambient[0].measured_loads->samples();
+  const Matrix force = problem.ambient[0].inputs->samples();
   for (const double factor : {1.3, 0.7, -1.0}) {
     IdentificationProblem wrong = problem;
-    wrong.ambient[0].measured_loads.emplace(0.0, 0.004, factor * force,
-                                            Interpolation::kHeld);
+    wrong.ambient[0].inputs.emplace(0.0, 0.004, factor * force,
+                                    Interpolation::kHeld);
     const IdentificationSummary summary = Fitted(wrong);
     EXPECT_FALSE(summary.usable) << factor;
     EXPECT_THAT(summary.message,
@@ -274,14 +274,13 @@ TEST(AmbientMeanTest, SaysWhatIsWrong) {
   std::string error;
   ASSERT_TRUE(problem.IsValid(&error)) << error;
   const AmbientRecord good = problem.ambient[0];
-  Matrix force = good.measured_loads->samples();
-  problem.ambient[0].measured_loads.emplace(
-      0.0, 0.004, force.leftCols(100).eval(), Interpolation::kHeld);
+  Matrix force = good.inputs->samples();
+  problem.ambient[0].inputs.emplace(0.0, 0.004, force.leftCols(100).eval(),
+                                    Interpolation::kHeld);
   EXPECT_FALSE(problem.IsValid(&error));
   EXPECT_THAT(error, HasSubstr("need a finite row for each input"));
   force(0, 3) = kNaN;
-  problem.ambient[0].measured_loads.emplace(0.0, 0.004, force,
-                                            Interpolation::kHeld);
+  problem.ambient[0].inputs.emplace(0.0, 0.004, force, Interpolation::kHeld);
   EXPECT_FALSE(problem.IsValid(&error));
   EXPECT_THAT(error, HasSubstr("need a finite row for each input"));
 

@@ -24,10 +24,16 @@ constexpr double kLeastInCommon = 0.5;
 // Numbers of the loads' covariances at all knots.
 constexpr Eigen::Index kMostUnknowns = 4000;
 
+bool IsLoad(InputSpec::Kind kind) {
+  return kind == InputSpec::Kind::kForce ||
+         kind == InputSpec::Kind::kGroundAcceleration;
+}
+
 // Of the model as it is at first, inside the band of the record; 0: none.
 double LowestModeInBand(const AmbientRecord& record,
                         const StructuralDynamics& dynamics) {
-  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
+  const StructuralModel model =
+      record.AveragedDynamics(dynamics).CorrectedModel(dynamics.Parameters());
   const double highest = record.highest_frequency > 0.0
                              ? record.highest_frequency
                              : 0.5 / record.sampling_step;
@@ -43,29 +49,55 @@ double LowestModeInBand(const AmbientRecord& record,
   return 0.0;
 }
 
-// The measured loads; empty where there are none, or they are as they should
-// be.
-std::string WhyNotTakenOff(const AmbientRecord& record,
-                           const StructuralDynamics& dynamics) {
-  if (!record.measured_loads.has_value()) return {};
-  if (!dynamics.IsLinear()) {
-    return "its measured loads ask for a linear model, and this one has more "
-           "than constant matrices (laws, networks, groups that follow "
-           "something, unknown scales of forces); leave out its measured "
-           "loads, or what is not linear";
+// Empty where its inputs are as they should be.
+std::string WhatIsWrongWithInputs(const AmbientRecord& record,
+                                  const StructuralDynamics& dynamics) {
+  if (!record.inputs.has_value()) {
+    return dynamics.CovariateParameters().empty()
+               ? ""
+               : "a group follows a covariate, which it does not have";
   }
-  const Excitation& measured = *record.measured_loads;
+  const Excitation& measured = *record.inputs;
   if (measured.num_inputs() != dynamics.num_inputs() ||
       measured.num_samples() != record.samples.cols() ||
       measured.step() != record.sampling_step ||
       !measured.samples().allFinite()) {
-    return "its measured loads need a finite row for each input of the model, "
-           "at the samples of its channels";
+    return "what was measured beside its channels needs a finite row for each "
+           "input of the model, at the samples of its channels";
+  }
+  if (record.HasMeasuredLoads(dynamics) &&
+      !record.AveragedDynamics(dynamics).IsLinear()) {
+    return "its measured loads ask for a linear model, and this one has more "
+           "than constant matrices (laws, networks, unknown scales of "
+           "forces); leave out its measured loads, or what is not linear";
   }
   return {};
 }
 
 }  // namespace
+
+Matrix AmbientRecord::MeasuredLoads(const StructuralDynamics& dynamics) const {
+  if (!inputs.has_value()) return {};
+  const Matrix& all = inputs->samples();
+  std::vector<int> rows;
+  for (Eigen::Index i = 0; i < all.rows(); ++i) {
+    if (IsLoad(dynamics.inputs()[static_cast<size_t>(i)].kind) &&
+        all.row(i).maxCoeff() > all.row(i).minCoeff()) {
+      rows.push_back(static_cast<int>(i));
+    }
+  }
+  return all(rows, Eigen::all);
+}
+
+StructuralDynamics AmbientRecord::AveragedDynamics(
+    const StructuralDynamics& dynamics) const {
+  const double middle =
+      0.5 * sampling_step * static_cast<double>(samples.cols() - 1);
+  if (!inputs.has_value()) {
+    return dynamics.Averaged({Matrix::Zero(dynamics.num_inputs(), 1), middle});
+  }
+  return dynamics.Averaged({inputs->samples(), inputs->start_time() + middle});
+}
 
 bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
                             std::string* error) const {
@@ -114,6 +146,8 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
       }
     }
   }
+  const std::string wrong = WhatIsWrongWithInputs(*this, dynamics);
+  if (!wrong.empty()) return fail(wrong);
   const double in_common = ShareOutsideGaps(samples);
   if (in_common < kLeastInCommon) {
     return fail("its channels have gaps at different times, and only " +
@@ -142,8 +176,6 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
                 std::to_string(kMostCorrelatedAreas) +
                 " loads at most, or such that are not correlated");
   }
-  const std::string wrong = WhyNotTakenOff(*this, dynamics);
-  if (!wrong.empty()) return fail(wrong);
   if (knots < 0) return fail("its number of knots must not be negative");
   const Eigen::Index per_knot =
       correlated ? areas_of_all * (areas_of_all + 1) / 2 : areas_of_all;

@@ -52,9 +52,10 @@ struct AmbientRecord {
   // Knots of the spectrum; 1: white; 0: one an octave of the band.
   int knots = 0;
 
-  // Loads that were measured, a row for each input of the dynamics, which must
-  // be linear; as many samples as the record.
-  std::optional<Excitation> measured_loads;
+  // What was measured beside them, a row for each input of the dynamics and as
+  // many samples as the record: loads, for which the dynamics must be linear,
+  // and covariates that groups follow, of which the record shows the mean.
+  std::optional<Excitation> inputs;
   // Applied to `samples` by whoever read them, and here to the response to
   // measured loads.
   std::shared_ptr<const ZeroPhaseFilter> filter;
@@ -64,6 +65,14 @@ struct AmbientRecord {
   // and at most 0.8 of half the sampling rate.
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
+
+  // The rows of `inputs` that are loads and not the same all the time.
+  Matrix MeasuredLoads(const StructuralDynamics& dynamics) const;
+  bool HasMeasuredLoads(const StructuralDynamics& dynamics) const {
+    return MeasuredLoads(dynamics).rows() > 0;
+  }
+  // The dynamics with what groups follow at its mean over the record.
+  StructuralDynamics AveragedDynamics(const StructuralDynamics& dynamics) const;
 
   // Channels of displacements, velocities, accelerations or strains, of sizes
   // that fit the dynamics; 200 samples and more; loads that are there. On

@@ -1,7 +1,10 @@
 #include "pinode/estimate/ambient_start.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <map>
+#include <memory>
 #include <utility>
 
 #include "pinode/estimate/identify.h"
@@ -36,21 +39,6 @@ Vector RealShape(const Eigen::VectorXcd& shape) {
   return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
 }
 
-// Forces and ground motions that are not of other records alone.
-Matrix LoadsThatAct(const Matrix& samples,
-                    const std::vector<InputSpec>& inputs) {
-  std::vector<int> rows;
-  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
-    const InputSpec::Kind kind = inputs[static_cast<size_t>(i)].kind;
-    if ((kind == InputSpec::Kind::kForce ||
-         kind == InputSpec::Kind::kGroundAcceleration) &&
-        samples.row(i).maxCoeff() > samples.row(i).minCoeff()) {
-      rows.push_back(static_cast<int>(i));
-    }
-  }
-  return samples(rows, Eigen::all);
-}
-
 // What one record says, at the DOFs that a channel alone measures.
 void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
               int num_threads, ModalData* modal) {
@@ -79,10 +67,7 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
     dofs.push_back(static_cast<int>(dof));
     scales[static_cast<Eigen::Index>(i)] = channel.weights[dof];
   }
-  if (record.measured_loads.has_value()) {
-    response.inputs = LoadsThatAct(record.measured_loads->samples(),
-                                   problem.dynamics->inputs());
-  }
+  response.inputs = record.MeasuredLoads(*problem.dynamics);
   ModeIdentificationOptions options;
   options.lowest_hz = record.lowest_frequency;
   options.highest_hz = record.highest_frequency;
@@ -108,6 +93,23 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
   }
 }
 
+// The dynamics as a record sees them, what follows a covariate being as it is
+// at first: one record does not tell it from what does not.
+std::shared_ptr<const StructuralDynamics> SeenBy(
+    const AmbientRecord& record, const StructuralDynamics& dynamics) {
+  std::map<std::string, double> held;
+  const std::vector<std::string> names = dynamics.CovariateParameters();
+  for (const ParameterBlock& block : dynamics.blocks()) {
+    for (const Parameter& parameter : block.parameters) {
+      if (std::count(names.begin(), names.end(), parameter.name) > 0) {
+        held[parameter.name] = parameter.value;
+      }
+    }
+  }
+  return std::make_shared<const StructuralDynamics>(
+      record.AveragedDynamics(dynamics.Holding(held)));
+}
+
 // Those that the model has as well.
 ModalData KnownToModel(const IdentificationProblem& problem,
                        const ModalData& modal) {
@@ -115,8 +117,8 @@ ModalData KnownToModel(const IdentificationProblem& problem,
   kept.form = modal.form;
   std::vector<ModeMatch> matches;
   std::string ignored;
-  const StructuralModel model =
-      problem.dynamics->CorrectedModel(problem.dynamics->Parameters());
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
   if (modal.empty() || !MatchModes(modal, model, &matches, &ignored)) {
     return kept;
   }
@@ -145,7 +147,8 @@ bool StartFromAmbientModes(const IdentificationProblem& problem,
   IdentificationProblem modes_alone = problem;
   modes_alone.ambient.clear();
   modes_alone.records.clear();
-  modes_alone.modal = KnownToModel(problem, modal);
+  modes_alone.dynamics = SeenBy(problem.ambient.front(), *problem.dynamics);
+  modes_alone.modal = KnownToModel(modes_alone, modal);
   if (modes_alone.modal.empty()) return false;
   IdentificationOptions quick = options;
   quick.num_starts = 1;

@@ -59,8 +59,7 @@ inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
     record.channels.push_back(channel);
   }
   if (measured > 0) {
-    record.measured_loads.emplace(0.0, kFineStep, fine.inputs,
-                                  Interpolation::kHeld);
+    record.inputs.emplace(0.0, kFineStep, fine.inputs, Interpolation::kHeld);
   }
   return record;
 }
@@ -74,8 +73,8 @@ inline IdentificationProblem ProblemOfChain(const TestChain& chain,
   StructuralModel model = MakeStructuralModel(
       Matrix::Identity(n, n), Matrix::Zero(n, n), chain.stiffness);
   std::vector<InputSpec> inputs;
-  if (record.measured_loads.has_value()) {
-    for (int i = 0; i < record.measured_loads->num_inputs(); ++i) {
+  if (record.inputs.has_value()) {
+    for (int i = 0; i < record.inputs->num_inputs(); ++i) {
       inputs.push_back(
           {InputSpec::Kind::kForce, i, "force_u" + std::to_string(i + 1)});
     }

@@ -13,6 +13,9 @@
 namespace pinode {
 namespace {
 
+// Of an ambient record's information, a difference of sums over many lines.
+constexpr double kRoundingOfLines = 1e-11;
+
 // An autocorrelation this many standard deviations beyond white noise is taken
 // seriously: about one false alarm in a thousand channels.
 constexpr double kAutocorrelated = 3.5;
@@ -356,7 +359,7 @@ Vector SolveInformation(const Matrix& information, const Vector& right) {
 }
 
 bool InvertInformation(const Matrix& information, Matrix* inverse_root,
-                       Matrix* null_space) {
+                       Matrix* null_space, double rounding) {
   const int n = static_cast<int>(information.rows());
   // Unit diagonal: what is small then is small in every unit.
   Vector scale(n);
@@ -367,7 +370,7 @@ bool InvertInformation(const Matrix& information, Matrix* inverse_root,
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
       inverse_scale.asDiagonal() * information * inverse_scale.asDiagonal());
   if (eigen.info() != Eigen::Success) return false;
-  const double threshold = 1e-13 * n * eigen.eigenvalues().maxCoeff();
+  const double threshold = rounding * n * eigen.eigenvalues().maxCoeff();
   Vector inverse_values(n);
   int null = 0;
   for (int i = 0; i < n; ++i) {
@@ -391,8 +394,9 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   MultipleShooting& shooting = objective->shooting();
   Matrix inverse_root;
   if (!objective->Linearize(free, &system) ||
-      !InvertInformation(system.hessian, &inverse_root,
-                         &estimate->null_space)) {
+      !InvertInformation(system.hessian, &inverse_root, &estimate->null_space,
+                         objective->ambient().empty() ? 1e-13
+                                                      : kRoundingOfLines)) {
     return false;
   }
   estimate->covariance = inverse_root * inverse_root.transpose();

@@ -56,10 +56,12 @@ struct CovarianceEstimate {
 
 // A root R of the inverse of an information matrix (n x n, symmetric), so that
 // R R' is the covariance, n x n, and the unit vectors (scaled by each
-// parameter's own information) along which there is none within rounding, which
-// R gives a very large variance. False where the matrix is not finite.
+// parameter's own information) along which there is none within `rounding` of
+// the largest and for each of the n, which R gives a very large variance. False
+// where the matrix is not finite.
 [[nodiscard]] bool InvertInformation(const Matrix& information,
-                                     Matrix* inverse_root, Matrix* null_space);
+                                     Matrix* inverse_root, Matrix* null_space,
+                                     double rounding = 1e-13);
 
 // L of H + e I = L L' with the least e of 1e-10, 1e-9, ..., 1 that makes it
 // positive definite; H (n x n, symmetric) is an information matrix scaled to a

@@ -15,8 +15,14 @@ bool HasFree(const ParameterBlock& block) {
 // What modes without a record can tell of.
 bool AreGroupsAloneFree(const IdentificationProblem& problem,
                         std::string* error) {
-  for (const ParameterBlock& block : problem.dynamics->blocks()) {
-    if (block.name == "groups" || !HasFree(block)) continue;
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  for (int b = 0; b < dynamics.num_terms(); ++b) {
+    const ParameterBlock& block = dynamics.blocks()[static_cast<size_t>(b)];
+    const TermKind kind = dynamics.term(b).kind();
+    if (kind == TermKind::kGroups || !HasFree(block) ||
+        (kind == TermKind::kGroupCurve && !problem.ambient.empty())) {
+      continue;
+    }
     *error = "modes and ambient records tell of groups alone: '" + block.name +
              "' cannot be free without a training record";
     return false;

@@ -124,15 +124,12 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
   std::string error;
   int num_residuals = 0;
   CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
-  // The groups are the first parameters.
-  for (size_t j = 0; j < dynamics.groups().size(); ++j) {
-    const GroupTerm& term = dynamics.groups()[j];
-    const int free = layout.FreeIndex(static_cast<int>(j));
-    if (free < 0 || term.follows != GroupTerm::Follows::kNothing ||
-        term.group.target == MatrixGroup::Target::kDamping) {
+  for (const MatrixChange& change : dynamics.linear_dynamics().changes()) {
+    const int free = layout.FreeIndex(change.parameter);
+    if (free < 0 || change.group->target == MatrixGroup::Target::kDamping) {
       continue;
     }
-    columns_.push_back({free, term.group.target, &term.group.matrix});
+    columns_.push_back({free, change.group->target, &change.group->matrix});
   }
   for (const MeasuredMode& mode : data.modes) {
     Shape shape;

@@ -169,10 +169,10 @@ void Add(const AmbientRecord& record, Hash* hash) {
   hash->Add(record.samples);
   hash->Add(record.loads);
   if (record.base.size() > 0) hash->Add(record.base);
-  if (record.measured_loads.has_value()) {
-    hash->Add(record.measured_loads->samples());
-    hash->Add(
-        static_cast<std::int64_t>(record.measured_loads->interpolation()));
+  if (record.inputs.has_value()) {
+    hash->Add(record.inputs->start_time());
+    hash->Add(record.inputs->samples());
+    hash->Add(static_cast<std::int64_t>(record.inputs->interpolation()));
   }
   for (const double value :
        {record.correlated ? 1.0 : 0.0, static_cast<double>(record.knots),

@@ -1,0 +1,194 @@
+// Ambient records of structures that follow the temperature.
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/dynamics/group_curve.h"
+#include "pinode/estimate/ambient_cost.h"
+#include "pinode/estimate/ambient_testing.h"
+#include "pinode/estimate/identify.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kSlope = -0.004;    // 1 / degree
+constexpr double kReference = 20.0;  // degrees
+
+// The storeys' springs where it is so warm.
+double SpringAt(double temperature) {
+  return kSpring * (1.0 + kSlope * (temperature - kReference));
+}
+
+void SetTemperature(const Vector& temperature, AmbientRecord* record) {
+  record->inputs.emplace(0.0, record->sampling_step,
+                         Matrix(temperature.transpose()),
+                         Interpolation::kLinear);
+}
+
+// A record of the chain as it is where it is so warm.
+AmbientRecord RecordAt(double temperature, unsigned seed, double seconds) {
+  AmbientRecord record =
+      RecordOfChain(TestChain(2, SpringAt(temperature)), seconds, seed, 0.5);
+  record.name = "wind " + std::to_string(seed);
+  SetTemperature(Vector::Constant(record.samples.cols(), temperature), &record);
+  return record;
+}
+
+// The chain of ProblemOfChain at the reference, with a slope of all of its
+// stiffness; with knots a table in place of the slope.
+IdentificationProblem ProblemOfRecords(double off,
+                                       std::vector<AmbientRecord> records,
+                                       const std::vector<double>& knots = {}) {
+  const TestChain chain(2, kSpring);
+  AmbientRecord plain = records[0];
+  plain.inputs.reset();
+  const IdentificationProblem without =
+      ProblemOfChain(chain, kSpring, off, std::move(plain));
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      without.dynamics->model(),
+      std::vector<InputSpec>{{InputSpec::Kind::kCovariate, 0, "temperature"}});
+  std::string error;
+  for (const GroupTerm& term : without.dynamics->groups()) {
+    EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
+  }
+  GroupTerm all;
+  all.group.name = "all";
+  all.group.matrix = chain.stiffness;
+  if (knots.empty()) {
+    all.follows = GroupTerm::Follows::kCovariate;
+    all.input = 0;
+    all.reference = kReference;
+  } else {
+    all.alpha.free = false;
+  }
+  EXPECT_TRUE(dynamics->AddGroup(all, &error)) << error;
+  if (!knots.empty()) {
+    GroupCurve curve;
+    curve.name = "all";
+    curve.group = all.group;
+    curve.input = 0;
+    curve.knots = knots;
+    curve.parameters.name = "all.temperature";
+    for (size_t k = 0; k < knots.size(); ++k) {
+      if (knots[k] == kReference) {
+        curve.reference = static_cast<int>(k);
+        continue;
+      }
+      Parameter parameter;
+      parameter.name = KnotName("all", "temperature", knots[k]);
+      curve.parameters.parameters.push_back(parameter);
+    }
+    EXPECT_TRUE(dynamics->AddGroupCurve(curve, &error)) << error;
+  }
+  IdentificationProblem problem;
+  problem.dynamics = dynamics;
+  problem.ambient = std::move(records);
+  return problem;
+}
+
+void ExpectFound(const ParameterEstimate& found, double truth, double least) {
+  EXPECT_NEAR(found.value, truth, 3.5 * found.sigma) << found.name;
+  EXPECT_LT(found.sigma, least) << found.name;
+}
+
+TEST(AmbientCovariateTest, GradientIsThatOfTheCost) {
+  ExpectGradientOfCost(ProblemOfRecords(0.002, {RecordAt(10.0, 1, 300.0)}));
+  AmbientRecord drifting = RecordAt(10.0, 1, 300.0);
+  SetTemperature(Vector::LinSpaced(drifting.samples.cols(), 4.0, 16.0),
+                 &drifting);
+  ExpectGradientOfCost(
+      ProblemOfRecords(0.002, {drifting}, {0.0, 8.0, kReference}));
+}
+
+// A slope of alpha at a distance from the reference is an alpha.
+TEST(AmbientCovariateTest, CostIsThatOfTheMeanStiffness) {
+  AmbientRecord record = RecordAt(10.0, 2, 200.0);
+  SetTemperature(Vector::LinSpaced(record.samples.cols(), 5.0, 15.0), &record);
+  const auto cost_of = [](const IdentificationProblem& problem,
+                          const Vector& free) {
+    const ParameterLayout layout(problem);
+    AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 1);
+    double value = 0.0;
+    EXPECT_TRUE(cost.Evaluate(free, &value)) << cost.Failure();
+    return value;
+  };
+  const IdentificationProblem follows = ProblemOfRecords(0.0, {record});
+  const double shift = kSlope * (10.0 - kReference);
+  AmbientRecord plain = record;
+  plain.inputs.reset();
+  const IdentificationProblem constant =
+      ProblemOfChain(TestChain(2, kSpring), kSpring, 0.0, std::move(plain));
+  const Vector by_slope =
+      (Vector(5) << 0.01, -0.02, 0.9, 0.8, kSlope).finished();
+  const Vector by_alpha =
+      (Vector(4) << 0.01 + shift, -0.02 + shift, 0.9, 0.8).finished();
+  const double expected = cost_of(constant, by_alpha);
+  EXPECT_NEAR(cost_of(follows, by_slope), expected, 1e-6 * expected);
+}
+
+TEST(AmbientCovariateTest, FindsTheSlopeFromRecordsOfSeveralTemperatures) {
+  const IdentificationProblem problem =
+      ProblemOfRecords(0.05, {RecordAt(-5.0, 1, 400.0), RecordAt(8.0, 2, 400.0),
+                              RecordAt(25.0, 3, 400.0)});
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &summary, &model);
+  ASSERT_TRUE(summary.usable) << summary.message;
+  ASSERT_EQ(summary.parameters.size(), 5u);
+  ExpectFound(summary.parameters[0], 0.0, 0.01);
+  ExpectFound(summary.parameters[1], 0.0, 0.01);
+  ExpectFound(summary.parameters[4], kSlope, 4e-4);
+}
+
+TEST(AmbientCovariateTest, FindsATable) {
+  const IdentificationProblem problem =
+      ProblemOfRecords(0.05,
+                       {RecordAt(0.0, 1, 400.0), RecordAt(10.0, 2, 400.0),
+                        RecordAt(20.0, 3, 400.0)},
+                       {0.0, 10.0, kReference});
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &summary, &model);
+  ASSERT_TRUE(summary.usable) << summary.message;
+  ASSERT_EQ(summary.parameters.size(), 7u);
+  ExpectFound(summary.parameters[5], -20.0 * kSlope, 0.02);
+  ExpectFound(summary.parameters[6], -10.0 * kSlope, 0.02);
+}
+
+// One temperature alone does not tell a slope from what does not follow it.
+TEST(AmbientCovariateTest, OneTemperatureIsNotEnough) {
+  const IdentificationProblem problem =
+      ProblemOfRecords(0.05, {RecordAt(8.0, 2, 400.0)});
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &summary, &model);
+  ASSERT_EQ(summary.undetermined.size(), 1u);
+  for (const char* name : {"k1", "k2", "all"}) {
+    EXPECT_THAT(summary.undetermined[0], HasSubstr(name));
+  }
+  EXPECT_GT(summary.parameters[4].sigma, 0.1);
+}
+
+TEST(AmbientCovariateTest, RefusesARecordWithoutTemperature) {
+  IdentificationProblem problem =
+      ProblemOfRecords(0.05, {RecordAt(8.0, 2, 200.0)});
+  problem.ambient[0].inputs.reset();
+  std::string error;
+  EXPECT_FALSE(problem.IsValid(&error));
+  EXPECT_THAT(error, HasSubstr("follows a covariate"));
+}
+
+}  // namespace
+}  // namespace pinode
