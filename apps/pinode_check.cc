@@ -19,6 +19,7 @@
 #include "pinode/case/case_file.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/estimate/assessment.h"
+#include "pinode/estimate/modal_cost.h"
 #include "pinode/record/excitation.h"
 #include "pinode/structure/modal_analysis.h"
 
@@ -219,7 +220,8 @@ void PrintCandidates(const Case& c) {
 }
 
 void PrintMeasuredModes(const Case& c) {
-  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  const StructuralDynamics dynamics =
+      AveragedDynamics(c.problem.modal, *c.problem.dynamics);
   std::vector<ModeMatch> matches;
   std::string error;
   if (c.problem.modal.empty() ||

@@ -29,6 +29,11 @@ Eigen::Index IndexOf(const std::vector<std::string>& names,
   return position == names.end() ? -1 : position - names.begin();
 }
 
+void AppendTo(Vector* values, double value) {
+  values->conservativeResize(values->size() + 1);
+  values->tail(1)[0] = value;
+}
+
 // The part of result.json that is needed here.
 struct Result {
   std::vector<std::string> names;  // of all parameters
@@ -140,7 +145,11 @@ bool FindOffsets(const Result& result, const StructuralDynamics& dynamics,
   const double size = std::max(expected.norm(), updated.norm());
   std::vector<size_t> used;
   for (size_t j = 0; j < compared.groups.size(); ++j) {
-    if (compared.groups[j].rows() == 0) continue;
+    // The matrix is without what follows something.
+    if (compared.groups[j].rows() == 0 ||
+        dynamics.groups()[j].follows != GroupTerm::Follows::kNothing) {
+      continue;
+    }
     used.push_back(j);
     // Of a group that the case does not free the value has to be the same.
     const Eigen::Index value =
@@ -300,6 +309,16 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.name = folder;
   read.group_names = names;
   read.groups = {values + present, table.values(rows, rows)};
+  read.with_followers.values = read.groups.values;
+  for (const std::string& follower : dynamics.CovariateParameters()) {
+    const Eigen::Index row = IndexOf(result.free, follower);
+    if (row < 0) continue;
+    rows.push_back(static_cast<int>(row));
+    read.followers.push_back(follower);
+    AppendTo(&read.with_followers.values,
+             result.values[IndexOf(result.names, follower)]);
+  }
+  read.with_followers.covariance = table.values(rows, rows);
   read.offsets = std::move(offsets);
   read.parameter_names = result.names;
   read.parameter_values = result.values;

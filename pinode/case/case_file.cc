@@ -53,10 +53,15 @@ bool CheckNames(const IdentificationProblem& problem, CaseErrors* errors) {
 void RemarkOnModes(const IdentificationProblem& problem,
                    std::vector<std::string>* remarks) {
   const StructuralDynamics& dynamics = *problem.dynamics;
-  if (problem.modal.empty() ||
-      (dynamics.laws().empty() && dynamics.networks().empty())) {
-    return;
+  if (problem.modal.empty()) return;
+  const std::vector<std::string> followers = dynamics.CovariateParameters();
+  if (!followers.empty() && problem.modal.inputs.size() == 0) {
+    remarks->push_back(
+        "Measured modes are taken as of the reference of groups that follow a "
+        "covariate, for [modal] has no 'covariates': " +
+        Join(followers, ", ") + " take no part in them.");
   }
+  if (dynamics.laws().empty() && dynamics.networks().empty()) return;
   remarks->push_back(
       "Measured modes are held against those of the matrices with their "
       "groups; "
@@ -135,6 +140,7 @@ class CaseReader {
     }
     std::vector<InputSpec> inputs = CollectInputs(sections_, model_.model);
     SetAmbientApart();
+    if (!AddModalCovariates(root_, &inputs)) return false;
     if (!AddRecordSwitches(root_, sections_, &inputs)) return false;
     AddScaleSwitches(sections_, &inputs);
     dynamics_ =
@@ -188,7 +194,7 @@ class CaseReader {
       problem.records.push_back(std::move(record));
     }
     if (!ReadAmbientRecords(ambient_sections_, units_, *dynamics_, &problem) ||
-        !ReadModes(root_, units_, model_.model,
+        !ReadModes(root_, units_, model_.model, dynamics_->inputs(),
                    problem.num_train_records() > 0 || !problem.ambient.empty(),
                    &problem.modal)) {
       return false;

@@ -1,9 +1,11 @@
 #include "pinode/case/damage_case.h"
 
 #include <algorithm>
+#include <map>
 
 #include "pinode/base/strings.h"
 #include "pinode/case/grown_case.h"
+#include "pinode/study/held_followers.h"
 
 namespace pinode {
 namespace {
@@ -28,6 +30,20 @@ bool TakeOverChoice(const std::vector<Baseline>& baselines, Case* c,
   return true;
 }
 
+// What new records cannot tell of how the structure follows a covariate.
+void HoldFollowers(const std::vector<Baseline>& baselines, Case* c) {
+  const std::map<std::string, double> held =
+      FollowersToHold(baselines, c->problem);
+  if (held.empty()) return;
+  HoldInCase(held, c);
+  std::vector<std::string> names;
+  for (const auto& [name, value] : held) names.push_back(name);
+  c->problem.description.remarks.push_back(
+      "Held at what the baselines say, for records at one value of a covariate "
+      "do not tell it: " +
+      Join(names, ", ") + ". The changes' intervals allow for it.");
+}
+
 }  // namespace
 
 bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
@@ -37,6 +53,7 @@ bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
     return false;
   }
   if (!TakeOverChoice(baselines, c, error)) return false;
+  HoldFollowers(baselines, c);
   *begin_from = BeginFromBaseline(baselines[0], c->problem);
   return !RenewsBasis(*c) || RenewCase(*c, *begin_from, c, begin_from, error);
 }

@@ -74,8 +74,7 @@ void KeepProfiles(Case* c, TomlValue* tree) {
   }
   if (kept.size() == c->profiles->size()) return;
   c->problem.description.remarks.push_back(
-      "Some of the parameters that [profiles] names were left out of the "
-      "model.");
+      "Some of the parameters that [profiles] names are not free any more.");
   // An empty list would stand for all.
   if (kept.empty()) {
     c->profiles.reset();
@@ -149,6 +148,29 @@ bool LeaveOutOfCase(const std::vector<std::string>& left_out, Case* c,
   }
   *c = CaseAfterChoice(*c, left_out, problem);
   return true;
+}
+
+void HoldInCase(const std::map<std::string, double>& values, Case* c) {
+  c->problem.dynamics = std::make_shared<const StructuralDynamics>(
+      c->problem.dynamics->WithGroupParameters([&values](Parameter* parameter) {
+        const auto held = values.find(parameter->name);
+        if (held == values.end()) return;
+        parameter->value = held->second;
+        parameter->free = false;
+      }));
+  TomlValue tree = *c->source;
+  for (TomlValue& group : tree.Find("group")->elements) {
+    const std::string name = group.Find("name")->text;
+    for (const GroupCurve& curve : c->problem.dynamics->group_curves()) {
+      if (curve.name == name &&
+          values.count(curve.parameters.parameters[0].name) > 0) {
+        group.Find("follows")->Set("free", TomlValue::Boolean(false));
+      }
+    }
+    if (values.count(name) > 0) group.Set("free", TomlValue::Boolean(false));
+  }
+  KeepProfiles(c, &tree);
+  c->source = std::make_shared<const TomlValue>(std::move(tree));
 }
 
 bool RenewsBasis(const Case& c) {

@@ -3,6 +3,7 @@
 #ifndef PINODE_CASE_GROWN_CASE_H_
 #define PINODE_CASE_GROWN_CASE_H_
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,10 @@ Case CaseAfterChoice(const Case& c, const std::vector<std::string>& left_out,
 // is none of a candidate.
 [[nodiscard]] bool LeaveOutOfCase(const std::vector<std::string>& left_out,
                                   Case* c, std::string* error);
+
+// The case with these parameters of its groups, by name, fixed at these values;
+// of a curve all of them.
+void HoldInCase(const std::map<std::string, double>& values, Case* c);
 
 // Whether the case asks for a basis that follows the parameters
 // ([model.reduction] renew = true).

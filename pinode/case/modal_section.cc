@@ -1,5 +1,6 @@
 #include "pinode/case/modal_section.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -202,13 +203,55 @@ class ModeReader {
   MeasuredMode* mode_;
 };
 
+// What they were while the modes were measured.
+bool ReadCovariates(const TomlTable& options,
+                    const std::vector<InputSpec>& inputs, ModalData* modal) {
+  const TomlTable covariates =
+      options.Table("covariates", "[modal] covariates");
+  modal->inputs = Vector::Zero(static_cast<Eigen::Index>(inputs.size()));
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    if (inputs[i].kind != InputSpec::Kind::kCovariate) continue;
+    if (!covariates.RequireKey(inputs[i].name,
+                               "its value while the modes were measured")) {
+      return false;
+    }
+    modal->inputs[static_cast<Eigen::Index>(i)] =
+        covariates.Number(inputs[i].name, 0.0);
+  }
+  return options.errors()->ok();
+}
+
 }  // namespace
 
+bool AddModalCovariates(const TomlTable& root, std::vector<InputSpec>* inputs) {
+  const TomlTable options = root.Table("modal", "[modal]");
+  if (!root.errors()->ok() || !options.Has("covariates")) {
+    return root.errors()->ok();
+  }
+  const TomlTable covariates =
+      options.Table("covariates", "[modal] covariates");
+  if (!root.errors()->ok()) return false;
+  for (const auto& [name, value] : covariates.entries()) {
+    const auto known =
+        std::find_if(inputs->begin(), inputs->end(),
+                     [n = name](const InputSpec& i) { return i.name == n; });
+    if (known == inputs->end()) {
+      inputs->push_back({InputSpec::Kind::kCovariate, 0, name});
+    } else if (known->kind != InputSpec::Kind::kCovariate) {
+      return covariates.Fail(name, "'" + name +
+                                       "' is the name of an excitation, "
+                                       "expected that of a covariate");
+    }
+  }
+  return true;
+}
+
 bool ReadModes(const TomlTable& root, const UnitSystem& units,
-               const StructuralModel& model, bool beside_records,
+               const StructuralModel& model,
+               const std::vector<InputSpec>& inputs, bool beside_records,
                ModalData* modal) {
   const TomlTable options = root.Table("modal", "[modal]");
-  if (!options.AllowKeys({"form"})) return false;
+  if (!options.AllowKeys({"form", "covariates"})) return false;
   if (root.Has("modal") && !root.Has("mode")) {
     return root.Fail("modal", "[modal] without [[mode]], expected a mode");
   }
@@ -219,6 +262,9 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
                 : form == "dynamic_residual"
                     ? ModalForm::kDynamicResidual
                     : ModalForm::kEigenvectorDifference;
+  if (options.Has("covariates") && !ReadCovariates(options, inputs, modal)) {
+    return false;
+  }
   double seconds = 1.0;
   std::string error;
   if (!UnitFactor("s", Dimension::kTime, units, &seconds, &error)) {

@@ -3,19 +3,27 @@
 #ifndef PINODE_CASE_MODAL_SECTION_H_
 #define PINODE_CASE_MODAL_SECTION_H_
 
+#include <vector>
+
 #include "pinode/base/units.h"
 #include "pinode/case/toml_table.h"
+#include "pinode/dynamics/linear_dynamics.h"
 #include "pinode/estimate/measured_mode.h"
 #include "pinode/structure/structural_model.h"
 
 namespace pinode {
 
-// Valid modes, frequencies in cycles per unit of the model's time.
-// `beside_records`: there are training records, beside which a mode needs a
-// sigma or a weight of its own.
+// The covariates of [modal] that are not among `inputs` yet.
+[[nodiscard]] bool AddModalCovariates(const TomlTable& root,
+                                      std::vector<InputSpec>* inputs);
+
+// Valid modes, frequencies in cycles per unit of the model's time. `inputs`:
+// those of the dynamics. `beside_records`: there are training records, beside
+// which a mode needs a sigma or a weight of its own.
 [[nodiscard]] bool ReadModes(const TomlTable& root, const UnitSystem& units,
-                             const StructuralModel& model, bool beside_records,
-                             ModalData* modal);
+                             const StructuralModel& model,
+                             const std::vector<InputSpec>& inputs,
+                             bool beside_records, ModalData* modal);
 
 }  // namespace pinode
 

@@ -23,6 +23,7 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // The two storeys of SmallCase, modes in place of the record.
 std::string Modes() {
@@ -205,6 +206,53 @@ TEST(ModalSection, SaysThatElementsTakeNoPart) {
                "[\"ground\", \"u1\"]\nparameters.k3 = {initial = 5.0}\n")
           .error,
       HasSubstr("'s' cannot be free without a training record"));
+}
+
+// K1 (1 + k1) + slope (T - 20) K1: at 10 degrees a slope of -0.01 is 0.1.
+TEST(ModalSection, ModesAreOfTheirTemperature) {
+  const std::string follows =
+      "[[group]]\nname = \"slope\"\nadds_to = \"stiffness\"\nbetween = "
+      "[\"ground\", \"u1\"]\nscale = 200.0\ninitial = -0.01\nfollows = "
+      "{covariate = \"T\", reference = 20.0}\n";
+  const std::string cold =
+      Replaced(Modes(), "[modal]\n", "[modal]\ncovariates = {T = 10.0}\n") +
+      follows;
+  ReadResult result = ReadText(
+      Replaced(cold, "initial = -0.01", "initial = -0.01\nfree = false"));
+  ASSERT_TRUE(result.ok) << result.error;
+  EXPECT_THAT(result.c.problem.description.remarks, IsEmpty());
+  const ReadResult plain = ReadText(Modes());
+  ASSERT_TRUE(plain.ok) << plain.error;
+  IdentificationSummary of_plain, of_cold;
+  IdentifiedModel model;
+  Identify(plain.c.problem, plain.c.options, nullptr, &of_plain, &model);
+  const double alpha = model.parameters[0];
+  Identify(result.c.problem, result.c.options, nullptr, &of_cold, &model);
+  EXPECT_NEAR(model.parameters[0], alpha - 0.1, 1e-6);
+  ASSERT_EQ(of_cold.modes.size(), of_plain.modes.size());
+  for (size_t i = 0; i < of_cold.modes.size(); ++i) {
+    EXPECT_NEAR(of_cold.modes[i].updated.frequency,
+                of_plain.modes[i].updated.frequency, 1e-6);
+  }
+  // One temperature does not tell the two apart.
+  result = ReadText(cold);
+  ASSERT_TRUE(result.ok) << result.error;
+  IdentificationSummary both;
+  Identify(result.c.problem, result.c.options, nullptr, &both, &model);
+  ASSERT_EQ(both.undetermined.size(), 1u);
+  EXPECT_THAT(both.undetermined[0], HasSubstr("slope"));
+  EXPECT_NE(
+      ProblemHash(result.c.problem),
+      ProblemHash(ReadText(Replaced(cold, "T = 10.0", "T = 11.0")).c.problem));
+
+  EXPECT_THAT(ReadText(Modes() + follows).error,
+              HasSubstr("no record has a covariate 'T'"));
+  EXPECT_THAT(ReadText(Replaced(cold, "{T = 10.0}", "{t = 10.0}")).error,
+              HasSubstr("no record has a covariate 'T'; did you mean 't'?"));
+  EXPECT_THAT(ReadText(Replaced(cold, "{T = 10.0}", "10.0")).error,
+              HasSubstr("covariates"));
+  EXPECT_THAT(ReadText(Replaced(cold, "{T = 10.0}", "{T = \"warm\"}")).error,
+              HasSubstr("'T'"));
 }
 
 TEST(ModalSection, TellsProblemsApart) {

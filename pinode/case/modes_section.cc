@@ -6,6 +6,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/geometry_section.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/record_data.h"
@@ -195,6 +196,7 @@ class ModesCaseReader {
     for (const std::string& remark : record.description.remarks) {
       c_.remarks.push_back("Record '" + record.name + "': " + remark);
     }
+    RemarkOnCovariates(record);
     response.free_decay = section.free_decay;
     if (section.has_excitation()) {
       AddInputs(record, &response);
@@ -231,6 +233,19 @@ class ModesCaseReader {
       place.dofs[dof_names[static_cast<size_t>(i)]] = channel.weights[i];
     }
     c_.places.push_back(std::move(place));
+  }
+
+  // Modes are those of a structure as it was, which a case must know.
+  void RemarkOnCovariates(const IdentificationRecord& record) {
+    for (size_t i = 0; i < inputs_.size(); ++i) {
+      if (inputs_[i].kind != InputSpec::Kind::kCovariate) continue;
+      const double mean =
+          record.excitation->samples().row(static_cast<Eigen::Index>(i)).mean();
+      c_.remarks.push_back(
+          "Record '" + record.name + "': the mean of " + inputs_[i].name +
+          " is " + FormatNumber(mean, 5) +
+          "; a case with its modes says so by [modal] covariates.");
+    }
   }
 
   // Those that move: what another record has is zero here.

@@ -160,14 +160,18 @@ TEST(GroupCurve, AveragedStraightLines) {
   EXPECT_NEAR(one.CorrectedModel(theta).stiffness(0, 0), 24.0, 1e-12);
 }
 
-TEST(GroupCurve, HoldingFixesByName) {
+TEST(GroupCurve, ParametersOfGroupsChangeInACopy) {
   StructuralDynamics dynamics =
       TwoMassesInFrost({-20.0, 0.0, 10.0}, 1, {0.5, 0.2});
   std::string error;
   ASSERT_TRUE(dynamics.AddElement("spring", "cubic", 0, 1, {3.0}, &error))
       << error;
   const StructuralDynamics held =
-      dynamics.Holding({{"p1", 0.7}, {"p2", 0.8}, {"of another", 1.0}});
+      dynamics.WithGroupParameters([](Parameter* parameter) {
+        if (parameter->name[0] != 'p') return;
+        parameter->value = parameter->name == "p1" ? 0.7 : 0.8;
+        parameter->free = false;
+      });
   ASSERT_EQ(held.blocks().size(), dynamics.blocks().size());
   EXPECT_EQ(held.laws().size(), 1u);
   Vector expected = dynamics.Parameters();

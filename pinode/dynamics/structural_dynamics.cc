@@ -245,18 +245,12 @@ std::vector<std::string> StructuralDynamics::CovariateParameters() const {
   return names;
 }
 
-StructuralDynamics StructuralDynamics::Holding(
-    const std::map<std::string, double>& values) const {
-  const auto hold = [&values](Parameter* parameter) {
-    const auto held = values.find(parameter->name);
-    if (held == values.end()) return;
-    parameter->value = held->second;
-    parameter->free = false;
-  };
+StructuralDynamics StructuralDynamics::WithGroupParameters(
+    const std::function<void(Parameter*)>& change) const {
   StructuralDynamics result(model(), inputs());
   std::string error;
   for (GroupTerm group : groups()) {
-    hold(&group.alpha);
+    change(&group.alpha);
     CHECK(result.AddGroup(std::move(group), &error)) << error;
   }
   for (const auto& term : terms_) {
@@ -267,7 +261,7 @@ StructuralDynamics StructuralDynamics::Holding(
     }
     GroupCurve curve =
         static_cast<const TermOf<GroupCurve>&>(*term).description();
-    for (Parameter& parameter : curve.parameters.parameters) hold(&parameter);
+    for (Parameter& parameter : curve.parameters.parameters) change(&parameter);
     CHECK(result.AddGroupCurve(std::move(curve), &error)) << error;
   }
   return result;

@@ -4,7 +4,7 @@
 #ifndef PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 #define PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 
-#include <map>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -123,9 +123,10 @@ class StructuralDynamics {
   StructuralDynamics Averaged(const Conditions& over) const;
   // Names of the parameters by which groups follow covariates.
   std::vector<std::string> CovariateParameters() const;
-  // A copy whose groups have these values by name, and fixed; those of a curve
-  // are held together.
-  StructuralDynamics Holding(const std::map<std::string, double>& values) const;
+  // A copy, after a change of the parameters of groups and of their curves: of
+  // values, or of which are free, in a curve all of them or none.
+  StructuralDynamics WithGroupParameters(
+      const std::function<void(Parameter*)>& change) const;
 
   int num_dofs() const { return linear_.num_dofs(); }
   int num_internal() const { return num_internal_; }

@@ -18,8 +18,9 @@ using ::testing::HasSubstr;
 
 TEST(AmbientCostTest, GradientIsThatOfTheCost) {
   const TestChain chain = RayleighChain(3);
-  ExpectGradientOfCost(ProblemOfChain(
-      chain, kSpring, 0.002, RecordOfChain(chain, 300.0, 1, 0.5, {2, 1, 0})));
+  ExpectGradientOfCost(
+      ProblemOfChain(chain, kChainSpring, 0.002,
+                     RecordOfChain(chain, 300.0, 1, 0.5, {2, 1, 0})));
 }
 
 // The spectrum of a line is then the mean of two.
@@ -41,15 +42,15 @@ TEST(AmbientCostTest, GradientWithFewerLoadsThanChannels) {
   record.areas = {"u1", "u2"};
   for (const bool correlated : {true, false}) {
     record.correlated = correlated;
-    ExpectGradientOfCost(ProblemOfChain(chain, kSpring, 0.002, record));
+    ExpectGradientOfCost(ProblemOfChain(chain, kChainSpring, 0.002, record));
   }
 }
 
 // The band is summed in the same pieces, whoever has them.
 TEST(AmbientCostTest, RanksFindTheSameBits) {
   const TestChain chain = RayleighChain(3);
-  const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.05, RecordOfChain(chain, 80.0, 4, 0.5));
+  const IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.05, RecordOfChain(chain, 80.0, 4, 0.5));
   const ParameterLayout layout(problem);
   struct Found {
     CondensedSystem system;
@@ -85,8 +86,8 @@ TEST(AmbientCostTest, RanksFindTheSameBits) {
 
 TEST(AmbientCostTest, FindsStoreysUnderColouredWind) {
   const TestChain chain = RayleighChain(3);
-  const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.15, RecordOfChain(chain, 600.0, 2, 0.9));
+  const IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.15, RecordOfChain(chain, 600.0, 2, 0.9));
   IdentificationOptions options;
   options.num_threads = 2;
   IdentificationSummary summary;
@@ -111,7 +112,7 @@ TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
   const TestChain chain = RayleighChain(2);
   for (const double noise : {0.02, 0.01, 0.003}) {
     IdentificationProblem problem = ProblemOfChain(
-        chain, kSpring, 0.1,
+        chain, kChainSpring, 0.1,
         RecordOfChain(chain, 600.0, 3, 0.9, {2}, /*base=*/true, noise));
     problem.ambient[0].base = Matrix::Ones(2, 1);
     std::string error;
@@ -136,8 +137,8 @@ TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
 // there is far more than noise.
 TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
   const TestChain chain = RayleighChain(4);
-  IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.05, RecordOfChain(chain, 600.0, 5, 0.5));
+  IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.05, RecordOfChain(chain, 600.0, 5, 0.5));
   problem.ambient[0].highest_frequency = chain.frequency_hz[3] / 1.7;
   IdentificationOptions options;
   options.num_threads = 2;
@@ -156,8 +157,8 @@ TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
 // lines, and what they say together is more than either says alone.
 TEST(AmbientCostTest, RecordsOfDifferingRates) {
   const TestChain chain = RayleighChain(3);
-  IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.05, RecordOfChain(chain, 300.0, 6, 0.5));
+  IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.05, RecordOfChain(chain, 300.0, 6, 0.5));
   IdentificationOptions options;
   options.num_threads = 2;
   IdentificationSummary alone, both;
@@ -191,8 +192,8 @@ TEST(AmbientCostTest, RecordsOfDifferingRates) {
 // mode: the peak is the structure's or the loads', whoever looks.
 TEST(AmbientCostTest, LoadsThatExplainEverythingAreSaid) {
   const TestChain chain = RayleighChain(1);
-  IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.0, RecordOfChain(chain, 300.0, 8, 0.5));
+  IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.0, RecordOfChain(chain, 300.0, 8, 0.5));
   IdentificationSummary summary;
   IdentifiedModel model;
   Identify(problem, {}, nullptr, &summary, &model);
@@ -232,8 +233,8 @@ TEST(AmbientCostTest, LoadsAloneAreFound) {
 
 TEST(AmbientCostTest, SaysWhatIsWrong) {
   const TestChain chain = RayleighChain(2);
-  IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.0, RecordOfChain(chain, 20.0, 1, 0.5));
+  IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.0, RecordOfChain(chain, 20.0, 1, 0.5));
   std::string error;
   ASSERT_TRUE(problem.IsValid(&error)) << error;
   problem.ambient[0].samples.row(1).setConstant(1.0);
@@ -250,8 +251,8 @@ TEST(AmbientCostTest, SaysWhatIsWrong) {
 
 TEST(AmbientCostTest, ChannelsWhoseGapsLeaveLittleInCommon) {
   const TestChain chain = RayleighChain(6);
-  IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.0, RecordOfChain(chain, 40.0, 1, 0.5));
+  IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.0, RecordOfChain(chain, 40.0, 1, 0.5));
   Matrix& samples = problem.ambient[0].samples;
   const Eigen::Index gap = samples.cols() / 11;
   for (Eigen::Index c = 0; c < 6; ++c) {

@@ -1,96 +1,17 @@
 // Ambient records of structures that follow the temperature.
 
-#include <cmath>
-#include <memory>
 #include <string>
-#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "pinode/dynamics/group_curve.h"
 #include "pinode/estimate/ambient_cost.h"
-#include "pinode/estimate/ambient_testing.h"
+#include "pinode/estimate/ambient_covariate_testing.h"
 #include "pinode/estimate/identify.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kSlope = -0.004;    // 1 / degree
-constexpr double kReference = 20.0;  // degrees
-
-// The storeys' springs where it is so warm.
-double SpringAt(double temperature) {
-  return kSpring * (1.0 + kSlope * (temperature - kReference));
-}
-
-void SetTemperature(const Vector& temperature, AmbientRecord* record) {
-  record->inputs.emplace(0.0, record->sampling_step,
-                         Matrix(temperature.transpose()),
-                         Interpolation::kLinear);
-}
-
-// A record of the chain as it is where it is so warm.
-AmbientRecord RecordAt(double temperature, unsigned seed, double seconds) {
-  AmbientRecord record =
-      RecordOfChain(TestChain(2, SpringAt(temperature)), seconds, seed, 0.5);
-  record.name = "wind " + std::to_string(seed);
-  SetTemperature(Vector::Constant(record.samples.cols(), temperature), &record);
-  return record;
-}
-
-// The chain of ProblemOfChain at the reference, with a slope of all of its
-// stiffness; with knots a table in place of the slope.
-IdentificationProblem ProblemOfRecords(double off,
-                                       std::vector<AmbientRecord> records,
-                                       const std::vector<double>& knots = {}) {
-  const TestChain chain(2, kSpring);
-  AmbientRecord plain = records[0];
-  plain.inputs.reset();
-  const IdentificationProblem without =
-      ProblemOfChain(chain, kSpring, off, std::move(plain));
-  auto dynamics = std::make_shared<StructuralDynamics>(
-      without.dynamics->model(),
-      std::vector<InputSpec>{{InputSpec::Kind::kCovariate, 0, "temperature"}});
-  std::string error;
-  for (const GroupTerm& term : without.dynamics->groups()) {
-    EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
-  }
-  GroupTerm all;
-  all.group.name = "all";
-  all.group.matrix = chain.stiffness;
-  if (knots.empty()) {
-    all.follows = GroupTerm::Follows::kCovariate;
-    all.input = 0;
-    all.reference = kReference;
-  } else {
-    all.alpha.free = false;
-  }
-  EXPECT_TRUE(dynamics->AddGroup(all, &error)) << error;
-  if (!knots.empty()) {
-    GroupCurve curve;
-    curve.name = "all";
-    curve.group = all.group;
-    curve.input = 0;
-    curve.knots = knots;
-    curve.parameters.name = "all.temperature";
-    for (size_t k = 0; k < knots.size(); ++k) {
-      if (knots[k] == kReference) {
-        curve.reference = static_cast<int>(k);
-        continue;
-      }
-      Parameter parameter;
-      parameter.name = KnotName("all", "temperature", knots[k]);
-      curve.parameters.parameters.push_back(parameter);
-    }
-    EXPECT_TRUE(dynamics->AddGroupCurve(curve, &error)) << error;
-  }
-  IdentificationProblem problem;
-  problem.dynamics = dynamics;
-  problem.ambient = std::move(records);
-  return problem;
-}
 
 void ExpectFound(const ParameterEstimate& found, double truth, double least) {
   EXPECT_NEAR(found.value, truth, 3.5 * found.sigma) << found.name;
@@ -122,8 +43,8 @@ TEST(AmbientCovariateTest, CostIsThatOfTheMeanStiffness) {
   const double shift = kSlope * (10.0 - kReference);
   AmbientRecord plain = record;
   plain.inputs.reset();
-  const IdentificationProblem constant =
-      ProblemOfChain(TestChain(2, kSpring), kSpring, 0.0, std::move(plain));
+  const IdentificationProblem constant = ProblemOfChain(
+      TestChain(2, kChainSpring), kChainSpring, 0.0, std::move(plain));
   const Vector by_slope =
       (Vector(5) << 0.01, -0.02, 0.9, 0.8, kSlope).finished();
   const Vector by_alpha =

@@ -96,7 +96,7 @@ TEST(AmbientMeanTest, SlopesAreThoseOfTheRun) {
   record.samples.row(1).segment(5000, 1500).setConstant(kNaN);
   record.samples(0, 7777) = kNaN;
   const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.05, record);
+      ProblemOfChain(chain, kChainSpring, 0.05, record);
   const ParameterLayout layout(problem);
   const Vector free = layout.Free(layout.InitialValues());
   const Vector scales = Vector::LinSpaced(3, 0.5, 2.0);
@@ -131,7 +131,7 @@ TEST(AmbientMeanTest, TheFilterIsPartOfTheRun) {
   const Vector scales = Vector::Ones(2);
   const LineTransform transform(record.samples, 0.004, 0.5, 15.0);
   const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.0, record);
+      ProblemOfChain(chain, kChainSpring, 0.0, record);
   const ParameterLayout layout(problem);
   const Vector free = layout.Free(layout.InitialValues());
   // Without a record the rest is minus the run.
@@ -166,7 +166,7 @@ TEST(AmbientMeanTest, InformationIsTheCurvatureOfTheCost) {
   const Matrix force = 10.0 * record.inputs->samples();
   record.inputs.emplace(0.0, 0.004, force, Interpolation::kHeld);
   const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.0, record);
+      ProblemOfChain(chain, kChainSpring, 0.0, record);
   const ParameterLayout layout(problem);
   Vector free = layout.Free(layout.InitialValues());
   free.tail(2).setOnes();
@@ -193,13 +193,13 @@ TEST(AmbientMeanTest, InformationIsTheCurvatureOfTheCost) {
 TEST(AmbientMeanTest, GradientIsThatOfTheCost) {
   const TestChain chain = RayleighChain(3);
   ExpectGradientOfCost(ProblemOfChain(
-      chain, kSpring, 0.002, HalfMeasured(chain, 300.0, 1, {2, 1, 0})));
+      chain, kChainSpring, 0.002, HalfMeasured(chain, 300.0, 1, {2, 1, 0})));
 }
 
 TEST(AmbientMeanTest, RanksFindTheSameBits) {
   const TestChain chain = RayleighChain(3);
   const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.05, HalfMeasured(chain, 80.0, 4));
+      ProblemOfChain(chain, kChainSpring, 0.05, HalfMeasured(chain, 80.0, 4));
   const ParameterLayout layout(problem);
   const auto find = [&](Communicator* ranks) {
     CondensedSystem system;
@@ -224,7 +224,7 @@ TEST(AmbientMeanTest, RanksFindTheSameBits) {
 TEST(AmbientMeanTest, MeasuredLoadsTellMore) {
   const TestChain chain = RayleighChain(2);
   IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.15, HalfMeasured(chain, 300.0, 2));
+      ProblemOfChain(chain, kChainSpring, 0.15, HalfMeasured(chain, 300.0, 2));
   std::string error;
   ASSERT_TRUE(problem.IsValid(&error)) << error;
   const IdentificationSummary both = Fitted(problem);
@@ -253,7 +253,7 @@ TEST(AmbientMeanTest, MeasuredLoadsTellMore) {
 TEST(AmbientMeanTest, AWrongLoadIsSeen) {
   const TestChain chain = RayleighChain(2);
   const IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.02, HalfMeasured(chain, 200.0, 3));
+      ProblemOfChain(chain, kChainSpring, 0.02, HalfMeasured(chain, 200.0, 3));
   const Matrix force = problem.ambient[0].inputs->samples();
   for (const double factor : {1.3, 0.7, -1.0}) {
     IdentificationProblem wrong = problem;
@@ -270,7 +270,7 @@ TEST(AmbientMeanTest, AWrongLoadIsSeen) {
 TEST(AmbientMeanTest, SaysWhatIsWrong) {
   const TestChain chain = RayleighChain(2);
   IdentificationProblem problem =
-      ProblemOfChain(chain, kSpring, 0.0, HalfMeasured(chain, 40.0, 1));
+      ProblemOfChain(chain, kChainSpring, 0.0, HalfMeasured(chain, 40.0, 1));
   std::string error;
   ASSERT_TRUE(problem.IsValid(&error)) << error;
   const AmbientRecord good = problem.ambient[0];

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <map>
 #include <memory>
 #include <utility>
 
@@ -97,17 +96,13 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
 // at first: one record does not tell it from what does not.
 std::shared_ptr<const StructuralDynamics> SeenBy(
     const AmbientRecord& record, const StructuralDynamics& dynamics) {
-  std::map<std::string, double> held;
   const std::vector<std::string> names = dynamics.CovariateParameters();
-  for (const ParameterBlock& block : dynamics.blocks()) {
-    for (const Parameter& parameter : block.parameters) {
-      if (std::count(names.begin(), names.end(), parameter.name) > 0) {
-        held[parameter.name] = parameter.value;
-      }
-    }
-  }
-  return std::make_shared<const StructuralDynamics>(
-      record.AveragedDynamics(dynamics.Holding(held)));
+  return std::make_shared<const StructuralDynamics>(record.AveragedDynamics(
+      dynamics.WithGroupParameters([&names](Parameter* parameter) {
+        if (std::count(names.begin(), names.end(), parameter->name) > 0) {
+          parameter->free = false;
+        }
+      })));
 }
 
 // Those that the model has as well.

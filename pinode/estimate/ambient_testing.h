@@ -120,12 +120,12 @@ inline IdentificationProblem ProblemOfChain(const TestChain& chain,
   return problem;
 }
 
-inline constexpr double kSpring = 900.0;
+inline constexpr double kChainSpring = 900.0;
 
 // The chain whose first and last mode have the damping of those two groups at
 // 1; those between have a little more.
 inline TestChain RayleighChain(int masses) {
-  return TestChain(masses, kSpring);
+  return TestChain(masses, kChainSpring);
 }
 
 inline void ExpectGradientOfCost(const IdentificationProblem& problem) {

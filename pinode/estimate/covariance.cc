@@ -394,9 +394,9 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   MultipleShooting& shooting = objective->shooting();
   Matrix inverse_root;
   if (!objective->Linearize(free, &system) ||
-      !InvertInformation(system.hessian, &inverse_root, &estimate->null_space,
-                         objective->ambient().empty() ? 1e-13
-                                                      : kRoundingOfLines)) {
+      !InvertInformation(
+          system.hessian, &inverse_root, &estimate->null_space,
+          objective->ambient().empty() ? 1e-13 : kRoundingOfLines)) {
     return false;
   }
   estimate->covariance = inverse_root * inverse_root.transpose();

@@ -20,7 +20,8 @@ bool AreGroupsAloneFree(const IdentificationProblem& problem,
     const ParameterBlock& block = dynamics.blocks()[static_cast<size_t>(b)];
     const TermKind kind = dynamics.term(b).kind();
     if (kind == TermKind::kGroups || !HasFree(block) ||
-        (kind == TermKind::kGroupCurve && !problem.ambient.empty())) {
+        (kind == TermKind::kGroupCurve &&
+         (!problem.ambient.empty() || problem.modal.inputs.size() > 0))) {
       continue;
     }
     *error = "modes and ambient records tell of groups alone: '" + block.name +
@@ -283,6 +284,14 @@ bool IdentificationProblem::IsValid(std::string* error) const {
   if (!description.IsValid(error) ||
       !dynamics->Prepare(dynamics->Parameters(), &prepared, error) ||
       !modal.IsValid(dynamics->num_dofs(), error)) {
+    return false;
+  }
+  if (modal.inputs.size() > 0 &&
+      (modal.inputs.size() != dynamics->num_inputs() ||
+       !modal.inputs.allFinite())) {
+    *error =
+        "covariates of measured modes need a finite number for each input of "
+        "the model";
     return false;
   }
   for (const AmbientRecord& record : ambient) {

@@ -62,6 +62,9 @@ struct MeasuredMode {
 struct ModalData {
   ModalForm form = ModalForm::kEigenvectorDifference;
   std::vector<MeasuredMode> modes;
+  // Covariates while they were measured, one number for each input of the
+  // dynamics; none: groups that follow one take no part, as at their reference.
+  Vector inputs;
 
   bool empty() const { return modes.empty(); }
   // Whether a standard deviation is given. Weights are then the inverse of one;

@@ -118,13 +118,21 @@ Matrix RatioWeights(const MeasuredMode& mode, Eigen::Index largest) {
 
 }  // namespace
 
+StructuralDynamics AveragedDynamics(const ModalData& data,
+                                    const StructuralDynamics& dynamics) {
+  return data.inputs.size() == 0 ? dynamics
+                                 : dynamics.Averaged({data.inputs, {}});
+}
+
 ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
                      const ParameterLayout& layout)
-    : data_(data), dynamics_(dynamics), layout_(layout) {
+    : data_(data),
+      dynamics_(AveragedDynamics(data, dynamics)),
+      layout_(layout) {
   std::string error;
   int num_residuals = 0;
   CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
-  for (const MatrixChange& change : dynamics.linear_dynamics().changes()) {
+  for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {
     const int free = layout.FreeIndex(change.parameter);
     if (free < 0 || change.group->target == MatrixGroup::Target::kDamping) {
       continue;

@@ -16,8 +16,13 @@
 
 namespace pinode {
 
+// The dynamics whose modes were measured: what groups follow as it was then.
+StructuralDynamics AveragedDynamics(const ModalData& data,
+                                    const StructuralDynamics& dynamics);
+
 // The weighted residuals of ModalForm as a function of the free parameters. The
-// modes are those of M and K with the groups that follow nothing.
+// modes are those of M and K with the groups that follow nothing in
+// AveragedDynamics.
 //
 // With K phi_j = w_j^2 M phi_j and phi_j' M phi_j = 1, a change dK, dM makes
 //
@@ -33,7 +38,7 @@ namespace pinode {
 // 413-432).
 class ModalCost final : public ceres::CostFunction, public CostPart {
  public:
-  // `data` is valid; all must outlive this object.
+  // `data` is valid; it and `layout` must outlive this object.
   ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
             const ParameterLayout& layout);
 
@@ -85,7 +90,7 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
                                 Matrix* jacobian) const;
 
   const ModalData& data_;
-  const StructuralDynamics& dynamics_;
+  const StructuralDynamics dynamics_;  // averaged
   const ParameterLayout& layout_;
   std::vector<Column> columns_;
   std::vector<Shape> shapes_;  // one per mode

@@ -14,6 +14,7 @@
 #include "pinode/estimate/force_bands.h"
 #include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/holdout_noise.h"
+#include "pinode/estimate/modal_cost.h"
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/prediction_band.h"
@@ -162,7 +163,8 @@ void ScoreModes(const IdentificationProblem& problem,
                 const Vector& prior_parameters, const Vector& parameters,
                 IdentificationSummary* summary) {
   if (problem.modal.empty()) return;
-  const StructuralDynamics& dynamics = *problem.dynamics;
+  const StructuralDynamics dynamics =
+      AveragedDynamics(problem.modal, *problem.dynamics);
   std::vector<ModeMatch> initial, updated;
   std::string error;
   if (!MatchModes(problem.modal,

@@ -309,6 +309,9 @@ TextTable MakeStageTable(const ReportInput& input) {
 
 std::string ConsoleReport(const ReportInput& input) {
   std::string text = Verdict(input) + "\n";
+  for (const std::string& direction : input.summary->undetermined) {
+    text += "Not determined by these records: " + direction + ".\n";
+  }
   for (const std::string& remark : input.summary->remarks) {
     text += remark + "\n";
   }

@@ -28,6 +28,20 @@ std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics) {
   return names;
 }
 
+std::vector<std::string> Followers(const StructuralDynamics& dynamics,
+                                   bool free) {
+  const std::vector<std::string> all = dynamics.CovariateParameters();
+  std::vector<std::string> names;
+  for (const ParameterBlock& block : dynamics.blocks()) {
+    for (const Parameter& parameter : block.parameters) {
+      if (parameter.free == free && PositionOf(parameter.name, all) >= 0) {
+        names.push_back(parameter.name);
+      }
+    }
+  }
+  return names;
+}
+
 bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
                   const IdentificationSummary& summary,
                   const IdentifiedModel& model, Baseline* baseline,
@@ -43,7 +57,12 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
     *error = "baseline '" + name + "': no group is free";
     return false;
   }
+  result.followers = Followers(*problem.dynamics, /*free=*/true);
+  std::vector<std::string> all = result.group_names;
+  all.insert(all.end(), result.followers.begin(), result.followers.end());
   if (!GroupsOf(*problem.dynamics, summary, result.group_names, &result.groups,
+                error) ||
+      !GroupsOf(*problem.dynamics, summary, all, &result.with_followers,
                 error)) {
     *error = "baseline '" + name + "': " + *error;
     return false;

@@ -37,6 +37,10 @@ struct Baseline {
   // GroupTerm::present.
   std::vector<std::string> group_names;
   GroupState groups;
+  // The free parameters by which groups follow covariates, and groups and these
+  // together, in this order.
+  std::vector<std::string> followers;
+  GroupState with_followers;
   // alpha of the same matrices in the new problem is that much larger: not zero
   // where its matrices hold what was found. Empty: as GroupTerm::present of the
   // new problem says.
@@ -54,6 +58,11 @@ struct Baseline {
 // Names of the groups whose change is asked for: the free ones that follow
 // nothing.
 std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics);
+
+// The parameters by which groups follow covariates (CovariateParameters), by
+// whether they are free.
+std::vector<std::string> Followers(const StructuralDynamics& dynamics,
+                                   bool free);
 
 // A baseline from a usable fit of healthy records with a covariance. False,
 // with *error, where it is none, or where no group is free.

@@ -144,6 +144,7 @@ void Add(const IdentificationRecord& record, Hash* hash) {
 void Add(const ModalData& modal, Hash* hash) {
   if (!modal.empty()) {
     hash->Add(static_cast<std::int64_t>(modal.form));
+    if (modal.inputs.size() > 0) hash->Add(Matrix(modal.inputs));
   }
   for (const MeasuredMode& mode : modal.modes) {
     hash->Add(mode.name);

@@ -7,6 +7,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/study/held_followers.h"
 #include "pinode/study/wide_state.h"
 
 namespace pinode {
@@ -63,6 +64,7 @@ class Analyst {
         options_(options.change),
         fit_(FitOrIdentify(options.fit)),
         groups_(FreeGroups(*problem.dynamics)),
+        held_(baselines, problem),
         result_(*result) {}
 
   bool Run(const IdentificationSummary& summary, const IdentifiedModel& model,
@@ -143,11 +145,15 @@ class Analyst {
                      std::vector<GroupState>* states, std::string* error) {
     Communicator& ranks = CommunicatorOrSingle(identification_.communicator);
     states->assign(baselines_.size(), GroupState());
-    bool ok = true;
+    std::vector<std::string> names = groups_;
+    names.insert(names.end(), held_.names().begin(), held_.names().end());
+    bool ok = FindSlopes(candidates, error);
     for (size_t i = 0; ok && i < baselines_.size(); ++i) {
       if (RankOfBaseline(i, ranks.size()) != ranks.rank()) continue;
-      ok = StateNear(fits_of_healthy_[i], groups_, candidates,
-                     identification_.num_threads, &(*states)[i], error);
+      GroupState& state = (*states)[i];
+      ok = StateNear(fits_of_healthy_[i], names, candidates,
+                     identification_.num_threads, &state, error);
+      if (ok && !held_.empty()) state = held_.Compared(state, groups_.size());
     }
     if (ranks.size() == 1) return ok;
     if (!ranks.AllTrue(ok)) {
@@ -156,6 +162,12 @@ class Analyst {
       return false;
     }
     return ExchangeStates(&ranks, states, error);
+  }
+
+  bool FindSlopes(const Candidates& candidates, std::string* error) {
+    return held_.empty() ||
+           held_.FindSlopes(fit_of_new_, groups_, candidates,
+                            identification_.num_threads, error);
   }
 
   // Baselines are shared by the ranks.
@@ -265,8 +277,12 @@ class Analyst {
     if (!found_.empty()) {
       if (!HealthyStates(found_, &healthy, error)) return false;
     } else {
+      if (!FindSlopes({}, error)) return false;
       for (const Baseline& baseline : baselines_) {
-        healthy.push_back(baseline.groups);
+        healthy.push_back(
+            held_.empty()
+                ? baseline.groups
+                : held_.Compared(held_.StateOf(baseline), groups_.size()));
       }
     }
     GroupState current;
@@ -362,6 +378,7 @@ class Analyst {
   const ChangeOptions& options_;
   const FitFunction fit_;
   const std::vector<std::string> groups_;
+  HeldFollowers held_;
   DamageResult& result_;
 
   Candidates candidates_, found_;
@@ -404,6 +421,19 @@ bool CheckInput(const IdentificationProblem& problem,
         !state.covariance.allFinite()) {
       *error = "baseline '" + baseline.name +
                "' has not a finite value and covariance of every group";
+      return false;
+    }
+    const GroupState& all = baseline.with_followers;
+    const Eigen::Index with_followers =
+        size + static_cast<Eigen::Index>(baseline.followers.size());
+    if (!baseline.followers.empty() &&
+        (all.values.size() != with_followers ||
+         all.covariance.rows() != with_followers ||
+         all.covariance.cols() != with_followers || !all.values.allFinite() ||
+         !all.covariance.allFinite())) {
+      *error = "baseline '" + baseline.name +
+               "' has not a finite value and covariance of what follows "
+               "covariates";
       return false;
     }
   }

@@ -11,13 +11,11 @@
 #include "pinode/study/growth.h"
 
 namespace pinode {
-namespace {
 
-// `fit` with those candidates that are no unknowns of it yet.
-bool Extend(const FitOfRecords& fit,
-            const std::vector<ChangeCandidate>& candidates,
-            IdentificationProblem* extended, IdentifiedModel* at,
-            std::string* error) {
+bool WithCandidates(const FitOfRecords& fit,
+                    const std::vector<ChangeCandidate>& candidates,
+                    IdentificationProblem* extended, IdentifiedModel* at,
+                    std::string* error) {
   if (!IsFitOf(fit.problem, fit.summary, fit.model, false, error)) return false;
   const std::map<std::string, double> values =
       ParametersByName(fit.problem, fit.model);
@@ -32,8 +30,6 @@ bool Extend(const FitOfRecords& fit,
   at->decays = fit.model.decays;
   return true;
 }
-
-}  // namespace
 
 void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
                   GroupState* state) {
@@ -52,7 +48,7 @@ bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
                GroupState* state, std::string* error) {
   IdentificationProblem extended;
   IdentifiedModel at;
-  if (!Extend(fit, candidates, &extended, &at, error)) return false;
+  if (!WithCandidates(fit, candidates, &extended, &at, error)) return false;
   const ParameterLayout layout(extended);
   FittedCost cost;
   Matrix root, null_space;

@@ -25,8 +25,16 @@ struct FitOfRecords {
 void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
                   GroupState* state);
 
-// `groups` and candidates as one Gauss-Newton step from `fit` leaves them. With
-// H and g the Hessian and gradient of the cost with the candidates as unknowns,
+// The problem of `fit` with those candidates that are no unknowns of it yet,
+// and where the fit has come to in it. False, with *error, where the fit is
+// none of its problem, or a candidate cannot be a term of it.
+[[nodiscard]] bool WithCandidates(
+    const FitOfRecords& fit, const std::vector<ChangeCandidate>& candidates,
+    IdentificationProblem* extended, IdentifiedModel* at, std::string* error);
+
+// `groups` (or other parameters) and candidates as one Gauss-Newton step from
+// `fit` leaves them. With H and g the Hessian and gradient of the cost with the
+// candidates as unknowns,
 //
 //   theta = theta_fit - H^-1 g,   cov(theta) = H^-1
 //

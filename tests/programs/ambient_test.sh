@@ -149,24 +149,69 @@ Refused "cannot be told" --case=gain.toml --output_dir=E
 sed '/^interpolation/d' both.toml >between.toml
 Refused "'interpolation' is missing" --case=between.toml --output_dir=E
 
-# What follows the time has no part in them, and that is said.
+# A structure that follows the temperature: the same motion at another rate is
+# that of a frame as many times as stiff as the rate's square. Three thirds of the
+# record as of 0, 10 and 20 degrees, 0.3 % a degree, give the slope; all of it as
+# of -20 degrees is then no change, and one of 12 % where the temperature is wrong.
+# NAME RATE TEMPERATURE: a record.
+At() {
+  sed "s/wind/$1/; s/sampling_rate_hz = 100/sampling_rate_hz = $2/" record
+  printf '  [[record.covariate]]\n  name = "temperature"\n  %s\n\n' "$3"
+}
+awk 'NR == 1 || NR <= 20001' wind.csv >zero.csv
+awk 'NR == 1 || (NR > 20001 && NR <= 40001)' wind.csv >ten.csv
+awk -v OFS=, 'NR == 1 { print $0, "T"; next }
+  NR > 40001 { print $0, n++ % 3000 ? "" : 20 + n / 1e4 - 1 }' wind.csv >twenty.csv
 {
-  sed '/^\[\[record\]\]/,$d' three_storey_ambient.toml
+  sed '/^\[\[record\]\]/,$d
+    s/\[2432000, 3898500, 3091000\]/[3040000, 3390000, 2810000]/' \
+    three_storey_ambient.toml
   cat <<'END'
 [[group]]
-name    = "softer"
+name    = "per_degree"
 adds_to = "stiffness"
-storey  = 1
-follows = {time = "linear", reference = 0.0}
+matrix  = [[6430000, -3390000, 0], [-3390000, 6200000, -2810000], [0, -2810000, 2810000]]
+follows = {covariate = "temperature", reference = 20}
 
 END
-  cat record
-  sed 's/name = "wind"/name = "decay"\nwindow = [0.0, 20.0]/
-    s/^excitation.*/excitation = "none"/' record
-} >softer.toml
-Run 0 pinode_check --case=softer.toml
-grep -q "no part in ambient records.*'softer'" stdout ||
-  Fail "nothing of a group that follows the time"
+} >frost.toml
+{ cat frost.toml; At zero 102.956 'value = 0'; At ten 101.489 'value = 10'
+  At twenty 100 'column = "T"'; } >seasons.toml
+Run 0 pinode_check --case=seasons.toml
+grep -q "temperature: mean 19.9.*, from 19 to 20.8" stdout || Fail "no mean"
+grep -q "temperature: 7 of 20000 samples are there" stdout || Fail "no gaps"
+Run 0 pinode_update --case=seasons.toml --output_dir=seasons --progress=false
+Near "$(awk '$1 == "per_degree" { print $3; exit }' stdout)" -0.003 0.0006
+Near "$(awk '$1 == "k2" { print $3; exit }' stdout)" 0 0.01
+{ cat frost.toml; At wind 105.83 'value = -20'; } >winter.toml
+Run 0 pinode_damage --baseline=seasons --case=winter.toml --output_dir=winter \
+  --progress=false
+grep -qF '"verdict": "no_damage"' winter/damage.json || Fail "not healthy"
+grep -q "Held at what the baselines say.*: per_degree" winter/report.html ||
+  Fail "nothing of what was held"
+[[ $(grep -A4 '"per_degree"' winter/model.toml) == *"free = false"* ]] ||
+  Fail "not held in model.toml"
+Near "$(awk '$1 == "k1" { print $2; exit }' stdout)" 0 1.5
+sed 's/value = -20/value = 20/' winter.toml >wrong_winter.toml
+Run 0 pinode_damage --baseline=seasons --case=wrong_winter.toml \
+  --output_dir=wrong_winter --progress=false
+Near "$(awk '$1 == "k1" { print $2; exit }' stdout)" 12 2
+# One temperature alone.
+Run 0 pinode_update --case=winter.toml --output_dir=alone --progress=false
+grep -q "^Not determined by these records: .*per_degree" stdout ||
+  Fail "a slope from one temperature"
+sed '/record.covariate/,$d' winter.toml >forgotten.toml
+Refused "no record has a covariate" --case=forgotten.toml --output_dir=E
+{ cat frost.toml; At zero 102.956 'value = 0'; At wind 105.83 'value = -20' |
+  sed '/record.covariate/,$d'; } >half.toml
+Refused "record 'wind': it has no covariate 'temperature'" --case=half.toml \
+  --output_dir=E
+sed 's/^  value = -20/  column = "a1"\n&/' winter.toml >both_ways.toml
+Refused "'value' beside 'column'" --case=both_ways.toml --output_dir=E
+tested=pinode_modes
+Run 0 pinode_modes --case=winter.toml --output_dir=modes_winter
+grep -q "the mean of temperature is -20" stdout || Fail "no mean with modes"
+tested=pinode_update
 
 # A verdict from modes alone: two stretches of the record as baselines, a third
 # as it is and as if the second storey had lost a tenth, by the ratios of that

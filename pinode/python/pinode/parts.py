@@ -7,6 +7,7 @@ refused when the parts become a `Case`.
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -415,7 +416,7 @@ class Record(Part):
     ground: {direction: accelerations}; force, motion: {dof: values};
         covariate: {name: values}. In place of the values may stand the name of
         a column of the file, or a dictionary with `values` (or `column`) and
-        further keys such as `unit`.
+        further keys such as `unit`; of a covariate one number as well.
     interpolation: of these between samples: "held", "linear", "cubic" or
         "band_limited". Needed where there are any.
     start: "rest", "free", or {"x": [...], "v": [...]}.
@@ -563,11 +564,15 @@ class _Columns:
         """The table of an input: its values, or keys with them among these."""
         keys = dict(value) if isinstance(value, Mapping) else {"values": value}
         values = keys.pop("values", None)
+        is_covariate = "name" in table
         if isinstance(values, str):
             keys["column"] = values
+        elif is_covariate and isinstance(values, numbers.Real):
+            keys["value"] = float(values)
         elif values is not None:
             keys["column"] = self.add(name, values)
-        if self._path is None:
+        # A covariate is a number of any kind.
+        if self._path is None and not is_covariate:
             keys.setdefault("unit", "model")
         return {**table, **keys}
 

@@ -122,6 +122,26 @@ def test_simulation_agrees_with_another_integration():
         case.simulate(noise="loud")
 
 
+def test_covariates_are_arrays_or_one_number():
+    ground, floors = frame_testing.measure(noise=0.0)
+
+    def response(temperature, slope):
+        group = pinode.Group("frost", frame_testing.STIFFNESS, initial=slope, free=False,
+                             follows={"covariate": "T", "reference": 20.0})
+        case = pinode.Case(
+            conftest.model(), groups=[group],
+            records=[pinode.Record("r", step=0.01, ground={"x": ground},
+                                   covariate={"T": temperature},
+                                   interpolation="cubic", start="rest",
+                                   channels=[pinode.Channel("a", dof="u3")])])
+        return case.simulate()["r"]["channels"]["a"]
+
+    warm = response(np.full(len(ground), 30.0), -0.01)
+    assert np.array_equal(warm, response(30.0, -0.01))
+    assert not np.allclose(warm, response(20.0, -0.01), rtol=1e-3)
+    assert np.allclose(response(20.0, -0.01), response(30.0, 0.0))
+
+
 def test_noise_of_each_sensors_own_sigma():
     ground, _ = frame_testing.measure(noise=0.0)
     sigmas = {"u1": 0.05, "u3": 0.2}

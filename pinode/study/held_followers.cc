@@ -1,0 +1,171 @@
+#include "pinode/study/held_followers.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "pinode/base/logging.h"
+#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/fitted_cost.h"
+#include "pinode/estimate/parameter_layout.h"
+
+namespace pinode {
+namespace {
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool AllKnow(const std::vector<Baseline>& baselines, const std::string& name) {
+  return std::all_of(baselines.begin(), baselines.end(),
+                     [&name](const Baseline& baseline) {
+                       return Contains(baseline.followers, name);
+                     });
+}
+
+// The row of a follower among a baseline's groups and followers.
+Eigen::Index RowOf(const Baseline& baseline, const std::string& follower) {
+  const auto at =
+      std::find(baseline.followers.begin(), baseline.followers.end(), follower);
+  return baseline.groups.values.size() + (at - baseline.followers.begin());
+}
+
+}  // namespace
+
+std::map<std::string, double> FollowersToHold(
+    const std::vector<Baseline>& baselines,
+    const IdentificationProblem& problem) {
+  std::map<std::string, double> held;
+  if (problem.num_train_records() > 0) return held;
+  const ParameterLayout layout(problem);
+  const std::vector<std::string> followers =
+      Followers(*problem.dynamics, /*free=*/true);
+  for (const int index : layout.free()) {
+    const Parameter& parameter = layout.parameter(index);
+    if (!Contains(followers, parameter.name) || parameter.HasPrior() ||
+        !AllKnow(baselines, parameter.name)) {
+      continue;
+    }
+    double weights = 0.0;
+    double sum = 0.0;
+    for (const Baseline& baseline : baselines) {
+      const Eigen::Index row = RowOf(baseline, parameter.name);
+      const GroupState& state = baseline.with_followers;
+      const double weight = 1.0 / state.covariance(row, row);
+      weights += weight;
+      sum += weight * state.values[row];
+    }
+    held[parameter.name] =
+        std::clamp(sum / weights, parameter.lower, parameter.upper);
+  }
+  // A curve of other knots is another curve.
+  for (const GroupCurve& curve : problem.dynamics->group_curves()) {
+    const std::vector<Parameter>& knots = curve.parameters.parameters;
+    if (std::all_of(knots.begin(), knots.end(), [&held](const Parameter& knot) {
+          return held.count(knot.name) > 0;
+        })) {
+      continue;
+    }
+    for (const Parameter& knot : knots) held.erase(knot.name);
+  }
+  return held;
+}
+
+HeldFollowers::HeldFollowers(const std::vector<Baseline>& baselines,
+                             const IdentificationProblem& problem) {
+  const ParameterLayout layout(problem);
+  const std::vector<std::string> fixed =
+      Followers(*problem.dynamics, /*free=*/false);
+  std::vector<double> values;
+  for (int i = 0; i < layout.num_dynamics(); ++i) {
+    const Parameter& parameter = layout.parameter(i);
+    if (!Contains(fixed, parameter.name) ||
+        !AllKnow(baselines, parameter.name)) {
+      continue;
+    }
+    names_.push_back(parameter.name);
+    values.push_back(parameter.value);
+  }
+  held_ = Eigen::Map<const Vector>(values.data(),
+                                   static_cast<Eigen::Index>(values.size()));
+}
+
+bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
+                               const std::vector<std::string>& groups,
+                               const std::vector<ChangeCandidate>& candidates,
+                               int num_threads, std::string* error) {
+  FitOfRecords extended = fit;
+  IdentifiedModel at;
+  if (!WithCandidates(fit, candidates, &extended.problem, &at, error)) {
+    return false;
+  }
+  extended.problem.dynamics = std::make_shared<const StructuralDynamics>(
+      extended.problem.dynamics->WithGroupParameters(
+          [this](Parameter* parameter) {
+            if (Contains(names_, parameter->name)) parameter->free = true;
+          }));
+  const ParameterLayout layout(extended.problem);
+  FittedCost cost;
+  Matrix root, null_space;
+  std::vector<int> held, others;
+  for (int j = 0; j < layout.num_free(); ++j) {
+    (Contains(names_, layout.free_parameter(j).name) ? held : others)
+        .push_back(j);
+  }
+  if (!LinearizeAtFit(extended.problem, layout, at, fit.summary.records,
+                      num_threads, &cost) ||
+      !InvertInformation(cost.system.hessian(others, others), &root,
+                         &null_space)) {
+    *error = "the model with what follows a covariate free is not finite";
+    return false;
+  }
+  const Matrix slopes =
+      -root * (root.transpose() * cost.system.hessian(others, held));
+  const auto row_of = [&](const std::string& name) {
+    for (size_t i = 0; i < others.size(); ++i) {
+      if (layout.free_parameter(others[i]).name == name) {
+        return static_cast<Eigen::Index>(i);
+      }
+    }
+    LOG(FATAL) << "'" << name << "' is not free in " << fit.name;
+    return Eigen::Index{0};
+  };
+  slopes_.resize(static_cast<Eigen::Index>(groups.size() + candidates.size()),
+                 static_cast<Eigen::Index>(names_.size()));
+  // The free ones are in the order of the layout, which names_ have as well.
+  for (size_t i = 0; i < groups.size(); ++i) {
+    slopes_.row(static_cast<Eigen::Index>(i)) = slopes.row(row_of(groups[i]));
+  }
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    slopes_.row(static_cast<Eigen::Index>(groups.size() + i)) =
+        slopes.row(row_of(candidates[i].subject.name)) / candidates[i].unit;
+  }
+  return true;
+}
+
+GroupState HeldFollowers::Compared(const GroupState& healthy,
+                                   size_t num_groups) const {
+  const auto groups = static_cast<Eigen::Index>(num_groups);
+  const Eigen::Index followers = held_.size();
+  const Eigen::Index candidates = healthy.values.size() - groups - followers;
+  Matrix map = Matrix::Zero(groups + candidates, healthy.values.size());
+  map.leftCols(groups).topRows(groups).setIdentity();
+  map.rightCols(candidates).bottomRows(candidates).setIdentity();
+  map.middleCols(groups, followers) = -slopes_;
+  Vector values = healthy.values;
+  values.segment(groups, followers) -= held_;
+  return {map * values, map * healthy.covariance * map.transpose()};
+}
+
+GroupState HeldFollowers::StateOf(const Baseline& baseline) const {
+  std::vector<int> rows;
+  for (Eigen::Index i = 0; i < baseline.groups.values.size(); ++i) {
+    rows.push_back(static_cast<int>(i));
+  }
+  for (const std::string& name : names_) {
+    rows.push_back(static_cast<int>(RowOf(baseline, name)));
+  }
+  const GroupState& all = baseline.with_followers;
+  return {all.values(rows), all.covariance(rows, rows)};
+}
+
+}  // namespace pinode
