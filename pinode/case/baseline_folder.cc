@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -192,27 +193,58 @@ bool FindOffsets(const Result& result, const StructuralDynamics& dynamics,
   return true;
 }
 
-// What the matrices of the baseline's own case held of each group beyond once:
-// its model.toml, whose groups begin at zero again, has `values` in it.
-bool ReadPresent(const std::string& path, const std::vector<std::string>& names,
-                 const Vector& values, Vector* present, std::string* error) {
+// The [[group]] of a model.toml by name.
+bool ReadGroupTables(const std::string& path,
+                     std::map<std::string, TomlValue>* groups,
+                     std::string* error) {
   std::string text;
   TomlValue root;
   if (!ReadTextFile(path, &text, error) ||
       !ParseToml(text, path, &root, error)) {
     return false;
   }
-  *present = Vector::Zero(values.size());
-  const TomlValue* groups = root.Find("group");
-  if (groups == nullptr || !groups->IsArrayOfTables()) return true;
-  for (const TomlValue& table : groups->elements) {
+  const TomlValue* tables = root.Find("group");
+  if (tables == nullptr || !tables->IsArrayOfTables()) return true;
+  for (const TomlValue& table : tables->elements) {
     const TomlValue* name = table.Find("name");
-    const TomlValue* now = table.Find("present");
-    if (name == nullptr || now == nullptr || !now->IsNumber()) continue;
-    const Eigen::Index i = IndexOf(names, name->text);
-    if (i >= 0) (*present)[i] = now->number - values[i] - 1.0;
+    if (name != nullptr) groups->emplace(name->text, table);
   }
   return true;
+}
+
+// What the matrices of the baseline's own case held of each group beyond once:
+// its model.toml, whose groups begin at zero again, has `values` in it.
+Vector PresentOf(const std::map<std::string, TomlValue>& groups,
+                 const std::vector<std::string>& names, const Vector& values) {
+  Vector present = Vector::Zero(values.size());
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto table = groups.find(names[i]);
+    if (table == groups.end()) continue;
+    const TomlValue* now = table->second.Find("present");
+    if (now == nullptr || !now->IsNumber()) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    present[row] = now->number - values[row] - 1.0;
+  }
+  return present;
+}
+
+// How the group of a table follows a covariate (FollowingText); "nothing" where
+// it does not.
+std::string FollowingOf(const TomlValue& table) {
+  const TomlValue* follows = table.Find("follows");
+  const TomlValue* covariate =
+      follows != nullptr ? follows->Find("covariate") : nullptr;
+  if (covariate == nullptr) return "nothing";
+  const TomlValue* reference = follows->Find("reference");
+  const TomlValue* knots = follows->Find("knots");
+  std::vector<double> places;
+  if (knots != nullptr) {
+    for (const TomlValue& knot : knots->elements) {
+      places.push_back(knot.number);
+    }
+  }
+  return FollowingText(covariate->text,
+                       reference != nullptr ? reference->number : 0.0, places);
 }
 
 // Whether the group's matrix in the folder is that of the case.
@@ -236,6 +268,39 @@ bool SameGroup(const std::string& folder, const Case& c,
                "baseline of the same structure in the same units";
       return false;
     }
+  }
+  return true;
+}
+
+// The parameters by which groups follow covariates, where both have them: of
+// the same matrix, and in the same way.
+bool ReadFollowers(const std::string& folder, const Case& c,
+                   const std::map<std::string, TomlValue>& groups,
+                   const Result& result, Baseline* read, std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  std::map<std::string, std::string> group_of;
+  for (const GroupCurve& curve : dynamics.group_curves()) {
+    for (const Parameter& knot : curve.parameters.parameters) {
+      group_of[knot.name] = curve.name;
+    }
+  }
+  for (const auto& [name, following] : FollowingTexts(dynamics)) {
+    if (IndexOf(result.names, name) < 0) continue;
+    const std::string group =
+        group_of.count(name) > 0 ? group_of.at(name) : name;
+    const auto table = groups.find(group);
+    const std::string found =
+        table == groups.end() ? "nothing" : FollowingOf(table->second);
+    if (found != following) {
+      *error = (std::filesystem::path(folder) / "model.toml").string() +
+               ": group '" + group + "' follows " + found + ", expected " +
+               following + " as in the case";
+      return false;
+    }
+    if (!SameGroup(folder, c, group, error)) return false;
+    if (IndexOf(result.free, name) < 0) continue;
+    read->followers.push_back(name);
+    read->following.push_back(following);
   }
   return true;
 }
@@ -290,10 +355,9 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
     }
   }
 
-  Vector present;
-  if (!ReadPresent(path("model.toml"), names, values, &present, error)) {
-    return false;
-  }
+  std::map<std::string, TomlValue> groups;
+  if (!ReadGroupTables(path("model.toml"), &groups, error)) return false;
+  const Vector present = PresentOf(groups, names, values);
   Table table;
   if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
     return false;
@@ -310,11 +374,9 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.group_names = names;
   read.groups = {values + present, table.values(rows, rows)};
   read.with_followers.values = read.groups.values;
-  for (const std::string& follower : dynamics.CovariateParameters()) {
-    const Eigen::Index row = IndexOf(result.free, follower);
-    if (row < 0) continue;
-    rows.push_back(static_cast<int>(row));
-    read.followers.push_back(follower);
+  if (!ReadFollowers(folder, c, groups, result, &read, error)) return false;
+  for (const std::string& follower : read.followers) {
+    rows.push_back(static_cast<int>(IndexOf(result.free, follower)));
     AppendTo(&read.with_followers.values,
              result.values[IndexOf(result.names, follower)]);
   }

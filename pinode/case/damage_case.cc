@@ -30,17 +30,41 @@ bool TakeOverChoice(const std::vector<Baseline>& baselines, Case* c,
   return true;
 }
 
-// What new records cannot tell of how the structure follows a covariate.
+// Of records that tell a follower only between several values of a covariate.
+void RemarkOnUnknownFollowers(const std::vector<Baseline>& baselines,
+                              const std::map<std::string, double>& held,
+                              Case* c) {
+  const IdentificationProblem& problem = c->problem;
+  if (problem.num_train_records() > 0) return;
+  for (const std::string& name : Followers(*problem.dynamics, /*free=*/true)) {
+    for (const Baseline& baseline : baselines) {
+      if (held.count(name) > 0 ||
+          std::count(baseline.followers.begin(), baseline.followers.end(),
+                     name) > 0) {
+        continue;
+      }
+      c->problem.description.remarks.push_back(
+          "'" + name + "' is free in the new records, for baseline '" +
+          baseline.name +
+          "' has not found it: changes have wide intervals where the new "
+          "records do not tell it.");
+      break;
+    }
+  }
+}
+
+// What new records are not asked of how the structure follows a covariate.
 void HoldFollowers(const std::vector<Baseline>& baselines, Case* c) {
   const std::map<std::string, double> held =
       FollowersToHold(baselines, c->problem);
+  RemarkOnUnknownFollowers(baselines, held, c);
   if (held.empty()) return;
   HoldInCase(held, c);
   std::vector<std::string> names;
   for (const auto& [name, value] : held) names.push_back(name);
   c->problem.description.remarks.push_back(
-      "Held at what the baselines say, for records at one value of a covariate "
-      "do not tell it: " +
+      "Held at what the baselines say, for which ambient records and modes are "
+      "not asked: " +
       Join(names, ", ") + ". The changes' intervals allow for it.");
 }
 

@@ -39,6 +39,12 @@ bool CaseOf(const Case& c, const TomlValue& tree,
     return false;
   }
   ProblemDescription description = std::move(grown.problem.description);
+  for (const std::string& remark : c.problem.description.remarks) {
+    if (std::count(description.remarks.begin(), description.remarks.end(),
+                   remark) == 0) {
+      description.remarks.push_back(remark);
+    }
+  }
   grown.problem = problem;
   grown.problem.description = std::move(description);
   grown.options = c.options;
@@ -162,12 +168,18 @@ void HoldInCase(const std::map<std::string, double>& values, Case* c) {
   for (TomlValue& group : tree.Find("group")->elements) {
     const std::string name = group.Find("name")->text;
     for (const GroupCurve& curve : c->problem.dynamics->group_curves()) {
-      if (curve.name == name &&
-          values.count(curve.parameters.parameters[0].name) > 0) {
-        group.Find("follows")->Set("free", TomlValue::Boolean(false));
-      }
+      const std::vector<Parameter>& knots = curve.parameters.parameters;
+      if (curve.name != name || values.count(knots[0].name) == 0) continue;
+      std::vector<double> changes;
+      for (const Parameter& knot : knots) changes.push_back(knot.value);
+      changes.insert(changes.begin() + curve.reference, 0.0);
+      group.Find("follows")->Set("values", TomlValue::Numbers(changes));
+      group.Find("follows")->Set("free", TomlValue::Boolean(false));
     }
-    if (values.count(name) > 0) group.Set("free", TomlValue::Boolean(false));
+    const auto held = values.find(name);
+    if (held == values.end()) continue;
+    group.Set("initial", TomlValue::Float(held->second));
+    group.Set("free", TomlValue::Boolean(false));
   }
   KeepProfiles(c, &tree);
   c->source = std::make_shared<const TomlValue>(std::move(tree));

@@ -182,8 +182,35 @@ class RecordDataReader {
     return true;
   }
 
+  // A thermometer is read now and then, and what it measures is slow: straight
+  // lines between readings, and before the first and behind the last one for as
+  // long as there is between two.
+  void FillReadings(const std::string& label, Vector* values) {
+    const Eigen::Index present = CountPresent(*values);
+    const std::vector<Gap> gaps = FindGaps(*values);
+    if (present < 2 || gaps.empty()) return;
+    int longest = 1;
+    const auto size = static_cast<int>(values->size());
+    const auto at_an_end = [size](const Gap& gap) {
+      return gap.first == 0 || gap.first + gap.size == size;
+    };
+    for (const Gap& gap : gaps) {
+      if (!at_an_end(gap)) longest = std::max(longest, gap.size);
+    }
+    const Vector filled = FillMissing(*values);
+    for (const Gap& gap : gaps) {
+      if (at_an_end(gap) && gap.size > longest) continue;
+      values->segment(gap.first, gap.size) =
+          filled.segment(gap.first, gap.size);
+    }
+    record_->description.remarks.push_back(
+        label + ": " + std::to_string(present) + " of " + std::to_string(size) +
+        " samples are there, the others on straight lines between them.");
+  }
+
   // In model units, on the grid of the record's file.
-  bool AddSignal(const SignalSection& signal, bool is_input) {
+  bool AddSignal(const SignalSection& signal, bool is_input,
+                 bool is_covariate = false) {
     const SourceFile& file = files_.at(signal.file);
     Channel channel;
     channel.name = signal.label;
@@ -207,6 +234,7 @@ class RecordDataReader {
           signal.label + ": mean " + FormatNumber(mean / signal.factor, 4) +
           " " + signal.unit + " subtracted.");
     }
+    if (is_covariate) FillReadings(signal.label, &channel.values);
     if (!Align(signal, file, is_input, &channel.values)) return false;
     merged_.channels.push_back(std::move(channel));
     return true;
@@ -268,7 +296,8 @@ class RecordDataReader {
         merged_.channels.push_back(
             {input.signal.label, "1",
              Vector::Constant(num_samples_, *input.value)});
-      } else if (!AddSignal(input.signal, true)) {
+      } else if (!AddSignal(input.signal, /*is_input=*/true,
+                            input.spec.kind == InputSpec::Kind::kCovariate)) {
         return false;
       }
     }
@@ -374,25 +403,7 @@ class RecordDataReader {
     return true;
   }
 
-  // A thermometer is read now and then, and what it measures is slow.
-  void FillCovariates() {
-    for (const InputSection& input : section_.inputs) {
-      if (input.spec.kind != InputSpec::Kind::kCovariate) continue;
-      for (Channel& channel : merged_.channels) {
-        if (channel.name != input.signal.label) continue;
-        const int present = CountPresent(channel.values);
-        if (present == 0 || present == channel.values.size()) continue;
-        channel.values = FillMissing(channel.values);
-        record_->description.remarks.push_back(
-            input.signal.label + ": " + std::to_string(present) + " of " +
-            std::to_string(channel.values.size()) +
-            " samples are there, the others on straight lines between them.");
-      }
-    }
-  }
-
   bool MakeExcitation() {
-    FillCovariates();
     const int samples = merged_.num_samples();
     Matrix inputs = Matrix::Zero(dynamics_.num_inputs(), samples);
     record_->input_sigma = Vector::Zero(dynamics_.num_inputs());
@@ -419,8 +430,8 @@ class RecordDataReader {
         }
         if (spec.kind == InputSpec::Kind::kCovariate) {
           return table_.Fail("covariate", "it has no covariate '" + spec.name +
-                                              "', expected one as in the other "
-                                              "records");
+                                              "', expected one in every "
+                                              "record");
         }
         record_->description.remarks.push_back(
             spec.name +
@@ -430,10 +441,13 @@ class RecordDataReader {
       }
       std::string error;
       if (!IsCompleteExcitation(merged_, *channel, &error)) {
-        return table_.Fail(signal != nullptr ? "window" : "ground",
-                           error +
-                               "; expected every sample, or a window that "
-                               "leaves the gap out");
+        return table_.Fail(
+            signal != nullptr ? "window" : "ground",
+            error + (spec.kind == InputSpec::Kind::kCovariate
+                         ? "; expected readings from begin to end, a window "
+                           "that has them, or one 'value'"
+                         : "; expected every sample, or a window that leaves "
+                           "the gap out"));
       }
       inputs.row(i) = channel->values.transpose();
       if (signal == nullptr) continue;

@@ -173,6 +173,22 @@ Json MeasuredModes(const IdentificationProblem& problem,
   return modes;
 }
 
+// Means over an ambient record.
+Json Covariates(const IdentificationProblem& problem,
+                const std::string& record_name) {
+  Json means = Json::object();
+  for (const AmbientRecord& record : problem.ambient) {
+    if (record.name != record_name || !record.inputs.has_value()) continue;
+    for (int i = 0; i < problem.dynamics->num_inputs(); ++i) {
+      const InputSpec& input =
+          problem.dynamics->inputs()[static_cast<size_t>(i)];
+      if (input.kind != InputSpec::Kind::kCovariate) continue;
+      means[input.name] = record.inputs->samples().row(i).mean();
+    }
+  }
+  return means;
+}
+
 Json AmbientAsJson(const IdentificationProblem& problem,
                    const IdentificationSummary& summary) {
   const double hz = problem.description.HzPerModelFrequency();
@@ -206,6 +222,8 @@ Json AmbientAsJson(const IdentificationProblem& problem,
     if (score.by_measured_loads.size() > 0) {
       records.back()["coherence_probability"] = score.coherence_probability;
     }
+    const Json covariates = Covariates(problem, score.name);
+    if (!covariates.empty()) records.back()["covariates"] = covariates;
   }
   return records;
 }

@@ -1,5 +1,6 @@
 // Ambient records of structures that follow the temperature.
 
+#include <cmath>
 #include <string>
 
 #include "gmock/gmock.h"
@@ -100,6 +101,25 @@ TEST(AmbientCovariateTest, OneTemperatureIsNotEnough) {
     EXPECT_THAT(summary.undetermined[0], HasSubstr(name));
   }
   EXPECT_GT(summary.parameters[4].sigma, 0.1);
+}
+
+// What lies in gaps has no part in the mean.
+TEST(AmbientCovariateTest, MeanIsThatOfWhatWasRecorded) {
+  AmbientRecord record = RecordAt(10.0, 2, 100.0);
+  const Eigen::Index half = record.samples.cols() / 2;
+  Vector temperature = Vector::Constant(record.samples.cols(), 10.0);
+  temperature.tail(record.samples.cols() - half).setConstant(30.0);
+  SetTemperature(temperature, &record);
+  record.samples.row(0)
+      .tail(record.samples.cols() - half)
+      .setConstant(std::nan(""));
+  const IdentificationProblem problem = ProblemOfRecords(0.0, {record});
+  Vector theta = problem.dynamics->Parameters();
+  theta[4] = kSlope;
+  EXPECT_NEAR(record.AveragedDynamics(*problem.dynamics)
+                  .CorrectedModel(theta)
+                  .stiffness(1, 1),
+              SpringAt(10.0), 1e-9);
 }
 
 TEST(AmbientCovariateTest, RefusesARecordWithoutTemperature) {

@@ -91,12 +91,20 @@ Matrix AmbientRecord::MeasuredLoads(const StructuralDynamics& dynamics) const {
 
 StructuralDynamics AmbientRecord::AveragedDynamics(
     const StructuralDynamics& dynamics) const {
-  const double middle =
-      0.5 * sampling_step * static_cast<double>(samples.cols() - 1);
-  if (!inputs.has_value()) {
+  // What lies in gaps has no part in the record's lines.
+  std::vector<int> present;
+  double middle = 0.0;
+  for (Eigen::Index i = 0; i < samples.cols(); ++i) {
+    if (samples.col(i).array().isNaN().any()) continue;
+    present.push_back(static_cast<int>(i));
+    middle += static_cast<double>(i);
+  }
+  middle *= sampling_step / std::max(1.0, static_cast<double>(present.size()));
+  if (!inputs.has_value() || present.empty()) {
     return dynamics.Averaged({Matrix::Zero(dynamics.num_inputs(), 1), middle});
   }
-  return dynamics.Averaged({inputs->samples(), inputs->start_time() + middle});
+  return dynamics.Averaged(
+      {inputs->samples()(Eigen::all, present), inputs->start_time() + middle});
 }
 
 bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,

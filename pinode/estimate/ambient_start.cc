@@ -92,11 +92,16 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
   }
 }
 
-// The dynamics as a record sees them, what follows a covariate being as it is
-// at first: one record does not tell it from what does not.
+// The dynamics as a record sees them, what follows something being as it is at
+// first: one record does not tell it from what does not.
 std::shared_ptr<const StructuralDynamics> SeenBy(
     const AmbientRecord& record, const StructuralDynamics& dynamics) {
-  const std::vector<std::string> names = dynamics.CovariateParameters();
+  std::vector<std::string> names = dynamics.CovariateParameters();
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.follows == GroupTerm::Follows::kTime) {
+      names.push_back(term.group.name);
+    }
+  }
   return std::make_shared<const StructuralDynamics>(record.AveragedDynamics(
       dynamics.WithGroupParameters([&names](Parameter* parameter) {
         if (std::count(names.begin(), names.end(), parameter->name) > 0) {

@@ -13,9 +13,6 @@
 namespace pinode {
 namespace {
 
-// Of an ambient record's information, a difference of sums over many lines.
-constexpr double kRoundingOfLines = 1e-11;
-
 // An autocorrelation this many standard deviations beyond white noise is taken
 // seriously: about one false alarm in a thousand channels.
 constexpr double kAutocorrelated = 3.5;
@@ -358,6 +355,10 @@ Vector SolveInformation(const Matrix& information, const Vector& right) {
   return scale.cwiseProduct(solution);
 }
 
+double InformationRounding(const IdentificationProblem& problem) {
+  return problem.ambient.empty() ? 1e-13 : 1e-11;
+}
+
 bool InvertInformation(const Matrix& information, Matrix* inverse_root,
                        Matrix* null_space, double rounding) {
   const int n = static_cast<int>(information.rows());
@@ -394,9 +395,8 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   MultipleShooting& shooting = objective->shooting();
   Matrix inverse_root;
   if (!objective->Linearize(free, &system) ||
-      !InvertInformation(
-          system.hessian, &inverse_root, &estimate->null_space,
-          objective->ambient().empty() ? 1e-13 : kRoundingOfLines)) {
+      !InvertInformation(system.hessian, &inverse_root, &estimate->null_space,
+                         InformationRounding(problem))) {
     return false;
   }
   estimate->covariance = inverse_root * inverse_root.transpose();

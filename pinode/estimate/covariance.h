@@ -54,6 +54,10 @@ struct CovarianceEstimate {
                                       Objective* objective,
                                       CovarianceEstimate* estimate);
 
+// What is nothing of a problem's information beside its largest: that of
+// ambient records is a difference of sums over many lines.
+double InformationRounding(const IdentificationProblem& problem);
+
 // A root R of the inverse of an information matrix (n x n, symmetric), so that
 // R R' is the covariance, n x n, and the unit vectors (scaled by each
 // parameter's own information) along which there is none within `rounding` of

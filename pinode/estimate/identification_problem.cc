@@ -24,8 +24,11 @@ bool AreGroupsAloneFree(const IdentificationProblem& problem,
          (!problem.ambient.empty() || problem.modal.inputs.size() > 0))) {
       continue;
     }
-    *error = "modes and ambient records tell of groups alone: '" + block.name +
-             "' cannot be free without a training record";
+    *error =
+        "modes and ambient records tell of groups alone: '" + block.name +
+        "' cannot be free without a training record" +
+        (kind == TermKind::kGroupCurve ? ", or covariates of the measured modes"
+                                       : "");
     return false;
   }
   if (HasFree(problem.sensors)) {

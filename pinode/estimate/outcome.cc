@@ -185,8 +185,8 @@ void ScoreModes(const IdentificationProblem& problem,
 }
 
 // Least damping ratio of the modes of the matrices; NaN where no mode has one.
-double LeastDamping(const StructuralDynamics& dynamics,
-                    const Vector& parameters) {
+double LeastDampingOf(const StructuralDynamics& dynamics,
+                      const Vector& parameters) {
   const StructuralModel model =
       dynamics.HeldModel(parameters.head(dynamics.num_parameters()));
   if (model.num_dofs() == 0) return kNaN;
@@ -199,6 +199,22 @@ double LeastDamping(const StructuralDynamics& dynamics,
   double least = kInfinity;
   for (double ratio : modes.damping_ratio) {
     if (std::isfinite(ratio)) least = std::min(least, ratio);
+  }
+  return std::isfinite(least) ? least : kNaN;
+}
+
+// The same at the reference of what follows something, or, with ambient records
+// alone, as they see it.
+double LeastDamping(const IdentificationProblem& problem,
+                    const Vector& parameters) {
+  if (problem.num_train_records() > 0 || problem.ambient.empty()) {
+    return LeastDampingOf(*problem.dynamics, parameters);
+  }
+  double least = kInfinity;
+  for (const AmbientRecord& record : problem.ambient) {
+    const double found =
+        LeastDampingOf(record.AveragedDynamics(*problem.dynamics), parameters);
+    if (std::isfinite(found)) least = std::min(least, found);
   }
   return std::isfinite(least) ? least : kNaN;
 }
@@ -326,9 +342,8 @@ void ReportOutcome(const IdentificationProblem& problem,
   }
   summary->final_cost = best.cost;
 
-  summary->initial_damping =
-      LeastDamping(*problem.dynamics, layout.InitialValues());
-  summary->final_damping = LeastDamping(*problem.dynamics, model->parameters);
+  summary->initial_damping = LeastDamping(problem, layout.InitialValues());
+  summary->final_damping = LeastDamping(problem, model->parameters);
   summary->negative_damping_allowed = DampingsAreBounded(*problem.dynamics);
   summary->learns_force = HasNetworksOfState(problem, layout);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pinode/base/strings.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/study/growth.h"
 
@@ -42,6 +43,37 @@ std::vector<std::string> Followers(const StructuralDynamics& dynamics,
   return names;
 }
 
+std::string FollowingText(const std::string& covariate, double reference,
+                          const std::vector<double>& knots) {
+  std::string text = covariate + " from " + FormatNumber(reference, 9);
+  for (size_t k = 0; k < knots.size(); ++k) {
+    text += (k == 0 ? " by knots at " : ", ") + FormatNumber(knots[k], 9);
+  }
+  return text;
+}
+
+std::map<std::string, std::string> FollowingTexts(
+    const StructuralDynamics& dynamics) {
+  std::map<std::string, std::string> texts;
+  const auto name_of = [&dynamics](int input) {
+    return dynamics.inputs()[static_cast<size_t>(input)].name;
+  };
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.follows != GroupTerm::Follows::kCovariate) continue;
+    texts[term.group.name] =
+        FollowingText(name_of(term.input), term.reference, {});
+  }
+  for (const GroupCurve& curve : dynamics.group_curves()) {
+    const std::string text = FollowingText(
+        name_of(curve.input), curve.knots[static_cast<size_t>(curve.reference)],
+        curve.knots);
+    for (const Parameter& parameter : curve.parameters.parameters) {
+      texts[parameter.name] = text;
+    }
+  }
+  return texts;
+}
+
 bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
                   const IdentificationSummary& summary,
                   const IdentifiedModel& model, Baseline* baseline,
@@ -58,6 +90,11 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
     return false;
   }
   result.followers = Followers(*problem.dynamics, /*free=*/true);
+  const std::map<std::string, std::string> texts =
+      FollowingTexts(*problem.dynamics);
+  for (const std::string& follower : result.followers) {
+    result.following.push_back(texts.at(follower));
+  }
   std::vector<std::string> all = result.group_names;
   all.insert(all.end(), result.followers.begin(), result.followers.end());
   if (!GroupsOf(*problem.dynamics, summary, result.group_names, &result.groups,

@@ -3,6 +3,7 @@
 #ifndef PINODE_STUDY_BASELINE_H_
 #define PINODE_STUDY_BASELINE_H_
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,6 +41,7 @@ struct Baseline {
   // The free parameters by which groups follow covariates, and groups and these
   // together, in this order.
   std::vector<std::string> followers;
+  std::vector<std::string> following;  // how each does, see FollowingText
   GroupState with_followers;
   // alpha of the same matrices in the new problem is that much larger: not zero
   // where its matrices hold what was found. Empty: as GroupTerm::present of the
@@ -63,6 +65,14 @@ std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics);
 // whether they are free.
 std::vector<std::string> Followers(const StructuralDynamics& dynamics,
                                    bool free);
+
+// How a group follows a covariate: "temperature from 20", or "temperature from
+// 20 by knots at -10, 0, 20". What has another text is another parameter.
+std::string FollowingText(const std::string& covariate, double reference,
+                          const std::vector<double>& knots);
+// The same by the names of all parameters by which groups of `dynamics` do.
+std::map<std::string, std::string> FollowingTexts(
+    const StructuralDynamics& dynamics);
 
 // A baseline from a usable fit of healthy records with a covariance. False,
 // with *error, where it is none, or where no group is free.

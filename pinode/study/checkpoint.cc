@@ -64,6 +64,10 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
   for (const GroupTerm& term : dynamics.groups()) {
     hash->Add(static_cast<std::int64_t>(term.group.target));
     hash->Add(term.group.matrix);
+    if (term.follows == GroupTerm::Follows::kNothing) continue;
+    hash->Add(static_cast<std::int64_t>(term.follows));
+    hash->Add(static_cast<std::int64_t>(term.input));
+    hash->Add(term.reference);
   }
   for (const LawTerm& term : dynamics.laws()) {
     hash->Add(term.type);

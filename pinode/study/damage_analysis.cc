@@ -423,6 +423,19 @@ bool CheckInput(const IdentificationProblem& problem,
                "' has not a finite value and covariance of every group";
       return false;
     }
+    const std::map<std::string, std::string> texts =
+        FollowingTexts(*problem.dynamics);
+    for (size_t i = 0; i < baseline.followers.size(); ++i) {
+      const auto own = texts.find(baseline.followers[i]);
+      if (own == texts.end() || baseline.following.size() <= i ||
+          own->second == baseline.following[i]) {
+        continue;
+      }
+      *error = "in baseline '" + baseline.name + "' '" + own->first +
+               "' follows " + baseline.following[i] + ", expected " +
+               own->second;
+      return false;
+    }
     const GroupState& all = baseline.with_followers;
     const Eigen::Index with_followers =
         size + static_cast<Eigen::Index>(baseline.followers.size());

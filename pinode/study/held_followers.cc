@@ -22,6 +22,29 @@ bool AllKnow(const std::vector<Baseline>& baselines, const std::string& name) {
                      });
 }
 
+// Those of `names` that all baselines know; of a curve all knots or none.
+std::vector<std::string> KnownByAll(const std::vector<Baseline>& baselines,
+                                    const StructuralDynamics& dynamics,
+                                    const std::vector<std::string>& names) {
+  std::vector<std::string> known;
+  for (const std::string& name : names) {
+    if (AllKnow(baselines, name)) known.push_back(name);
+  }
+  for (const GroupCurve& curve : dynamics.group_curves()) {
+    const std::vector<Parameter>& knots = curve.parameters.parameters;
+    if (std::all_of(knots.begin(), knots.end(), [&](const Parameter& knot) {
+          return Contains(known, knot.name);
+        })) {
+      continue;
+    }
+    for (const Parameter& knot : knots) {
+      known.erase(std::remove(known.begin(), known.end(), knot.name),
+                  known.end());
+    }
+  }
+  return known;
+}
+
 // The row of a follower among a baseline's groups and followers.
 Eigen::Index RowOf(const Baseline& baseline, const std::string& follower) {
   const auto at =
@@ -38,13 +61,11 @@ std::map<std::string, double> FollowersToHold(
   if (problem.num_train_records() > 0) return held;
   const ParameterLayout layout(problem);
   const std::vector<std::string> followers =
-      Followers(*problem.dynamics, /*free=*/true);
+      KnownByAll(baselines, *problem.dynamics,
+                 Followers(*problem.dynamics, /*free=*/true));
   for (const int index : layout.free()) {
     const Parameter& parameter = layout.parameter(index);
-    if (!Contains(followers, parameter.name) || parameter.HasPrior() ||
-        !AllKnow(baselines, parameter.name)) {
-      continue;
-    }
+    if (!Contains(followers, parameter.name) || parameter.HasPrior()) continue;
     double weights = 0.0;
     double sum = 0.0;
     for (const Baseline& baseline : baselines) {
@@ -57,16 +78,6 @@ std::map<std::string, double> FollowersToHold(
     held[parameter.name] =
         std::clamp(sum / weights, parameter.lower, parameter.upper);
   }
-  // A curve of other knots is another curve.
-  for (const GroupCurve& curve : problem.dynamics->group_curves()) {
-    const std::vector<Parameter>& knots = curve.parameters.parameters;
-    if (std::all_of(knots.begin(), knots.end(), [&held](const Parameter& knot) {
-          return held.count(knot.name) > 0;
-        })) {
-      continue;
-    }
-    for (const Parameter& knot : knots) held.erase(knot.name);
-  }
   return held;
 }
 
@@ -74,14 +85,12 @@ HeldFollowers::HeldFollowers(const std::vector<Baseline>& baselines,
                              const IdentificationProblem& problem) {
   const ParameterLayout layout(problem);
   const std::vector<std::string> fixed =
-      Followers(*problem.dynamics, /*free=*/false);
+      KnownByAll(baselines, *problem.dynamics,
+                 Followers(*problem.dynamics, /*free=*/false));
   std::vector<double> values;
   for (int i = 0; i < layout.num_dynamics(); ++i) {
     const Parameter& parameter = layout.parameter(i);
-    if (!Contains(fixed, parameter.name) ||
-        !AllKnow(baselines, parameter.name)) {
-      continue;
-    }
+    if (!Contains(fixed, parameter.name)) continue;
     names_.push_back(parameter.name);
     values.push_back(parameter.value);
   }
@@ -114,7 +123,7 @@ bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
   if (!LinearizeAtFit(extended.problem, layout, at, fit.summary.records,
                       num_threads, &cost) ||
       !InvertInformation(cost.system.hessian(others, others), &root,
-                         &null_space)) {
+                         &null_space, InformationRounding(fit.problem))) {
     *error = "the model with what follows a covariate free is not finite";
     return false;
   }

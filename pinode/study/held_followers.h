@@ -17,9 +17,9 @@
 namespace pinode {
 
 // The parameters by which groups of `problem` follow covariates, free and
-// without a prior of their own, that its records cannot tell (it has ambient
-// records or modes alone, each at one value of a covariate) and all baselines
-// do: what they say of them, weighed by their variances.
+// without a prior of their own, that its records are not asked for (it has
+// ambient records or modes alone, each at one value of a covariate) and all
+// baselines tell: what they say of them, weighed by their variances.
 std::map<std::string, double> FollowersToHold(
     const std::vector<Baseline>& baselines,
     const IdentificationProblem& problem);

@@ -18,6 +18,7 @@ namespace pinode {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr double kSeconds = 300.0;
@@ -120,6 +121,36 @@ TEST_F(HeldFollowersTest, LossIsFoundAtAnotherTemperature) {
   EXPECT_NEAR(lost.change, -0.1, 3.0 * lost.sigma);
   EXPECT_LT(lost.sigma, 0.015);
   EXPECT_FALSE(result.estimate.groups[1].changed);
+}
+
+// Masses are looked for as well, and there are two baselines.
+TEST_F(HeldFollowersTest, BesideOtherKindsOfChange) {
+  const double slope = baseline_->with_followers.values[4];
+  IdentificationProblem problem = NewProblem(-10.0, 8, 0.1);
+  Hold(slope, &problem);
+  const FitOfRecords fit = FitOf("new", std::move(problem));
+  const Baseline other = BaselineOf(
+      FitOf("other", ProblemOfRecords(0.0, {RecordAt(-5.0, 11, kSeconds),
+                                            RecordAt(15.0, 12, kSeconds)})));
+  DamageAnalysisOptions options;
+  options.search.masses = {{"u1", {0}}, {"u2", {1}}};
+  DamageResult result;
+  std::string error;
+  ASSERT_TRUE(AnalyseDamage(fit.problem, fit.summary, fit.model,
+                            {*baseline_, other}, options, &result, &error))
+      << error;
+  EXPECT_TRUE(result.remarks.empty()) << result.remarks[0];
+  EXPECT_FALSE(result.places.empty());
+  EXPECT_TRUE(result.added.empty());
+  EXPECT_TRUE(result.estimate.groups[0].changed);
+  EXPECT_NEAR(result.estimate.groups[0].change, -0.1, 0.03);
+  EXPECT_FALSE(result.estimate.groups[1].changed);
+
+  Baseline from_zero = *baseline_;
+  from_zero.following[0] = FollowingText("temperature", 0.0, {});
+  EXPECT_FALSE(AnalyseDamage(fit.problem, fit.summary, fit.model, {from_zero},
+                             options, &result, &error));
+  EXPECT_THAT(error, HasSubstr("follows temperature from 0, expected"));
 }
 
 // Held elsewhere, groups are elsewhere, and their changes are where they were:

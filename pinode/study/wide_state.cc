@@ -54,8 +54,8 @@ bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
   Matrix root, null_space;
   if (!LinearizeAtFit(extended, layout, at, fit.summary.records, num_threads,
                       &cost) ||
-      !InvertInformation(cost.system.hessian / cost.memory, &root,
-                         &null_space)) {
+      !InvertInformation(cost.system.hessian / cost.memory, &root, &null_space,
+                         InformationRounding(extended))) {
     *error = "the model with all kinds of change in it is not finite";
     return false;
   }

@@ -183,15 +183,26 @@ grep -q "temperature: 7 of 20000 samples are there" stdout || Fail "no gaps"
 Run 0 pinode_update --case=seasons.toml --output_dir=seasons --progress=false
 Near "$(awk '$1 == "per_degree" { print $3; exit }' stdout)" -0.003 0.0006
 Near "$(awk '$1 == "k2" { print $3; exit }' stdout)" 0 0.01
+grep -A1 '"covariates"' seasons/result.json | grep -q '"temperature": 10' ||
+  Fail "no temperature in result.json"
 { cat frost.toml; At wind 105.83 'value = -20'; } >winter.toml
 Run 0 pinode_damage --baseline=seasons --case=winter.toml --output_dir=winter \
   --progress=false
 grep -qF '"verdict": "no_damage"' winter/damage.json || Fail "not healthy"
 grep -q "Held at what the baselines say.*: per_degree" winter/report.html ||
   Fail "nothing of what was held"
-[[ $(grep -A4 '"per_degree"' winter/model.toml) == *"free = false"* ]] ||
+[[ $(grep -A8 '"per_degree"' winter/model.toml) == *"free = false"* ]] ||
   Fail "not held in model.toml"
 Near "$(awk '$1 == "k1" { print $2; exit }' stdout)" 0 1.5
+# What was held is held in the model that is written.
+Run 0 pinode_update --case=winter/model.toml --output_dir=again --progress=false
+Near "$(awk '$1 == "k1" { print $3; exit }' stdout)" 0 0.01
+# A slope from another temperature is another slope.
+sed 's/reference = 20/reference = 0/' winter.toml >from_zero.toml
+tested=pinode_damage
+Refused "follows temperature from 20, expected temperature from 0" \
+  --baseline=seasons --case=from_zero.toml --output_dir=E
+tested=pinode_update
 sed 's/value = -20/value = 20/' winter.toml >wrong_winter.toml
 Run 0 pinode_damage --baseline=seasons --case=wrong_winter.toml \
   --output_dir=wrong_winter --progress=false
@@ -206,6 +217,15 @@ Refused "no record has a covariate" --case=forgotten.toml --output_dir=E
   sed '/record.covariate/,$d'; } >half.toml
 Refused "record 'wind': it has no covariate 'temperature'" --case=half.toml \
   --output_dir=E
+# Readings on either side of a window, none in it, at another rate; and a
+# thermometer that stopped early.
+sed '/name = "twenty"/s/$/\nwindow = [35.0, 55.0]\nresample_hz = 70/' \
+  seasons.toml >window.toml
+Run 0 pinode_check --case=window.toml
+grep -q "temperature: mean 19.45, from 19.35 to 19.55" stdout || Fail "not filled"
+awk -F, -v OFS=, 'NR > 10000 { $4 = "" } { print }' twenty.csv >stopped.csv
+sed 's/twenty.csv/stopped.csv/' seasons.toml >stopped.toml
+Refused "expected readings from begin to end" --case=stopped.toml --output_dir=E
 sed 's/^  value = -20/  column = "a1"\n&/' winter.toml >both_ways.toml
 Refused "'value' beside 'column'" --case=both_ways.toml --output_dir=E
 tested=pinode_modes

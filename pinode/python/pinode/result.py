@@ -381,7 +381,8 @@ class Fit(_Outcome):
         callback: Progress | None = None,
     ) -> "Damage":
         """What has changed since healthy records; see Case.damage, which begins
-        the fit from the first of these."""
+        the fit from the first of these, and holds what these alone tell of how
+        the structure follows a covariate."""
         with watched(progress, callback) as call:
             return Damage(
                 _pinode.damage(
