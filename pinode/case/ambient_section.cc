@@ -1,6 +1,5 @@
 #include "pinode/case/ambient_section.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,12 +19,6 @@ class AmbientReader {
       : section_(section),
         units_(units),
         dynamics_(dynamics),
-        follows_(!dynamics.group_curves().empty() ||
-                 std::any_of(dynamics.groups().begin(), dynamics.groups().end(),
-                             [](const GroupTerm& term) {
-                               return term.follows !=
-                                      GroupTerm::Follows::kNothing;
-                             })),
         table_(
             section.table.Table("ambient", section.table.name() + ", ambient")),
         record_(record) {}
@@ -50,7 +43,8 @@ class AmbientReader {
       record_->samples.row(static_cast<Eigen::Index>(c)) =
           measured.channels[c].values.transpose();
     }
-    if (section_.has_excitation() || follows_) {
+    // Groups may follow what was measured beside it, and its time.
+    if (section_.has_excitation() || !dynamics_.IsLinear()) {
       record_->inputs = measured.excitation;
       record_->filter = measured.filter;
     }
@@ -146,7 +140,6 @@ class AmbientReader {
   const RecordSection& section_;
   const UnitSystem& units_;
   const StructuralDynamics& dynamics_;
-  const bool follows_;  // a group follows something
   const TomlTable table_;
   AmbientRecord* record_;
 };

@@ -40,6 +40,7 @@ struct Result {
   std::vector<std::string> names;  // of all parameters
   Vector values;
   std::vector<std::string> free;  // the free ones, in the covariance's order
+  std::vector<std::string> undetermined;
 };
 
 bool ReadResult(const std::string& path, Result* result, std::string* error) {
@@ -70,6 +71,10 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
     result->names.push_back(parameter["name"]);
     values.push_back(parameter["value"]);
     if (parameter["free"] == true) result->free.push_back(parameter["name"]);
+  }
+  const Json undetermined = json.value("undetermined", Json::array());
+  for (const Json& direction : undetermined) {
+    if (direction.is_string()) result->undetermined.push_back(direction);
   }
   result->values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
@@ -381,6 +386,7 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
              result.values[IndexOf(result.names, follower)]);
   }
   read.with_followers.covariance = table.values(rows, rows);
+  read.undetermined = result.undetermined;
   read.offsets = std::move(offsets);
   read.parameter_names = result.names;
   read.parameter_values = result.values;

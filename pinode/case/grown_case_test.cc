@@ -74,6 +74,36 @@ start = "free"
 threads = 1
 )";
 
+// A slope and a table, held elsewhere than where the case has them: the tree
+// says so too.
+TEST(HoldInCaseTest, CaseThatIsWrittenHoldsThemThere) {
+  const TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  const std::string text = Replaced(
+      SmallCase() + "  [[record.covariate]]\n  name = \"T\"\n  value = 3\n",
+      "[[record]]",
+      "[[group]]\nname = \"line\"\nadds_to = \"stiffness\"\nbetween = "
+      "[\"u1\", \"u2\"]\nfollows = {covariate = \"T\"}\n"
+      "[[group]]\nname = \"table\"\nadds_to = \"stiffness\"\nbetween = "
+      "[\"u1\", \"u2\"]\nfollows = {covariate = \"T\", knots = [0, 5, 9], "
+      "reference = 5}\n[[record]]");
+  Case c = ReadOrFail(folder.Write("case.toml", text));
+  HoldInCase({{"line", 0.25}, {"table.T[0]", -0.5}, {"table.T[9]", 0.75}}, &c);
+  Case again;
+  std::string error;
+  ASSERT_TRUE(ReadCaseTree(*c.source, c.path, c.data, CasePurpose::kFit, &again,
+                           &error))
+      << error;
+  EXPECT_EQ(again.problem.dynamics->Parameters(),
+            c.problem.dynamics->Parameters());
+  const ParameterLayout layout(again.problem);
+  EXPECT_EQ(layout.FreeIndex("line"), -1);
+  EXPECT_EQ(layout.FreeIndex("table.T[9]"), -1);
+  EXPECT_GE(layout.FreeIndex("table"), 0);
+  EXPECT_EQ(again.problem.dynamics->Parameters(),
+            (Vector(5) << 0.0, 0.25, 0.0, -0.5, 0.75).finished());
+}
+
 class GrownCaseTest : public ::testing::Test {
  protected:
   Case ReadOscillator() {

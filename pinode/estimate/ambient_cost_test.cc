@@ -88,11 +88,7 @@ TEST(AmbientCostTest, FindsStoreysUnderColouredWind) {
   const TestChain chain = RayleighChain(3);
   const IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.15, RecordOfChain(chain, 600.0, 2, 0.9));
-  IdentificationOptions options;
-  options.num_threads = 2;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  const IdentificationSummary summary = SummaryOfFit(problem);
   EXPECT_TRUE(summary.usable) << summary.message;
   ASSERT_EQ(summary.ambient.size(), 1u);
   for (size_t i = 0; i < 3; ++i) {
@@ -117,11 +113,7 @@ TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
     problem.ambient[0].base = Matrix::Ones(2, 1);
     std::string error;
     ASSERT_TRUE(problem.IsValid(&error)) << error;
-    IdentificationOptions options;
-    options.num_threads = 2;
-    IdentificationSummary summary;
-    IdentifiedModel model;
-    Identify(problem, options, nullptr, &summary, &model);
+    const IdentificationSummary summary = SummaryOfFit(problem);
     EXPECT_TRUE(summary.usable) << noise << ": " << summary.message;
     ASSERT_EQ(summary.ambient.size(), 1u);
     EXPECT_GT(summary.ambient[0].probability, 0.01) << noise;
@@ -140,11 +132,7 @@ TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
   IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.05, RecordOfChain(chain, 600.0, 5, 0.5));
   problem.ambient[0].highest_frequency = chain.frequency_hz[3] / 1.7;
-  IdentificationOptions options;
-  options.num_threads = 2;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  const IdentificationSummary summary = SummaryOfFit(problem);
   EXPECT_TRUE(summary.usable) << summary.message;
   ASSERT_EQ(summary.ambient.size(), 1u);
   EXPECT_GT(summary.ambient[0].probability, 0.001);

@@ -1,13 +1,13 @@
 // Ambient records of structures that follow the temperature.
 
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/estimate/ambient_cost.h"
 #include "pinode/estimate/ambient_covariate_testing.h"
-#include "pinode/estimate/identify.h"
 
 namespace pinode {
 namespace {
@@ -58,11 +58,7 @@ TEST(AmbientCovariateTest, FindsTheSlopeFromRecordsOfSeveralTemperatures) {
   const IdentificationProblem problem =
       ProblemOfRecords(0.05, {RecordAt(-5.0, 1, 400.0), RecordAt(8.0, 2, 400.0),
                               RecordAt(25.0, 3, 400.0)});
-  IdentificationOptions options;
-  options.num_threads = 2;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  const IdentificationSummary summary = SummaryOfFit(problem);
   ASSERT_TRUE(summary.usable) << summary.message;
   ASSERT_EQ(summary.parameters.size(), 5u);
   ExpectFound(summary.parameters[0], 0.0, 0.01);
@@ -76,11 +72,7 @@ TEST(AmbientCovariateTest, FindsATable) {
                        {RecordAt(0.0, 1, 400.0), RecordAt(10.0, 2, 400.0),
                         RecordAt(20.0, 3, 400.0)},
                        {0.0, 10.0, kReference});
-  IdentificationOptions options;
-  options.num_threads = 2;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  const IdentificationSummary summary = SummaryOfFit(problem);
   ASSERT_TRUE(summary.usable) << summary.message;
   ASSERT_EQ(summary.parameters.size(), 7u);
   ExpectFound(summary.parameters[5], -20.0 * kSlope, 0.02);
@@ -91,16 +83,38 @@ TEST(AmbientCovariateTest, FindsATable) {
 TEST(AmbientCovariateTest, OneTemperatureIsNotEnough) {
   const IdentificationProblem problem =
       ProblemOfRecords(0.05, {RecordAt(8.0, 2, 400.0)});
-  IdentificationOptions options;
-  options.num_threads = 2;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  const IdentificationSummary summary = SummaryOfFit(problem);
   ASSERT_EQ(summary.undetermined.size(), 1u);
   for (const char* name : {"k1", "k2", "all"}) {
     EXPECT_THAT(summary.undetermined[0], HasSubstr(name));
   }
   EXPECT_GT(summary.parameters[4].sigma, 0.1);
+}
+
+// A dashpot that grows as it gets colder: what it does at the record's
+// temperature, not at the reference, is the damping that was found.
+TEST(AmbientCovariateTest, DampingIsThatOfTheRecord) {
+  IdentificationProblem problem =
+      ProblemOfRecords(0.05, {RecordAt(10.0, 2, 300.0)});
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      problem.dynamics->model(), problem.dynamics->inputs());
+  std::string error;
+  for (GroupTerm term : problem.dynamics->groups()) {
+    if (term.group.name == "all") {
+      // As much again as the chain has, at 10 degrees.
+      term.group = problem.dynamics->groups()[2].group;
+      term.group.name = "all";
+      term.alpha.value = -0.1;
+      term.alpha.free = false;
+    }
+    ASSERT_TRUE(dynamics->AddGroup(term, &error)) << error;
+  }
+  problem.dynamics = dynamics;
+  const IdentificationSummary summary = SummaryOfFit(problem);
+  ASSERT_TRUE(summary.usable) << summary.message;
+  // Of itself the group has nothing there, and nothing is left at 20 degrees.
+  EXPECT_LT(summary.parameters[2].value, 0.5);
+  EXPECT_NEAR(summary.final_damping, 0.01, 0.003);
 }
 
 // What lies in gaps has no part in the mean.

@@ -31,11 +31,7 @@ AmbientRecord HalfMeasured(const TestChain& chain, double seconds,
 }
 
 IdentificationSummary Fitted(const IdentificationProblem& problem) {
-  IdentificationOptions options;
-  options.num_threads = 2;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  const IdentificationSummary summary = SummaryOfFit(problem);
   return summary;
 }
 

@@ -91,6 +91,8 @@ Matrix AmbientRecord::MeasuredLoads(const StructuralDynamics& dynamics) const {
 
 StructuralDynamics AmbientRecord::AveragedDynamics(
     const StructuralDynamics& dynamics) const {
+  // Nothing follows anything.
+  if (dynamics.IsLinear()) return dynamics;
   // What lies in gaps has no part in the record's lines.
   std::vector<int> present;
   double middle = 0.0;

@@ -12,6 +12,7 @@
 #include "gtest/gtest.h"
 #include "pinode/estimate/ambient_cost.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/identify.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/modal/testing.h"
 #include "pinode/record/resample.h"
@@ -126,6 +127,17 @@ inline constexpr double kChainSpring = 900.0;
 // 1; those between have a little more.
 inline TestChain RayleighChain(int masses) {
   return TestChain(masses, kChainSpring);
+}
+
+// Options left alone.
+inline IdentificationSummary SummaryOfFit(
+    const IdentificationProblem& problem) {
+  IdentificationOptions options;
+  options.num_threads = 2;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  Identify(problem, options, nullptr, &summary, &model);
+  return summary;
 }
 
 inline void ExpectGradientOfCost(const IdentificationProblem& problem) {

@@ -89,6 +89,7 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
     *error = "baseline '" + name + "': no group is free";
     return false;
   }
+  result.undetermined = summary.undetermined;
   result.followers = Followers(*problem.dynamics, /*free=*/true);
   const std::map<std::string, std::string> texts =
       FollowingTexts(*problem.dynamics);

@@ -42,6 +42,8 @@ struct Baseline {
   // together, in this order.
   std::vector<std::string> followers;
   std::vector<std::string> following;  // how each does, see FollowingText
+  // Directions that its records leave open, as in IdentificationSummary.
+  std::vector<std::string> undetermined;
   GroupState with_followers;
   // alpha of the same matrices in the new problem is that much larger: not zero
   // where its matrices hold what was found. Empty: as GroupTerm::present of the

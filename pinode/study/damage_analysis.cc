@@ -71,7 +71,9 @@ class Analyst {
            std::string* error) {
     for (const Baseline& baseline : baselines_) {
       result_.baselines.push_back(baseline.name);
+      SayWhatIsOpen("baseline '" + baseline.name + "'", baseline.undetermined);
     }
+    SayWhatIsOpen(kNewRecords, summary.undetermined);
     result_.options = options_;
     fit_of_new_ = {kNewRecords, problem_, summary, model};
     candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
@@ -311,6 +313,18 @@ class Analyst {
     result_.summary = std::move(fit_of_new_.summary);
     result_.model = std::move(fit_of_new_.model);
     return true;
+  }
+
+  // Changes of few groups are told by what the others have kept; one along a
+  // direction that is open on either side is told by nothing.
+  void SayWhatIsOpen(const std::string& records,
+                     const std::vector<std::string>& directions) {
+    for (const std::string& direction : directions) {
+      result_.remarks.push_back("Not determined by " + records + ": " +
+                                direction +
+                                ". A change of all of these together would not "
+                                "be seen.");
+    }
   }
 
   void SayWhatIsLeft() {

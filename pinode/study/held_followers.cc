@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
-#include "pinode/base/logging.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/fitted_cost.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -129,24 +129,24 @@ bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
   }
   const Matrix slopes =
       -root * (root.transpose() * cost.system.hessian(others, held));
-  const auto row_of = [&](const std::string& name) {
-    for (size_t i = 0; i < others.size(); ++i) {
-      if (layout.free_parameter(others[i]).name == name) {
-        return static_cast<Eigen::Index>(i);
-      }
-    }
-    LOG(FATAL) << "'" << name << "' is not free in " << fit.name;
-    return Eigen::Index{0};
-  };
-  slopes_.resize(static_cast<Eigen::Index>(groups.size() + candidates.size()),
-                 static_cast<Eigen::Index>(names_.size()));
-  // The free ones are in the order of the layout, which names_ have as well.
-  for (size_t i = 0; i < groups.size(); ++i) {
-    slopes_.row(static_cast<Eigen::Index>(i)) = slopes.row(row_of(groups[i]));
+  // A row for each of these; columns are in the order of the layout, which
+  // names_ have as well.
+  std::vector<std::pair<std::string, double>> wanted;
+  for (const std::string& group : groups) wanted.emplace_back(group, 1.0);
+  for (const ChangeCandidate& candidate : candidates) {
+    wanted.emplace_back(candidate.subject.name, candidate.unit);
   }
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    slopes_.row(static_cast<Eigen::Index>(groups.size() + i)) =
-        slopes.row(row_of(candidates[i].subject.name)) / candidates[i].unit;
+  slopes_.resize(static_cast<Eigen::Index>(wanted.size()), slopes.cols());
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    const auto& [name, unit] = wanted[i];
+    const auto other =
+        std::find(others.begin(), others.end(), layout.FreeIndex(name));
+    if (other == others.end()) {
+      *error = "'" + name + "' is not free in " + fit.name;
+      return false;
+    }
+    slopes_.row(static_cast<Eigen::Index>(i)) =
+        slopes.row(other - others.begin()) / unit;
   }
   return true;
 }

@@ -12,24 +12,12 @@
 # and SciPy, of PYTHON, default python3.
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-cd -- "$root"
 seeds=${1:-100}
 options=${*:2}
 cases="three_storey_ambient independent"
 if [[ $options == *--shaker* ]]; then cases=shaker; fi
-if ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
-  echo "skipped: no SciPy"
-  exit 0
-fi
-build=${PINODE_BUILD_DIR:-build-release}
-if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
-  apps/install_packages.sh apps/packages.txt tests/packages.txt
-  cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" --target pinode_update
-fi
-work=$(mktemp -d)
-trap 'rm -rf -- "$work"' EXIT
+source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
+  "numpy, scipy" pinode_update
 
 # run SEED: its records, and the fit of each of the case's descriptions.
 run() {

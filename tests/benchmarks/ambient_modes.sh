@@ -9,28 +9,11 @@
 # and what is there already is not made again.
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-cd -- "$root"
 seeds=${1:-100}
 shift || true
 cases=${*:-three_storey_ambient frame_ambient bridge_ambient}
-if ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
-  echo "skipped: no SciPy"
-  exit 0
-fi
-build=${PINODE_BUILD_DIR:-build-release}
-if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
-  apps/install_packages.sh apps/packages.txt tests/packages.txt
-  cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" --target pinode_modes
-fi
-if [[ -n ${KEEP:-} ]]; then
-  work=$KEEP
-  mkdir -p "$work"
-else
-  work=$(mktemp -d)
-  trap 'rm -rf -- "$work"' EXIT
-fi
+source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
+  "numpy, scipy" pinode_modes
 
 # run CASE SEED: leaves modes.json.
 run() {

@@ -9,20 +9,8 @@
 # NumPy, of PYTHON, default python3.
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-cd -- "$root"
-if ! "${PYTHON:-python3}" -c 'import numpy' 2>/dev/null; then
-  echo "skipped: no NumPy"
-  exit 0
-fi
-build=${PINODE_BUILD_DIR:-build-release}
-if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
-  apps/install_packages.sh apps/packages.txt tests/packages.txt
-  cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" --target pinode_update
-fi
-work=$(mktemp -d)
-trap 'rm -rf -- "$work"' EXIT
+source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
+  "numpy" pinode_update
 for hours in 1 4; do
   "${PYTHON:-python3}" tests/benchmarks/ambient/tower.py "$work/$hours" "$hours"
   "${PYTHON:-python3}" tests/benchmarks/ambient/time_program.py \

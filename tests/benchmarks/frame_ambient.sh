@@ -12,30 +12,12 @@
 # is there already is not made again.
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-cd -- "$root"
 sets=${1:-4}
 damaged=${2:-25}
 healthy=${3:-50}
 ways=${4:-ambient modes}
-if ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
-  echo "skipped: no SciPy"
-  exit 0
-fi
-build=${PINODE_BUILD_DIR:-build-release}
-if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
-  apps/install_packages.sh apps/packages.txt tests/packages.txt
-  cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" \
-    --target pinode_update pinode_damage_program pinode_modes
-fi
-if [[ -n ${KEEP:-} ]]; then
-  work=$KEEP
-  mkdir -p "$work"
-else
-  work=$(mktemp -d)
-  trap 'rm -rf -- "$work"' EXIT
-fi
+source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
+  "numpy, scipy" pinode_update pinode_damage_program pinode_modes
 mkdir -p "$work/results"
 
 # make FOLDER SEED [CHANGE]

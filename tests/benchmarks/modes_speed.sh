@@ -8,20 +8,8 @@
 # NumPy, of PYTHON, default python3.
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-cd -- "$root"
-if ! "${PYTHON:-python3}" -c 'import numpy' 2>/dev/null; then
-  echo "skipped: no NumPy"
-  exit 0
-fi
-build=${PINODE_BUILD_DIR:-build-release}
-if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
-  apps/install_packages.sh apps/packages.txt tests/packages.txt
-  cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" --target pinode_modes
-fi
-work=$(mktemp -d)
-trap 'rm -rf -- "$work"' EXIT
+source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
+  "numpy" pinode_modes
 "${PYTHON:-python3}" - "$work" <<'PY'
 import sys
 import numpy as np

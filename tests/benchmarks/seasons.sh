@@ -10,23 +10,10 @@
 # NumPy and SciPy, of PYTHON, default python3.
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-cd -- "$root"
 seeds=${1:-100}
 degrees=${2:--12}
-if ! "${PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
-  echo "skipped: no SciPy"
-  exit 0
-fi
-build=${PINODE_BUILD_DIR:-build-release}
-if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
-  apps/install_packages.sh apps/packages.txt tests/packages.txt
-  cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" \
-    --target pinode_update pinode_damage_program
-fi
-work=$(mktemp -d)
-trap 'rm -rf -- "$work"' EXIT
+source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
+  "numpy, scipy" pinode_update pinode_damage_program
 
 # records FOLDER SEED TEMPERATURES LOSS
 records() {

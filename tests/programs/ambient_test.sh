@@ -211,6 +211,10 @@ Near "$(awk '$1 == "k1" { print $2; exit }' stdout)" 12 2
 Run 0 pinode_update --case=winter.toml --output_dir=alone --progress=false
 grep -q "^Not determined by these records: .*per_degree" stdout ||
   Fail "a slope from one temperature"
+Run 0 pinode_damage --baseline=alone --case=winter.toml --output_dir=open \
+  --progress=false
+grep -q "^Not determined by baseline 'alone': .*would not be seen" stdout ||
+  Fail "nothing of what the baseline leaves open"
 sed '/record.covariate/,$d' winter.toml >forgotten.toml
 Refused "no record has a covariate" --case=forgotten.toml --output_dir=E
 { cat frost.toml; At zero 102.956 'value = 0'; At wind 105.83 'value = -20' |
