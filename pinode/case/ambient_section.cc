@@ -7,7 +7,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/record_data.h"
-#include "pinode/modal/response_record.h"
+#include "pinode/record/channel_faults.h"
 
 namespace pinode {
 namespace {
@@ -52,7 +52,12 @@ class AmbientReader {
       remarks->push_back("Record '" + section_.name + "': " + remark);
     }
     if (!ReadLoads() || !ReadBand() || !Check()) return false;
-    for (const std::string& fault : FindChannelFaults(Responses())) {
+    std::vector<std::string> names;
+    for (const Observation& channel : record_->channels) {
+      names.push_back(channel.name);
+    }
+    for (const std::string& fault :
+         FindChannelFaults(names, record_->samples)) {
       remarks->push_back("Record '" + section_.name + "': " + fault);
     }
     return true;
@@ -118,16 +123,6 @@ class AmbientReader {
                          "positive and smaller");
     }
     return true;
-  }
-
-  // The channels alone; what they measure does not matter here.
-  ResponseRecord Responses() const {
-    ResponseRecord responses;
-    responses.samples = record_->samples;
-    for (const Observation& channel : record_->channels) {
-      responses.channels.push_back({channel.name, 2});
-    }
-    return responses;
   }
 
   bool Check() {

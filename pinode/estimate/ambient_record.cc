@@ -29,26 +29,6 @@ bool IsLoad(InputSpec::Kind kind) {
          kind == InputSpec::Kind::kGroundAcceleration;
 }
 
-// Of the model as it is at first, inside the band of the record; 0: none.
-double LowestModeInBand(const AmbientRecord& record,
-                        const StructuralDynamics& dynamics) {
-  const StructuralModel model =
-      record.AveragedDynamics(dynamics).CorrectedModel(dynamics.Parameters());
-  const double highest = record.highest_frequency > 0.0
-                             ? record.highest_frequency
-                             : 0.5 / record.sampling_step;
-  ModalProperties modes;
-  std::string ignored;
-  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
-                    &ignored)) {
-    return 0.0;
-  }
-  for (const double f : modes.frequency_hz) {
-    if (f > 0.0 && f >= record.lowest_frequency && f <= highest) return f;
-  }
-  return 0.0;
-}
-
 // Empty where its inputs are as they should be.
 std::string WhatIsWrongWithInputs(const AmbientRecord& record,
                                   const StructuralDynamics& dynamics) {
@@ -107,6 +87,24 @@ StructuralDynamics AmbientRecord::AveragedDynamics(
   }
   return dynamics.Averaged(
       {inputs->samples()(Eigen::all, present), inputs->start_time() + middle});
+}
+
+double AmbientRecord::LowestModeInBand(
+    const StructuralDynamics& dynamics) const {
+  const StructuralModel model =
+      AveragedDynamics(dynamics).CorrectedModel(dynamics.Parameters());
+  const double highest =
+      highest_frequency > 0.0 ? highest_frequency : 0.5 / sampling_step;
+  ModalProperties modes;
+  std::string ignored;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &ignored)) {
+    return 0.0;
+  }
+  for (const double f : modes.frequency_hz) {
+    if (f > 0.0 && f >= lowest_frequency && f <= highest) return f;
+  }
+  return 0.0;
 }
 
 bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
@@ -204,7 +202,7 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
   if (!dynamics.prescribed().empty()) {
     return fail("motions of the model are prescribed, which it does not have");
   }
-  const double cycles = LowestModeInBand(*this, dynamics) *
+  const double cycles = LowestModeInBand(dynamics) *
                         static_cast<double>(samples.cols()) * sampling_step;
   if (cycles > 0.0 && cycles < kFewestCyclesOfMode) {
     return fail("it holds " + FormatNumber(cycles, 3) +

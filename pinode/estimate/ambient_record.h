@@ -73,6 +73,9 @@ struct AmbientRecord {
   }
   // The dynamics with what groups follow at its mean over the record.
   StructuralDynamics AveragedDynamics(const StructuralDynamics& dynamics) const;
+  // The frequency (cycles per model time) of the lowest mode inside the band,
+  // of the model as it is at first; 0: none.
+  double LowestModeInBand(const StructuralDynamics& dynamics) const;
 
   // Channels of displacements, velocities, accelerations or strains, of sizes
   // that fit the dynamics; 200 samples and more; loads that are there. On

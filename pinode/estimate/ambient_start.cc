@@ -19,6 +19,10 @@ constexpr double kLargestRatio = 0.5;
 // Smallest deviations of what is only a start, as fractions.
 constexpr double kFrequencySigma = 0.003;
 constexpr double kShapeSigma = 0.05;
+// A start asks for no more of a record: samples, and cycles of the lowest mode
+// that the model has.
+constexpr double kSamplesOfStart = 65536.0;
+constexpr double kCyclesOfStart = 1000.0;
 
 int DerivativeOfQuantity(Quantity quantity) {
   switch (quantity) {
@@ -38,6 +42,34 @@ Vector RealShape(const Eigen::VectorXcd& shape) {
   return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
 }
 
+// Samples of a record, the first of them and how many: those of all parts of
+// that length, one after the other, of which most are there.
+struct Stretch {
+  Eigen::Index first = 0;
+  Eigen::Index size = 0;
+};
+Stretch StretchForStart(const AmbientRecord& record,
+                        const StructuralDynamics& dynamics) {
+  const double samples_per_second = 1.0 / record.sampling_step;
+  const double lowest = record.LowestModeInBand(dynamics);
+  const double wanted = std::max(
+      kSamplesOfStart,
+      lowest > 0.0 ? kCyclesOfStart / lowest * samples_per_second : 0.0);
+  const Eigen::Index all = record.samples.cols();
+  if (wanted >= static_cast<double>(all)) return {0, all};
+  Stretch best{0, static_cast<Eigen::Index>(wanted)};
+  Eigen::Index fewest_missing = record.samples.size();
+  for (Eigen::Index first = 0; first + best.size <= all; first += best.size) {
+    const Eigen::Index missing =
+        record.samples.middleCols(first, best.size).array().isNaN().count();
+    if (missing < fewest_missing) {
+      fewest_missing = missing;
+      best.first = first;
+    }
+  }
+  return best;
+}
+
 // What one record says, at the DOFs that a channel alone measures.
 void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
               int num_threads, ModalData* modal) {
@@ -51,8 +83,8 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
     }
   }
   if (rows.empty()) return;
-  response.samples.resize(static_cast<Eigen::Index>(rows.size()),
-                          record.samples.cols());
+  const Stretch stretch = StretchForStart(record, *problem.dynamics);
+  response.samples.resize(static_cast<Eigen::Index>(rows.size()), stretch.size);
   std::vector<int> dofs;
   Vector scales(static_cast<Eigen::Index>(rows.size()));
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -60,13 +92,16 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
     response.channels.push_back(
         {std::to_string(i), DerivativeOfQuantity(channel.quantity)});
     response.samples.row(static_cast<Eigen::Index>(i)) =
-        record.samples.row(rows[i]);
+        record.samples.row(rows[i]).segment(stretch.first, stretch.size);
     Eigen::Index dof = 0;
     channel.weights.cwiseAbs().maxCoeff(&dof);
     dofs.push_back(static_cast<int>(dof));
     scales[static_cast<Eigen::Index>(i)] = channel.weights[dof];
   }
-  response.inputs = record.MeasuredLoads(*problem.dynamics);
+  const Matrix loads = record.MeasuredLoads(*problem.dynamics);
+  if (loads.rows() > 0) {
+    response.inputs = loads.middleCols(stretch.first, stretch.size);
+  }
   ModeIdentificationOptions options;
   options.lowest_hz = record.lowest_frequency;
   options.highest_hz = record.highest_frequency;
@@ -144,10 +179,11 @@ bool StartFromAmbientModes(const IdentificationProblem& problem,
   }
   ModalData modal;
   AddModes(problem, problem.ambient.front(), options.num_threads, &modal);
-  IdentificationProblem modes_alone = problem;
-  modes_alone.ambient.clear();
-  modes_alone.records.clear();
+  // Without a copy of the records.
+  IdentificationProblem modes_alone;
   modes_alone.dynamics = SeenBy(problem.ambient.front(), *problem.dynamics);
+  modes_alone.sensors = problem.sensors;
+  modes_alone.description = problem.description;
   modes_alone.modal = KnownToModel(modes_alone, modal);
   if (modes_alone.modal.empty()) return false;
   IdentificationOptions quick = options;

@@ -29,11 +29,11 @@ bool IsBetter(const IdentificationSummary& one,
 }
 
 // "7 knots (probability 3e-18)" of each record that is refined.
-std::string Describe(const IdentificationProblem& given,
+std::string Describe(const std::vector<int>& given,
                      const IdentificationSummary& summary) {
   std::vector<std::string> texts;
   for (size_t i = 0; i < summary.ambient.size(); ++i) {
-    if (given.ambient[i].knots > 0) continue;
+    if (given[i] > 0) continue;
     const AmbientScore& score = summary.ambient[i];
     texts.push_back("'" + score.name + "' with " +
                     std::to_string(score.num_knots) + " knots (probability " +
@@ -52,6 +52,28 @@ bool MayHaveBetterLoads(const IdentificationSummary& summary) {
                      });
 }
 
+// What tells a problem with finer spectra from the one that was given, so that
+// long records need no copy.
+struct SpectraOfLoads {
+  std::vector<int> knots;  // of each ambient record
+  std::string known_as;
+
+  static SpectraOfLoads Of(const IdentificationProblem& problem) {
+    SpectraOfLoads spectra;
+    for (const AmbientRecord& record : problem.ambient) {
+      spectra.knots.push_back(record.knots);
+    }
+    spectra.known_as = problem.description.known_as;
+    return spectra;
+  }
+  void Set(IdentificationProblem* problem) const {
+    for (size_t i = 0; i < knots.size(); ++i) {
+      problem->ambient[i].knots = knots[i];
+    }
+    problem->description.known_as = known_as;
+  }
+};
+
 bool Interrupted(const IdentificationSummary& next,
                  IdentificationSummary* summary) {
   if (next.termination != Termination::kInterrupted) return false;
@@ -63,13 +85,13 @@ bool Interrupted(const IdentificationSummary& next,
 
 }  // namespace
 
-bool RefineLoadSpectra(const IdentificationProblem& given,
+bool RefineLoadSpectra(const std::vector<int>& given,
                        const IdentificationSummary& summary,
                        IdentificationProblem* problem) {
   bool refined = false;
   for (size_t i = 0; i < summary.ambient.size(); ++i) {
     const AmbientScore& score = summary.ambient[i];
-    if (given.ambient[i].knots > 0 || score.num_knots < 2 ||
+    if (given[i] > 0 || score.num_knots < 2 ||
         score.probability >= kLeastAmbientProbability ||
         score.coherence_probability < kLeastAmbientProbability) {
       continue;
@@ -84,20 +106,23 @@ void SettleLoadSpectra(const FitFunction& fit,
                        const IdentificationOptions& options,
                        IdentificationProblem* problem,
                        IdentificationSummary* summary, IdentifiedModel* model) {
-  const IdentificationProblem given = *problem;
+  if (problem->ambient.empty()) return;
+  const SpectraOfLoads given = SpectraOfLoads::Of(*problem);
+  SpectraOfLoads best = given;
   const FitFunction run = FitOrIdentify(fit);
   IdentificationOptions near = options;
   BeginNearTheEnd(&near);
-  IdentificationProblem finer = given;
   const IdentificationSummary first = *summary;
   bool again = false;
   IdentificationSummary last = first;
   IdentifiedModel begin = *model;
+  // To whoever wrote the case, one with finer spectra is the same problem.
+  const std::string identity = ProblemIdentity(*problem);
   std::vector<std::string> tried;
   if (MayHaveBetterLoads(first)) {
     IdentificationSummary next;
     IdentifiedModel found;
-    run("loads at the model found", given, near, &begin, &next, &found);
+    run("loads at the model found", *problem, near, &begin, &next, &found);
     if (Interrupted(next, summary)) return;
     last.seconds = next.seconds += first.seconds;
     if (next.termination == Termination::kConverged &&
@@ -111,17 +136,16 @@ void SettleLoadSpectra(const FitFunction& fit,
   }
   for (int round = 0; round < kMostRounds; ++round) {
     if (last.termination != Termination::kConverged ||
-        !RefineLoadSpectra(given, last, &finer)) {
+        !RefineLoadSpectra(given.knots, last, problem)) {
       break;
     }
-    if (tried.empty()) tried.push_back(Describe(given, last));
-    // To whoever wrote the case it is the same problem.
-    finer.description.known_as = ProblemIdentity(given);
+    if (tried.empty()) tried.push_back(Describe(given.knots, last));
+    problem->description.known_as = identity;
     IdentificationSummary next;
     IdentifiedModel found;
-    run("finer spectra of the loads", finer, near, &begin, &next, &found);
-    if (Interrupted(next, summary)) return;
-    tried.push_back(Describe(given, next));
+    run("finer spectra of the loads", *problem, near, &begin, &next, &found);
+    if (Interrupted(next, summary)) break;
+    tried.push_back(Describe(given.knots, next));
     next.seconds += last.seconds;
     last = next;
     begin = found;
@@ -131,8 +155,10 @@ void SettleLoadSpectra(const FitFunction& fit,
     }
     *summary = std::move(next);
     *model = std::move(found);
-    *problem = finer;
+    best = SpectraOfLoads::Of(*problem);
   }
+  best.Set(problem);
+  if (summary->termination == Termination::kInterrupted) return;
   if (tried.empty() && !again) return;
   // Of all that came before, the fit that stands knows nothing.
   summary->seconds = last.seconds;
@@ -149,8 +175,8 @@ void SettleLoadSpectra(const FitFunction& fit,
   summary->remarks.push_back(
       "The spectra of the loads were refined, for they did not describe the "
       "ambient records: " +
-      Join(tried, "; then ") + ". What stands is " + Describe(given, *summary) +
-      ".");
+      Join(tried, "; then ") + ". What stands is " +
+      Describe(given.knots, *summary) + ".");
 }
 
 }  // namespace pinode

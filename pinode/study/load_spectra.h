@@ -3,6 +3,8 @@
 #ifndef PINODE_STUDY_LOAD_SPECTRA_H_
 #define PINODE_STUDY_LOAD_SPECTRA_H_
 
+#include <vector>
+
 #include "pinode/estimate/identification_options.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
@@ -14,9 +16,10 @@ namespace pinode {
 // describes with a probability below kLeastAmbientProbability get a knot
 // between any two: one an octave becomes two. (Not where what is left goes with
 // measured loads, which finer spectra would but hide.) Knots stay far wider
-// than modes, so that what a model lacks is not put down to its loads. False
-// where there is no such record.
-bool RefineLoadSpectra(const IdentificationProblem& given,
+// than modes, so that what a model lacks is not put down to its loads. `given`:
+// knots of the ambient records as somebody has given them. False where there is
+// no such record.
+bool RefineLoadSpectra(const std::vector<int>& given,
                        const IdentificationSummary& summary,
                        IdentificationProblem* problem);
 

@@ -76,12 +76,14 @@ TEST(LoadSpectra, KnotsThatSomebodyGaveStay) {
   IdentificationSummary summary = FitOf(given, 1e-9);
   summary.ambient[1].probability = 1e-9;
   IdentificationProblem problem = given;
-  EXPECT_TRUE(RefineLoadSpectra(given, summary, &problem));
+  const std::vector<int> knots = {given.ambient[0].knots,
+                                  given.ambient[1].knots};
+  EXPECT_TRUE(RefineLoadSpectra(knots, summary, &problem));
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(problem.ambient[1].knots, 5);
   problem = given;
   summary.ambient[0].probability = 1e-3;
-  EXPECT_FALSE(RefineLoadSpectra(given, summary, &problem));
+  EXPECT_FALSE(RefineLoadSpectra(knots, summary, &problem));
   EXPECT_EQ(problem.ambient[0].knots, 0);
 }
 
