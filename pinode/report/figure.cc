@@ -1,5 +1,6 @@
 #include "pinode/report/figure.h"
 
+#include <string_view>
 #include <utility>
 
 #include "pinode/base/logging.h"
@@ -24,22 +25,10 @@ void RemoveSpans(const std::string& begin, const std::string& end,
   *text = std::move(kept);
 }
 
-}  // namespace
-
-bool DrawFigure(const Figure& figure, const GnuplotOptions& options,
-                std::string* svg, std::string* error) {
-  CHECK(!figure.empty()) << "figure '" << figure.id << "' shows nothing";
-  std::string text;
-  if (!RunGnuplot(figure.script, options, &text, error)) return false;
-  const size_t begin = text.find("<svg");
-  const size_t end = text.rfind("</svg>");
-  if (begin == std::string::npos || end == std::string::npos || end < begin) {
-    *error = "gnuplot did not write an SVG";
-    return false;
-  }
-  text = text.substr(begin, end + 6 - begin);
-  // Inside HTML the element needs no namespaces; titles would pop up as the
-  // names of gnuplot's plots; its filters are for boxed labels.
+// What gnuplot wrote, for use inside HTML.
+std::string TidySvg(const std::string& id, std::string text) {
+  // The element needs no namespaces there; titles would pop up as the names of
+  // gnuplot's plots; its filters are for boxed labels.
   RemoveSpans(" xmlns=\"", "\"\n", &text);
   RemoveSpans(" xmlns:xlink=\"", "\"\n", &text);
   RemoveSpans("<title>", "</title>", &text);
@@ -50,10 +39,39 @@ bool DrawFigure(const Figure& figure, const GnuplotOptions& options,
   ReplaceAll("<polygon fill = '", "<polygon fill='", &text);
   ReplaceAll("' points = '", "' points='", &text);
   // Every figure of a document defines the same marks.
-  ReplaceAll("xlink:href='#gp", "href='#" + figure.id + "_gp", &text);
-  ReplaceAll(" id='gp", " id='" + figure.id + "_gp", &text);
+  ReplaceAll("xlink:href='#gp", "href='#" + id + "_gp", &text);
+  ReplaceAll(" id='gp", " id='" + id + "_gp", &text);
   ReplaceAll(" id=\"gnuplot_canvas\"", "", &text);
-  *svg = std::move(text);
+  return text;
+}
+
+}  // namespace
+
+bool DrawSvgs(const std::vector<const Figure*>& figures,
+              const GnuplotOptions& options, std::vector<std::string>* svgs,
+              std::string* error) {
+  std::string script;
+  for (const Figure* figure : figures) {
+    CHECK(!figure->empty()) << "figure '" << figure->id << "' shows nothing";
+    // Ended, and nothing left of it for the next one.
+    script += figure->script + "set output\nreset\n";
+  }
+  std::string text;
+  if (!RunGnuplot(script, options, &text, error)) return false;
+  static constexpr std::string_view kEnd = "</svg>";
+  std::vector<std::string> drawn;
+  size_t at = 0;
+  for (const Figure* figure : figures) {
+    const size_t begin = text.find("<svg", at);
+    const size_t end = text.find(kEnd, begin == std::string::npos ? at : begin);
+    if (begin == std::string::npos || end == std::string::npos) {
+      *error = "gnuplot did not write an SVG";
+      return false;
+    }
+    at = end + kEnd.size();
+    drawn.push_back(TidySvg(figure->id, text.substr(begin, at - begin)));
+  }
+  *svgs = std::move(drawn);
   return true;
 }
 

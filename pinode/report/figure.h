@@ -82,12 +82,13 @@ std::string SourceOf(const DiscoveredEquation& equation);
 // Cost over the iterations, free-run error over the stages.
 Figure MakeConvergenceFigure(const ReportInput& input);
 
-// The figure as an <svg> element to be put into HTML: no prolog, no references
-// to anything outside, ids that begin with the figure's. False, with the reason
-// in *error, where gnuplot does not do its part.
-[[nodiscard]] bool DrawFigure(const Figure& figure,
-                              const GnuplotOptions& options, std::string* svg,
-                              std::string* error);
+// Figures as <svg> elements to be put into HTML: no prolog, no references to
+// anything outside, ids that begin with the figure's. One run of gnuplot for
+// all of them, which costs about as much as one. False, with the reason in
+// *error, where gnuplot does not do its part for any of them.
+[[nodiscard]] bool DrawSvgs(const std::vector<const Figure*>& figures,
+                            const GnuplotOptions& options,
+                            std::vector<std::string>* svgs, std::string* error);
 
 }  // namespace pinode
 

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "pinode/report/report_figures.h"
 #include "pinode/report/testing.h"
 
 namespace pinode {
@@ -30,9 +33,12 @@ class FigureTest : public ::testing::Test {
 
   // Draws the figure and checks what holds for all of them.
   std::string Draw(const Figure& figure) {
-    std::string svg, error;
+    std::vector<std::string> svgs;
+    std::string error;
     EXPECT_FALSE(figure.empty());
-    EXPECT_TRUE(DrawFigure(figure, GnuplotOptions(), &svg, &error)) << error;
+    EXPECT_TRUE(DrawSvgs({&figure}, GnuplotOptions(), &svgs, &error)) << error;
+    if (svgs.size() != 1) return "";
+    const std::string& svg = svgs[0];
     EXPECT_EQ(svg.find("<svg"), 0u);
     EXPECT_EQ(testing::FindHtmlFault(svg), "");
     EXPECT_LT(svg.size(), kMaxBytes);
@@ -44,6 +50,50 @@ class FigureTest : public ::testing::Test {
 
   std::unique_ptr<testing::ReportExample> example_;
 };
+
+TEST_F(FigureTest, DrawsSeveralAtOnceAsItDrawsEach) {
+  const Figure channel = MakeChannelFigure(example_->input, 1, 2);
+  const Figure convergence = MakeConvergenceFigure(example_->input);
+  std::vector<std::string> svgs;
+  std::string error;
+  ASSERT_TRUE(DrawSvgs({&channel, &convergence, &channel}, GnuplotOptions(),
+                       &svgs, &error))
+      << error;
+  ASSERT_EQ(svgs.size(), 3u);
+  EXPECT_EQ(svgs[0], Draw(channel));
+  // The colour of gnuplot's empty first group is that of what came before.
+  EXPECT_NEAR(static_cast<double>(svgs[1].size()),
+              static_cast<double>(Draw(convergence).size()), 300.0);
+  EXPECT_THAT(svgs[1], Not(HasSubstr("id='channel_1_2_gp")));
+  // Neither ranges nor labels nor panels are left of the one before.
+  const auto count = [](const std::string& text, const std::string& what) {
+    size_t found = 0;
+    for (size_t at = text.find(what); at != std::string::npos;
+         at = text.find(what, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  for (const char* what : {"<path", "<text", "<g "}) {
+    EXPECT_NEAR(static_cast<double>(count(svgs[2], what)),
+                static_cast<double>(count(svgs[0], what)), 1.0)
+        << what;
+  }
+}
+
+TEST_F(FigureTest, OneThatCannotBeDrawnTakesNoOtherWithIt) {
+  ReportFigures figures;
+  figures.pictures.resize(3);
+  figures.pictures[0].figure = MakeChannelFigure(example_->input, 1, 2);
+  figures.pictures[1].figure = MakeConvergenceFigure(example_->input);
+  figures.pictures[1].figure.script += "plot undefined_name\n";
+  figures.pictures[2].figure = MakeConvergenceFigure(example_->input);
+  DrawFigures(HtmlReportOptions(), &figures);
+  EXPECT_EQ(figures.pictures[0].svg, Draw(figures.pictures[0].figure));
+  EXPECT_EQ(figures.pictures[1].svg, "");
+  EXPECT_THAT(figures.pictures[1].error, HasSubstr("undefined_name"));
+  EXPECT_EQ(figures.pictures[2].svg, Draw(figures.pictures[2].figure));
+}
 
 TEST_F(FigureTest, ShowsAChannelWithLabelsAndLegend) {
   const Figure figure = MakeChannelFigure(example_->input, 1, 2);

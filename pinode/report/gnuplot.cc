@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
-#include <sys/socket.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -55,16 +55,17 @@ bool MakePipe(Descriptor* read_end, Descriptor* write_end) {
   return fcntl(ends[0], F_SETFL, O_NONBLOCK) == 0;
 }
 
-// A socket rather than a pipe: writing to a process that is gone then gives an
-// error instead of a signal to the caller's program.
-bool MakeInput(Descriptor* ours, Descriptor* theirs) {
-  int ends[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
-    return false;
+// A file without a name that holds `text`. From a file gnuplot reads in blocks;
+// what is sent to it as standard input it asks the system for byte by byte.
+bool MakeInput(std::string_view text, Descriptor* input) {
+  input->Reset(memfd_create("gnuplot", MFD_CLOEXEC));
+  if (!input->is_open()) return false;
+  while (!text.empty()) {
+    const ssize_t count = write(input->get(), text.data(), text.size());
+    if (count < 0 && errno != EINTR) return false;
+    if (count > 0) text.remove_prefix(static_cast<size_t>(count));
   }
-  ours->Reset(ends[0]);
-  theirs->Reset(ends[1]);
-  return fcntl(ends[0], F_SETFL, O_NONBLOCK) == 0;
+  return lseek(input->get(), 0, SEEK_SET) == 0;
 }
 
 std::string SystemError(int code) { return std::strerror(code); }
@@ -92,7 +93,11 @@ int Start(const std::string& program, int input, int output, int complaints,
   // posix_spawnp takes char*, and changes nothing.
   std::string name = program;
   std::string defaults = "--default-settings";
-  char* const arguments[] = {name.data(), defaults.data(), nullptr};
+  // Its standard input, opened as a file.
+  std::string file = "/dev/stdin";
+  const bool can_open = access("/proc/self/fd", X_OK) == 0;
+  char* const arguments[] = {name.data(), defaults.data(),
+                             can_open ? file.data() : nullptr, nullptr};
   const int code = posix_spawnp(process, name.c_str(), &actions, &attributes,
                                 arguments, environ);
   posix_spawnattr_destroy(&attributes);
@@ -116,21 +121,6 @@ void Drain(Descriptor* from, std::string* to) {
   }
 }
 
-// Sends what fits; closes *to when all is sent or nobody listens.
-void Feed(std::string_view* rest, Descriptor* to) {
-  while (to->is_open() && !rest->empty()) {
-    const ssize_t count =
-        send(to->get(), rest->data(), rest->size(), MSG_NOSIGNAL);
-    if (count >= 0) {
-      rest->remove_prefix(static_cast<size_t>(count));
-    } else if (errno != EINTR) {
-      if (errno != EAGAIN) to->Close();
-      return;
-    }
-  }
-  to->Close();
-}
-
 // The first few lines that say something, on one line.
 std::string Condense(const std::string& complaint) {
   std::string line;
@@ -147,20 +137,23 @@ std::string Condense(const std::string& complaint) {
 // One run of the program and what connects us with it.
 struct GnuplotRun {
   pid_t process = -1;
-  Descriptor input;
   Descriptor answer;
   Descriptor complaints;
 };
 
-bool Begin(const std::string& program, GnuplotRun* run, std::string* error) {
-  Descriptor their_input, their_answer, their_complaints;
-  if (!MakeInput(&run->input, &their_input) ||
-      !MakePipe(&run->answer, &their_answer) ||
+bool Begin(const std::string& program, std::string_view script, GnuplotRun* run,
+           std::string* error) {
+  Descriptor input, their_answer, their_complaints;
+  if (!MakeInput(script, &input)) {
+    *error = "no memory for gnuplot's script: " + SystemError(errno);
+    return false;
+  }
+  if (!MakePipe(&run->answer, &their_answer) ||
       !MakePipe(&run->complaints, &their_complaints)) {
     *error = "no pipe to gnuplot: " + SystemError(errno);
     return false;
   }
-  const int code = Start(program, their_input.get(), their_answer.get(),
+  const int code = Start(program, input.get(), their_answer.get(),
                          their_complaints.get(), &run->process);
   if (code != 0) {
     *error = "'" + program + "' could not be started: " + SystemError(code);
@@ -169,23 +162,21 @@ bool Begin(const std::string& program, GnuplotRun* run, std::string* error) {
   return true;
 }
 
-// Sends the script and takes what comes back until the program closes its
-// outputs. False where the deadline passes before that.
-bool Converse(std::string_view script, Clock::time_point deadline,
-              GnuplotRun* run, std::string* answer, std::string* complaint) {
+// Takes what comes back until the program closes its outputs. False where the
+// deadline passes before that.
+bool Listen(Clock::time_point deadline, GnuplotRun* run, std::string* answer,
+            std::string* complaint) {
   while (run->answer.is_open() || run->complaints.is_open()) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
                           deadline - Clock::now())
                           .count();
     if (left <= 0) return false;
     // Descriptors that are closed are -1, which poll() passes over.
-    pollfd events[3] = {{run->input.get(), POLLOUT, 0},
-                        {run->answer.get(), POLLIN, 0},
+    pollfd events[2] = {{run->answer.get(), POLLIN, 0},
                         {run->complaints.get(), POLLIN, 0}};
-    if (poll(events, 3, static_cast<int>(left)) < 0 && errno != EINTR) break;
-    if (events[0].revents != 0) Feed(&script, &run->input);
-    if (events[1].revents != 0) Drain(&run->answer, answer);
-    if (events[2].revents != 0) Drain(&run->complaints, complaint);
+    if (poll(events, 2, static_cast<int>(left)) < 0 && errno != EINTR) break;
+    if (events[0].revents != 0) Drain(&run->answer, answer);
+    if (events[1].revents != 0) Drain(&run->complaints, complaint);
   }
   return true;
 }
@@ -221,10 +212,9 @@ bool RunGnuplot(const std::string& script, const GnuplotOptions& options,
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
           std::clamp(options.timeout_seconds, 0.0, 86400.0)));
   GnuplotRun run;
-  if (!Begin(options.program, &run, error)) return false;
+  if (!Begin(options.program, script, &run, error)) return false;
   std::string svg, complaint;
-  const bool answered = Converse(script, deadline, &run, &svg, &complaint);
-  run.input.Close();
+  const bool answered = Listen(deadline, &run, &svg, &complaint);
   bool failed = false;
   if (!WaitForEnd(run.process, deadline, /*timed_out=*/!answered, &failed)) {
     *error = "gnuplot did not finish in time";

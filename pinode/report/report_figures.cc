@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/parallel_for.h"
@@ -12,6 +14,10 @@ namespace pinode {
 namespace {
 
 using Role = IdentificationRecord::Role;
+
+// Of one run of gnuplot: starting it costs as much as drawing ten. No more, so
+// that several can run beside each other, however many threads there are.
+constexpr size_t kFiguresARun = 12;
 
 // Indices of the records' channels to be drawn, those with the largest errors
 // if there are too many, in the record's order.
@@ -136,15 +142,33 @@ ReportFigures PlanFigures(const ReportInput& input,
 }
 
 void DrawFigures(const HtmlReportOptions& options, ReportFigures* figures) {
-  ParallelFor(static_cast<int>(figures->pictures.size()),
-              std::max(options.num_threads, 1), [&](int index, int) {
-                ReportFigures::Picture& picture =
-                    figures->pictures[static_cast<size_t>(index)];
-                if (!DrawFigure(picture.figure, options.gnuplot, &picture.svg,
-                                &picture.error)) {
-                  picture.svg.clear();
-                }
-              });
+  using Picture = ReportFigures::Picture;
+  const size_t size = figures->pictures.size();
+  const auto draw = [&](size_t first, size_t count, std::string* error) {
+    std::vector<const Figure*> several;
+    for (size_t i = first; i < first + count; ++i) {
+      several.push_back(&figures->pictures[i].figure);
+    }
+    std::vector<std::string> svgs;
+    if (!DrawSvgs(several, options.gnuplot, &svgs, error)) return false;
+    for (size_t i = 0; i < count; ++i) {
+      figures->pictures[first + i].svg = std::move(svgs[i]);
+    }
+    return true;
+  };
+  const int num_runs =
+      static_cast<int>((size + kFiguresARun - 1) / kFiguresARun);
+  ParallelFor(num_runs, std::max(options.num_threads, 1), [&](int run, int) {
+    const size_t first = static_cast<size_t>(run) * kFiguresARun;
+    const size_t count = std::min(kFiguresARun, size - first);
+    std::string ignored;
+    if (draw(first, count, &ignored)) return;
+    // Each by itself, so that one that fails takes no other with it.
+    for (size_t i = first; i < first + count; ++i) {
+      Picture& picture = figures->pictures[i];
+      if (!draw(i, 1, &picture.error)) picture.svg.clear();
+    }
+  });
 }
 
 }  // namespace pinode
