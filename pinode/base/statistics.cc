@@ -28,12 +28,15 @@ Vector LaggedProducts(const Vector& values, Eigen::Index count) {
 
 // Mean over the present samples of function(x).
 template <typename Function>
-double MeanOf(const Vector& values, const Function& function) {
+double MeanOf(const Eigen::Ref<const Vector>& values,
+              const Function& function) {
   double sum = 0.0;
+  int count = 0;
   for (const double value : values) {
-    if (!std::isnan(value)) sum += function(value);
+    if (std::isnan(value)) continue;
+    sum += function(value);
+    ++count;
   }
-  const int count = CountPresent(values);
   return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
 }
 
@@ -45,7 +48,7 @@ int CountPresent(const Vector& values) {
                     [](double value) { return !std::isnan(value); }));
 }
 
-double MeanOfPresent(const Vector& values) {
+double MeanOfPresent(const Eigen::Ref<const Vector>& values) {
   return MeanOf(values, [](double value) { return value; });
 }
 

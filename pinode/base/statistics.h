@@ -12,7 +12,7 @@ int CountPresent(const Vector& values);
 
 // Over the samples that are present; NaN if there are none. The standard
 // deviation is that of the population: sqrt(mean((x - mean(x))^2)).
-double MeanOfPresent(const Vector& values);
+double MeanOfPresent(const Eigen::Ref<const Vector>& values);
 double RmsOfPresent(const Vector& values);
 double StandardDeviationOfPresent(const Vector& values);
 

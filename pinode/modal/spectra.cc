@@ -42,7 +42,7 @@ Spectra EstimateSpectra(const ResponseRecord& record, int segment_samples,
   Vector means(channels);
   Vector sigmas(channels);
   for (Eigen::Index c = 0; c < channels; ++c) {
-    means[c] = MeanOfPresent(record.samples.row(c));
+    means[c] = MeanOfPresent(Vector(record.samples.row(c)));
     sigmas[c] = StandardDeviationOfPresent(record.samples.row(c));
   }
   // By frequency, 1 to half.

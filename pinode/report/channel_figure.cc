@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pinode/base/strings.h"
 #include "pinode/report/decimate.h"
@@ -60,19 +61,15 @@ class ChannelPlot {
         measured_(record_.channels.at(static_cast<size_t>(channel))),
         unit_(ChannelUnit(input, record, channel)),
         num_samples_(record_.num_samples()),
-        time_(num_samples_),
-        updated_(score_.prediction.row(channel)),
+        updated_(score_.prediction.row(channel).transpose()),
         script_(
             "channel_" + std::to_string(record) + "_" + std::to_string(channel),
             900, 400) {
-    for (int i = 0; i < num_samples_; ++i) {
-      time_(i) = record_.excitation->time(i);
-    }
     const std::vector<Matrix>& priors = input.prior.predictions;
     const size_t r = static_cast<size_t>(record);
     if (r < priors.size() && priors[r].rows() > channel &&
         priors[r].cols() == num_samples_) {
-      prior_ = priors[r].row(channel);
+      prior_.emplace(priors[r].row(channel).transpose());
     }
     if (channel < static_cast<int>(score_.channels.size())) {
       sigma_ = score_.channels[static_cast<size_t>(channel)].sigma;
@@ -97,6 +94,8 @@ class ChannelPlot {
   bool HasSigma() const { return std::isfinite(sigma_) && sigma_ > 0.0; }
 
  private:
+  double Time(int sample) const { return record_.excitation->time(sample); }
+
   // Above.
   void DrawWhole() {
     script_.Line("set lmargin at screen 0.085");
@@ -106,16 +105,16 @@ class ChannelPlot {
     script_.Line("set key at screen 0.985,0.985");
     script_.Line("set ylabel " +
                  GnuplotString(AxisLabel(measured_.observation.name, unit_)));
-    std::vector<Vector> predictions = {updated_};
-    if (prior_.size() > 0) predictions.push_back(prior_);
+    std::vector<HistoryRef> predictions = {updated_};
+    if (prior_.has_value()) predictions.push_back(*prior_);
     const Interval range = VerticalRange(measured_.values, predictions);
     script_.Line(Range("y", range.low, range.high));
-    script_.Line(Range("x", time_(0), time_(num_samples_ - 1)));
+    script_.Line(Range("x", Time(0), Time(num_samples_ - 1)));
     const std::vector<std::string> curves =
         AddCurves(0, num_samples_, kHistoryBuckets, true);
     const int scored = score_.first_scored_sample;
     if (scored > 0 && scored < num_samples_) {
-      const std::string at = ScriptNumber(time_(scored));
+      const std::string at = ScriptNumber(Time(scored));
       script_.Line("set arrow 1 from " + at + ", graph 0 to " + at +
                    ", graph 1 nohead " + kFaintLine);
       script_.Line("set label 1 ' scored from here' at " + at +
@@ -138,15 +137,16 @@ class ChannelPlot {
     script_.Line("set xlabel " +
                  GnuplotString(AxisLabel(
                      "time", input_.problem->description.units.time)));
-    script_.Line(Range("x", time_(first), time_(first + count - 1)));
+    script_.Line(Range("x", Time(first), Time(first + count - 1)));
     std::vector<std::string> curves =
         AddCurves(first, count, kCloseUpBuckets, false);
     if (HasBand()) {
       const Vector prediction = updated_.segment(first, count);
       const Vector half = half_band_.segment(first, count);
-      curves.insert(curves.begin(),
-                    Band(time_.segment(first, count), prediction - half,
-                         prediction + half, "", &script_));
+      curves.insert(
+          curves.begin(),
+          Band(Vector::LinSpaced(count, Time(first), Time(first + count - 1)),
+               prediction - half, prediction + half, "", &script_));
     }
     Plot(curves);
   }
@@ -157,14 +157,15 @@ class ChannelPlot {
     script_.Line("set lmargin at screen 0.6");
     script_.Line("set rmargin at screen 0.985");
     script_.Line("set ylabel " + GnuplotString(AxisLabel("residual", unit_)));
-    script_.Line(Range("x", time_(0), time_(num_samples_ - 1)));
+    script_.Line(Range("x", Time(0), Time(num_samples_ - 1)));
     Interval range;
     range.Add(residual);
     range.Add(2.5 * sigma_);
     range.Add(-2.5 * sigma_);
     script_.Line(Range("y", range.low, range.high));
     std::vector<std::string> curves;
-    const Polyline line = DecimateHistory(time_, residual, kHistoryBuckets);
+    const Polyline line = DecimateHistory(Time(0), record_.sampling_step(),
+                                          residual, kHistoryBuckets);
     if (!line.x.empty()) {
       curves.push_back(Lines(script_.Data({line.x, line.y}), kUpdatedLine, ""));
     }
@@ -181,16 +182,16 @@ class ChannelPlot {
   std::vector<std::string> AddCurves(int from, int size, int buckets,
                                      bool titles) {
     std::vector<std::string> curves;
-    const Vector t = time_.segment(from, size);
-    const auto add = [&](const Vector& values, const char* style,
+    const auto add = [&](const HistoryRef& values, const char* style,
                          const char* title) {
       const Polyline line =
-          DecimateHistory(t, values.segment(from, size), buckets);
+          DecimateHistory(Time(from), record_.sampling_step(),
+                          values.segment(from, size), buckets);
       if (line.x.empty()) return;
       curves.push_back(
           Lines(script_.Data({line.x, line.y}), style, titles ? title : ""));
     };
-    if (prior_.size() > 0) add(prior_, kPriorLine, "prior model");
+    if (prior_.has_value()) add(*prior_, kPriorLine, "prior model");
     add(measured_.values, kMeasuredLine, "measured");
     add(updated_, kUpdatedLine, "updated model");
     return curves;
@@ -208,10 +209,9 @@ class ChannelPlot {
   const MeasuredChannel& measured_;
   const std::string unit_;
   const int num_samples_;
-  Vector time_;
-  const Vector updated_;
-  Vector prior_;      // empty: not known
-  Vector half_band_;  // likewise
+  const HistoryRef updated_;
+  std::optional<HistoryRef> prior_;
+  Vector half_band_;  // empty: not known
   double sigma_ = 0.0;
   FigureScript script_;
 };

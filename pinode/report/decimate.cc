@@ -9,8 +9,11 @@
 
 namespace pinode {
 
-Polyline DecimateHistory(const Vector& x, const Vector& y, int num_buckets) {
-  CHECK_EQ(x.size(), y.size()) << "one abscissa per ordinate";
+namespace {
+
+// x: of a sample.
+template <typename Abscissa>
+Polyline Decimate(const Abscissa& x, const HistoryRef& y, int num_buckets) {
   CHECK_GT(num_buckets, 0);
   Polyline line;
   const Eigen::Index present = y.array().isFinite().count();
@@ -37,7 +40,7 @@ Polyline DecimateHistory(const Vector& x, const Vector& y, int num_buckets) {
     line.y.push_back(y(i));
   };
 
-  const int64_t size = x.size();
+  const int64_t size = y.size();
   const int64_t buckets =
       size <= int64_t{2} * num_buckets ? size : int64_t{num_buckets};
   int final_sample = -1;
@@ -62,6 +65,19 @@ Polyline DecimateHistory(const Vector& x, const Vector& y, int num_buckets) {
   }
   if (final_sample >= 0) take(final_sample);
   return line;
+}
+
+}  // namespace
+
+Polyline DecimateHistory(const HistoryRef& x, const HistoryRef& y,
+                         int num_buckets) {
+  CHECK_EQ(x.size(), y.size()) << "one abscissa per ordinate";
+  return Decimate(x, y, num_buckets);
+}
+
+Polyline DecimateHistory(double first, double step, const HistoryRef& y,
+                         int num_buckets) {
+  return Decimate([=](int i) { return first + i * step; }, y, num_buckets);
 }
 
 }  // namespace pinode

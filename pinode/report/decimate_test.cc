@@ -73,5 +73,17 @@ TEST(DecimateHistory, HasNothingToShowOfMissingValues) {
   EXPECT_TRUE(DecimateHistory(Vector(), Vector(), 3).x.empty());
 }
 
+TEST(DecimateHistory, OfAUniformGrid) {
+  const int size = 500;
+  const Vector x = Vector::LinSpaced(size, 2.0, 2.0 + 0.25 * (size - 1));
+  Matrix rows = Matrix::Random(3, size);
+  rows(1, 250) = std::numeric_limits<double>::quiet_NaN();
+  const Vector y = rows.row(1);
+  const Polyline expected = DecimateHistory(x, y, 40);
+  const Polyline line = DecimateHistory(2.0, 0.25, rows.row(1).transpose(), 40);
+  EXPECT_EQ(line.x, expected.x);
+  EXPECT_EQ(line.y, expected.y);
+}
+
 }  // namespace
 }  // namespace pinode

@@ -66,13 +66,13 @@ std::string Range(const std::string& axis, double low, double high) {
 }
 
 Interval VerticalRange(const Vector& measured,
-                       const std::vector<Vector>& predicted) {
+                       const std::vector<HistoryRef>& predicted) {
   Interval range;
   range.Add(measured);
   if (range.empty()) range.Add(0.0);
   const double room = std::max(range.width(), 1e-300);
   const double low = range.low - 0.5 * room, high = range.high + 0.5 * room;
-  for (const Vector& values : predicted) {
+  for (const HistoryRef& values : predicted) {
     Interval other;
     other.Add(values);
     if (other.empty()) continue;

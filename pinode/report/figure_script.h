@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/report/decimate.h"
 #include "pinode/report/report.h"
 
 namespace pinode {
@@ -74,7 +75,7 @@ struct Interval {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  void Add(const Vector& values) {
+  void Add(const HistoryRef& values) {
     for (const double value : values) Add(value);
   }
 };
@@ -82,7 +83,7 @@ struct Interval {
 // Room for what was measured and, as far as it does not dwarf that, for what
 // was predicted: a prior model may run away.
 Interval VerticalRange(const Vector& measured,
-                       const std::vector<Vector>& predicted);
+                       const std::vector<HistoryRef>& predicted);
 
 // "record 'quake' (hold-out)".
 std::string RecordWithRole(const ReportInput& input, int record);

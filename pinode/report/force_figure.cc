@@ -57,9 +57,12 @@ class ForcePlot {
     script_.Line("set xlabel " + GnuplotString(AxisLabel("time", units.time)));
     script_.Line("set ylabel " +
                  GnuplotString(AxisLabel("force", units.force)));
-    std::vector<Vector> others;
-    if (has_band_) others = {estimate.lower95, estimate.upper95};
-    if (truth != nullptr) others.push_back(truth->values);
+    std::vector<HistoryRef> others;
+    if (has_band_) {
+      others.emplace_back(estimate.lower95);
+      others.emplace_back(estimate.upper95);
+    }
+    if (truth != nullptr) others.emplace_back(truth->values);
     const Interval range = VerticalRange(estimate.value, others);
     script_.Line(Range("y", range.low, range.high));
   }
