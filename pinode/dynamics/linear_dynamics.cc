@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pinode/base/entries_in_use.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/power_of_two.h"
 #include "pinode/dynamics/prescribed_motion.h"
@@ -237,6 +238,37 @@ void LinearDynamics::AddParameterTangents(const LinearSystem& system,
     Eigen::Map<Vector>(
         result + left.rows() * free_changes_[static_cast<size_t>(j)].column,
         left.rows()) -= scratch->product.col(j);
+  }
+}
+
+void LinearDynamics::AddRateDerivatives(
+    const LinearSystem& system, std::vector<Matrix>* derivatives) const {
+  const int n = num_dofs();
+  for (const MatrixChange& change : free_changes_) {
+    const Matrix& matrix = change.group->matrix;
+    const std::vector<int> rows = RowsInUse(matrix);
+    const std::vector<int> columns = ColumnsInUse(matrix);
+    const Matrix core = matrix(rows, columns);
+    const Matrix left = -system.mass_inverse(Eigen::all, rows) * core;
+    auto accelerations =
+        (*derivatives)[static_cast<size_t>(change.column)].bottomRows(n);
+    if (change.group->target != Target::kMass) {
+      const int first = change.group->target == Target::kDamping ? n : 0;
+      for (size_t k = 0; k < columns.size(); ++k) {
+        accelerations.col(first + columns[k]) +=
+            left.col(static_cast<Eigen::Index>(k));
+      }
+      continue;
+    }
+    // a_f + r a_g of each state and input.
+    Matrix inertia(n, 2 * n + num_inputs());
+    inertia << system.state_jacobian.bottomRows(n), system.input_map;
+    for (int i = 0; i < num_inputs(); ++i) {
+      const InputSpec& spec = inputs_[static_cast<size_t>(i)];
+      if (spec.kind != InputSpec::Kind::kGroundAcceleration) continue;
+      inertia.col(2 * n + i) += model_.influence.col(spec.index);
+    }
+    accelerations += left * inertia(columns, Eigen::all);
   }
 }
 

@@ -119,6 +119,12 @@ class LinearDynamics {
                             const Matrix& left, TangentScratch* scratch,
                             double* result) const;
 
+  // Of the linear part alone, dh/dt = [F G] [h; u]: adds the derivative of [F
+  // G] (2 num_dofs x (2 num_dofs + inputs)) by each free change to the matrix
+  // of its tangent column. Costs as many rows and columns as the changes have.
+  void AddRateDerivatives(const LinearSystem& system,
+                          std::vector<Matrix>* derivatives) const;
+
  private:
   template <typename T>
   void RateOf(const LinearSystem& system, const double* input, const T* state,

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "pinode/base/parallel_for.h"
 #include "pinode/integrate/history_pass.h"
 
 namespace pinode {
@@ -227,7 +228,7 @@ void LinearRecord::AddBlock(const Tables& tables, int first,
 }
 
 void LinearRecord::Condense(const Tables& tables, const Sums& sums,
-                            ByChannel* equations) const {
+                            int num_threads, ByChannel* equations) const {
   const size_t count = tables.apart ? record_.channels.size() : 1;
   equations->costs = sums.costs;
   equations->end_state =
@@ -240,16 +241,28 @@ void LinearRecord::Condense(const Tables& tables, const Sums& sums,
                                Matrix::Zero(tables.columns, tables.columns));
   }
   if (tables.columns == 0) return;
-  Matrix product;
   for (size_t p = 0; p < patterns_.size(); ++p) {
-    for (const int c : patterns_[p].channels) {
-      const Matrix& table = tables.derivatives[static_cast<size_t>(c)];
+    const std::vector<int>& channels = patterns_[p].channels;
+    std::vector<Matrix> hessians(channels.size());
+    if (!tables.by_rows) {
+      ParallelFor(static_cast<int>(channels.size()), num_threads,
+                  [&](int i, int) {
+                    const auto k = static_cast<size_t>(i);
+                    const Matrix& table =
+                        tables.derivatives[static_cast<size_t>(channels[k])];
+                    const Matrix product =
+                        sums.grams[p].selfadjointView<Eigen::Lower>() * table;
+                    hessians[k].noalias() = table.transpose() * product;
+                  });
+    }
+    // In an order that does not depend on who found them.
+    for (size_t k = 0; k < channels.size(); ++k) {
+      const int c = channels[k];
       const size_t own = tables.EquationsOf(c);
       equations->gradients.col(static_cast<Eigen::Index>(own)).noalias() +=
-          table.transpose() * sums.products.col(c);
-      if (tables.by_rows) continue;
-      product.noalias() = sums.grams[p].selfadjointView<Eigen::Lower>() * table;
-      equations->hessians[own].noalias() += table.transpose() * product;
+          tables.derivatives[static_cast<size_t>(c)].transpose() *
+          sums.products.col(c);
+      if (!tables.by_rows) equations->hessians[own] += hessians[k];
     }
   }
   if (!tables.by_rows) return;
@@ -353,7 +366,8 @@ bool LinearRecord::Sum(const Point& point, int num_threads,
     return false;
   }
   Communicator& ranks = CommunicatorOrSingle(communicator);
-  Condense(tables, SumPieces(tables, num_threads, ranks), equations);
+  Condense(tables, SumPieces(tables, num_threads, ranks), num_threads,
+           equations);
   equations->parameters = *point.parameters;
   equations->start = point.start;
   equations->columns = point.columns;

@@ -129,7 +129,7 @@ class LinearRecord {
                    const Matrix& histories) const;
   void AddBlock(const Tables& tables, int first, const Matrix& histories,
                 Sums* sums) const;
-  void Condense(const Tables& tables, const Sums& sums,
+  void Condense(const Tables& tables, const Sums& sums, int num_threads,
                 ByChannel* equations) const;
   // Whether the equations of all channels are of this point, whatever the
   // noise.

@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/record_grid.h"
 #include "pinode/estimate/sensor.h"
@@ -112,7 +113,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     data.filter->Apply(&history);
     score->prediction = history.transpose();
   }
-  for (int c = 0; c < nc; ++c) {
+  ParallelFor(nc, num_threads, [&](int c, int) {
     const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
     ChannelScore& result = score->channels[static_cast<size_t>(c)];
     result.name = channel.observation.name;
@@ -138,7 +139,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     const double noise = MemorylessMeanSquare(residuals);
     result.noise_share =
         noise > 0.0 && count > 0 ? std::min(1.0, noise * count / sum) : kNaN;
-  }
+  });
   score->nrmse = CombinedError(data, *score);
 }
 

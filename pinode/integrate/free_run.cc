@@ -1,5 +1,6 @@
 #include "pinode/integrate/free_run.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,8 @@ namespace {
 // Samples for each state from which on a map is worth its making, and modes.
 constexpr int kSamplesForAMap = 3;
 constexpr int kSamplesForModes = 40;
+// Mean squares of states, which cost more than the channels, take no fewer.
+constexpr int kSamplesForMeans = 16384;
 
 // The steps of one interval after the other: Advance takes the state from one
 // sample to the next.
@@ -111,6 +114,7 @@ bool RunByModes(const StructuralDynamics& dynamics,
   const Matrix values = response.Values(contents, observation, start);
   const int samples = trajectory->num_samples();
   const HistoryPass pass(response, contents, grid, first, samples);
+  const int stride = std::max(1, samples / kSamplesForMeans);
   Matrix squares =
       Matrix::Zero(keep == Keep::kMeanSquares ? states.cols() : 0,
                    keep == Keep::kMeanSquares ? pass.num_pieces() : 0);
@@ -124,8 +128,11 @@ bool RunByModes(const StructuralDynamics& dynamics,
       return;
     }
     if (keep == Keep::kMeanSquares) {
+      const int next = (stride - begin % stride) % stride;
+      const Matrix some = histories(
+          Eigen::all, Eigen::seq(next, static_cast<int>(count) - 1, stride));
       squares.col(HistoryPass::PieceOf(begin)) +=
-          (states.transpose() * histories).rowwise().squaredNorm();
+          (states.transpose() * some).rowwise().squaredNorm();
     }
     if (begin + count == samples) {
       trajectory->states.noalias() =
@@ -133,7 +140,8 @@ bool RunByModes(const StructuralDynamics& dynamics,
     }
   });
   if (keep == Keep::kMeanSquares) {
-    trajectory->mean_squares = squares.rowwise().sum() / samples;
+    trajectory->mean_squares =
+        squares.rowwise().sum() / ((samples + stride - 1) / stride);
   }
   return true;
 }

@@ -20,9 +20,11 @@ enum class Keep { kAll, kMeanSquares, kChannels };
 // States and channels at the samples [first, first + num_samples()).
 struct Trajectory {
   int first_sample = 0;
-  Matrix states;        // num_states x samples, or the last one alone
-  Matrix channels;      // num_channels x samples
-  Vector mean_squares;  // of the states, where these are not kept
+  Matrix states;    // num_states x samples, or the last one alone
+  Matrix channels;  // num_channels x samples
+  // Of the states, where these are not kept: over the samples, of a linear run
+  // of more than 32768 over every second, third, ... of them.
+  Vector mean_squares;
   // Where a state stopped being finite: sample and index of the state; -1 if
   // nowhere.
   int failed_sample = -1;

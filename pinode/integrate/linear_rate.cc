@@ -14,26 +14,15 @@ ParameterizedMap LinearRate(const StructuralDynamics& dynamics,
   const int ni = dynamics.num_inputs();
   const int np = with_parameters ? dynamics.num_tangent_columns() : 0;
   ParameterizedMap map;
-  map.value.resize(ns, ns + ni);
-  map.derivatives.assign(static_cast<size_t>(np), Matrix(ns, ns + ni));
-  auto at = dynamics.MakeLinearization();
-  auto scratch = dynamics.MakeTangentScratch(ns);
-  const Matrix left = Matrix::Identity(ns, ns);
-  Matrix tangents(ns, np);
-  // Column by column.
-  for (int k = 0; k < ns + ni; ++k) {
-    const Vector point = Vector::Unit(ns + ni, k);
-    dynamics.Linearize(prepared, 0.0, point.data() + ns, point.data(), &at);
-    map.value.col(k) = at.rate;
-    if (np == 0) continue;
-    tangents.setZero();
-    const StructuralDynamics::Linearization* point_at = &at;
-    const Matrix* left_at = &left;
-    dynamics.AddParameterTangents(prepared, &point_at, &left_at, 1, &scratch,
-                                  tangents.data());
-    for (int j = 0; j < np; ++j) {
-      map.derivatives[static_cast<size_t>(j)].col(k) = tangents.col(j);
-    }
+  // Constant matrices are all that linear dynamics have.
+  map.value = Matrix::Zero(ns, ns + ni);
+  map.value.leftCols(ns) = prepared.linear.state_jacobian;
+  map.value.bottomRightCorner(dynamics.num_dofs(), ni) =
+      prepared.linear.input_map;
+  map.derivatives.assign(static_cast<size_t>(np), Matrix::Zero(ns, ns + ni));
+  if (np > 0) {
+    dynamics.linear_dynamics().AddRateDerivatives(prepared.linear,
+                                                  &map.derivatives);
   }
   return map;
 }

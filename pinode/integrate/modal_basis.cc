@@ -34,6 +34,37 @@ struct ScalarStep {
   Complex node[3], node_slope[3];
 };
 
+// V^-1 of modes that are real or, one behind the other, conjugate pairs: with a
+// pair's real and imaginary parts as columns V is real, and a real inverse is
+// a quarter of the work.
+ComplexMatrix InverseOfPairs(const ComplexMatrix& modes) {
+  const Eigen::Index ns = modes.rows();
+  const auto begins_pair = [&modes](Eigen::Index m) {
+    return !modes.col(m).imag().isZero(0.0);
+  };
+  Matrix parts = modes.real();
+  for (Eigen::Index m = 0; m < ns; ++m) {
+    if (!begins_pair(m)) continue;
+    parts.col(m + 1) = modes.col(m).imag();
+    ++m;
+  }
+  const Matrix inverse = Eigen::PartialPivLU<Matrix>(parts).inverse();
+  ComplexMatrix result(ns, ns);
+  for (Eigen::Index m = 0; m < ns; ++m) {
+    if (!begins_pair(m)) {
+      result.row(m) = inverse.row(m).cast<Complex>();
+      continue;
+    }
+    // v = a + i b beside a - i b: their rows are (a' - i b') / 2 and its
+    // conjugate, a' and b' those of a and b.
+    result.row(m).real() = 0.5 * inverse.row(m);
+    result.row(m).imag() = -0.5 * inverse.row(m + 1);
+    result.row(m + 1) = result.row(m).conjugate();
+    ++m;
+  }
+  return result;
+}
+
 }  // namespace
 
 bool ModalBasis::Compute(const Matrix& state_matrix,
@@ -46,7 +77,7 @@ bool ModalBasis::Compute(const Matrix& state_matrix,
   eigenvalues_ = solver.eigenvalues();
   modes_ = solver.eigenvectors();
   if (!eigenvalues_.allFinite() || !modes_.allFinite()) return false;
-  inverse_modes_ = Eigen::PartialPivLU<ComplexMatrix>(modes_).inverse();
+  inverse_modes_ = InverseOfPairs(modes_);
   if (!inverse_modes_.allFinite()) return false;
   double square = 0.0;  // of |V| |V^-1| with modes of length 1
   for (Eigen::Index m = 0; m < ns; ++m) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "pinode/base/entries_in_use.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/parallel_for.h"
 
@@ -16,23 +17,6 @@ using Complex = std::complex<double>;
 // mean of their p leaves out is of second order in it, what a division by their
 // difference would lose of first order in its inverse.
 constexpr double kNearShare = 1e-6;
-
-// Rows, or columns, of a matrix that are not zero.
-std::vector<int> RowsInUse(const Eigen::Ref<const Matrix>& matrix) {
-  std::vector<int> rows;
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    if (!matrix.row(i).isZero(0.0)) rows.push_back(static_cast<int>(i));
-  }
-  return rows;
-}
-
-std::vector<int> ColumnsInUse(const Eigen::Ref<const Matrix>& matrix) {
-  std::vector<int> columns;
-  for (Eigen::Index i = 0; i < matrix.cols(); ++i) {
-    if (!matrix.col(i).isZero(0.0)) columns.push_back(static_cast<int>(i));
-  }
-  return columns;
-}
 
 // W * change * V, at the price of the rows and columns that change.
 ComplexMatrix InModes(const ModalBasis& basis,
@@ -90,15 +74,16 @@ bool ModalResponse::Prepare(const StructuralDynamics& dynamics,
   inverse_gaps_ = ComplexMatrix::Zero(ns, ns);
   near_.clear();
   const ComplexVector& lambda = basis_.eigenvalues();
+  const Vector squares = lambda.cwiseAbs2();
   for (int m = 0; m < ns; ++m) {
     for (int k = 0; k < ns; ++k) {
       if (k == m) continue;
       const Complex gap = lambda[k] - lambda[m];
-      if (std::abs(gap) <
-          kNearShare * std::max(std::abs(lambda[k]), std::abs(lambda[m]))) {
+      const double square = std::norm(gap);
+      if (square < kNearShare * kNearShare * std::max(squares[k], squares[m])) {
         near_.emplace_back(k, m);
       } else {
-        inverse_gaps_(k, m) = 1.0 / gap;
+        inverse_gaps_(k, m) = std::conj(gap) / square;
       }
     }
   }
