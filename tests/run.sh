@@ -15,7 +15,8 @@ cd -- "$root"
 jobs=$(nproc)
 failed=()
 
-apps/install_packages.sh apps/packages.txt tests/packages.txt
+apps/install_packages.sh apps/packages.txt tests/packages.txt \
+  pinode/site/packages.txt
 
 echo "== format"
 tests/format.sh || failed+=("format")

@@ -1,11 +1,11 @@
 """Lays the project's documents out for Sphinx.
 
-    stage.py [--quick] ROOT SOURCE
+    stage.py [--tutorials_as_they_are] ROOT SOURCE
 
 SOURCE gets the documents in the folders that they have in ROOT, so that their
 links hold, beside the files that they link to; ROOT's README becomes the index.
-Tutorials are run and become pages with their figures; without --quick there is
-a page of C++ for each floor.
+Tutorials are run, unless they are to stay as they are, and become pages with
+their figures. There is a page of C++ for each floor.
 """
 
 import os
@@ -40,8 +40,8 @@ def toctree(title, pages, **options):
 
 
 class Stage:
-    def __init__(self, root, source, quick):
-        self.root, self.source, self.quick = root, source, quick
+    def __init__(self, root, source, run_tutorials):
+        self.root, self.source, self.run_tutorials = root, source, run_tutorials
 
     def linked(self, page, text):
         """`text` with links to what the site has; files are laid beside it."""
@@ -91,9 +91,8 @@ class Stage:
             self.write(page, text)
 
     def has(self, page):
-        if page.startswith("api_"):
-            return not self.quick
-        return page == "tutorials" or (self.root / f"{page}.md").exists()
+        return (page in ("tutorials", "api_cpp", "api_python") or
+                (self.root / f"{page}.md").exists())
 
     def tutorials(self):
         titles = []
@@ -102,7 +101,7 @@ class Stage:
             page = TUTORIALS / path.with_suffix(".md").name
             folder = self.source / TUTORIALS
             folder.mkdir(parents=True, exist_ok=True)
-            if not self.quick:
+            if self.run_tutorials:
                 ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(
                     book, {"metadata": {"path": str(folder)}})
             text, resources = nbconvert.MarkdownExporter().from_notebook_node(book, {
@@ -145,15 +144,14 @@ class Stage:
 
 
 def main():
-    quick = "--quick" in sys.argv
-    root, source = map(pathlib.Path, [a for a in sys.argv[1:] if a != "--quick"])
-    stage = Stage(root, source, quick)
+    option = "--tutorials_as_they_are"
+    root, source = map(pathlib.Path, [a for a in sys.argv[1:] if a != option])
+    stage = Stage(root, source, run_tutorials=option not in sys.argv)
     shutil.copyfile(root / "pinode" / "site" / "conf.py", source / "conf.py")
     stage.documents()
     stage.tutorials()
-    if not quick:
-        stage.cpp()
-        stage.python()
+    stage.cpp()
+    stage.python()
 
 
 if __name__ == "__main__":
