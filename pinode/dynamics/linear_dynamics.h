@@ -119,9 +119,9 @@ class LinearDynamics {
                             const Matrix& left, TangentScratch* scratch,
                             double* result) const;
 
-  // Of the linear part alone, dh/dt = [F G] [h; u]: adds the derivative of [F
-  // G] (2 num_dofs x (2 num_dofs + inputs)) by each free change to the matrix
-  // of its tangent column. Costs as many rows and columns as the changes have.
+  // Of the linear part alone, dh/dt = A [h; u], A: 2 num_dofs x (2 num_dofs +
+  // inputs). Adds the derivative of A by each free change to the matrix of its
+  // tangent column, at the price of the rows and columns that the change has.
   void AddRateDerivatives(const LinearSystem& system,
                           std::vector<Matrix>* derivatives) const;
 
