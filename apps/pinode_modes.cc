@@ -168,6 +168,8 @@ int main(int argc, char** argv) {
   std::optional<StructurePicture> picture;
   if (c.geometry != nullptr) {
     picture = MakeModesPicture(*c.geometry, c.places, places, result.merged);
+    result.geometry = c.geometry->geometry;
+    result.motions = MotionsOfNodes(*c.geometry, places, result.merged);
     report.structure = &*picture;
   }
   HtmlReportOptions report_options;

@@ -25,8 +25,8 @@ class AmbientReader {
 
   bool Read(std::vector<std::string>* remarks) {
     if (!section_.table.errors()->ok() ||
-        !table_.AllowKeys({"dofs", "proportional_to_mass", "base", "correlated",
-                           "knots", "band_hz"})) {
+        !table_.AllowKeys({"dofs", "areas", "proportional_to_mass", "base",
+                           "correlated", "knots", "band_hz"})) {
       return false;
     }
     IdentificationRecord measured;
@@ -65,10 +65,14 @@ class AmbientReader {
 
  private:
   bool ReadLoads() {
-    if (table_.Has("dofs") && table_.Has("proportional_to_mass")) {
-      return table_.Fail("dofs",
-                         "'dofs' beside 'proportional_to_mass', expected one "
-                         "of the two");
+    const char* given = nullptr;
+    for (const char* key : {"dofs", "areas", "proportional_to_mass"}) {
+      if (!table_.Has(key)) continue;
+      if (given != nullptr) {
+        return table_.Fail(given, "'" + std::string(given) + "' beside '" +
+                                      key + "', expected one of them");
+      }
+      given = key;
     }
     const StructuralModel& model = dynamics_.model();
     for (const std::string& name : table_.Strings("dofs")) {
@@ -76,6 +80,7 @@ class AmbientReader {
       if (!FindDof(model, table_, "dofs", name, false, &dof)) return false;
       AddLoad(name, Vector::Unit(model.num_dofs(), dof));
     }
+    if (table_.Has("areas") && !ReadAreas()) return false;
     for (const std::string& name : table_.Strings("proportional_to_mass")) {
       const int direction = model.DirectionIndex(name);
       if (direction < 0) {
@@ -97,6 +102,45 @@ class AmbientReader {
     record_->correlated = table_.Boolean("correlated", true);
     record_->knots = table_.Integer("knots", 0, 0);
     return table_.errors()->ok();
+  }
+
+  // Each a list of DOFs with equal forces, or a table of how they share.
+  bool ReadAreas() {
+    const StructuralModel& model = dynamics_.model();
+    const TomlTable areas = table_.Table("areas", table_.name() + ", areas");
+    if (!table_.errors()->ok()) return false;
+    for (const auto& [name, value] : areas.entries()) {
+      Vector load = Vector::Zero(model.num_dofs());
+      const auto add = [&](const TomlTable& from, const std::string& dof_name,
+                           const std::string& key, double weight) {
+        int dof = -1;
+        if (!FindDof(model, from, key, dof_name, false, &dof)) return false;
+        load[dof] += weight;
+        return true;
+      };
+      if (value.type == TomlValue::Type::kTable) {
+        const TomlTable shares = areas.Table(name, areas.name() + ", " + name);
+        for (const auto& entry : shares.entries()) {
+          const double weight = shares.Number(entry.first, 0.0);
+          if (!shares.errors()->ok() ||
+              !add(shares, entry.first, entry.first, weight)) {
+            return false;
+          }
+        }
+      } else {
+        for (const std::string& dof : areas.Strings(name)) {
+          if (!add(areas, dof, name, 1.0)) return false;
+        }
+      }
+      if (!table_.errors()->ok()) return false;
+      if (load.isZero(0.0)) {
+        return areas.Fail(name, "'" + name +
+                                    "' has no DOF with a share, expected one "
+                                    "or more");
+      }
+      AddLoad(name, load);
+    }
+    return true;
   }
 
   void AddLoad(const std::string& name, const Vector& load) {

@@ -2,10 +2,16 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <complex>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/file.h"
@@ -209,18 +215,25 @@ std::string ModesAsToml(const ModesResult& result) {
   return text;
 }
 
-std::string ModesAsUniversalFile(const ModesResult& result) {
-  const std::vector<std::string>& places = result.merged.places;
+namespace {
+
+// Where the rows of shapes are, and what is in them.
+struct ShapesToWrite {
+  std::vector<int> nodes;
+  std::vector<Eigen::MatrixXcd> values;  // of each mode, nodes x 3 or 6
+};
+
+ShapesToWrite AtPlaces(const MergedModes& merged) {
   std::vector<std::pair<int, int>> at;  // node, direction
-  for (const std::string& place : places) {
+  for (const std::string& place : merged.places) {
     int node = 0;
     int direction = 0;
     if (!ParseUniversalPlace(place, &node, &direction)) break;
     at.emplace_back(node, direction);
   }
-  if (at.size() < places.size()) {
+  if (at.size() < merged.places.size()) {
     at.clear();
-    for (size_t i = 0; i < places.size(); ++i) {
+    for (size_t i = 0; i < merged.places.size(); ++i) {
       at.emplace_back(static_cast<int>(i) + 1, 1);
     }
   }
@@ -230,15 +243,90 @@ std::string ModesAsUniversalFile(const ModesResult& result) {
     rows.emplace(node, 0);
     if (std::abs(direction) > 3) widest = 6;
   }
-  UniversalFile file;
-  UniversalShape shape;
+  ShapesToWrite shapes;
   for (auto& [node, row] : rows) {
-    row = static_cast<Eigen::Index>(shape.nodes.size());
-    shape.nodes.push_back(node);
+    row = static_cast<Eigen::Index>(shapes.nodes.size());
+    shapes.nodes.push_back(node);
   }
+  for (const MergedMode& found : merged.modes) {
+    Eigen::MatrixXcd values = Eigen::MatrixXcd::Zero(
+        static_cast<Eigen::Index>(shapes.nodes.size()), widest);
+    for (const Eigen::Index i : Measured(found.mode)) {
+      const auto [node, direction] = at[static_cast<size_t>(i)];
+      values(rows.at(node), std::abs(direction) - 1) =
+          direction < 0 ? -found.mode.shape[i] : found.mode.shape[i];
+    }
+    shapes.values.push_back(std::move(values));
+  }
+  return shapes;
+}
+
+// Labels of a geometry's nodes: its names where these are positive numbers,
+// each once.
+std::vector<int> LabelsOf(const StructureGeometry& geometry) {
+  std::vector<int> labels;
+  std::set<int> once;
+  for (const std::string& name : geometry.node_names) {
+    int label = 0;
+    const char* end = name.data() + name.size();
+    const auto parsed = std::from_chars(name.data(), end, label);
+    if (parsed.ec != std::errc() || parsed.ptr != end || label < 1 ||
+        !once.insert(label).second) {
+      labels.resize(geometry.node_names.size());
+      std::iota(labels.begin(), labels.end(), 1);
+      return labels;
+    }
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+// Nodes, and one line along the edges of all elements.
+void AddGeometry(const StructureGeometry& geometry,
+                 const std::vector<int>& labels, UniversalFile* file) {
+  for (size_t i = 0; i < labels.size(); ++i) {
+    UniversalNode node;
+    node.label = labels[i];
+    for (size_t k = 0; k < 3; ++k) {
+      node.position[k] = geometry.positions(static_cast<Eigen::Index>(i),
+                                            static_cast<Eigen::Index>(k));
+    }
+    file->nodes.push_back(node);
+  }
+  UniversalLine line;
+  line.name = "structure";
+  for (const StructureGeometry::Element& element : geometry.elements) {
+    for (const std::vector<int>& face : FacesOf(element.shape)) {
+      if (face.size() < 2) continue;
+      for (const int corner : face) {
+        line.nodes.push_back(labels[static_cast<size_t>(
+            element.nodes[static_cast<size_t>(corner)])]);
+      }
+      if (face.size() > 2) {
+        line.nodes.push_back(labels[static_cast<size_t>(
+            element.nodes[static_cast<size_t>(face.front())])]);
+      }
+      line.nodes.push_back(0);
+    }
+  }
+  if (!line.nodes.empty()) file->lines.push_back(std::move(line));
+}
+
+}  // namespace
+
+std::string ModesAsUniversalFile(const ModesResult& result) {
+  UniversalFile file;
+  ShapesToWrite shapes;
+  if (result.motions.empty()) {
+    shapes = AtPlaces(result.merged);
+  } else {
+    shapes = {LabelsOf(result.geometry), result.motions};
+    AddGeometry(result.geometry, shapes.nodes, &file);
+  }
+  UniversalShape shape;
+  shape.nodes = shapes.nodes;
   shape.analysis_type = 3;
   shape.is_complex = true;
-  shape.values_per_node = widest;
   for (const MergedMode& merged : result.merged.modes) {
     const IdentifiedMode& mode = merged.mode;
     const double speed = kTwoPi * mode.frequency_hz;
@@ -247,13 +335,8 @@ std::string ModesAsUniversalFile(const ModesResult& result) {
     shape.texts[0] = "mode" + std::to_string(shape.mode);
     shape.eigenvalue = {-ratio * speed, speed * std::sqrt(1.0 - ratio * ratio)};
     shape.frequency = shape.eigenvalue.imag() / kTwoPi;
-    shape.values = Eigen::MatrixXcd::Zero(
-        static_cast<Eigen::Index>(shape.nodes.size()), widest);
-    for (const Eigen::Index i : Measured(mode)) {
-      const auto [node, direction] = at[static_cast<size_t>(i)];
-      shape.values(rows.at(node), std::abs(direction) - 1) =
-          direction < 0 ? -mode.shape[i] : mode.shape[i];
-    }
+    shape.values = shapes.values[file.shapes.size()];
+    shape.values_per_node = static_cast<int>(shape.values.cols());
     file.shapes.push_back(shape);
   }
   return FormatUniversalFile(file);

@@ -4,10 +4,12 @@
 #ifndef PINODE_CASE_MODES_FILES_H_
 #define PINODE_CASE_MODES_FILES_H_
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "pinode/modal/merge_setups.h"
+#include "pinode/structure/geometry.h"
 
 namespace pinode {
 
@@ -15,6 +17,10 @@ struct ModesResult {
   std::vector<std::string> setups;  // names of the records
   MergedModes merged;
   std::vector<std::string> remarks;
+  // Where the structure is, and the modes' shapes there (see MotionsOfNodes);
+  // empty: not known.
+  StructureGeometry geometry;
+  std::vector<Eigen::MatrixXcd> motions;
 };
 
 // pinode-modes-1, see pinode/case/README.md.
@@ -26,9 +32,11 @@ std::string ModesAsJson(const ModesResult& result);
 // their share, so that it is positive definite.
 std::string ModesAsToml(const ModesResult& result);
 
-// Data set 55, complex modes in displacements. Places that are all called
-// "<node>:<direction>" keep both; else they are nodes 1, 2, ... in their order,
-// with x as direction.
+// Data set 55, complex modes in displacements. Where shapes at the nodes of a
+// geometry are known, at these, with nodes and lines (data sets 15 and 82);
+// nodes whose names are numbers keep them, else they are 1, 2, ... Without:
+// places that are all called "<node>:<direction>" keep both; else they are
+// nodes 1, 2, ... in their order, with x as direction.
 std::string ModesAsUniversalFile(const ModesResult& result);
 
 // All four into `folder`.

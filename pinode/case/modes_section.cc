@@ -338,21 +338,21 @@ class DataFileReader {
   }
 
   bool FindTime() {
-    std::string text;
-    if (!ReadTextFile(file_.path, &text, error_)) return false;
     if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
       return Fail("a time column and a sampling rate, expected one of them");
     }
     time_ = file_.time_column;
     if (!time_.empty() || file_.sampling_rate_hz != 0.0) return true;
+    Table table;
+    std::string missing;
     for (const char* name : {"t", "time"}) {
-      Table table;
-      std::string message;
-      if (ReadTable(file_.path, {name}, &table, &message)) {
+      if (ReadTable(file_.path, {name}, &table, &missing)) {
         time_ = name;
         return true;
       }
     }
+    // What its reader says, where it is no table at all.
+    if (!ReadTable(file_.path, {}, &table, error_)) return false;
     return Fail(
         "neither a time column 't' or 'time' nor a sampling rate, expected "
         "one of them");

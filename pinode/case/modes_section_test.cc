@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/base/file.h"
+#include "pinode/base/matlab_writer.h"
 #include "pinode/case/modes_files.h"
 #include "pinode/case/testing.h"
 #include "pinode/modal/testing.h"
@@ -20,6 +21,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 std::string ModesText() {
@@ -301,6 +303,61 @@ between = ["ground", "u1"]
   EXPECT_THAT(shapes.shapes[0].nodes, ElementsAre(3, 7));
   EXPECT_LT(std::abs(shapes.shapes[0].values(1, 2) + mode.shape[0]), 1e-5);
   EXPECT_LT(std::abs(shapes.shapes[0].values(0, 3) - mode.shape[1]), 1e-5);
+
+  // With a geometry its nodes and lines, and shapes there.
+  PlacedGeometry placed;
+  placed.geometry.node_names = {"10", "12", "15"};
+  placed.geometry.positions = Matrix::Zero(3, 3);
+  placed.geometry.positions.col(2) << 0.0, 3.0, 6.5;
+  placed.geometry.elements = {{ElementShape::kLine, {0, 1}},
+                              {ElementShape::kLine, {1, 2}}};
+  placed.dofs["u1"] = {{"12", 2, -1.0}};
+  placed.dofs["u2"] = {{"15", 2, 1.0}};
+  result.merged.places = {"u1", "u2"};
+  result.geometry = placed.geometry;
+  result.motions = MotionsOfNodes(
+      placed, {{"u1", "v1", {{"u1", 1.0}}}, {"u2", "v2", {{"u2", 1.0}}}},
+      result.merged);
+  ASSERT_TRUE(ParseUniversalFile(ModesAsUniversalFile(result), "memory",
+                                 &shapes, &error))
+      << error;
+  ASSERT_THAT(shapes.nodes, SizeIs(3));
+  EXPECT_EQ(shapes.nodes[2].label, 15);
+  EXPECT_EQ(shapes.nodes[2].position[2], 6.5);
+  ASSERT_THAT(shapes.lines, SizeIs(1));
+  EXPECT_THAT(shapes.lines[0].nodes, ElementsAre(10, 12, 0, 12, 15, 0));
+  EXPECT_THAT(shapes.shapes[0].nodes, ElementsAre(10, 12, 15));
+  const std::complex<double> ratio =
+      shapes.shapes[0].values(1, 1) / shapes.shapes[0].values(2, 1);
+  EXPECT_LT(std::abs(ratio + mode.shape[0] / mode.shape[1]), 1e-5);
+  EXPECT_EQ(shapes.shapes[0].values.row(0).norm(), 0.0);
+  // One that is nowhere in it.
+  EXPECT_THAT(
+      MotionsOfNodes(placed, {{"u9", "v9", {{"u9", 1.0}}}}, result.merged),
+      IsEmpty());
+}
+
+// A data file by itself may be any that has columns.
+TEST_F(ModesSectionTest, DataFilesThatAreNoText) {
+  const Eigen::Index samples = record_.samples.cols();
+  Matrix columns(samples, 3);
+  columns.col(0) = Vector::LinSpaced(
+      samples, 0.0, record_.sampling_step * static_cast<double>(samples - 1));
+  columns.rightCols(2) = record_.samples.transpose();
+  const std::string path = folder_.Path("wind.mat");
+  std::string error;
+  MatlabWriter writer(path);
+  writer.AddMatrix("t", columns.col(0));
+  writer.AddMatrix("a1", columns.col(1));
+  writer.AddMatrix("a2", columns.col(2));
+  ASSERT_TRUE(writer.Close(&error)) << error;
+  ModesDataFile file;
+  file.path = path;
+  file.columns = {"all"};
+  ModesCase c;
+  ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  ASSERT_THAT(c.records, SizeIs(1));
+  EXPECT_EQ(c.records[0].samples, record_.samples);
 }
 
 }  // namespace

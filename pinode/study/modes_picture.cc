@@ -64,7 +64,39 @@ Eigen::Vector3d MotionOf(const std::vector<EntryAtNode>& entries,
       .solve(along.head(count));
 }
 
+using ByNode = std::map<int, std::vector<EntryAtNode>>;
+
+Eigen::MatrixXcd MotionsOf(const ByNode& by_node, int num_nodes,
+                           const Eigen::VectorXcd& shape) {
+  const Eigen::VectorXcd values = TurnToReal(shape) * shape;
+  Eigen::MatrixXcd motions = Eigen::MatrixXcd::Zero(num_nodes, 3);
+  for (const auto& [node, entries] : by_node) {
+    motions.row(node).real() = MotionOf(entries, values.real()).transpose();
+    motions.row(node).imag() = MotionOf(entries, values.imag()).transpose();
+  }
+  return motions;
+}
+
 }  // namespace
+
+std::vector<Eigen::MatrixXcd> MotionsOfNodes(
+    const PlacedGeometry& placed, const std::vector<PlaceOfShape>& places,
+    const MergedModes& merged) {
+  const ByNode by_node = EntriesByNode(DofPlaces(placed), places);
+  std::set<Eigen::Index> placed_entries;
+  for (const auto& node : by_node) {
+    for (const EntryAtNode& entry : node.second) {
+      placed_entries.insert(entry.entry);
+    }
+  }
+  std::vector<Eigen::MatrixXcd> motions;
+  if (placed_entries.size() < places.size()) return motions;
+  for (const MergedMode& found : merged.modes) {
+    motions.push_back(
+        MotionsOf(by_node, placed.geometry.num_nodes(), found.mode.shape));
+  }
+  return motions;
+}
 
 StructurePicture MakeModesPicture(const PlacedGeometry& placed,
                                   const std::vector<PlaceOfShape>& sensors,
@@ -84,7 +116,7 @@ StructurePicture MakeModesPicture(const PlacedGeometry& placed,
     picture.notes.push_back("No place is known of " + Join(unplaced, ", ") +
                             ".");
   }
-  const auto by_node = EntriesByNode(dof_places, places);
+  const ByNode by_node = EntriesByNode(dof_places, places);
   const auto moving = static_cast<int>(by_node.size());
   if (moving < placed.geometry.num_nodes()) {
     picture.notes.push_back("Sensors tell of the motion of " +
@@ -93,14 +125,11 @@ StructurePicture MakeModesPicture(const PlacedGeometry& placed,
                             " nodes; the others are drawn at rest.");
   }
   for (const MergedMode& found : merged.modes) {
-    const Vector values =
-        (TurnToReal(found.mode.shape) * found.mode.shape).real();
     StructurePicture::Mode mode;
     mode.frequency_hz = found.mode.frequency_hz;
-    mode.shape = Matrix::Zero(placed.geometry.num_nodes(), 3);
-    for (const auto& [node, entries] : by_node) {
-      mode.shape.row(node) = MotionOf(entries, values).transpose();
-    }
+    mode.shape =
+        MotionsOf(by_node, placed.geometry.num_nodes(), found.mode.shape)
+            .real();
     const double largest = mode.shape.cwiseAbs().maxCoeff();
     if (!(largest > 0.0)) continue;
     mode.shape /= largest;

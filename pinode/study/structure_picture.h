@@ -95,6 +95,13 @@ StructurePicture MakeModesPicture(const PlacedGeometry& placed,
                                   const std::vector<PlaceOfShape>& places,
                                   const MergedModes& merged);
 
+// Shapes at the nodes of a geometry, as MakeModesPicture draws them: of each
+// mode nodes x 3, complex, in the scale of its entries. Empty where a place is
+// at no node.
+std::vector<Eigen::MatrixXcd> MotionsOfNodes(
+    const PlacedGeometry& placed, const std::vector<PlaceOfShape>& places,
+    const MergedModes& merged);
+
 // The picture as an unstructured grid of VTK (.vtu, ASCII XML), which ParaView
 // and others read: cells with `group` (an index, -1 for none), `change`,
 // `probability`, `changed`, and `known` where there is a change; points with
