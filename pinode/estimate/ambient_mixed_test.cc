@@ -1,0 +1,110 @@
+// Ambient records beside others: what all say together.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/estimate/ambient_testing.h"
+#include "pinode/integrate/free_run.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kDrivenStep = 0.02;
+
+// A chain of two, of which nobody measured the loads, that can be driven at its
+// first mass.
+IdentificationProblem ChainThatCanBeDriven() {
+  const TestChain chain = RayleighChain(2);
+  AmbientRecord record = RecordOfChain(chain, 200.0, 5, 0.5);
+  record.inputs.emplace(0.0, record.sampling_step,
+                        Matrix::Zero(1, record.samples.cols()),
+                        Interpolation::kLinear);
+  return ProblemOfChain(chain, kChainSpring, 0.05, std::move(record));
+}
+
+// Groups at zero, damping as it is: what the chain is.
+Vector TruthOfDriven(const StructuralDynamics& dynamics) {
+  Vector truth = Vector::Zero(dynamics.num_parameters());
+  truth.tail(2).setOnes();
+  return truth;
+}
+
+// The second mass under a random force at the first, from rest.
+IdentificationRecord DrivenRecord(const StructuralDynamics& dynamics,
+                                  double sigma) {
+  constexpr int kDrivenSamples = 1500;
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  Matrix force(1, kDrivenSamples);
+  for (double& value : force.reshaped()) value = 10.0 * normal(generator);
+  IdentificationRecord record;
+  record.name = "shaker";
+  record.excitation.emplace(0.0, kDrivenStep, force, Interpolation::kLinear);
+  record.start = IdentificationRecord::Start::kRest;
+  record.integrator = Integrator::kExact;
+  record.substeps = 1;
+  MeasuredChannel channel;
+  channel.observation.name = "a2";
+  channel.observation.quantity = Quantity::kAbsoluteAcceleration;
+  channel.observation.weights = Vector::Unit(2, 1);
+  channel.sigma = sigma;
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  EXPECT_TRUE(dynamics.Prepare(TruthOfDriven(dynamics), &prepared, &error))
+      << error;
+  const ObservationMap observation(dynamics, {channel.observation});
+  Trajectory run;
+  EXPECT_TRUE(FreeRun(dynamics, prepared, observation,
+                      IntegrationGrid::Exact(*record.excitation),
+                      Vector::Zero(4), 0, kDrivenSamples - 1, &run));
+  channel.values = run.channels.row(0).transpose();
+  for (double& value : channel.values) value += sigma * normal(generator);
+  record.channels.push_back(std::move(channel));
+  return record;
+}
+
+// Variances of independent sources add up by their inverses.
+TEST(AmbientMixedTest, BesideAForcedRecordAndModesAllAreWeighed) {
+  const IdentificationProblem ambient = ChainThatCanBeDriven();
+  IdentificationProblem forced = ambient;
+  forced.ambient.clear();
+  forced.records.push_back(DrivenRecord(*ambient.dynamics, 0.3));
+  IdentificationProblem both = ambient;
+  both.records = forced.records;
+  IdentificationProblem all = both;
+  const double hz = RayleighChain(2).frequency_hz[0];
+  MeasuredMode mode;
+  mode.name = "1";
+  mode.frequency = hz;
+  mode.frequency_sigma = 0.001 * hz;
+  all.modal.modes.push_back(mode);
+
+  const IdentificationSummary by_wind = SummaryOfFit(ambient);
+  const IdentificationSummary by_force = SummaryOfFit(forced);
+  const IdentificationSummary by_both = SummaryOfFit(both);
+  const IdentificationSummary by_all = SummaryOfFit(all);
+  for (const auto* fit : {&by_wind, &by_force, &by_both, &by_all}) {
+    ASSERT_EQ(fit->termination, Termination::kConverged) << fit->message;
+  }
+  for (size_t i = 0; i < 2; ++i) {
+    const double wind = by_wind.parameters[i].sigma;
+    const double force = by_force.parameters[i].sigma;
+    const double together = by_both.parameters[i].sigma;
+    EXPECT_NEAR(by_both.parameters[i].value, 0.0, 3.5 * together);
+    EXPECT_NEAR(by_all.parameters[i].value, 0.0,
+                3.5 * by_all.parameters[i].sigma);
+    // What the two leave open together may be less than each alone says.
+    EXPECT_LT(together, 1.03 / std::hypot(1.0 / wind, 1.0 / force));
+    EXPECT_GT(together, 0.5 / std::hypot(1.0 / wind, 1.0 / force));
+    EXPECT_LT(by_all.parameters[i].sigma, together);
+  }
+}
+
+}  // namespace
+}  // namespace pinode
