@@ -1,6 +1,7 @@
 // What pinode_modes' identification reaches over many records: how often its
 // intervals hold the truth, how often it misses modes or sees some that are not
-// there. Run by hand (ctest --preset study); tests/README.md has the figures.
+// there. Run by hand (ctest --preset study); tests/benchmarks/README.md has the
+// figures.
 
 #include <algorithm>
 #include <cmath>
