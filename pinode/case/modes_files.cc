@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -268,10 +267,7 @@ std::vector<int> LabelsOf(const StructureGeometry& geometry) {
   std::set<int> once;
   for (const std::string& name : geometry.node_names) {
     int label = 0;
-    const char* end = name.data() + name.size();
-    const auto parsed = std::from_chars(name.data(), end, label);
-    if (parsed.ec != std::errc() || parsed.ptr != end || label < 1 ||
-        !once.insert(label).second) {
+    if (!ParseInt(name, &label) || label < 1 || !once.insert(label).second) {
       labels.resize(geometry.node_names.size());
       std::iota(labels.begin(), labels.end(), 1);
       return labels;
