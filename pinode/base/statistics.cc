@@ -42,6 +42,13 @@ double MeanOf(const Eigen::Ref<const Vector>& values,
 
 }  // namespace
 
+double Median(std::vector<double> values) {
+  const auto middle =
+      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 int CountPresent(const Vector& values) {
   return static_cast<int>(
       std::count_if(values.begin(), values.end(),

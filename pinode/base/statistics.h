@@ -3,6 +3,8 @@
 #ifndef PINODE_BASE_STATISTICS_H_
 #define PINODE_BASE_STATISTICS_H_
 
+#include <vector>
+
 #include "pinode/base/types.h"
 
 namespace pinode {
@@ -15,6 +17,10 @@ int CountPresent(const Vector& values);
 double MeanOfPresent(const Eigen::Ref<const Vector>& values);
 double RmsOfPresent(const Vector& values);
 double StandardDeviationOfPresent(const Vector& values);
+
+// The middle one of `values` (not empty, not NaN) in ascending order; of an
+// even number the upper of two.
+double Median(std::vector<double> values);
 
 // Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
 // its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65

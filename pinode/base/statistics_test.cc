@@ -29,6 +29,12 @@ Vector Autoregressive(double a, int count, uint64_t seed) {
   return values;
 }
 
+TEST(Statistics, MedianIsTheUpperOfTwo) {
+  EXPECT_EQ(Median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(Median({4.0, 1.0, 3.0, 2.0}), 3.0);
+  EXPECT_EQ(Median({-1.0}), -1.0);
+}
+
 TEST(Statistics, SkipWhatIsMissing) {
   const Vector values = Make({1.0, kNaN, 3.0, kNaN, kNaN, -1.0});
   EXPECT_EQ(CountPresent(values), 3);

@@ -32,12 +32,6 @@ double PhaseCollinearity(const Eigen::VectorXcd& shape) {
   return size > 0.0 ? std::norm(product) / (size * size) : 0.0;
 }
 
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 IdentifiedMode MakeMode(const ResponseRecord& record, const Vector& scales,
@@ -119,8 +113,8 @@ void CheckMode(const PoleCluster& cluster,
     frequencies.push_back(nearest.frequency_hz);
     ratios.push_back(nearest.damping_ratio);
   }
-  mode->check_frequency_hz = MedianOf(frequencies);
-  mode->check_damping_ratio = MedianOf(ratios);
+  mode->check_frequency_hz = Median(frequencies);
+  mode->check_damping_ratio = Median(ratios);
 }
 
 }  // namespace pinode

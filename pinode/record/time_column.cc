@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {
@@ -32,13 +33,6 @@ std::string Time(double value) { return FormatNumber(value, 10); }
 
 bool Same(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
-}
-
-double Median(std::vector<double> values) {
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Drops rows that repeat the one before; refuses NaN, decreasing times and one
