@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
 #include "pinode/modal/windowed_correlations.h"
 
 namespace pinode {
@@ -55,12 +56,6 @@ Matrix Scatter(const SubspacePole& pole, const Matrix& influences,
     *degrees_of_freedom = smoother.degrees_of_freedom();
   }
   return smoother.Smooth(influences);
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class ClusterFinder {
@@ -237,8 +232,9 @@ class ClusterFinder {
     const double duration = 0.5 * window_seconds_ *
                             static_cast<double>(mean.s_influence.size() + 1);
     const double f = mean.frequency();
-    cluster->excess = cluster->frequency_sigma / f /
-                      std::sqrt(mean.damping_ratio() / (kTwoPi * f * duration));
+    cluster->excess =
+        std::max(cluster->frequency_sigma / f, cluster->damping_sigma) /
+        std::sqrt(mean.damping_ratio() / (kTwoPi * f * duration));
   }
 
   double ShapeSigma(const SubspacePole& mean) const {
