@@ -222,10 +222,12 @@ void PrintCandidates(const Case& c) {
 void PrintMeasuredModes(const Case& c) {
   const StructuralDynamics dynamics =
       AveragedDynamics(c.problem.modal, *c.problem.dynamics);
+  const std::vector<bool> in_use =
+      ModesInUse(c.problem.modal, *c.problem.dynamics);
   std::vector<ModeMatch> matches;
   std::string error;
   if (c.problem.modal.empty() ||
-      !MatchModes(c.problem.modal,
+      !MatchModes(OnlyModes(c.problem.modal, in_use),
                   dynamics.CorrectedModel(dynamics.Parameters()), &matches,
                   &error)) {
     return;
@@ -233,15 +235,20 @@ void PrintMeasuredModes(const Case& c) {
   const double to_hz = c.problem.description.HzPerModelFrequency();
   std::printf("\nMeasured modes, form %s\n",
               ModalFormName(c.problem.modal.form));
-  for (size_t i = 0; i < matches.size(); ++i) {
+  size_t next = 0;
+  for (size_t i = 0; i < in_use.size(); ++i) {
     const MeasuredMode& mode = c.problem.modal.modes[i];
-    std::printf("  %s: %.5g Hz, model's mode %d %.5g Hz (%+.2f %%)",
-                mode.name.c_str(), to_hz * mode.frequency, matches[i].mode + 1,
-                to_hz * matches[i].frequency,
-                100.0 * (matches[i].frequency / mode.frequency - 1.0));
+    std::printf("  %s: %.5g Hz, ", mode.name.c_str(), to_hz * mode.frequency);
+    if (!in_use[i]) {
+      std::printf("like no mode of the model; a fit does not use it\n");
+      continue;
+    }
+    const ModeMatch& match = matches[next++];
+    std::printf("model's mode %d %.5g Hz (%+.2f %%)", match.mode + 1,
+                to_hz * match.frequency,
+                100.0 * (match.frequency / mode.frequency - 1.0));
     if (mode.HasShape()) {
-      std::printf(", shape at %zu DOFs, MAC %.4f", mode.dofs.size(),
-                  matches[i].mac);
+      std::printf(", shape at %zu DOFs, MAC %.4f", mode.dofs.size(), match.mac);
     }
     std::printf("\n");
   }

@@ -148,7 +148,7 @@ bool Modes(const IdentificationProblem& problem,
                   {"updated_damping", pair.updated_damping},
                   {"mac", pair.mac}};
     for (const ModeScore& mode : summary.modes) {
-      if (mode.updated.mode != pair.updated_mode) continue;
+      if (!mode.InUse() || mode.updated.mode != pair.updated_mode) continue;
       entry["measured_hz"] = mode.frequency * hz;
       entry["measured_mac"] = mode.updated.mac;
     }

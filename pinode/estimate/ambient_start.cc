@@ -154,11 +154,12 @@ ModalData KnownToModel(const IdentificationProblem& problem,
   std::string ignored;
   const StructuralDynamics& dynamics = *problem.dynamics;
   const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
-  if (modal.empty() || !MatchModes(modal, model, &matches, &ignored)) {
+  const ModalData paired = OnlyModes(modal, HavePartners(modal, model));
+  if (modal.empty() || !MatchModes(paired, model, &matches, &ignored)) {
     return kept;
   }
   for (size_t i = 0; i < matches.size(); ++i) {
-    const MeasuredMode& mode = modal.modes[i];
+    const MeasuredMode& mode = paired.modes[i];
     if (std::abs(std::log(matches[i].frequency / mode.frequency)) <
             kLargestRatio &&
         (!mode.HasShape() || matches[i].mac > kSmallestMac)) {

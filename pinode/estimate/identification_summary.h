@@ -72,12 +72,15 @@ struct ParameterEstimate {
   bool at_bound = false;
 };
 
-// A measured mode and its partners in the model before and after.
+// A measured mode and its partners in the model before and after; without any
+// (ModeMatch::mode -1, the rest NaN) where the fit did not use it.
 struct ModeScore {
   std::string name;
   double frequency = 0.0;  // measured, as MeasuredMode::frequency
   ModeMatch initial;
   ModeMatch updated;
+
+  bool InUse() const { return updated.mode >= 0; }
 };
 
 // An unknown force over the record in which it acts (the first training record

@@ -6,6 +6,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/structure/assignment.h"
 #include "pinode/structure/modal_analysis.h"
 
@@ -17,10 +18,8 @@ constexpr double kFrequencyShare = 0.5;
 // Frequencies below this share of the measured one count as that: a mode of no
 // or negative stiffness is the last to be chosen.
 constexpr double kLowestRatio = 1e-3;
-
-}  // namespace
-
-namespace {
+// Of pairs and their common factor.
+constexpr int kMostRounds = 10;
 
 // Or nothing at all.
 bool IsCovariance(const Matrix& matrix, Eigen::Index size) {
@@ -29,6 +28,35 @@ bool IsCovariance(const Matrix& matrix, Eigen::Index size) {
          (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <=
              1e-6 * matrix.cwiseAbs().maxCoeff() &&
          Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
+}
+
+// Measured modes (rows) beside those of a model (columns).
+struct Likeness {
+  Matrix macs;       // 1 without a shape
+  Matrix distances;  // logarithms of model's over measured frequencies
+
+  Matrix Profit(double stretch) const {
+    return macs.array() -
+           kFrequencyShare * (distances.array() - stretch).square();
+  }
+};
+
+Likeness Compare(const ModalData& data, const Vector& eigenvalues,
+                 const Matrix& shapes) {
+  const auto measured = static_cast<Eigen::Index>(data.modes.size());
+  const Eigen::Index count = eigenvalues.size();
+  Likeness likeness{Matrix(measured, count), Matrix(measured, count)};
+  for (Eigen::Index i = 0; i < measured; ++i) {
+    const MeasuredMode& mode = data.modes[static_cast<size_t>(i)];
+    const double w = kTwoPi * mode.frequency;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      likeness.macs(i, j) =
+          mode.HasShape() ? Mac(mode.shape, shapes(mode.dofs, j)) : 1.0;
+      const double ratio = std::sqrt(std::max(eigenvalues[j], 0.0)) / w;
+      likeness.distances(i, j) = std::log(std::max(ratio, kLowestRatio));
+    }
+  }
+  return likeness;
 }
 
 }  // namespace
@@ -123,26 +151,66 @@ bool ModalData::IsValid(int num_dofs, std::string* error) const {
   return true;
 }
 
+std::vector<bool> HavePartners(const ModalData& data, const Vector& eigenvalues,
+                               const Matrix& shapes) {
+  const Likeness likeness = Compare(data, eigenvalues, shapes);
+  const Eigen::Index measured = likeness.macs.rows();
+  const Eigen::Index count = likeness.macs.cols();
+  // One column more for each that stays alone.
+  Matrix profit =
+      Matrix::Constant(measured, count + measured, kLeastPairProfit);
+  double stretch = 0.0;
+  std::vector<int> partners;
+  for (int round = 0; round < kMostRounds; ++round) {
+    profit.leftCols(count) = likeness.Profit(stretch);
+    const std::vector<int> before = std::move(partners);
+    partners = MaximumProfitAssignment(profit);
+    std::vector<double> distances;
+    for (Eigen::Index i = 0; i < measured; ++i) {
+      const int j = partners[static_cast<size_t>(i)];
+      if (j < count) distances.push_back(likeness.distances(i, j));
+    }
+    if (distances.empty() || partners == before) break;
+    stretch = Median(std::move(distances));
+  }
+  std::vector<bool> have(data.modes.size());
+  std::transform(partners.begin(), partners.end(), have.begin(),
+                 [count](int partner) { return partner < count; });
+  if (std::find(have.begin(), have.end(), true) == have.end()) {
+    have.assign(data.modes.size(), true);
+  }
+  return have;
+}
+
+std::vector<bool> HavePartners(const ModalData& data,
+                               const StructuralModel& model) {
+  UndampedModes modes;
+  std::string ignored;
+  if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, &ignored)) {
+    return std::vector<bool>(data.modes.size(), true);
+  }
+  return HavePartners(data, modes.eigenvalues, modes.shapes);
+}
+
+ModalData OnlyModes(const ModalData& data, const std::vector<bool>& kept) {
+  ModalData result = data;
+  result.modes.clear();
+  for (size_t i = 0; i < data.modes.size(); ++i) {
+    if (kept[i]) result.modes.push_back(data.modes[i]);
+  }
+  return result;
+}
+
 std::vector<ModeMatch> MatchModes(const ModalData& data,
                                   const Vector& eigenvalues,
                                   const Matrix& shapes) {
   const int measured = static_cast<int>(data.modes.size());
-  const int count = static_cast<int>(eigenvalues.size());
-  CHECK_LE(measured, count) << "a measured mode would have no partner";
-  Matrix profit(measured, count);
-  Matrix macs(measured, count);
-  for (int i = 0; i < measured; ++i) {
-    const MeasuredMode& mode = data.modes[static_cast<size_t>(i)];
-    const double w = kTwoPi * mode.frequency;
-    for (int j = 0; j < count; ++j) {
-      macs(i, j) =
-          mode.HasShape() ? Mac(mode.shape, shapes(mode.dofs, j)) : 1.0;
-      const double ratio = std::sqrt(std::max(eigenvalues[j], 0.0)) / w;
-      const double distance = std::log(std::max(ratio, kLowestRatio));
-      profit(i, j) = macs(i, j) - kFrequencyShare * distance * distance;
-    }
-  }
-  const std::vector<int> partners = MaximumProfitAssignment(profit);
+  CHECK_LE(measured, eigenvalues.size())
+      << "a measured mode would have no partner";
+  const Likeness likeness = Compare(data, eigenvalues, shapes);
+  const Matrix& macs = likeness.macs;
+  const std::vector<int> partners =
+      MaximumProfitAssignment(likeness.Profit(0.0));
   std::vector<ModeMatch> matches(data.modes.size());
   for (int i = 0; i < measured; ++i) {
     ModeMatch& match = matches[static_cast<size_t>(i)];

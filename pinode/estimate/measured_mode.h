@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/structure/structural_model.h"
 
@@ -80,10 +81,26 @@ struct ModalData {
 
 // The mode of a model that a measured one is paired with.
 struct ModeMatch {
-  int mode = -1;           // ascending by frequency
-  double frequency = 0.0;  // as the measured one; NaN where w^2 < 0
-  double mac = 0.0;        // at the measured DOFs; NaN without a shape
+  int mode = -1;            // ascending by frequency
+  double frequency = kNaN;  // as the measured one; NaN where w^2 < 0
+  double mac = kNaN;        // at the measured DOFs; NaN without a shape
 };
+
+// Whether the model has a mode for each of those measured. A pair is worth what
+// MatchModes takes it for, frequencies being compared but for one common factor
+// (the median over the pairs: a model may be too stiff as a whole); a measured
+// mode that is worth less than kLeastPairProfit to every mode of the model that
+// the others leave over has none. All have one where none would.
+constexpr double kLeastPairProfit = 0.3;
+std::vector<bool> HavePartners(const ModalData& data, const Vector& eigenvalues,
+                               const Matrix& shapes);
+
+// The same of a model's M and K; all have one where it has no modes.
+std::vector<bool> HavePartners(const ModalData& data,
+                               const StructuralModel& model);
+
+// Those of the modes that are marked.
+ModalData OnlyModes(const ModalData& data, const std::vector<bool>& kept);
 
 // For each mode of `data` (valid) its partner among the model's, given by its
 // w^2 (ascending) and shapes (num_dofs x modes), one to one. The sum of

@@ -109,6 +109,45 @@ TEST(MatchModes, GivesFrequencyAndMacOfAModel) {
   EXPECT_THAT(error, HasSubstr("mass"));
 }
 
+// A mode that is not the structure's, with the shape of its first one.
+TEST(HavePartners, NotWhatTheModelLacks) {
+  const Vector eigenvalues = Eigenvalues({1.0, 2.0, 3.0});
+  const Matrix shapes = Matrix::Identity(3, 3);
+  ModalData data;
+  data.modes = {testing::MakeMeasuredMode(0.3, {0, 1, 2}, {1.0, 0.3, 0.0}),
+                testing::MakeMeasuredMode(1.1, {0, 1, 2}, {1.0, 0.1, 0.0}),
+                testing::MakeMeasuredMode(2.1, {0, 1, 2}, {0.0, 1.0, 0.1})};
+  EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
+            (std::vector<bool>{false, true, true}));
+  EXPECT_EQ(OnlyModes(data, {false, true, false}).modes.front().frequency, 1.1);
+  // Without it the mode is the structure's first.
+  data.modes.erase(data.modes.begin() + 1);
+  data.modes[0].frequency = 0.5;
+  EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
+            (std::vector<bool>{true, true}));
+  // Of nothing alike nothing is left out.
+  data.modes[0].frequency = data.modes[1].frequency = 1e3;
+  EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
+            (std::vector<bool>{true, true}));
+}
+
+// A model that is 6.25 times too stiff; a stranger stands where its first mode
+// is.
+TEST(HavePartners, UpToACommonFactor) {
+  const Vector eigenvalues = Eigenvalues({2.5, 5.0, 7.5, 10.0});
+  const Matrix shapes = Matrix::Identity(4, 4);
+  ModalData data;
+  for (int j = 0; j < 4; ++j) {
+    Vector shape = Vector::Unit(4, j);
+    data.modes.push_back(testing::MakeMeasuredMode(
+        1.0 + j, {0, 1, 2, 3}, {shape[0], shape[1], shape[2], shape[3]}));
+  }
+  data.modes.push_back(
+      testing::MakeMeasuredMode(2.5, {0, 1, 2, 3}, {1.0, 0.1, 0.0, 0.0}));
+  EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
+            (std::vector<bool>{true, true, true, true, false}));
+}
+
 TEST(ModalData, RefusesWhatMakesNoSense) {
   struct Bad {
     std::function<void(ModalData*)> spoil;

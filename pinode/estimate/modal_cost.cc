@@ -124,10 +124,17 @@ StructuralDynamics AveragedDynamics(const ModalData& data,
                                  : dynamics.Averaged({data.inputs, {}});
 }
 
+std::vector<bool> ModesInUse(const ModalData& data,
+                             const StructuralDynamics& dynamics) {
+  return HavePartners(
+      data,
+      AveragedDynamics(data, dynamics).CorrectedModel(dynamics.Parameters()));
+}
+
 ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
                      const ParameterLayout& layout)
-    : data_(data),
-      dynamics_(AveragedDynamics(data, dynamics)),
+    : dynamics_(AveragedDynamics(data, dynamics)),
+      data_(OnlyModes(data, ModesInUse(data, dynamics))),
       layout_(layout) {
   std::string error;
   int num_residuals = 0;
@@ -139,7 +146,7 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
     }
     columns_.push_back({free, change.group->target, &change.group->matrix});
   }
-  for (const MeasuredMode& mode : data.modes) {
+  for (const MeasuredMode& mode : data_.modes) {
     Shape shape;
     const int count = static_cast<int>(mode.dofs.size());
     if (mode.HasShape()) {

@@ -20,9 +20,16 @@ namespace pinode {
 StructuralDynamics AveragedDynamics(const ModalData& data,
                                     const StructuralDynamics& dynamics);
 
-// The weighted residuals of ModalForm as a function of the free parameters. The
-// modes are those of M and K with the groups that follow nothing in
-// AveragedDynamics.
+// Which of the measured modes a fit uses: those that the model with the
+// parameters of `dynamics`, before any fit, HavePartners for. A mode that is
+// none of the structure's, held against its nearest, would take that from the
+// mode whose it is.
+std::vector<bool> ModesInUse(const ModalData& data,
+                             const StructuralDynamics& dynamics);
+
+// The weighted residuals of ModalForm as a function of the free parameters, of
+// the ModesInUse. The model's modes are those of M and K with the groups that
+// follow nothing in AveragedDynamics.
 //
 // With K phi_j = w_j^2 M phi_j and phi_j' M phi_j = 1, a change dK, dM makes
 //
@@ -38,7 +45,7 @@ StructuralDynamics AveragedDynamics(const ModalData& data,
 // 413-432).
 class ModalCost final : public ceres::CostFunction, public CostPart {
  public:
-  // `data` is valid; it and `layout` must outlive this object.
+  // `data` is valid; `layout` must outlive this object.
   ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
             const ParameterLayout& layout);
 
@@ -89,8 +96,8 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   [[nodiscard]] bool EvaluateAt(const Vector& free, Vector* residuals,
                                 Matrix* jacobian) const;
 
-  const ModalData& data_;
   const StructuralDynamics dynamics_;  // averaged
+  const ModalData data_;               // in use
   const ParameterLayout& layout_;
   std::vector<Column> columns_;
   std::vector<Shape> shapes_;  // one per mode

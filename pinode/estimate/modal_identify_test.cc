@@ -166,6 +166,69 @@ TEST(ModalIdentify, HasIntervalsThatCover) {
   EXPECT_NEAR(covered / (3.0 * trials), 0.95, 0.03);
 }
 
+// A pole of the wind that looks like the first mode, far below it: held against
+// that, it would move the mode that is there to the second one, and so on.
+TEST(ModalIdentify, LeavesOutWhatTheModelHasNoModeFor) {
+  const auto dynamics = testing::MakeGroupedChain(5, 40.0, 0.1);
+  Vector truth(5);
+  truth << -0.1, 0.1, 0.05, -0.15, 0.1;
+  ModalFit fit;
+  fit.problem.dynamics = dynamics;
+  auto& modes = fit.problem.modal.modes;
+  modes = Measure(*dynamics, truth, 4, {0, 1, 3, 4});
+  modes.insert(modes.begin(), modes.front());
+  modes[0].name = "wind";
+  modes[0].frequency *= 0.3;
+  modes[0].shape[1] += 0.2;
+  for (MeasuredMode& mode : modes) {
+    mode.frequency_sigma = 0.001 * mode.frequency;
+    mode.shape_sigma = 0.01;
+  }
+  fit.Run();
+  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_LT((fit.model.parameters - truth).cwiseAbs().maxCoeff(), 1e-6);
+  ASSERT_EQ(fit.summary.modes.size(), 5u);
+  EXPECT_FALSE(fit.summary.modes[0].InUse());
+  EXPECT_TRUE(std::isnan(fit.summary.modes[0].updated.frequency));
+  for (int j = 1; j < 5; ++j) {
+    EXPECT_EQ(fit.summary.modes[static_cast<size_t>(j)].updated.mode, j - 1);
+  }
+  ASSERT_EQ(fit.summary.remarks.size(), 1u);
+  EXPECT_THAT(fit.summary.remarks[0], HasSubstr("does not use 'wind'"));
+}
+
+// Deviations of a fifth of what the modes are off by: what is left over says
+// so, and the intervals cover.
+TEST(ModalIdentify, WidensIntervalsWhereModesAreNotMet) {
+  const auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.1);
+  Vector truth(3);
+  truth << -0.1, 0.2, 0.05;
+  ModalFit fit;
+  fit.problem.dynamics = dynamics;
+  const auto exact = Measure(*dynamics, truth, 3, {0, 1, 2});
+  const int trials = 300;
+  int covered = 0;
+  for (int t = 0; t < trials; ++t) {
+    testing::Gaussian random(static_cast<uint64_t>(t) + 1);
+    fit.problem.modal.modes = exact;
+    for (MeasuredMode& mode : fit.problem.modal.modes) {
+      mode.frequency_sigma = 0.0004 * mode.frequency;
+      mode.frequency += 5.0 * mode.frequency_sigma * random.Next();
+      mode.shape_sigma = 0.002;
+      mode.shape += 5.0 * mode.shape_sigma * random.Draw(3);
+    }
+    fit.Run();
+    ASSERT_EQ(fit.summary.remarks.size(), 1u);
+    EXPECT_THAT(fit.summary.remarks[0], HasSubstr("are met worse than"));
+    for (size_t j = 0; j < 3; ++j) {
+      const ParameterEstimate& p = fit.summary.parameters[j];
+      covered += p.lower95 < truth[static_cast<int>(j)] &&
+                 truth[static_cast<int>(j)] < p.upper95;
+    }
+  }
+  EXPECT_NEAR(covered / (3.0 * trials), 0.95, 0.03);
+}
+
 // With weights alone the residuals say how large the errors are: Student's
 // intervals, which cover as well.
 TEST(ModalIdentify, EstimatesTheErrorsOfWeightedModes) {

@@ -14,7 +14,7 @@
 #include "pinode/estimate/force_bands.h"
 #include "pinode/estimate/free_run_start.h"
 #include "pinode/estimate/holdout_noise.h"
-#include "pinode/estimate/modal_cost.h"
+#include "pinode/estimate/modal_outcome.h"
 #include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/prediction_band.h"
@@ -158,32 +158,6 @@ void BandPredictions(const IdentificationProblem& problem,
   }
 }
 
-// Measured modes beside those of the models before and after.
-void ScoreModes(const IdentificationProblem& problem,
-                const Vector& prior_parameters, const Vector& parameters,
-                IdentificationSummary* summary) {
-  if (problem.modal.empty()) return;
-  const StructuralDynamics dynamics =
-      AveragedDynamics(problem.modal, *problem.dynamics);
-  std::vector<ModeMatch> initial, updated;
-  std::string error;
-  if (!MatchModes(problem.modal,
-                  dynamics.CorrectedModel(
-                      prior_parameters.head(dynamics.num_parameters())),
-                  &initial, &error) ||
-      !MatchModes(
-          problem.modal,
-          dynamics.CorrectedModel(parameters.head(dynamics.num_parameters())),
-          &updated, &error)) {
-    return;
-  }
-  for (size_t i = 0; i < problem.modal.modes.size(); ++i) {
-    const MeasuredMode& mode = problem.modal.modes[i];
-    summary->modes.push_back(
-        {mode.name, mode.frequency, initial[i], updated[i]});
-  }
-}
-
 // Least damping ratio of the modes of the matrices; NaN where no mode has one.
 double LeastDampingOf(const StructuralDynamics& dynamics,
                       const Vector& parameters) {
@@ -227,46 +201,6 @@ bool DampingsAreBounded(const StructuralDynamics& dynamics) {
     return term.group.target == MatrixGroup::Target::kDamping &&
            term.alpha.free && !std::isfinite(term.alpha.lower);
   });
-}
-
-// Half the sum of squares of the modal residuals; infinite where there are
-// none to be had.
-double ModalCostAt(const Vector& parameters, const ParameterLayout& layout,
-                   ModalCost* modes) {
-  double cost = 0.0;
-  return modes->Evaluate(layout.Free(parameters), &cost) ? cost : kInfinity;
-}
-
-// Where modes have weights and no sigma, and nothing else is fitted, what is
-// left over says how large their errors are, as it does for channels. Where
-// nothing is left there is no covariance.
-bool ScaleToResiduals(const ModalCost& modal, double cost,
-                      double effective_parameters,
-                      CovarianceEstimate* covariance) {
-  const double determined =
-      effective_parameters - static_cast<double>(covariance->null_space.cols());
-  const double left =
-      modal.num_residuals() - modal.num_eliminated() - determined;
-  if (left < 0.5) return false;
-  covariance->covariance *= 2.0 * cost / left;
-  covariance->quantile = StudentQuantile(left);
-  return true;
-}
-
-void ReportModes(const IdentificationProblem& problem,
-                 const ParameterLayout& layout, const Vector& parameters,
-                 ModalCost* modes, Certainty* certainty,
-                 IdentificationSummary* summary) {
-  const Vector initial = layout.InitialValues();
-  ScoreModes(problem, initial, parameters, summary);
-  summary->initial_modal_cost = ModalCostAt(initial, layout, modes);
-  summary->final_modal_cost = ModalCostAt(parameters, layout, modes);
-  if (certainty->known && problem.num_train_records() == 0 &&
-      problem.ambient.empty() && !problem.modal.HasSigmas()) {
-    certainty->known =
-        ScaleToResiduals(*modes, summary->final_modal_cost,
-                         summary->effective_parameters, &certainty->covariance);
-  }
 }
 
 // What the record does not tell of the groups because nobody measured the
@@ -358,7 +292,7 @@ void ReportOutcome(const IdentificationProblem& problem,
   BandPredictions(problem, options, certainty, *model, summary);
   if (!problem.modal.empty()) {
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
-                &certainty, summary);
+                &certainty.known, &certainty.covariance, summary);
   }
   ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);

@@ -20,6 +20,11 @@ constexpr double kMostLeftByNetwork = 0.1;
 constexpr double kMostHoldoutError = 0.5;
 constexpr double kMostHoldoutGrowth = 3.0;
 
+// How far a measured mode may be from the one that it is held against: the
+// logarithm of the ratio of frequencies, and the MAC.
+constexpr double kMostModeDistance = 0.3;
+constexpr double kLeastModeMac = 0.5;
+
 // Empty: every record is predicted well enough.
 std::string WhyNotPredicted(const IdentificationSummary& summary) {
   std::ostringstream reason;
@@ -48,6 +53,35 @@ bool HasTrainRecord(const IdentificationSummary& summary) {
                      [](const RecordScore& score) {
                        return score.role == IdentificationRecord::Role::kTrain;
                      });
+}
+
+// Empty: each measured mode that was used is still like its partner. A fit that
+// holds a mode against another one of the model has moved parameters to no end.
+std::string WhyModesAreLost(const IdentificationSummary& summary) {
+  for (const ModeScore& mode : summary.modes) {
+    if (!mode.InUse()) continue;
+    const double ratio = mode.updated.frequency / mode.frequency;
+    // A MAC of NaN is of a mode without a shape.
+    if (std::abs(std::log(ratio)) <= kMostModeDistance &&
+        !(mode.updated.mac < kLeastModeMac)) {
+      continue;
+    }
+    std::ostringstream reason;
+    reason << "no mode of the model that was found is like measured mode '"
+           << mode.name
+           << "' (the nearest: "
+           << (std::isfinite(ratio)
+                   ? FormatNumber(100.0 * (ratio - 1.0), 2) + " % in frequency"
+                   : "without a frequency");
+    if (std::isfinite(mode.updated.mac)) {
+      reason << ", MAC " << FormatNumber(mode.updated.mac, 2);
+    }
+    reason << "): it may be none of the structure's, or paired wrongly; leave "
+              "it out, give its shape at more DOFs, or begin from a better "
+              "model";
+    return reason.str();
+  }
+  return "";
 }
 
 // Of a fit to ambient records alone: empty where one of them tells something of
@@ -143,7 +177,8 @@ std::string WhyNotUsable(const GapTuning& tuning,
            "alone";
   }
   for (const std::string& objection :
-       {WhyNotLearned(summary), WhyNotCarriedOver(summary)}) {
+       {WhyNotLearned(summary), WhyNotCarriedOver(summary),
+        WhyModesAreLost(summary)}) {
     if (!objection.empty()) return objection;
   }
   const std::string explained = WhyLoadsExplainAll(summary);

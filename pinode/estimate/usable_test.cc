@@ -91,6 +91,33 @@ TEST(Usable, SaysWhatIsMissing) {
   EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
 }
 
+TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
+  IdentificationSummary summary = GoodSummary();
+  summary.records.clear();
+  summary.initial_modal_cost = 2.0;
+  summary.final_modal_cost = 1.0;
+  ModeScore mode;
+  mode.name = "sway";
+  mode.frequency = 2.0;
+  summary.modes = {mode};
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "what was not used says nothing";
+  ModeMatch& match = summary.modes[0].updated;
+  match = {0, 2.6, 0.6};
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << summary.message;
+  match.mac = kNaN;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "no shape was measured";
+  match = {0, 2.8, 0.99};
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("'sway' (the nearest: 40 % in frequency, MAC 0.99)"));
+  match = {0, 2.1, 0.4};
+  EXPECT_THAT(Judged(summary), HasSubstr("5 % in frequency, MAC 0.4)"));
+  match = {0, kNaN, 1.0};
+  EXPECT_THAT(Judged(summary), HasSubstr("without a frequency, MAC 1)"));
+}
+
 // What a network leaves over must be noise, or little.
 TEST(Usable, NetworksHaveLearnedWhatThereIs) {
   IdentificationSummary summary = GoodSummary();
