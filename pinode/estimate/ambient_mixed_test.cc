@@ -111,5 +111,26 @@ TEST(AmbientMixedTest, BesideAForcedRecordAndModesAllAreWeighed) {
   EXPECT_LT(by_all.parameters[0].sigma, 0.95 * by_both.parameters[0].sigma);
 }
 
+// Beside a forced record that says next to nothing the scores of the ambient
+// record's lines make the same intervals as without it.
+TEST(AmbientMixedTest, ScoresOfLinesCountBesideAForcedRecord) {
+  using Covariance = IdentificationOptions::Covariance;
+  const IdentificationProblem ambient = ChainThatCanBeDriven();
+  IdentificationProblem both = ambient;
+  both.records.push_back(DrivenRecord(*ambient.dynamics, 1e6));
+  const Matrix plain = SummaryOfFit(both, Covariance::kPlain).covariance;
+  const IdentificationSummary alone =
+      SummaryOfFit(ambient, Covariance::kSandwich);
+  const IdentificationSummary beside =
+      SummaryOfFit(both, Covariance::kSandwich);
+  EXPECT_EQ(alone.covariance_method, "sandwich");
+  EXPECT_EQ(beside.covariance_method, "sandwich");
+  EXPECT_LT((beside.covariance - alone.covariance).norm(),
+            0.01 * alone.covariance.norm());
+  EXPECT_GT((plain - alone.covariance).norm(), 0.05 * alone.covariance.norm());
+  // The spectra are those of the model, so that it is not asked for.
+  EXPECT_EQ(SummaryOfFit(both).covariance_method, "plain");
+}
+
 }  // namespace
 }  // namespace pinode

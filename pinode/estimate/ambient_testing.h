@@ -129,10 +129,13 @@ inline TestChain RayleighChain(int masses) {
   return TestChain(masses, kChainSpring);
 }
 
-// Options left alone.
+// Options left alone but for how intervals are found.
 inline IdentificationSummary SummaryOfFit(
-    const IdentificationProblem& problem) {
+    const IdentificationProblem& problem,
+    IdentificationOptions::Covariance covariance =
+        IdentificationOptions::Covariance::kAuto) {
   IdentificationOptions options;
+  options.covariance = covariance;
   options.num_threads = 2;
   IdentificationSummary summary;
   IdentifiedModel model;

@@ -103,15 +103,18 @@ bool AnyMisfit(const Vector& free, const Objective& objective) {
                      });
 }
 
-// Scores of lines in the middle, in place of the ambient records' information.
-bool SandwichAmbient(const Matrix& hessian, const Objective& objective,
-                     CovarianceEstimate* estimate) {
-  if (objective.ambient().empty()) return true;
-  Matrix middle = hessian;
+// In the middle scores of lines in place of the ambient records' information:
+// what that adds.
+Matrix ScoresForInformation(const Objective& objective, Eigen::Index size) {
+  Matrix change = Matrix::Zero(size, size);
   for (const auto& record : objective.ambient()) {
-    middle += record->score_products() - record->information();
+    change += record->score_products() - record->information();
   }
-  estimate->method = "sandwich";
+  return change;
+}
+
+// From the inverse Hessian, with what stands in its place in the middle.
+bool MakeSandwich(const Matrix& middle, CovarianceEstimate* estimate) {
   const Matrix inverse = estimate->covariance;
   estimate->covariance = inverse * middle * inverse;
   return estimate->covariance.allFinite();
@@ -403,23 +406,28 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   estimate->method = "plain";
   estimate->quantile = StudentQuantile(1e6);
   if (choice == Covariance::kPlain) return true;
-  if (shooting.train_records().empty()) {
-    return choice == Covariance::kSandwich || AnyMisfit(free, *objective)
-               ? SandwichAmbient(system.hessian, *objective, estimate)
-               : true;
+  const bool automatic = choice == Covariance::kAuto;
+  const bool by_scores_of_lines = !objective->ambient().empty() &&
+                                  (!automatic || AnyMisfit(free, *objective));
+  Matrix middle = system.hessian;
+  if (by_scores_of_lines) {
+    middle += ScoresForInformation(*objective, free.size());
   }
+  const auto of_lines_alone = [&] {
+    if (!by_scores_of_lines) return true;
+    estimate->method = "sandwich";
+    return MakeSandwich(middle, estimate);
+  };
+  if (shooting.train_records().empty()) return of_lines_alone();
 
   // The priors' share of the Hessian is theirs in the middle as well.
-  Matrix middle = system.hessian - shooting.Information();
   Scores scores;
   if (!scores.Compute(free, StepToADraw(inverse_root), &shooting)) return false;
-  const bool automatic = choice == Covariance::kAuto;
   const bool noisy_input = HasNoisyInput(problem, shooting.train_records());
   if (automatic && !noisy_input && !AnyAutocorrelated(scores.drawn())) {
-    return true;
+    return of_lines_alone();
   }
-
-  const Matrix inverse = estimate->covariance;
+  middle -= shooting.Information();
   if (automatic && noisy_input) {
     estimate->method = "input noise";
     if (!AddInputNoise(problem, layout, free, sigmas, &shooting, &middle)) {
@@ -438,8 +446,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
     middle += count / std::max(1.0, count - 1.0) * products;
     estimate->quantile = StudentQuantile(count - 1.0);
   }
-  estimate->covariance = inverse * middle * inverse;
-  return estimate->covariance.allFinite();
+  return MakeSandwich(middle, estimate);
 }
 
 }  // namespace pinode

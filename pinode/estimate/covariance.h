@@ -41,8 +41,11 @@ struct CovarianceEstimate {
 //                 place of the sandwich where an unknown force has more knots
 //                 than there are blocks
 //
-// kAuto takes input noise where a training record has a noisy input, sandwich
-// or inflated where a Ljung-Box test finds autocorrelation, else plain. The
+// In each but the first, ambient records have the products of the scores of
+// their lines in the middle, in place of their information, where their spectra
+// are not those of the model. kAuto takes input noise where a training record
+// has a noisy input, sandwich or inflated where a Ljung-Box test finds
+// autocorrelation, else plain (or a sandwich of ambient records alone). The
 // test is of residuals at a draw from the posterior, which are white where the
 // noise is, however much of it the fit has followed. Returns false where the
 // Hessian is not finite.
