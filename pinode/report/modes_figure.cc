@@ -163,8 +163,13 @@ Figure MakeIdentifiedShapesFigure(const MergedModes& merged, int most) {
   }
   script.Line("unset multiplot");
   figure.script = script.text();
+  const size_t all = merged.modes.size();
   figure.caption =
-      "Mode shapes in displacements, real parts, largest entry one, with 95 % "
+      (static_cast<size_t>(count) < all
+           ? "The first " + std::to_string(count) + " of " +
+                 std::to_string(all) + " mode"
+           : std::string("Mode")) +
+      " shapes in displacements, real parts, largest entry one, with 95 % "
       "intervals; places in the order of the sensors.";
   return figure;
 }

@@ -101,16 +101,18 @@ double MacBetween(const IdentifiedMode& a, const IdentifiedMode& b) {
   return ComplexMac(x, y);
 }
 
-TextTable MakeMacTable(const MergedModes& merged) {
+// Of the first `count` modes.
+TextTable MakeMacTable(const MergedModes& merged, size_t count) {
   std::vector<TextTable::Column> columns = {{"mode", Align::kDecimal}};
-  for (size_t m = 0; m < merged.modes.size(); ++m) {
+  for (size_t m = 0; m < count; ++m) {
     columns.push_back({std::to_string(m + 1), Align::kDecimal});
   }
   TextTable table(columns);
-  for (size_t m = 0; m < merged.modes.size(); ++m) {
+  for (size_t m = 0; m < count; ++m) {
     std::vector<std::string> row = {std::to_string(m + 1)};
-    for (const MergedMode& other : merged.modes) {
-      const double mac = MacBetween(merged.modes[m].mode, other.mode);
+    for (size_t other = 0; other < count; ++other) {
+      const double mac =
+          MacBetween(merged.modes[m].mode, merged.modes[other].mode);
       char cell[16];
       std::snprintf(cell, sizeof(cell), "%.2f", mac);
       row.emplace_back(cell);
@@ -255,10 +257,14 @@ std::string RenderModesReport(const ModesReportInput& input,
   SetIf("setups", any && input.records->size() > 1,
         TableData(MakeSetupsTable(input)), &page);
   page.set("shapes", picture(shapes));
-  SetIf("mac",
-        input.merged->modes.size() > 1 && input.merged->places.size() > 1 &&
-            input.merged->modes.size() <= kLargestMacTable,
-        TableData(MakeMacTable(*input.merged)), &page);
+  const size_t num_modes = input.merged->modes.size();
+  const size_t in_table = std::min(num_modes, kLargestMacTable);
+  PageData mac = TableData(MakeMacTable(*input.merged, in_table));
+  mac.set("which", in_table < num_modes
+                       ? "the first " + std::to_string(in_table) + " of " +
+                             std::to_string(num_modes) + " modes"
+                       : std::string("the modes"));
+  SetIf("mac", num_modes > 1 && input.merged->places.size() > 1, mac, &page);
   PageData structure;
   if (input.structure != nullptr) {
     structure.set("html", StructureSection(*input.structure));
