@@ -118,19 +118,6 @@ Truth() {
     inside { gsub(/[",:]/, " "); print $1, $2 }' "$data/truth.json"
 }
 
-# "name change damaged" of each group in damage.json.
-Groups() {
-  awk '
-    /"groups": \[/ { inside = 1 }
-    inside && /^  ]/ { exit }
-    inside {
-      gsub(/[",:]/, " ")
-      if ($1 == "name") name = $2
-      if ($1 == "change") change = $2
-      if ($1 == "damaged") print name, change, $2
-    }' "$1/damage.json"
-}
-
 # The design model, updated, is the structure as it was built.
 Truth "" as_built >as_built
 [[ $(wc -l <as_built) -eq 12 ]] || Fail "truth.json: not 12 groups as built"

@@ -27,3 +27,17 @@ Refused() {
   grep -qF -- "$text" stderr || Fail "expected '$text'"
   [[ ! -s stdout && ! -e E ]] || Fail "something was written"
 }
+
+# "name change damaged p_value" of each group in the damage.json of a folder.
+Groups() {
+  awk '
+    /"groups": \[/ { inside = 1 }
+    inside && /^  ]/ { exit }
+    inside {
+      gsub(/[",:]/, " ")
+      if ($1 == "name") name = $2
+      if ($1 == "change") change = $2
+      if ($1 == "damaged") damaged = $2
+      if ($1 == "p_value") print name, change, damaged, $2
+    }' "$1/damage.json"
+}
