@@ -14,10 +14,7 @@
 
 #include <chrono>
 #include <cstdio>
-#include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/fit_flags.h"
 #include "apps/program.h"
@@ -25,12 +22,11 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_picture.h"
+#include "pinode/case/find_modes.h"
 #include "pinode/case/modes_files.h"
 #include "pinode/case/modes_section.h"
 #include "pinode/case/result_folder.h"
-#include "pinode/modal/resolve_dofs.h"
 #include "pinode/report/modes_report.h"
-#include "pinode/study/structure_picture.h"
 
 DEFINE_string(columns, "",
               "--case is a data file (CSV, universal file, ...), and these of "
@@ -86,42 +82,6 @@ bool ReadInput(ModesCase* c, std::string* error) {
   return ReadModesDataFile(file, c, error);
 }
 
-// The modes of each record, and what ties them together, at `places`.
-bool FindModes(const ModesCase& c, std::vector<ModesOfRecord>* by_record,
-               std::vector<PlaceOfShape>* places, ModesResult* result,
-               std::string* error) {
-  std::vector<SetupModes> setups;
-  result->remarks = c.remarks;
-  for (const ResponseRecord& record : c.records) {
-    ModesOfRecord modes;
-    if (!IdentifyModes(record, c.options, &modes, error)) {
-      *error = c.path + ": " + *error;
-      return false;
-    }
-    for (const std::string& remark : modes.remarks) {
-      result->remarks.push_back("Record '" + record.name + "': " + remark);
-    }
-    SetupModes setup;
-    setup.name = record.name;
-    for (const ResponseChannel& channel : record.channels) {
-      setup.places.push_back(channel.name);
-    }
-    setup.modes = modes.modes;
-    result->setups.push_back(record.name);
-    setups.push_back(std::move(setup));
-    by_record->push_back(std::move(modes));
-  }
-  if (!MergeSetups(setups, c.merge, &result->merged, error)) {
-    *error = c.path + ": " + *error;
-    return false;
-  }
-  *places = c.places;
-  ResolveDofs(places, &result->merged);
-  result->remarks.insert(result->remarks.end(), result->merged.remarks.begin(),
-                         result->merged.remarks.end());
-  return true;
-}
-
 }  // namespace
 }  // namespace pinode
 
@@ -148,12 +108,9 @@ int main(int argc, char** argv) {
   }
 
   // 2. The modes of each record, and of all.
-  std::vector<ModesOfRecord> by_record;
-  ModesResult result;
-  std::vector<PlaceOfShape> places;
-  if (!FindModes(c, &by_record, &places, &result, &error)) {
-    return Refuse(error);
-  }
+  FoundModes found;
+  if (!FindModes(c, &found, &error)) return Refuse(error);
+  const ModesResult& result = found.result;
 
   // 3. The folder, with a report.
   const double seconds =
@@ -162,16 +119,10 @@ int main(int argc, char** argv) {
   report.title = c.title;
   report.origin = {c.path, CommandLine(argc, argv), seconds};
   report.records = &c.records;
-  report.by_record = &by_record;
+  report.by_record = &found.by_record;
   report.merged = &result.merged;
   report.remarks = result.remarks;
-  std::optional<StructurePicture> picture;
-  if (c.geometry != nullptr) {
-    picture = MakeModesPicture(*c.geometry, c.places, places, result.merged);
-    result.geometry = c.geometry->geometry;
-    result.motions = MotionsOfNodes(*c.geometry, places, result.merged);
-    report.structure = &*picture;
-  }
+  if (found.picture.has_value()) report.structure = &*found.picture;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   ResultFolder folder;
@@ -179,7 +130,7 @@ int main(int argc, char** argv) {
     return Refuse(error);
   }
   if (!WriteModesFiles(result, folder.working_path(), &error) ||
-      !WriteVtu(picture, folder.working_path(), &error) ||
+      !WriteVtu(found.picture, folder.working_path(), &error) ||
       !WriteModesReport(report, report_options,
                         folder.working_path() + "/report.html", &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {

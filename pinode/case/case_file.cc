@@ -8,6 +8,8 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/ambient_section.h"
+#include "pinode/case/case_tables.h"
+#include "pinode/case/case_tables.h"
 #include "pinode/case/discover_section.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/case/force_scale_section.h"
@@ -102,12 +104,7 @@ class CaseReader {
 
  private:
   bool ReadHead() {
-    if (!root_.AllowKeys(
-            {"title",           "units",    "model",   "group",
-             "element",         "library",  "network", "unknown_force",
-             "record",          "modal",    "mode",    "options",
-             "simulate",        "discover", "damage",  "profiles",
-             "reference_curve", "modes",    "plan",    "geometry"})) {
+    if (!AllowCaseTables(root_)) {
       return false;
     }
     description_.title = root_.String("title");

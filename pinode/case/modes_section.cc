@@ -7,6 +7,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/case_tables.h"
 #include "pinode/case/geometry_section.h"
 #include "pinode/case/model_section.h"
 #include "pinode/case/record_data.h"
@@ -84,19 +85,21 @@ bool IsLoad(const InputSpec& spec) {
 class ModesCaseReader {
  public:
   ModesCaseReader(const TomlValue& source, const std::string& path,
-                  std::string* error)
-      : errors_(path, error), root_(source, "", &errors_) {
+                  const CaseData* data, std::string* error)
+      : errors_(path, error, data), root_(source, "", &errors_) {
     c_.path = path;
+  }
+
+  bool ReadOptionsAlone(ModesCase* result) {
+    if (!root_.AllowKeys({"modes"}) || !ReadOptions()) return false;
+    *result = std::move(c_);
+    return true;
   }
 
   bool Read(ModesCase* result) {
     c_.title = root_.String("title");
-    if (!root_.AllowKeys({"title", "units", "model", "group", "element",
-                          "library", "network", "unknown_force", "record",
-                          "modal", "mode", "options", "simulate", "discover",
-                          "damage", "profiles", "reference_curve", "modes",
-                          "geometry"}) ||
-        !ReadUnits(root_, &c_.units) || !ReadOptions() || !ReadRecords() ||
+    if (!AllowCaseTables(root_) || !ReadUnits(root_, &c_.units) ||
+        !ReadOptions() || !ReadRecords() ||
         !ReadGeometry(root_, root_.Has("model") ? nullptr : &dof_names_,
                       nullptr, &c_.geometry)) {
       return false;
@@ -112,6 +115,9 @@ class ModesCaseReader {
                           "references", "max_damping_ratio", "pick", "method",
                           "threads"})) {
       return false;
+    }
+    for (const TomlValue::Entry& entry : table.entries()) {
+      c_.option_lines[entry.first] = table.Line(entry.first);
     }
     ModeIdentificationOptions& options = c_.options;
     if (table.Has("lowest_hz")) {
@@ -213,6 +219,7 @@ class ModesCaseReader {
     if (!response.IsValid(&message)) {
       return section.table.Fail("channel", message);
     }
+    c_.record_lines[response.name] = section.table.line();
     c_.records.push_back(std::move(response));
     return true;
   }
@@ -324,7 +331,7 @@ class DataFileReader {
     root.Set("units", std::move(units));
     root.Set("title", TomlValue::String("Modes of " + FileName(file_.path)));
     root.Set("record", TomlValue::Array({std::move(record)}));
-    return ModesCaseReader(root, file_.path, error_).Read(c);
+    return ModesCaseReader(root, file_.path, nullptr, error_).Read(c);
   }
 
  private:
@@ -411,7 +418,17 @@ bool ReadModesCase(const std::string& path, ModesCase* c, std::string* error) {
   TomlValue source;
   return ReadTextFile(path, &text, error) &&
          ParseToml(text, path, &source, error) &&
-         ModesCaseReader(source, path, error).Read(c);
+         ModesCaseReader(source, path, nullptr, error).Read(c);
+}
+
+bool ReadModesOptions(const TomlValue& source, ModesCase* c,
+                      std::string* error) {
+  return ModesCaseReader(source, "", nullptr, error).ReadOptionsAlone(c);
+}
+
+bool ReadModesTree(const TomlValue& source, const std::string& path,
+                   const CaseData& data, ModesCase* c, std::string* error) {
+  return ModesCaseReader(source, path, &data, error).Read(c);
 }
 
 }  // namespace pinode

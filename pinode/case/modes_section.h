@@ -3,6 +3,7 @@
 #ifndef PINODE_CASE_MODES_SECTION_H_
 #define PINODE_CASE_MODES_SECTION_H_
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +16,9 @@
 
 namespace pinode {
 
+struct CaseData;
 struct PlacedGeometry;
+struct TomlValue;
 
 // What pinode_modes needs of a case: [modes], and of each [[record]] the
 // channels. A model need not be there and is not read where it is.
@@ -33,6 +36,9 @@ struct ModesCase {
   std::vector<std::string> remarks;
   ModeIdentificationOptions options;
   MergeOptions merge;
+  // Lines of the file: of the keys of [modes], of the [[record]] of each name.
+  std::map<std::string, int> option_lines;
+  std::map<std::string, int> record_lines;
 };
 
 // A data file by itself, in the place of a case.
@@ -57,6 +63,16 @@ struct ModesDataFile {
 // line in *error, *c is untouched then.
 [[nodiscard]] bool ReadModesCase(const std::string& path, ModesCase* c,
                                  std::string* error);
+
+// [modes] of `source` alone, for records that are in memory already.
+[[nodiscard]] bool ReadModesOptions(const TomlValue& source, ModesCase* c,
+                                    std::string* error);
+
+// The case that `source` says, with `data` in place of files that it names, as
+// ReadCaseTree has it; `path` is where it would stand, or empty.
+[[nodiscard]] bool ReadModesTree(const TomlValue& source,
+                                 const std::string& path, const CaseData& data,
+                                 ModesCase* c, std::string* error);
 
 }  // namespace pinode
 

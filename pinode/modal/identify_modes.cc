@@ -83,6 +83,9 @@ class ModeFinder {
              std::string* error)
       : record_(record), options_(options), result_(result), error_(error) {}
 
+  // After Find: the option that is at fault.
+  const std::string& option() const { return option_; }
+
   bool Find() {
     if (!record_.IsValid(error_) || !FindMethod() || !FindReferences() ||
         !FindLimits()) {
@@ -125,6 +128,17 @@ class ModeFinder {
   }
 
  private:
+  // `what`: after the record's name.
+  bool Fail(const std::string& option, const std::string& what) {
+    option_ = option;
+    *error_ = "record '" + record_.name + "' " + what;
+    return false;
+  }
+
+  std::string GivenBlockRows() const {
+    return options_.block_rows > 0 ? "block_rows" : "";
+  }
+
   bool FindMethod() {
     method_ = options_.method;
     if (method_ == ModalMethod::kAutomatic) {
@@ -133,16 +147,13 @@ class ModeFinder {
                                             : ModalMethod::kCovarianceDriven;
     }
     if (method_ == ModalMethod::kInputOutput && record_.inputs.rows() == 0) {
-      *error_ = "record '" + record_.name +
-                "' has no measured load, expected one for method "
-                "input_output";
-      return false;
+      return Fail("method",
+                  "has no measured load, expected one for method input_output");
     }
     if (method_ == ModalMethod::kRingDown && record_.samples.hasNaN()) {
-      *error_ = "record '" + record_.name +
-                "' has missing samples, expected a complete decay for method "
-                "ring_down";
-      return false;
+      return Fail(options_.method == method_ ? "method" : "",
+                  "has missing samples, expected a complete decay for method "
+                  "ring_down");
     }
     return true;
   }
@@ -193,6 +204,7 @@ class ModeFinder {
           record_.channels.begin(), record_.channels.end(),
           [&name](const ResponseChannel& c) { return c.name == name; });
       if (place == record_.channels.end()) {
+        option_ = "references";
         *error_ = "reference '" + name + "' is no channel of record '" +
                   record_.name + "'";
         return false;
@@ -213,13 +225,17 @@ class ModeFinder {
     highest_hz_ =
         options_.highest_hz > 0.0 ? options_.highest_hz : kRecordTop * nyquist;
     if (highest_hz_ >= nyquist || lowest_hz_ >= highest_hz_) {
-      *error_ = "record '" + record_.name + "' has modes looked for from " +
-                FormatNumber(lowest_hz_, 4) + " to " +
-                FormatNumber(highest_hz_, 4) + " Hz, expected a band between " +
-                FormatNumber(cycles) + " cycles in the record (" +
-                FormatNumber(lowest, 3) + " Hz) and half its sampling rate (" +
-                FormatNumber(nyquist, 4) + " Hz)";
-      return false;
+      const std::string limits =
+          FormatNumber(cycles) + " cycles in the record (" +
+          FormatNumber(lowest, 3) + " Hz) and half its sampling rate (" +
+          FormatNumber(nyquist, 4) + " Hz)";
+      if (options_.lowest_hz <= 0.0 && options_.highest_hz <= 0.0) {
+        return Fail("", "is too short: there is no band between " + limits);
+      }
+      return Fail(options_.highest_hz > 0.0 ? "highest_hz" : "lowest_hz",
+                  "has modes looked for from " + FormatNumber(lowest_hz_, 4) +
+                      " to " + FormatNumber(highest_hz_, 4) +
+                      " Hz, expected a band between " + limits);
     }
     return true;
   }
@@ -263,6 +279,7 @@ class ModeFinder {
                            found, error_)) {
         return true;
       }
+      option_ = options_.max_order > 0 ? "max_order" : GivenBlockRows();
       *error_ = "record '" + record_.name + "': " + *error_;
       return false;
     };
@@ -297,12 +314,12 @@ class ModeFinder {
   bool FormDecay(const Level& level, AnalysedBand* band,
                  HankelWindows* hankel) {
     if (level.samples.cols() < 3 * band->block_rows || band->max_order < 2) {
-      *error_ = "record '" + record_.name + "' has " +
-                std::to_string(level.samples.cols()) +
-                " samples, too few for " + std::to_string(band->block_rows) +
-                " block rows, expected " +
-                std::to_string(3 * band->block_rows) + " and more";
-      return false;
+      return Fail(GivenBlockRows(),
+                  "has " + std::to_string(level.samples.cols()) +
+                      " samples, too few for " +
+                      std::to_string(band->block_rows) +
+                      " block rows, expected " +
+                      std::to_string(3 * band->block_rows) + " and more");
     }
     decay_ = RingDownHankel(level.samples, band->block_rows, band->max_order);
     *hankel = decay_.hankel;
@@ -327,12 +344,12 @@ class ModeFinder {
     const int lags = 2 * band->block_rows - 1;
     const Eigen::Index hops = level.samples.cols() / std::max(1, lags);
     if (hops < kFewestWindows) {
-      *error_ = "record '" + record_.name + "' has " +
-                std::to_string(level.samples.cols()) + " samples at " +
-                FormatNumber(1.0 / level.step, 6) + " Hz, too few for " +
-                std::to_string(band->block_rows) + " block rows, expected " +
-                std::to_string(kFewestWindows * lags) + " and more";
-      return false;
+      return Fail(GivenBlockRows(),
+                  "has " + std::to_string(level.samples.cols()) +
+                      " samples at " + FormatNumber(1.0 / level.step, 6) +
+                      " Hz, too few for " + std::to_string(band->block_rows) +
+                      " block rows, expected " +
+                      std::to_string(kFewestWindows * lags) + " and more");
     }
     band->num_windows =
         static_cast<int>(std::min<Eigen::Index>(hops, kMostWindows));
@@ -480,6 +497,7 @@ class ModeFinder {
   const ModeIdentificationOptions& options_;
   ModesOfRecord* result_;
   std::string* error_;
+  std::string option_;
   ModalMethod method_ = ModalMethod::kCovarianceDriven;
   WindowedCorrelations correlations_;  // of the rate that is looked at
   RingDown decay_;                     // likewise
@@ -509,8 +527,12 @@ const char* ModalMethodName(ModalMethod method) {
 
 bool IdentifyModes(const ResponseRecord& record,
                    const ModeIdentificationOptions& options,
-                   ModesOfRecord* result, std::string* error) {
-  return ModeFinder(record, options, result, error).Find();
+                   ModesOfRecord* result, std::string* error,
+                   std::string* option) {
+  ModeFinder finder(record, options, result, error);
+  const bool found = finder.Find();
+  if (option != nullptr) *option = finder.option();
+  return found;
 }
 
 }  // namespace pinode

@@ -116,10 +116,13 @@ struct ModesOfRecord {
 // certain of it.
 //
 // False with a sentence where the record is too short, or options do not fit
-// it: a method that needs inputs, or samples without gaps.
+// it: a method that needs inputs, or samples without gaps. *option (may be
+// null) is then the name of the one that was given and is at fault, empty where
+// none is.
 [[nodiscard]] bool IdentifyModes(const ResponseRecord& record,
                                  const ModeIdentificationOptions& options,
-                                 ModesOfRecord* result, std::string* error);
+                                 ModesOfRecord* result, std::string* error,
+                                 std::string* option = nullptr);
 
 }  // namespace pinode
 

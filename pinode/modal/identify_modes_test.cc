@@ -13,6 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 ModesOfRecord FindOrFail(const ResponseRecord& record,
                          const ModeIdentificationOptions& options = {}) {
@@ -143,12 +144,14 @@ TEST(IdentifyModesTest, NoiseHasNoModes) {
   EXPECT_THAT(FindOrFail(record).modes, IsEmpty());
 }
 
+// "option: message".
 std::string ErrorOf(const ResponseRecord& record,
                     const ModeIdentificationOptions& options = {}) {
   ModesOfRecord result;
   std::string error;
-  EXPECT_FALSE(IdentifyModes(record, options, &result, &error));
-  return error;
+  std::string option;
+  EXPECT_FALSE(IdentifyModes(record, options, &result, &error, &option));
+  return option + ": " + error;
 }
 
 TEST(IdentifyModesTest, SaysWhatIsWrong) {
@@ -156,19 +159,34 @@ TEST(IdentifyModesTest, SaysWhatIsWrong) {
       SimulateChain(TestChain(2, 4000.0), 0.01, 3000, 1);
   ResponseRecord record = good;
   record.samples.row(1).setConstant(3.0);
-  EXPECT_THAT(ErrorOf(record), HasSubstr("channel 'u2' is dead"));
+  EXPECT_THAT(ErrorOf(record),
+              HasSubstr(": record 'ambient', channel 'u2' is dead"));
   record = good;
   record.samples = good.samples.leftCols(500).eval();
-  EXPECT_THAT(ErrorOf(record), HasSubstr("too few"));
+  EXPECT_THAT(ErrorOf(record), AllOf(StartsWith(": "), HasSubstr("too few")));
   ModeIdentificationOptions options;
+  options.block_rows = 30;
+  EXPECT_THAT(ErrorOf(record, options),
+              AllOf(StartsWith("block_rows: "), HasSubstr("too few")));
+  options = {};
+  options.method = ModalMethod::kInputOutput;
+  EXPECT_THAT(ErrorOf(good, options), StartsWith("method: "));
+  options = {};
+  options.lowest_hz = 60.0;
+  EXPECT_THAT(ErrorOf(good, options), StartsWith("lowest_hz: "));
+  options = {};
   options.highest_hz = 60.0;
-  EXPECT_THAT(ErrorOf(good, options), HasSubstr("half its sampling rate"));
+  EXPECT_THAT(
+      ErrorOf(good, options),
+      AllOf(StartsWith("highest_hz: "), HasSubstr("half its sampling rate")));
   options = {};
   options.references = {"u7"};
-  EXPECT_THAT(ErrorOf(good, options), HasSubstr("'u7' is no channel"));
+  EXPECT_THAT(ErrorOf(good, options),
+              HasSubstr("references: reference 'u7' is no channel"));
   options = {};
   options.max_order = 400;
-  EXPECT_THAT(ErrorOf(good, options), HasSubstr("order 400"));
+  EXPECT_THAT(ErrorOf(good, options),
+              AllOf(StartsWith("max_order: "), HasSubstr("order 400")));
 }
 
 TEST(IdentifyModesTest, FaultsOfChannelsAreNamed) {

@@ -27,7 +27,7 @@ bool ResponseRecord::IsValid(std::string* error) const {
   }
   if (inputs.rows() > 0 &&
       (inputs.cols() != samples.cols() || !inputs.allFinite())) {
-    *error = where + " has inputs of " + std::to_string(inputs.cols()) +
+    *error = where + " has loads of " + std::to_string(inputs.cols()) +
              " samples beside responses of " + std::to_string(samples.cols()) +
              ", expected as many, all of them finite";
     return false;

@@ -27,9 +27,9 @@ struct PoleCluster {
 
   double frequency_sigma = 0.0;  // Hz
   double damping_sigma = 0.0;
-  // The standard deviation of the frequency (a fraction) or of the damping ratio,
-  // whichever is larger, over the smallest that it can have under noise; 0 where
-  // the record is none of that.
+  // The standard deviation of the frequency (a fraction) or of the damping
+  // ratio, whichever is larger, over the smallest that it can have under noise;
+  // 0 where the record is none of that.
   double excess = 0.0;
 };
 

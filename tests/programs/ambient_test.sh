@@ -43,8 +43,18 @@ Spoil copied '$3 = -2 * $1'
 Refused "channel 'a3' is channel 'a1' once more" --case=copied.toml \
   --output_dir=E
 tested=pinode_modes
-sed 's/^title/[modes]\nmax_order = 200\n&/' three_storey_ambient.toml >order.toml
-Refused "order.toml" --case=order.toml --output_dir=E
+{
+  cat three_storey_ambient.toml
+  printf '[modes]\nmax_order = 200\n'
+} >order.toml
+Refused "order.toml:$(wc -l <order.toml): [modes] max_order: record 'wind': models of order 200" \
+  --case=order.toml --output_dir=E
+# Tables of other programs are theirs.
+{
+  cat three_storey_ambient.toml
+  printf '[plan]\n'
+} >plan.toml
+Run 0 pinode_modes --case=plan.toml --output_dir=modes_plan
 Refused "channel 'a2': it has the same value in every sample" --case=dead.toml --output_dir=E
 
 # Said, and done: what is left is of use.
