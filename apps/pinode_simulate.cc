@@ -67,11 +67,8 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
     const std::string unit = problem.UnitOf(channel);
     Vector values = sensors.row(static_cast<int>(i)).transpose();
     const double spread = StandardDeviationOfPresent(values);
-    const double own = spread > 0.0
-                           ? 100.0 * channel.sigma /
-                                 (std::abs(channel.description.factor) * spread)
-                           : 0.0;
-    noise->AddTo(percent < 0.0 ? own : percent, &values);
+    noise->AddTo(percent < 0.0 ? OwnNoisePercent(channel, values) : percent,
+                 &values);
     std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
                 name.c_str(), spread, unit.c_str(),
                 values.cwiseAbs().maxCoeff(), unit.c_str());

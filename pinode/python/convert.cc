@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pinode/base/file.h"
 
@@ -107,9 +108,13 @@ std::string Error::Readable(std::string sentence) {
        at = FirstInvalidUtf8(sentence)) {
     sentence[at] = '?';
   }
-  for (size_t at = sentence.find('\0'); at != std::string::npos;
-       at = sentence.find('\0', at)) {
-    sentence.replace(at, 1, "\\0");
+  // Of what was passed, in a name or a path.
+  for (const auto& [letter, shown] :
+       {std::pair('\0', "\\0"), std::pair('\n', "\\n")}) {
+    for (size_t at = sentence.find(letter); at != std::string::npos;
+         at = sentence.find(letter, at)) {
+      sentence.replace(at, 1, shown);
+    }
   }
   return sentence;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pinode/case/case_file.h"
+#include "pinode/case/result_folder.h"
 #include "pinode/estimate/identification_summary.h"
 #include "pinode/study/damage_analysis.h"
 #include "pinode/study/refit.h"
@@ -33,6 +34,13 @@ struct Fit {
   std::vector<std::string> troubles;
 };
 
+// What a result folder may have beside what it always has.
+struct FolderExtras {
+  bool mat = false;  // results.mat
+  // An input deck, which is written with what was found; empty: none.
+  std::string deck;
+};
+
 // How a fit is run.
 struct FitRequest {
   int threads = 0;  // 0: as the case says
@@ -41,6 +49,7 @@ struct FitRequest {
   std::string output;
   bool overwrite = false;
   bool resume = false;
+  FolderExtras extras;
 };
 
 // Throws Error where the case has nothing to be fitted.
@@ -48,8 +57,9 @@ void CheckFit(const CaseHandle& handle);
 // The options of the case with the request's threads.
 void SetThreads(const FitRequest& request, Case* c);
 
-// Writes a result folder as the programs do, report included.
-void SaveFit(const Fit& fit, const std::string& path, bool overwrite);
+// Writes a result folder as the programs do, report included, and ends it.
+[[nodiscard]] bool WriteFit(const Fit& fit, const FolderExtras& extras,
+                            ResultFolder* folder, std::string* error);
 
 // One file a part of the module; each adds to it what its name says.
 void BindCase(pybind11::module_* module);

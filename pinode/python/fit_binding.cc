@@ -16,9 +16,11 @@
 #include "pinode/case/damage_files.h"
 #include "pinode/case/discover_files.h"
 #include "pinode/case/fit_case.h"
+#include "pinode/case/matlab_results.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/case/toml_value.h"
+#include "pinode/case/updated_deck.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/python/case_tree.h"
 #include "pinode/python/convert.h"
@@ -79,24 +81,6 @@ std::string StructureHtml(const Fit& fit) {
   return picture.has_value() ? StructureSection(*picture) : std::string();
 }
 
-bool WriteFolder(const Fit& fit, ResultFolder* folder, std::string* error) {
-  HtmlReportOptions options;
-  options.num_threads = DefaultThreads();
-  const std::optional<StructurePicture> picture = PictureOf(fit);
-  ReportInput report = ReportOf(fit);
-  if (picture.has_value()) report.structure = &*picture;
-  const std::string& path = folder->working_path();
-  return WriteCaseResult(fit.c, fit.summary, fit.model, *folder, error) &&
-         (fit.damage == nullptr ||
-          WriteFileAtomically(path + "/damage.json", DamageAsJson(*fit.damage),
-                              error)) &&
-         (fit.discovery == nullptr ||
-          WriteDiscoverFiles(*fit.discovery, path, error)) &&
-         WriteVtu(picture, path, error) &&
-         WriteHtmlReport(report, options, path + "/report.html", error) &&
-         folder->Commit(error);
-}
-
 std::shared_ptr<Fit> IdentifyCase(const CaseHandle& handle, const Fit* begin,
                                   bool profiles, const FitRequest& request) {
   CheckFit(handle);
@@ -124,7 +108,7 @@ std::shared_ptr<Fit> IdentifyCase(const CaseHandle& handle, const Fit* begin,
     }
     fit->seconds = std::chrono::duration<double>(Clock::now() - begun).count();
     fit->troubles = python.troubles();
-    if (folder.writes()) ok = WriteFolder(*fit, &folder, &error);
+    if (folder.writes()) ok = WriteFit(*fit, request.extras, &folder, &error);
   });
   Require(ok, error);
   return fit;
@@ -351,16 +335,34 @@ void SetThreads(const FitRequest& request, Case* c) {
   Require(c->options.IsValid(&error), error);
 }
 
-void SaveFit(const Fit& fit, const std::string& path, bool overwrite) {
-  ResultFolder folder;
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    ok = folder.Open(path, overwrite, /*resume=*/false, &error) &&
-         WriteFolder(fit, &folder, &error);
+bool WriteFit(const Fit& fit, const FolderExtras& extras, ResultFolder* folder,
+              std::string* error) {
+  const std::string& path = folder->working_path();
+  IdentificationSummary summary = fit.summary;
+  if (!extras.deck.empty()) {
+    std::string remark;
+    if (!WriteUpdatedDeck(fit.c, summary, fit.model, extras.deck, path, &remark,
+                          error)) {
+      return false;
+    }
+    if (!remark.empty()) summary.remarks.push_back(std::move(remark));
   }
-  Require(ok, error);
+  HtmlReportOptions options;
+  options.num_threads = DefaultThreads();
+  const std::optional<StructurePicture> picture = PictureOf(fit);
+  ReportInput report = ReportOf(fit);
+  report.summary = &summary;
+  if (picture.has_value()) report.structure = &*picture;
+  return WriteCaseResult(fit.c, summary, fit.model, *folder, error) &&
+         (fit.damage == nullptr ||
+          WriteFileAtomically(path + "/damage.json", DamageAsJson(*fit.damage),
+                              error)) &&
+         (fit.discovery == nullptr ||
+          WriteDiscoverFiles(*fit.discovery, path, error)) &&
+         WriteVtu(picture, path, error) &&
+         WriteHtmlReport(report, options, path + "/report.html", error) &&
+         (!extras.mat || WriteMatlabResults(path, error)) &&
+         folder->Commit(error);
 }
 
 void BindFit(py::module_* module) {
@@ -411,19 +413,37 @@ void BindFit(py::module_* module) {
       .def("history", &History)
       .def("json", &Json)
       .def("structure", &StructureHtml)
-      .def("save", &SaveFit, py::arg("folder"), py::arg("overwrite") = false);
+      .def(
+          "save",
+          [](const Fit& fit, const std::string& path, bool overwrite, bool mat,
+             const std::string& deck) {
+            ResultFolder folder;
+            std::string error;
+            bool ok = false;
+            {
+              py::gil_scoped_release release;
+              ok = (deck.empty() || CheckDeck(fit.c, deck, &error)) &&
+                   folder.Open(path, overwrite, /*resume=*/false, &error) &&
+                   WriteFit(fit, {mat, deck}, &folder, &error);
+            }
+            Require(ok, error);
+          },
+          py::arg("folder"), py::arg("overwrite") = false,
+          py::arg("mat") = false, py::arg("deck") = "");
   module->def(
       "identify",
       [](const CaseHandle& handle, const Fit* begin_from, bool profiles,
          int threads, const py::object& callback, const std::string& output,
-         bool overwrite, bool resume) {
-        return IdentifyCase(handle, begin_from, profiles,
-                            {threads, callback, output, overwrite, resume});
+         bool overwrite, bool resume, bool mat) {
+        return IdentifyCase(
+            handle, begin_from, profiles,
+            {threads, callback, output, overwrite, resume, {mat, ""}});
       },
       py::arg("case"), py::arg("begin_from") = nullptr,
       py::arg("profiles") = false, py::arg("threads") = 0,
       py::arg("callback") = py::none(), py::arg("output") = "",
-      py::arg("overwrite") = false, py::arg("resume") = false);
+      py::arg("overwrite") = false, py::arg("resume") = false,
+      py::arg("mat") = false);
 }
 
 }  // namespace pinode::python

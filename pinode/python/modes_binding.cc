@@ -2,21 +2,41 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <chrono>
 #include <complex>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/case/case_picture.h"
+#include "pinode/case/find_modes.h"
+#include "pinode/case/matlab_results.h"
+#include "pinode/case/modes_files.h"
+#include "pinode/case/modes_section.h"
+#include "pinode/case/result_folder.h"
+#include "pinode/case/toml_value.h"
 #include "pinode/modal/identify_modes.h"
-#include "pinode/modal/merge_setups.h"
+#include "pinode/python/case_tree.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
+#include "pinode/report/modes_report.h"
+#include "pinode/report/structure_view.h"
 
 namespace pinode::python {
 namespace {
 
 namespace py = pybind11;
+using Clock = std::chrono::steady_clock;
+
+// What was asked, and what was found.
+struct ModesHandle {
+  ModesCase c;
+  FoundModes found;
+  double seconds = 0.0;
+};
 
 py::dict ModeAsDict(const IdentifiedMode& mode) {
   py::dict entry;
@@ -38,11 +58,37 @@ py::dict ModeAsDict(const IdentifiedMode& mode) {
   return entry;
 }
 
+// The poles of one record at one rate, by columns.
+py::dict BandAsDict(const std::string& record, const AnalysedBand& band) {
+  const auto count = static_cast<Eigen::Index>(band.poles.size());
+  Vector frequency(count), sigma(count), damping(count);
+  std::vector<int> order, mode;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const DiagramPole& pole = band.poles[static_cast<size_t>(i)];
+    frequency[i] = pole.frequency_hz;
+    sigma[i] = pole.frequency_sigma;
+    damping[i] = pole.damping_ratio;
+    order.push_back(pole.order);
+    mode.push_back(pole.mode);
+  }
+  py::dict entry;
+  entry["record"] = record;
+  entry["lowest_hz"] = band.lowest_hz;
+  entry["highest_hz"] = band.highest_hz;
+  entry["order"] = order;
+  entry["frequency_hz"] = FromVector(frequency);
+  entry["frequency_sigma"] = FromVector(sigma);
+  entry["damping_ratio"] = FromVector(damping);
+  entry["mode"] = mode;
+  return entry;
+}
+
 // Of one set-up after the other: name, channel names, derivatives, samples
-// (samples x channels) and the step in seconds.
+// (samples x channels), the step in seconds, measured loads (samples x loads)
+// or None, and whether it is a free decay.
 ResponseRecord RecordFrom(const py::handle& setup) {
   const auto parts = Cast<py::tuple>(setup, "a set-up", "a tuple");
-  if (parts.size() != 5) throw Error("a set-up has five parts");
+  if (parts.size() != 7) throw Error("a set-up has seven parts");
   ResponseRecord record;
   record.name = Cast<std::string>(parts[0], "its name", "a text");
   const std::string where = "record '" + record.name + "': ";
@@ -62,74 +108,197 @@ ResponseRecord RecordFrom(const py::handle& setup) {
   record.samples =
       ToMatrix(parts[3], "record '" + record.name + "'").transpose();
   record.sampling_step = Cast<double>(parts[4], where + "step", "a number");
+  if (!parts[5].is_none()) {
+    record.inputs = ToMatrix(parts[5], where + "loads").transpose();
+  }
+  record.free_decay =
+      Cast<bool>(parts[6], where + "free_decay", "True or False");
   std::string error;
   Require(record.IsValid(&error), error);
   return record;
 }
 
-py::dict FindModes(const py::list& list, double lowest_hz, double highest_hz,
-                   int block_rows, int max_order,
-                   const std::vector<std::string>& references,
-                   const std::vector<double>& pick, int threads) {
-  std::vector<ResponseRecord> records;
-  for (const py::handle& setup : list) records.push_back(RecordFrom(setup));
-  if (records.empty()) {
+// A case of records in memory, whose channels are places.
+void AddRecords(const py::list& setups, ModesCase* c) {
+  for (const py::handle& setup : setups) {
+    c->records.push_back(RecordFrom(setup));
+    for (const ResponseChannel& channel : c->records.back().channels) {
+      c->places.push_back({channel.name, channel.name, {{channel.name, 1.0}}});
+    }
+  }
+  if (c->records.empty()) {
     throw Error("there is no record, expected one or more");
   }
-  if (threads < 1 || threads > kMostThreads) {
+}
+
+// [modes] of `options`, a dictionary, over records in memory.
+std::shared_ptr<ModesHandle> FromSetups(const py::list& setups,
+                                        const py::dict& options,
+                                        const std::string& title) {
+  py::dict tree;
+  tree["modes"] = options;
+  CaseData none;
+  auto handle = std::make_shared<ModesHandle>();
+  std::string error;
+  Require(ReadModesOptions(TreeFromPython(tree, &none), &handle->c, &error),
+          error);
+  handle->c.title = title;
+  AddRecords(setups, &handle->c);
+  return handle;
+}
+
+std::shared_ptr<ModesHandle> FromTree(const py::object& tree,
+                                      const std::string& path) {
+  auto handle = std::make_shared<ModesHandle>();
+  CaseData data;
+  const TomlValue value = TreeFromPython(tree, &data);
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = ReadModesTree(value, path, data, &handle->c, &error);
+  }
+  Require(ok, error);
+  return handle;
+}
+
+std::shared_ptr<ModesHandle> FromFile(const std::string& path) {
+  auto handle = std::make_shared<ModesHandle>();
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = ReadModesCase(path, &handle->c, &error);
+  }
+  Require(ok, error);
+  return handle;
+}
+
+void Find(ModesHandle* handle, int threads) {
+  if (threads < 0 || threads > kMostThreads) {
     throw Error("threads is " + std::to_string(threads) +
                 ", it must be from 1 to " + std::to_string(kMostThreads));
   }
-  ModeIdentificationOptions options;
-  options.lowest_hz = lowest_hz;
-  options.highest_hz = highest_hz;
-  options.block_rows = block_rows;
-  options.max_order = max_order;
-  options.references = references;
-  options.stabilisation.pick = pick;
-  options.num_threads = threads;
-  std::vector<SetupModes> setups;
-  std::vector<std::string> remarks;
-  MergedModes merged;
+  if (threads > 0) handle->c.options.num_threads = threads;
   std::string error;
-  bool ok = true;
+  bool ok = false;
   {
     py::gil_scoped_release release;
-    for (size_t i = 0; ok && i < records.size(); ++i) {
-      ModesOfRecord modes;
-      ok = IdentifyModes(records[i], options, &modes, &error);
-      SetupModes setup;
-      setup.name = records[i].name;
-      for (const ResponseChannel& channel : records[i].channels) {
-        setup.places.push_back(channel.name);
-      }
-      setup.modes = std::move(modes.modes);
-      setups.push_back(std::move(setup));
-      remarks.insert(remarks.end(), modes.remarks.begin(), modes.remarks.end());
-    }
-    ok = ok && MergeSetups(setups, MergeOptions(), &merged, &error);
+    const auto begin = Clock::now();
+    ok = FindModes(handle->c, &handle->found, &error);
+    handle->seconds =
+        std::chrono::duration<double>(Clock::now() - begin).count();
   }
   Require(ok, error);
-  remarks.insert(remarks.end(), merged.remarks.begin(), merged.remarks.end());
-  py::list modes;
-  for (const MergedMode& mode : merged.modes) {
-    modes.append(ModeAsDict(mode.mode));
+}
+
+void Save(const ModesHandle& handle, const std::string& path, bool overwrite,
+          bool mat) {
+  const FoundModes& found = handle.found;
+  ModesReportInput report;
+  report.title = handle.c.title;
+  report.origin = {handle.c.path, "", handle.seconds};
+  report.records = &handle.c.records;
+  report.by_record = &found.by_record;
+  report.merged = &found.result.merged;
+  report.remarks = found.result.remarks;
+  if (found.picture.has_value()) report.structure = &*found.picture;
+  HtmlReportOptions options;
+  options.num_threads = DefaultThreads();
+  ResultFolder folder;
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = folder.Open(path, overwrite, /*resume=*/false, &error) &&
+         WriteModesFiles(found.result, folder.working_path(), &error) &&
+         WriteVtu(found.picture, folder.working_path(), &error) &&
+         WriteModesReport(report, options,
+                          folder.working_path() + "/report.html", &error) &&
+         (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
+         folder.Commit(&error);
   }
-  py::dict result;
-  result["places"] = merged.places;
-  result["modes"] = std::move(modes);
-  result["remarks"] = remarks;
-  return result;
+  Require(ok, error);
+}
+
+// The [[mode]] entries that pinode_modes writes.
+py::object ModesForCase(const ModesHandle& handle) {
+  std::string error;
+  TomlValue tree;
+  Require(ParseToml(ModesAsToml(handle.found.result), "", &tree, &error),
+          error);
+  const py::object entries = TreeToPython(tree, CaseData());
+  return entries.contains("mode") ? py::object(entries["mode"]) : py::list();
+}
+
+py::list Modes(const ModesHandle& handle) {
+  py::list modes;
+  for (const MergedMode& mode : handle.found.result.merged.modes) {
+    py::dict entry = ModeAsDict(mode.mode);
+    entry["in_records"] = mode.in_setups;
+    modes.append(std::move(entry));
+  }
+  return modes;
+}
+
+py::list Diagram(const ModesHandle& handle) {
+  py::list bands;
+  for (size_t i = 0; i < handle.found.by_record.size(); ++i) {
+    for (const AnalysedBand& band : handle.found.by_record[i].bands) {
+      bands.append(BandAsDict(handle.c.records[i].name, band));
+    }
+  }
+  return bands;
 }
 
 }  // namespace
 
 void BindModes(py::module_* module) {
-  module->def("identify_modes", &FindModes, py::arg("setups"),
-              py::arg("lowest_hz") = 0.0, py::arg("highest_hz") = 0.0,
-              py::arg("block_rows") = 0, py::arg("max_order") = 0,
-              py::arg("references") = std::vector<std::string>(),
-              py::arg("pick") = std::vector<double>(), py::arg("threads") = 1);
+  py::class_<ModesHandle, std::shared_ptr<ModesHandle>>(*module, "ModesHandle")
+      .def_static("from_setups", &FromSetups, py::arg("setups"),
+                  py::arg("options"), py::arg("title"))
+      .def_static("from_tree", &FromTree, py::arg("tree"), py::arg("path"))
+      .def_static("read", &FromFile, py::arg("path"))
+      .def("find", &Find, py::arg("threads") = 0)
+      .def("save", &Save, py::arg("path"), py::arg("overwrite") = false,
+           py::arg("mat") = false)
+      .def("for_case", &ModesForCase)
+      .def_property_readonly("modes", &Modes)
+      .def_property_readonly("diagram", &Diagram)
+      .def_property_readonly(
+          "methods",
+          [](const ModesHandle& handle) {
+            py::dict methods;
+            for (size_t i = 0; i < handle.c.records.size(); ++i) {
+              methods[py::str(handle.c.records[i].name)] =
+                  ModalMethodName(handle.found.by_record[i].method);
+            }
+            return methods;
+          })
+      .def_property_readonly("places",
+                             [](const ModesHandle& handle) {
+                               return handle.found.result.merged.places;
+                             })
+      .def_property_readonly(
+          "remarks",
+          [](const ModesHandle& handle) { return handle.found.result.remarks; })
+      .def_property_readonly("structure_html", [](const ModesHandle& handle) {
+        return handle.found.picture.has_value()
+                   ? StructureSection(*handle.found.picture)
+                   : std::string();
+      });
+  module->def(
+      "toml_tree",
+      [](const std::string& path) {
+        std::string text;
+        std::string error;
+        TomlValue tree;
+        Require(ReadTextFile(path, &text, &error) &&
+                    ParseToml(text, path, &tree, &error),
+                error);
+        return TreeToPython(tree, CaseData());
+      },
+      py::arg("path"));
 }
 
 }  // namespace pinode::python

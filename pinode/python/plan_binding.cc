@@ -110,6 +110,7 @@ py::dict PlanCase(const CaseHandle& handle, int num_sensors,
   result["undetermined"] = plan.undetermined_by_plan;
   result["undetermined_by_own"] = plan.undetermined_by_own;
   result["durations"] = std::move(cut);
+  result["excite"] = c.plan.excite;
   result["text"] =
       PlanText(c.problem, c.plan.candidates, c.plan.options, plan) +
       (durations.empty() ? ""

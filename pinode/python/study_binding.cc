@@ -9,11 +9,14 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/case/baseline_folder.h"
+#include "pinode/case/csv_file.h"
 #include "pinode/case/damage_case.h"
 #include "pinode/case/damage_files.h"
 #include "pinode/case/discover_files.h"
 #include "pinode/case/grown_case.h"
+#include "pinode/case/matlab_results.h"
 #include "pinode/case/result_files.h"
+#include "pinode/case/result_folder.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
@@ -59,10 +62,13 @@ double NoisePercent(const NoiseRequest& request, const MeasuredChannel& channel,
     throw Error("noise is 'sigma', and channel '" + channel.observation.name +
                 "' has none, expected a positive one");
   }
-  const double spread = StandardDeviationOfPresent(values);
-  return spread > 0.0 ? 100.0 * channel.sigma /
-                            (std::abs(channel.description.factor) * spread)
-                      : 0.0;
+  return OwnNoisePercent(channel, values);
+}
+
+std::uint64_t SeedOf(const Case& c, const py::object& seed) {
+  return seed.is_none() ? c.noise_seed
+                        : Cast<std::uint64_t>(seed, "seed",
+                                              "a whole number from 0 to 2^64");
 }
 
 // Of each record the times, what its sensors show, and the states.
@@ -75,10 +81,7 @@ py::dict Simulate(const CaseHandle& handle, double noise_percent,
         "start");
   }
   const NoiseRequest request = NoiseOf(handle.c, noise_percent, noise_kind);
-  SensorNoise noise(
-      seed.is_none()
-          ? handle.c.noise_seed
-          : Cast<std::uint64_t>(seed, "seed", "a whole number from 0 to 2^64"));
+  SensorNoise noise(SeedOf(handle.c, seed));
   const Vector parameters = ParameterLayout(problem).InitialValues();
   py::dict result;
   for (size_t r = 0; r < problem.records.size(); ++r) {
@@ -107,6 +110,72 @@ py::dict Simulate(const CaseHandle& handle, double noise_percent,
   return result;
 }
 
+// Of one record the columns of response_<record>.csv, from what Simulate gave.
+std::vector<CsvColumn> ResponseColumns(const IdentificationRecord& record,
+                                       const py::dict& channels) {
+  std::vector<CsvColumn> columns;
+  columns.push_back({"t", FileTimes(record)});
+  for (const MeasuredChannel& channel : record.channels) {
+    const py::str name(channel.observation.name);
+    const std::string where = "channel '" + channel.observation.name +
+                              "' of record '" + record.name + "'";
+    if (!channels.contains(name)) {
+      throw Error(where + " is not in the simulation, expected it");
+    }
+    Vector values = ToVector(channels[name], where);
+    if (values.size() != record.num_samples()) {
+      throw Error(where + " has " + std::to_string(values.size()) +
+                  " samples, expected " + std::to_string(record.num_samples()));
+    }
+    columns.push_back({channel.observation.name, std::move(values)});
+  }
+  return columns;
+}
+
+// What Simulate gave for `handle` with the same noise, as pinode_simulate
+// writes it.
+void SaveSimulation(const CaseHandle& handle, const py::dict& records,
+                    double noise_percent, const py::object& seed,
+                    const py::object& noise_kind, const std::string& path,
+                    bool overwrite, bool mat) {
+  const Case& c = handle.c;
+  SimulationSummary summary;
+  summary.case_path = c.path;
+  summary.noise_percent = NoiseOf(c, noise_percent, noise_kind).percent;
+  summary.seed = SeedOf(c, seed);
+  std::vector<std::vector<CsvColumn>> responses;
+  for (const IdentificationRecord& record : c.problem.records) {
+    const py::str name(record.name);
+    if (!records.contains(name)) {
+      throw Error("record '" + record.name +
+                  "' is not in the simulation, expected it");
+    }
+    const auto entry = Cast<py::dict>(
+        records[name], "record '" + record.name + "'", "a dictionary");
+    responses.push_back(ResponseColumns(
+        record, Cast<py::dict>(entry["channels"], "channels", "a dictionary")));
+    summary.records.push_back(
+        {record.name, record.num_samples(),
+         Cast<bool>(entry["finite"], "finite", "True or False")});
+  }
+  ResultFolder folder;
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = folder.Open(path, overwrite, /*resume=*/false, &error);
+    const std::string& place = folder.working_path();
+    for (size_t r = 0; ok && r < responses.size(); ++r) {
+      ok = WriteCsv(place + "/response_" + summary.records[r].name + ".csv",
+                    responses[r], &error);
+    }
+    ok = ok &&
+         WriteSimulationSummary(place + "/simulate.json", summary, &error) &&
+         (!mat || WriteMatlabResults(place, &error)) && folder.Commit(&error);
+  }
+  Require(ok, error);
+}
+
 // The baselines are fits, or folders with results.
 std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
   std::vector<Baseline> baselines;
@@ -129,6 +198,18 @@ std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
             error);
   }
   return baselines;
+}
+
+void KeepJudgement(JudgedChange judgement, Fit* fit) {
+  if (judgement.judged) {
+    auto damage = std::make_shared<DamageResult>(std::move(judgement.result));
+    fit->summary = damage->summary;
+    fit->model = damage->model;
+    fit->damage = std::move(damage);
+  } else if (!judgement.why_not.empty()) {
+    fit->troubles.push_back("nothing can be said about changes: " +
+                            judgement.why_not);
+  }
 }
 
 std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
@@ -158,30 +239,26 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
   } else {
     Require(PrepareForBaselines(healthy, &fit->c, &begin_from, &error), error);
   }
+  ResultFolder folder;
+  Require(
+      request.output.empty() || folder.Open(request.output, request.overwrite,
+                                            request.resume, &error),
+      error);
   PythonWatch python(request.callback);
   JudgedChange judgement;
   bool ok = true;
   python.Run([&] {
     const FitWatch watch = python.watch();
-    ok =
-        given != nullptr || FitCase(ResultFolder(), &begin_from, watch, &fit->c,
-                                    &fit->summary, &fit->model, &error);
-    if (ok) {
-      judgement = JudgeChange(fit->summary, fit->model, healthy, change, watch,
-                              &fit->c);
-    }
+    ok = given != nullptr || FitCase(folder, &begin_from, watch, &fit->c,
+                                     &fit->summary, &fit->model, &error);
+    if (!ok) return;
+    judgement =
+        JudgeChange(fit->summary, fit->model, healthy, change, watch, &fit->c);
+    fit->troubles = python.troubles();
+    KeepJudgement(std::move(judgement), fit.get());
+    ok = !folder.writes() || WriteFit(*fit, request.extras, &folder, &error);
   });
   Require(ok, error);
-  fit->troubles = python.troubles();
-  if (judgement.judged) {
-    auto damage = std::make_shared<DamageResult>(std::move(judgement.result));
-    fit->summary = damage->summary;
-    fit->model = damage->model;
-    fit->damage = std::move(damage);
-  } else if (!judgement.why_not.empty()) {
-    fit->troubles.push_back("nothing can be said about changes: " +
-                            judgement.why_not);
-  }
   return fit;
 }
 
@@ -257,22 +334,31 @@ void BindStudy(py::module_* module) {
   module->def("simulate", &Simulate, py::arg("case"),
               py::arg("noise_percent") = -1.0, py::arg("seed") = py::none(),
               py::arg("noise") = py::none());
+  module->def("save_simulation", &SaveSimulation, py::arg("case"),
+              py::arg("records"), py::arg("noise_percent"), py::arg("seed"),
+              py::arg("noise"), py::arg("path"), py::arg("overwrite") = false,
+              py::arg("mat") = false);
   module->def(
       "damage",
       [](const CaseHandle& handle, const Fit* fit, const py::list& baselines,
          double threshold, double false_alarm_rate, int threads,
-         const py::object& callback) {
-        return AnalyseCase(handle, fit, baselines, threshold, false_alarm_rate,
-                           {threads, callback, "", false, false});
+         const py::object& callback, const std::string& output, bool overwrite,
+         bool resume, bool mat) {
+        return AnalyseCase(
+            handle, fit, baselines, threshold, false_alarm_rate,
+            {threads, callback, output, overwrite, resume, {mat, ""}});
       },
       py::arg("case"), py::arg("fit"), py::arg("baselines"),
       py::arg("threshold") = 0.05, py::arg("false_alarm_rate") = 0.05,
-      py::arg("threads") = 0, py::arg("callback") = py::none());
+      py::arg("threads") = 0, py::arg("callback") = py::none(),
+      py::arg("output") = "", py::arg("overwrite") = false,
+      py::arg("resume") = false, py::arg("mat") = false);
   module->def(
       "discover",
       [](const CaseHandle& handle, const Fit* fit, int threads,
          const py::object& callback) {
-        return DiscoverCase(handle, fit, {threads, callback, "", false, false});
+        return DiscoverCase(handle, fit,
+                            {threads, callback, "", false, false, {}});
       },
       py::arg("case"), py::arg("fit"), py::arg("threads") = 0,
       py::arg("callback") = py::none());

@@ -46,6 +46,13 @@ double SensorNoise::Uniform() {
   return (static_cast<double>(random_() >> 11) + 0.5) * 0x1.0p-53;
 }
 
+double OwnNoisePercent(const MeasuredChannel& channel, const Vector& values) {
+  const double spread = StandardDeviationOfPresent(values);
+  if (!(spread > 0.0)) return 0.0;
+  return 100.0 * channel.sigma /
+         (std::abs(channel.description.factor) * spread);
+}
+
 SimulatedResponse SimulateRecord(const IdentificationProblem& problem,
                                  int record, const Vector& parameters) {
   SimulatedResponse response;

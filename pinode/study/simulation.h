@@ -41,6 +41,11 @@ struct SimulatedResponse {
   std::string remark;
 };
 
+// The standard deviation of a channel's noise, as the case gives it, in per
+// cent of that of `values`, which are in the units of its file; 0 where either
+// is 0.
+double OwnNoisePercent(const MeasuredChannel& channel, const Vector& values);
+
 // The response to the excitation of a record from its known start, else from
 // the steady state where the excitation is periodic and from rest where not.
 // `parameters`: all of the problem's (ParameterLayout). The problem is valid

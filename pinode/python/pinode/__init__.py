@@ -19,6 +19,7 @@ the units of the model unless a part says otherwise. What is wrong is raised as
 `pinode.Error`, a ValueError of one sentence.
 """
 
+from . import _checked, _pinode
 from ._pinode import Error, __version__
 from .case import Case, read_case
 from .modes import IdentifiedModes, identify_modes
@@ -50,6 +51,7 @@ from .result import (
 )
 
 Error.__module__ = "pinode"
+_checked.install(_pinode)
 
 
 def __getattr__(name: str):

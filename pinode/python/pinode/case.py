@@ -208,14 +208,12 @@ class Case:
         """
         from .result import Simulation
 
-        return Simulation(
-            _pinode.simulate(
-                self._handle,
-                noise_percent=-1.0 if noise_percent is None else noise_percent,
-                seed=seed,
-                noise=noise,
-            )
-        )
+        wanted = {
+            "noise_percent": -1.0 if noise_percent is None else noise_percent,
+            "seed": seed,
+            "noise": noise,
+        }
+        return Simulation(_pinode.simulate(self._handle, **wanted), self, wanted)
 
     def plan_sensors(self, num_sensors: int, *, force_at: str = "") -> "SensorPlan":
         """The sensors that tell most about the groups, for the loads of the
@@ -224,11 +222,20 @@ class Case:
         Table `plan` of the case says what there is to choose from (places,
         their noise, criterion, durations); without it accelerometers anywhere.
         force_at: a DOF; the first force of each record acts there, and no other
-            load does: where to hit.
+            load does: where to hit. The DOFs of `excite` of that table are tried
+            as well (SensorPlan.by_force_at).
         """
         from .result import SensorPlan
 
-        return SensorPlan(_pinode.plan_sensors(self._handle, num_sensors, force_at))
+        plan = _pinode.plan_sensors(self._handle, num_sensors, force_at)
+        places = () if force_at else plan["excite"]
+        return SensorPlan(
+            plan,
+            {
+                dof: SensorPlan(_pinode.plan_sensors(self._handle, num_sensors, dof))
+                for dof in places
+            },
+        )
 
     def identify(
         self,
@@ -241,6 +248,7 @@ class Case:
         output: str | os.PathLike[str] = "",
         overwrite: bool = False,
         resume: bool = False,
+        mat: bool = False,
     ) -> "Fit":
         """Finds the unknowns.
 
@@ -252,7 +260,8 @@ class Case:
             iteration, cost, free_run_error, ...); ends the fit where it returns
             False.
         output: a result folder, written as `pinode_update` does, with a
-            checkpoint on the way from which `resume` goes on.
+            checkpoint on the way from which `resume` goes on; `mat`: with
+            results.mat, for MATLAB and Octave.
 
         Ctrl-C stops after the iteration and returns the best so far, whose
         `termination` is "interrupted".
@@ -263,13 +272,14 @@ class Case:
             return Fit(
                 _pinode.identify(
                     self._handle,
-                    begin_from=None if begin_from is None else begin_from._handle,
+                    begin_from=_handle_of_fit(begin_from),
                     profiles=profiles,
                     threads=threads,
                     callback=call,
                     output=os.fspath(output),
                     overwrite=overwrite,
                     resume=resume,
+                    mat=mat,
                 )
             )
 
@@ -282,12 +292,17 @@ class Case:
         threads: int = 0,
         progress: bool | None = None,
         callback: Progress | None = None,
+        output: str | os.PathLike[str] = "",
+        overwrite: bool = False,
+        resume: bool = False,
+        mat: bool = False,
     ) -> "Damage":
         """Fits the case and says what has changed since healthy records.
 
         baselines: fits of these, or their result folders.
         threshold: loss of stiffness from which damage is called, a fraction.
         false_alarm_rate: probability of calling a change where there is none.
+        output: a result folder, written as `pinode_damage` does; see identify.
         """
         from .result import Damage, _baselines
 
@@ -301,6 +316,10 @@ class Case:
                     false_alarm_rate=false_alarm_rate,
                     threads=threads,
                     callback=call,
+                    output=os.fspath(output),
+                    overwrite=overwrite,
+                    resume=resume,
+                    mat=mat,
                 )
             )
 
@@ -346,6 +365,15 @@ class Case:
     def __reduce__(self) -> tuple[Any, ...]:
         tree = self._handle.tree()
         return _restore, (tree, self.path, self._handle.purpose)
+
+
+def _handle_of_fit(fit: Any) -> Any:
+    if fit is None:
+        return None
+    handle = getattr(fit, "_handle", None)
+    if not isinstance(handle, _pinode.FitHandle):
+        raise Error(f"begin_from is a value of type {type(fit).__name__}, expected a fit")
+    return handle
 
 
 def _purpose(records: Sequence[Mapping[str, Any]] | None, plan: bool) -> str:

@@ -46,6 +46,49 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
+def of_modes(found: Any) -> "dict[str, Figure]":
+    """Of identified modes: stabilisation diagrams and shapes, by name."""
+    drawn = {
+        f"stabilisation_{record}": stabilisation(found, record) for record in found.methods
+    }
+    drawn["shapes"] = identified_shapes(found)
+    return {name: figure for name, figure in drawn.items() if figure is not None}
+
+
+def stabilisation(found: Any, record: str) -> "Figure | None":
+    """Poles of all orders of a record; those of a mode are filled."""
+    bands = [band for band in found.diagram if band["record"] == record]
+    if not any(len(band["order"]) for band in bands):
+        return None
+    figure, (ax,) = _figure(1, height=3.4)
+    for band in bands:
+        hz, order = band["frequency_hz"], np.asarray(band["order"])
+        of_mode = np.asarray(band["mode"]) >= 0
+        ax.plot(hz[~of_mode], order[~of_mode], "o", ms=3, mfc="none", color="0.7")
+        ax.errorbar(hz[of_mode], order[of_mode], xerr=1.96 * band["frequency_sigma"][of_mode],
+                    fmt="o", ms=3, color=_BLUE)
+    ax.set_xlabel("frequency (Hz)")
+    ax.set_ylabel("model order")
+    ax.set_title(record, loc="left")
+    return figure
+
+
+def identified_shapes(found: Any, *, most: int = 16) -> "Figure | None":
+    """Real parts of the first shapes with 95 % intervals, place by place."""
+    modes = list(found)[:most]
+    if not modes:
+        return None
+    figure, axes = _figure(len(modes), height=1.5)
+    for ax, mode in zip(axes, modes):
+        ax.errorbar(range(len(found.places)), mode["shape"].real,
+                    yerr=1.96 * mode["shape_sigma_real"], fmt="o", ms=3, color=_BLUE)
+        ax.axhline(0.0, color=_GREY, lw=0.8)
+        ax.set_ylabel(f"{mode['frequency_hz']:.4g} Hz")
+        ax.set_xticks([])
+    axes[-1].set_xticks(range(len(found.places)), found.places, rotation=90)
+    return figure
+
+
 def prediction(
     outcome: Any, record: str | None = None, *, most: int = 12
 ) -> "Figure | None":

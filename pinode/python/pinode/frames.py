@@ -12,6 +12,23 @@ if TYPE_CHECKING:
     import pandas
 
 
+def of_modes(found: Any) -> "pandas.DataFrame":
+    """Identified modes: frequency and damping with sigmas and intervals, and the
+    real part of the shape at each place, by columns."""
+    try:
+        import pandas
+    except ImportError:
+        raise Error("pandas is missing, expected it for frames") from None
+
+    rows = []
+    for mode in found:
+        row = {key: value for key, value in mode.items() if np.ndim(value) == 0}
+        row.update(zip(found.places, mode["shape"].real))
+        rows.append(row)
+    index = pandas.RangeIndex(1, len(rows) + 1, name="mode")
+    return pandas.DataFrame(rows, index=index)
+
+
 def frame(outcome: Any, what: str) -> "pandas.DataFrame":
     """parameters, history, modes, or the record of that name: indexed by time,
     columns (channel, "measured" | "predicted" | "deviation")."""

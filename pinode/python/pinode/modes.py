@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _html, _pinode
 from ._pinode import Error
+
+if TYPE_CHECKING:
+    from .result import StructureView
 
 _DERIVATIVES = {"displacement": 0, "strain": 0, "velocity": 1, "acceleration": 2}
 
@@ -17,10 +21,11 @@ class IdentifiedModes(Sequence):
     """Modes by frequency; each a dictionary: frequency_hz, damping_ratio, their
     sigma, lower95 and upper95, the complex shape over `places`."""
 
-    def __init__(self, found: dict[str, Any]) -> None:
-        self._modes: list[dict[str, Any]] = found["modes"]
-        self.places: list[str] = found["places"]
-        self.remarks: list[str] = found["remarks"]
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+        self._modes: list[dict[str, Any]] = handle.modes
+        self.places: list[str] = handle.places
+        self.remarks: list[str] = handle.remarks
 
     @property
     def frequencies_hz(self) -> np.ndarray:
@@ -36,6 +41,52 @@ class IdentifiedModes(Sequence):
         if not self._modes:
             return np.zeros((len(self.places), 0), dtype=complex)
         return np.column_stack([m["shape"] for m in self._modes])
+
+    @property
+    def methods(self) -> dict[str, str]:
+        """By record: "covariance_driven", "input_output", "ring_down", ..."""
+        return self._handle.methods
+
+    @property
+    def diagram(self) -> list[dict[str, Any]]:
+        """The stabilisation diagram: of each record, at each rate at which it was
+        looked at, its poles by columns (order, frequency_hz, frequency_sigma,
+        damping_ratio, mode: of that record, -1 for none)."""
+        return self._handle.diagram
+
+    def for_case(self) -> list[dict[str, Any]]:
+        """`modes` of a Case: frequencies with sigmas, shapes with covariances, at
+        DOFs that are called as the places are."""
+        return self._handle.for_case()
+
+    def save(
+        self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
+    ) -> None:
+        """A result folder, as `pinode_modes` writes it, with the report; `mat`:
+        with results.mat, for MATLAB and Octave."""
+        self._handle.save(os.fspath(folder), overwrite, mat)
+
+    def figures(self) -> "dict[str, Any]":
+        """Of matplotlib, by name: the stabilisation diagram of each record, the
+        shapes."""
+        from . import figures
+
+        return figures.of_modes(self)
+
+    def to_pandas(self) -> Any:
+        """A frame with a row for each mode."""
+        from . import frames
+
+        return frames.of_modes(self)
+
+    def structure(self) -> "StructureView":
+        """The modes moving, where the case has a [geometry]."""
+        from .result import StructureView
+
+        section = self._handle.structure_html
+        if not section:
+            raise Error("nobody knows where the structure is, expected a geometry")
+        return StructureView(section)
 
     def __getitem__(self, index: Any) -> Any:
         return self._modes[index]
@@ -63,54 +114,124 @@ def identify_modes(
     step: float | None = None,
     names: Sequence[str] | None = None,
     quantity: str | Sequence[str] = "acceleration",
-    lowest_hz: float = 0.0,
-    highest_hz: float = 0.0,
-    block_rows: int = 0,
-    max_order: int = 0,
-    references: Sequence[str] = (),
-    pick: Sequence[float] = (),
-    threads: int = 1,
+    loads: Any = None,
+    free_decay: bool = False,
+    method: str | None = None,
+    lowest_hz: float | None = None,
+    highest_hz: float | None = None,
+    block_rows: int | None = None,
+    max_order: int | None = None,
+    max_damping_ratio: float | None = None,
+    references: Sequence[str] | None = None,
+    pick: Sequence[float] | None = None,
+    threads: int = 0,
+    title: str = "",
+    output: str | os.PathLike[str] = "",
+    overwrite: bool = False,
 ) -> IdentifiedModes:
-    """Stochastic subspace identification over many orders, with intervals.
+    """Subspace identification over many orders, with intervals.
 
     records: samples x channels of one set-up, `step` seconds apart; or a
         dictionary {set-up: {"values": ..., "step": ..., "names": ...}} of several
-        that have places in common.
+        that have places in common, with `quantity`, `loads` and `free_decay` of
+        their own where they differ; or a case: the path of a file, the tables of
+        one ({"record": [...]}, as Case.from_dict takes them), or a Case. A case
+        needs no model.
     names: of the channels, which are places on the structure.
     quantity: "displacement", "velocity" or "acceleration", for all or for each.
-    lowest_hz, highest_hz: what is looked for; chosen where 0.
+    loads: samples x loads that were measured, in any units.
+    free_decay: the structure is left to itself from the first sample on.
+    method: "covariance_driven", "data_driven", "input_output" or "ring_down"; by
+        what the record is unless given.
+    lowest_hz, highest_hz: what is looked for.
     pick: frequencies (Hz) at which modes are taken whether stable or not.
+    output: a result folder, as `pinode_modes` writes it.
+
+    What is not given is as the case says, or as a default with a reason does
+    (table `[modes]` of a case file).
     """
-    if not isinstance(records, Mapping):
-        records = {"record": {"values": records, "step": step, "names": names,
-                              "quantity": quantity}}
-    setups = []
-    for name, setup in records.items():
-        if not isinstance(setup, Mapping) or "values" not in setup:
-            raise Error(f"set-up '{name}': expected {{'values': ..., 'step': ...}}")
-        values = np.asarray(setup["values"])
-        if values.ndim == 1:
-            values = values[:, None]
-        count = values.shape[1] if values.ndim == 2 else 0
-        places = setup.get("names")
-        places = [f"a{i + 1}" for i in range(count)] if places is None else list(places)
-        setup_step = setup.get("step", step)
-        if setup_step is None:
-            raise Error(f"set-up '{name}': 'step' is missing, expected seconds")
-        setups.append((str(name), places, _derivatives(setup.get("quantity", quantity), count),
-                       values, float(setup_step)))
-    return IdentifiedModes(
-        _pinode.identify_modes(
-            setups,
-            lowest_hz=lowest_hz,
-            highest_hz=highest_hz,
-            block_rows=block_rows,
-            max_order=max_order,
-            references=list(references),
-            pick=list(pick),
-            threads=threads,
+    options = {
+        "method": method,
+        "lowest_hz": lowest_hz,
+        "highest_hz": highest_hz,
+        "block_rows": block_rows,
+        "max_order": max_order,
+        "max_damping_ratio": max_damping_ratio,
+        "references": None if references is None else _as_list("references", references),
+        "pick": None if pick is None else _as_list("pick", pick),
+    }
+    options = {key: value for key, value in options.items() if value is not None}
+    handle = _of_case(records, options)
+    if handle is None:
+        one = {"step": step, "quantity": quantity, "loads": loads, "free_decay": free_decay}
+        setups = records if isinstance(records, Mapping) else {
+            "record": {"values": records, "names": names}
+        }
+        handle = _pinode.ModesHandle.from_setups(
+            [_setup(str(name), setup, one) for name, setup in setups.items()],
+            options,
+            title=str(title),
         )
+    handle.find(threads)
+    found = IdentifiedModes(handle)
+    if os.fspath(output):
+        found.save(output, overwrite=overwrite)
+    return found
+
+
+def _of_case(records: Any, options: dict[str, Any]) -> Any:
+    """None where it is not one."""
+    from .case import Case
+
+    if isinstance(records, Case):
+        tree, path = records.to_dict(), records.path
+    elif isinstance(records, Mapping) and "record" in records and not (
+        isinstance(records["record"], Mapping) and "values" in records["record"]
+    ):
+        tree, path = dict(records), ""
+    elif isinstance(records, (str, os.PathLike)):
+        path = os.fspath(records)
+        if not options:
+            return _pinode.ModesHandle.read(path)
+        tree = _pinode.toml_tree(path)
+    else:
+        return None
+    tree["modes"] = {**(tree.get("modes") or {}), **options}
+    return _pinode.ModesHandle.from_tree(tree, path)
+
+
+def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
+    """`one`: what set-ups have that do not say."""
+    if not isinstance(setup, Mapping) or "values" not in setup:
+        raise Error(f"set-up '{name}': expected {{'values': ..., 'step': ...}}")
+    values = _columns(setup["values"])
+    count = values.shape[1] if values.ndim == 2 else 0
+    places = setup.get("names")
+    places = [f"a{i + 1}" for i in range(count)] if places is None else list(places)
+    step = setup.get("step", one["step"])
+    if step is None:
+        raise Error(f"set-up '{name}': 'step' is missing, expected seconds")
+    loads = setup.get("loads", one["loads"])
+    return (
+        name,
+        places,
+        _derivatives(setup.get("quantity", one["quantity"]), count),
+        values,
+        step,
+        None if loads is None else _columns(loads),
+        setup.get("free_decay", one["free_decay"]),
     )
+
+
+def _columns(values: Any) -> np.ndarray:
+    values = np.asarray(values)
+    return values[:, None] if values.ndim == 1 else values
+
+
+def _as_list(name: str, values: Any) -> list[Any]:
+    if isinstance(values, str) or not hasattr(values, "__iter__"):
+        raise Error(f"{name} is a {type(values).__name__}, expected a list")
+    return list(values)
 
 
 def _derivatives(quantity: str | Sequence[str], count: int) -> list[int]:

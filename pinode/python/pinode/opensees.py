@@ -15,6 +15,7 @@ which DOF of which node it is, `nodeDOFs(tag)` says (-1: fixed).
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -96,8 +97,12 @@ def equation_names(dofs: Mapping[int, Sequence[int]], size: int) -> list[str]:
         negative where a DOF is fixed. An equation that several DOFs share
         (equalDOF with the transformation handler) has the name of the first.
     """
-    names = [""] * size
-    for node, equations in dofs.items():
+    nodes = _equations(dofs)
+    most = sum(map(len, nodes.values()))
+    if not isinstance(size, (int, np.integer)) or not 0 < size <= most:
+        raise Error(f"size is {size!r:.40}, expected from 1 to {most}, the DOFs of all nodes")
+    names = [""] * int(size)
+    for node, equations in nodes.items():
         for direction, equation in enumerate(equations, 1):
             if equation < 0:
                 continue
@@ -141,7 +146,7 @@ def condense(
         if matrix is not None and len(matrix) != size:
             raise Error(f"the {name} matrix has {len(matrix)} rows, expected {size} as the mass")
     names = equation_names(dofs, size)
-    link, kept = _constraints(dofs, equal, size)
+    link, kept = _constraints(_equations(dofs), _ties(equal), size)
     mass, stiffness = link.T @ mass @ link, link.T @ stiffness @ link
     weight = np.abs(mass).max(axis=1)
     massive = weight > _NO_MASS * weight.max(initial=0.0)
@@ -196,6 +201,33 @@ def read(
         None if damping is None else read_matrix(damping),
         **keys,
     )
+
+
+def _equations(dofs: Any) -> dict[int, list[int]]:
+    try:
+        return {
+            operator.index(node): [operator.index(equation) for equation in equations]
+            for node, equations in dofs.items()
+        }
+    except (AttributeError, TypeError):
+        raise Error(
+            f"dofs is a value of type {type(dofs).__name__}, expected "
+            "{node: [equation of each DOF]} with whole numbers"
+        ) from None
+
+
+def _ties(equal: Any) -> list[tuple[int, int, list[int]]]:
+    try:
+        return [
+            (operator.index(retained), operator.index(constrained),
+             [operator.index(direction) for direction in directions])
+            for retained, constrained, directions in equal
+        ]
+    except (TypeError, ValueError):
+        raise Error(
+            f"equal is a value of type {type(equal).__name__}, expected a list of "
+            "(retained node, constrained node, [directions])"
+        ) from None
 
 
 def _square(name: str, value: Any) -> np.ndarray:

@@ -89,8 +89,26 @@ class Simulation(Mapping):
     """Responses by record: `time` (s), `channels` by name, `states` (states x
     samples, model units), `finite`, `remark`."""
 
-    def __init__(self, records: dict[str, dict[str, Any]]) -> None:
+    def __init__(
+        self, records: dict[str, dict[str, Any]], case: "Case", noise: dict[str, Any]
+    ) -> None:
         self._records = records
+        self._case = case
+        self._noise = noise
+
+    def save(
+        self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
+    ) -> None:
+        """A folder with response_<record>.csv, as `pinode_simulate` writes it;
+        `mat`: with results.mat, for MATLAB and Octave."""
+        _pinode.save_simulation(
+            self._case._handle,
+            self._records,
+            **self._noise,
+            path=os.fspath(folder),
+            overwrite=overwrite,
+            mat=mat,
+        )
 
     def __getitem__(self, record: str) -> dict[str, Any]:
         return self._records[record]
@@ -122,9 +140,13 @@ class SensorPlan(Sequence):
         one at every place; inf where it is not determined.
     undetermined, undetermined_by_own: what they cannot see, as sentences.
     durations: `typical` and `worst` with shorter records, where `plan` asks.
+    by_force_at: {DOF: the plan with the force there}, where `plan` has `excite`.
     """
 
-    def __init__(self, plan: dict[str, Any]) -> None:
+    def __init__(
+        self, plan: dict[str, Any], by_force_at: "dict[str, SensorPlan] | None" = None
+    ) -> None:
+        self.by_force_at = by_force_at or {}
         self._sensors: list[dict[str, Any]] = plan["sensors"]
         self._text: str = plan["text"]
         self.targets: list[str] = plan["targets"]
@@ -304,9 +326,21 @@ class _Outcome:
         section = self._handle.structure()
         return StructureView(section) if section else None
 
-    def save(self, folder: str | os.PathLike[str], *, overwrite: bool = False) -> None:
-        """Writes a result folder as the programs do, with the report."""
-        self._handle.save(os.fspath(folder), overwrite)
+    def save(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        overwrite: bool = False,
+        mat: bool = False,
+        deck: str | os.PathLike[str] = "",
+    ) -> None:
+        """Writes a result folder as the programs do, with the report.
+
+        mat: with results.mat, for MATLAB and Octave.
+        deck: the input deck of CalculiX or Abaqus that the matrices came from;
+            the folder has it as <name>_updated.inp, with what was found.
+        """
+        self._handle.save(os.fspath(folder), overwrite, mat, os.fspath(deck))
 
     def to_pandas(self, what: str = "parameters") -> "DataFrame":
         """A frame of pandas: "parameters", "history", "modes", or a record."""
@@ -550,6 +584,8 @@ class ResultFolder:
 
     def prediction(self, record: str) -> dict[str, np.ndarray]:
         """Columns of prediction_<record>.csv."""
+        if not isinstance(record, str):
+            raise Error(f"record is a value of type {type(record).__name__}, expected a name")
         return self.table(f"prediction_{record}.csv")
 
     def table(self, name: str) -> dict[str, np.ndarray]:

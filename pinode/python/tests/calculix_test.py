@@ -104,6 +104,24 @@ def test_groups_change_as_the_deck_does(export, tmp_path, name, change, text):
     assert shift[most] == pytest.approx(own_shift[most], rel=0.05)
 
 
+def test_what_was_found_goes_back_into_the_deck(export, tmp_path):
+    softer = case(export, Near=-0.1)
+    measured = softer.natural_modes()["frequencies_hz"][:4]
+    fit = case(export).replace(
+        groups=[pinode.Group(**g) for g in export.groups if g["name"] == "Near"],
+        modes=[pinode.Mode(hz, frequency_sigma=1e-4 * hz) for hz in measured]).identify()
+    assert fit["Near"] == pytest.approx(-0.1, abs=1e-4)
+    (tmp_path / "beam.inp").write_text(deck())
+    fit.save(tmp_path / "out", deck=tmp_path / "beam.inp")
+    own = frequencies(tmp_path, deck(step=FREQUENCY, young=0.9 * YOUNG))
+    updated = (tmp_path / "out/beam_updated.inp").read_text()
+    again = frequencies(tmp_path, updated + FREQUENCY)
+    assert again == pytest.approx(own, rel=1e-3)
+    with pytest.raises(pinode.Error, match="nowhere.inp"):
+        fit.save(tmp_path / "other", deck=tmp_path / "nowhere.inp")
+    assert not (tmp_path / "other").exists()
+
+
 @pytest.mark.parametrize("change, sets, message", [
     ({}, ["nowhere"], "no section has the element set 'nowhere', expected one of far, Near"),
     ({"*SPRING,ELSET=tie": "*SPRING,ELSET=tie,NONLINEAR"}, ["tie"], "nonlinear"),

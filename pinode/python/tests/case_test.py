@@ -3,11 +3,13 @@
 import os
 import pathlib
 import pickle
+import subprocess
 
 import conftest
 import frame_testing
 import numpy as np
 import pytest
+import scipy.io
 import scipy.linalg
 import scipy.sparse
 
@@ -120,6 +122,29 @@ def test_simulation_agrees_with_another_integration():
         case.simulate(noise="sigma")
     with pytest.raises(pinode.Error, match="noise"):
         case.simulate(noise="loud")
+
+
+def test_simulations_are_written_as_the_program_does(healthy, tmp_path):
+    healthy.save(tmp_path / "case")
+    path = tmp_path / "case" / "case.toml"
+    case = pinode.read_case(path, simulation=True)
+    simulation = pickle.loads(pickle.dumps(case.simulate(noise_percent=2.0, seed=7)))
+    simulation.save(tmp_path / "ours", mat=True)
+    assert scipy.io.loadmat(tmp_path / "ours/results.mat")
+    with pytest.raises(pinode.Error, match="exists"):
+        simulation.save(tmp_path / "ours")
+    program = pathlib.Path(os.environ["PINODE_BUILD_DIR"], "apps/pinode_simulate")
+    if not program.exists():
+        pytest.skip("pinode_simulate is not built")
+    subprocess.run([program, f"--case={path}", f"--output_dir={tmp_path}/theirs",
+                    "--noise_percent=2", "--seed=7"], check=True, capture_output=True)
+    for name in ("response_healthy.csv", "simulate.json"):
+        assert (tmp_path / "ours" / name).read_text() == (
+            tmp_path / "theirs" / name).read_text()
+    simulation["healthy"]["channels"][next(iter(simulation["healthy"]["channels"]))] = [1.0]
+    with pytest.raises(pinode.Error, match="has 1 samples, expected 1500"):
+        simulation.save(tmp_path / "spoiled")
+    assert not (tmp_path / "spoiled").exists()
 
 
 def test_covariates_are_arrays_or_one_number():

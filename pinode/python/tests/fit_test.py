@@ -13,6 +13,7 @@ import conftest
 import frame_testing
 import numpy as np
 import pytest
+import scipy.io
 
 import pinode
 
@@ -83,6 +84,14 @@ def test_output_is_written_with_the_fit(healthy, tmp_path):
     assert pinode.read_result(tmp_path / "out")["k1"] == fit["k1"]
     with pytest.raises(pinode.Error, match="exists"):
         healthy.identify(output=tmp_path / "out")
+
+
+def test_results_for_matlab(healthy, tmp_path):
+    fit = healthy.identify(output=tmp_path / "out", mat=True)
+    fit.save(tmp_path / "again", mat=True)
+    for name in ("out", "again"):
+        results = scipy.io.loadmat(tmp_path / name / "results.mat", simplify_cells=True)
+        assert np.allclose(results["parameters"]["value"][0], fit["k1"])
 
 
 def test_zero_bytes_do_not_end_a_sentence(healthy):

@@ -129,6 +129,8 @@ def put(tree, path, value):
 def is_sentence(failure):
     text = str(failure)
     assert text and "Traceback" not in text
+    # Several lines are pybind11's, or those of a name that was passed.
+    assert "\n" not in text.strip() or not isinstance(failure, TypeError)
     if isinstance(failure, pinode.Error):
         assert len(text) > 10
 
@@ -329,7 +331,7 @@ def test_files_of_anything(fit, folder, data):
     value = data.draw(values.filter(lambda v: not isinstance(v, (int, np.integer, np.bool_))))
     try:
         work(value)
-    except EXPECTED + (AttributeError, IndexError, OSError) as failure:
+    except EXPECTED + (OSError,) as failure:
         is_sentence(failure)
 
 
@@ -370,6 +372,13 @@ def test_functions_of_anything(fit, data):
         lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, references=v),
         lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, threads=v),
         lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, quantity=v),
+        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, loads=v),
+        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, free_decay=v),
+        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, method=v),
+        lambda v: pinode.identify_modes(
+            np.random.rand(60, 2), step=0.1, max_damping_ratio=v),
+        lambda v: pinode.identify_modes({"record": v}),
+        lambda v: pinode.identify_modes({"one": v}, step=0.1),
         lambda v: pinode.channels("a", v, "displacement"),
         lambda v: pinode.Case.read("/nonexistent" + str(v)[:50]),
         lambda v: pinode.Case.from_dict(v),
@@ -384,5 +393,5 @@ def test_functions_of_anything(fit, data):
     ]))
     try:
         work(data.draw(any_value))
-    except EXPECTED + (AttributeError, IndexError) as failure:
+    except EXPECTED as failure:
         is_sentence(failure)

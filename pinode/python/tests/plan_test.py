@@ -88,6 +88,9 @@ def test_where_to_hit():
     worst = {dof: case.plan_sensors(2, force_at=dof)[-1]["worst"] for dof in ("u1", "u3")}
     assert worst["u1"] != worst["u3"] and all(np.isfinite(w) for w in worst.values())
     assert case.plan_sensors(2)[-1]["worst"] == worst["u3"]
+    tried = case.replace(plan={"excite": ["u1", "u3"]}).plan_sensors(2).by_force_at
+    assert {dof: plan[-1]["worst"] for dof, plan in tried.items()} == worst
+    assert case.plan_sensors(2).by_force_at == {}
 
 
 def test_what_cannot_be_planned():

@@ -1,5 +1,6 @@
-"""Damage, equations, unknown forces, measured modes, modes of records alone."""
+"""Damage, equations, unknown forces, measured modes."""
 
+import json
 import pickle
 
 import conftest
@@ -24,6 +25,21 @@ def test_damage_from_fits_folders_and_pickles(baseline, damaged, tmp_path):
     assert other.sentence == damage.sentence and other.groups == damage.groups
     assert "changes" in damage.figures()
     assert "k1" in damage._repr_html_()
+
+
+def test_damage_with_a_folder_that_goes_on(damaged, baseline, tmp_path):
+    stopped = damaged.damage(
+        [baseline], output=tmp_path / "out", callback=lambda state: state["iteration"] < 1)
+    assert stopped.termination == "interrupted"
+    assert stopped.damage_verdict == "cannot_tell"
+    assert not (tmp_path / "out/damage.json").exists()
+    with pytest.raises(pinode.Error, match="exists"):
+        damaged.damage([baseline], output=tmp_path / "out")
+    damage = damaged.damage([baseline], output=tmp_path / "out", resume=True)
+    assert damage.damage_verdict == "damage"
+    written = json.loads((tmp_path / "out/damage.json").read_text())
+    assert written == damage.damage_json
+    assert (tmp_path / "out/report.html").exists()
 
 
 def test_no_damage_where_there_is_none(healthy, baseline):
@@ -110,30 +126,3 @@ def test_measured_modes_alone():
                for value, shape in zip(values, shapes.T)])
     fit = case.identify()
     assert fit["k1"] == pytest.approx(-0.1, abs=1e-6)
-
-
-def test_modes_of_records_alone():
-    random = np.random.default_rng(4)
-    step, samples = 0.02, 20000
-    values, _ = scipy.linalg.eigh(frame_testing.STIFFNESS, frame_testing.MASS)
-    inverse = np.linalg.inv(frame_testing.MASS)
-    damping = 8e-4 * frame_testing.STIFFNESS
-    a = np.block([[np.zeros((3, 3)), np.eye(3)],
-                  [-inverse @ frame_testing.STIFFNESS, -inverse @ damping]])
-    power = scipy.linalg.expm(step * a)
-    gain = np.linalg.solve(a, power - np.eye(6))[:, 3:] @ inverse
-    state, rows = np.zeros(6), np.empty((samples, 3))
-    loads = 1e3 * random.standard_normal((samples, 3))
-    for i in range(samples):
-        rows[i] = a[3:] @ state + inverse @ loads[i]
-        state = power @ state + gain @ loads[i]
-    modes = pinode.identify_modes(rows, step=step, names=["u1", "u2", "u3"])
-    assert len(modes) == 3
-    truth = np.sqrt(values) / (2 * np.pi)
-    for mode, hz in zip(modes, truth):
-        assert abs(mode["frequency_hz"] - hz) < 4 * mode["frequency_sigma"] + 1e-3 * hz
-    assert modes.shapes.shape == (3, 3)
-    with pytest.raises(pinode.Error, match="'step' is missing"):
-        pinode.identify_modes(rows)
-    with pytest.raises(pinode.Error):
-        pinode.identify_modes(rows[:10], step=step)
