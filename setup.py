@@ -44,6 +44,16 @@ class CMakeBuild(build_ext):
         target = pathlib.Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(built, target)
+        self.copy_headers(target.parent / "include")
+
+    # For elements of one's own (pinode.elements).
+    def copy_headers(self, include):
+        for header in (ROOT / "pinode").glob("*/*.h"):
+            if header.parent.name in ("mpi", "python") or header.stem.endswith("testing"):
+                continue
+            copy = include / "pinode" / header.parent.name / header.name
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(header, copy)
 
 
 VERSION = re.search(r"project\(pinode VERSION ([0-9.]+)",

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/model_section.h"
 #include "pinode/case/parameter_keys.h"
 #include "pinode/case/terms_section.h"
+#include "pinode/dynamics/element_library.h"
 #include "pinode/dynamics/elements.h"
 
 namespace pinode {
@@ -56,8 +58,9 @@ bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
 
 // optional: one of what makes its force is free.
 bool AddElementCandidate(const TomlTable& table, const LawTerm& term,
+                         const std::vector<ElementParameterInfo>& infos,
                          const TermsContext& context) {
-  ModelCandidate candidate = ElementCandidate(term);
+  ModelCandidate candidate = ElementCandidate(term, infos);
   for (const Parameter& parameter : term.parameters.parameters) {
     if (parameter.free &&
         std::count(candidate.amplitudes.begin(), candidate.amplitudes.end(),
@@ -71,63 +74,91 @@ bool AddElementCandidate(const TomlTable& table, const LawTerm& term,
                                     "told whether it acts");
 }
 
+// The law and what its parameters are: of a type that is known, or of the
+// shared library `file`.
+bool ReadLaw(const TomlTable& table, LawTerm* term,
+             std::vector<ElementParameterInfo>* infos) {
+  term->type = table.RequiredString("type");
+  if (!table.errors()->ok()) return false;
+  std::string error;
+  if (!table.Has("file")) {
+    term->law = CreateElement(term->type, &error);
+    if (term->law == nullptr) return table.Fail("type", error);
+    *infos = ElementParameters(term->type);
+    return true;
+  }
+  ElementLibrary library;
+  const std::string path = table.String("file");
+  if (!table.errors()->ok()) return false;
+  if (!LoadElementLibrary(ResolvePath(table, path), &library, &error)) {
+    return table.Fail("file", error);
+  }
+  const ElementLibrary::Element* element = library.Find(term->type, &error);
+  if (element == nullptr) return table.Fail("type", path + ": " + error);
+  term->law = element->create();
+  *infos = element->parameters;
+  term->type = "user";
+  return true;
+}
+
+bool ReadElement(const StructuralModel& model, const TermsContext& context,
+                 TomlTable* table, StructuralDynamics* dynamics) {
+  LawTerm term;
+  term.name = table->RequiredString("name");
+  if (!table->errors()->ok()) return false;
+  table->set_name("element '" + term.name + "'");
+  std::vector<ElementParameterInfo> infos;
+  int from = -1;
+  int to = -1;
+  if (!CheckName(*table, "name", term.name) ||
+      !ReadLaw(*table, &term, &infos) ||
+      !table->RequireKey("between", "two ends") ||
+      !ReadBetween(model, *table, &from, &to)) {
+    return false;
+  }
+  term.features = {Feature::Deformation(from, to),
+                   Feature::DeformationRate(from, to)};
+  // The force resists d = x[to] - x[from] at both ends.
+  term.outputs = term.features[0].Selector(model.num_dofs()).transpose();
+  term.parameters.name = term.name;
+
+  const TomlTable parameters =
+      table->Table("parameters", table->name() + ", parameters");
+  std::vector<std::string> known;
+  for (const ElementParameterInfo& info : infos) known.push_back(info.name);
+  if (!table->errors()->ok() || !parameters.AllowKeys(known)) return false;
+  for (const ElementParameterInfo& info : infos) {
+    Parameter parameter;
+    if (!ReadElementParameter(*table, parameters, info, term.name,
+                              *context.units, &parameter)) {
+      return false;
+    }
+    term.parameters.parameters.push_back(parameter);
+  }
+  if (table->Boolean("optional", false) &&
+      !AddElementCandidate(*table, term, infos, context)) {
+    return false;
+  }
+  std::string error;
+  return dynamics->AddLaw(std::move(term), &error) ||
+         table->Fail("name", error);
+}
+
 }  // namespace
 
 bool ReadElements(const TomlTable& root, const TermsContext& context,
                   StructuralDynamics* dynamics) {
-  const StructuralModel& model = context.model->model;
   std::set<std::string> seen;
   for (TomlTable& table : root.Tables("element")) {
     if (!table.AllowKeys(
-            {"name", "type", "between", "parameters", "optional"})) {
+            {"name", "type", "file", "between", "parameters", "optional"})) {
       return false;
     }
-    LawTerm term;
-    term.name = table.RequiredString("name");
-    if (!root.errors()->ok()) return false;
-    table.set_name("element '" + term.name + "'");
-    if (!CheckName(table, "name", term.name)) return false;
-    if (!seen.insert(term.name).second) {
+    if (!seen.insert(table.RequiredString("name")).second) {
       return table.Fail("name", "its name is used twice");
     }
-    term.type = table.RequiredString("type");
-    if (!root.errors()->ok()) return false;
-    std::string error;
-    term.law = CreateElement(term.type, &error);
-    if (term.law == nullptr) return table.Fail("type", error);
-    int from = -1;
-    int to = -1;
-    if (!table.RequireKey("between", "two ends") ||
-        !ReadBetween(model, table, &from, &to)) {
+    if (!ReadElement(context.model->model, context, &table, dynamics)) {
       return false;
-    }
-    term.features = {Feature::Deformation(from, to),
-                     Feature::DeformationRate(from, to)};
-    // The force resists d = x[to] - x[from] at both ends.
-    term.outputs = term.features[0].Selector(model.num_dofs()).transpose();
-    term.parameters.name = term.name;
-
-    const TomlTable parameters =
-        table.Table("parameters", table.name() + ", parameters");
-    std::vector<std::string> known;
-    for (const ElementParameterInfo& info : ElementParameters(term.type)) {
-      known.push_back(info.name);
-    }
-    if (!root.errors()->ok() || !parameters.AllowKeys(known)) return false;
-    for (const ElementParameterInfo& info : ElementParameters(term.type)) {
-      Parameter parameter;
-      if (!ReadElementParameter(table, parameters, info, term.name,
-                                *context.units, &parameter)) {
-        return false;
-      }
-      term.parameters.parameters.push_back(parameter);
-    }
-    if (table.Boolean("optional", false) &&
-        !AddElementCandidate(table, term, context)) {
-      return false;
-    }
-    if (!dynamics->AddLaw(std::move(term), &error)) {
-      return table.Fail("name", error);
     }
   }
   return root.errors()->ok();

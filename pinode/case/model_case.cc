@@ -143,8 +143,9 @@ class ModelCaseWriter {
     for (size_t j = 0; j < dynamics_.laws().size(); ++j) {
       const LawTerm& term = dynamics_.laws()[j];
       if (term.type == "library") break;  // these follow the elements
-      TomlValue* parameters =
-          root_.Find("element")->elements[j].Find("parameters");
+      TomlValue& table = root_.Find("element")->elements[j];
+      MovePath(&table);
+      TomlValue* parameters = table.Find("parameters");
       if (parameters == nullptr) continue;
       for (const Parameter& parameter : term.parameters.parameters) {
         TomlValue* keys =

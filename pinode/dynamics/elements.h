@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/parameter_block.h"
 #include "pinode/dynamics/law.h"
 #include "pinode/dynamics/law_term.h"
@@ -23,10 +24,10 @@ struct ElementParameterInfo {
   double length_power = 0.0;
   double time_power = 0.0;
   // Physical limits; the case file may narrow them.
-  double lower;
-  double upper;
+  double lower = -kInfinity;
+  double upper = kInfinity;
   // Used when the case file gives no initial value; NaN: must be given.
-  double default_value;
+  double default_value = 0.0;
 };
 
 // Type names in the order of the table in pinode/case/README.md:

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include "pinode/base/logging.h"
+#include "pinode/dynamics/element_library.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
 #include "pinode/report/report.h"
@@ -20,4 +21,5 @@ PYBIND11_MODULE(_pinode, module) {
   BindStudy(&module);
   BindModes(&module);
   BindPlan(&module);
+  module.def("element_compiler_flags", &pinode::ElementCompilerFlags);
 }

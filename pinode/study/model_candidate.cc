@@ -123,12 +123,11 @@ ModelCandidate LibraryCandidate(const LawTerm& library, int function) {
   return candidate;
 }
 
-ModelCandidate ElementCandidate(const LawTerm& element) {
+ModelCandidate ElementCandidate(
+    const LawTerm& element, const std::vector<ElementParameterInfo>& infos) {
   ModelCandidate candidate;
   candidate.name = element.name;
   candidate.law = element.name;
-  const std::vector<ElementParameterInfo> infos =
-      ElementParameters(element.type);
   CHECK_EQ(infos.size(), element.parameters.parameters.size());
   for (size_t k = 0; k < infos.size(); ++k) {
     const std::string& name = element.parameters.parameters[k].name;

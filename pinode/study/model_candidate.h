@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/law_term.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/identification_summary.h"
@@ -28,7 +29,8 @@ struct ModelCandidate {
 ModelCandidate LibraryCandidate(const LawTerm& library, int function);
 
 // A named element, with its internal states.
-ModelCandidate ElementCandidate(const LawTerm& element);
+ModelCandidate ElementCandidate(const LawTerm& element,
+                                const std::vector<ElementParameterInfo>& infos);
 
 // Whether these can be candidates of `problem`: terms that it has, with a free
 // amplitude, each one once; training records, by which they are judged; and no

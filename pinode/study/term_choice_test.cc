@@ -99,7 +99,8 @@ class TermChoiceTest : public ::testing::Test {
         terms.laws.back().parameters.parameters[fixed].free = false;
       }
       for (const LawTerm& law : terms.laws) {
-        candidates_.push_back(ElementCandidate(law));
+        candidates_.push_back(
+            ElementCandidate(law, ElementParameters(law.type)));
       }
     }
     LibrarySpec spec;

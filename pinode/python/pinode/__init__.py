@@ -55,8 +55,9 @@ _checked.install(_pinode)
 
 
 def __getattr__(name: str):
-    """Bridges, frames and figures, which are read when they are asked for."""
-    if name in ("calculix", "figures", "frames", "opensees"):
+    """Bridges, frames, figures and a compiler's caller, which are read when they are
+    asked for."""
+    if name in ("calculix", "elements", "figures", "frames", "opensees"):
         import importlib
 
         return importlib.import_module("." + name, __name__)

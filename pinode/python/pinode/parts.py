@@ -8,6 +8,7 @@ refused when the parts become a `Case`.
 from __future__ import annotations
 
 import numbers
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -217,6 +218,7 @@ class Element(Part):
     type: "linear", "cubic", "bilinear", "coulomb", "power_damper", "bouc_wen",
         ...; see "Element types" of the case files.
     parameters: by name, each a number (fixed) or an Unknown.
+    file: the shared library that has the type, see pinode.elements.
     """
 
     def __init__(
@@ -226,12 +228,14 @@ class Element(Part):
         between: Sequence[str],
         parameters: Mapping[str, float | Unknown] | None = None,
         *,
+        file: str | os.PathLike[str] | None = None,
         optional: bool | None = None,
         **keys: Any,
     ) -> None:
         super().__init__(
             name=name,
             type=type,
+            file=None if file is None else os.fspath(file),
             between=_strings(between),
             parameters=dict(parameters) if parameters is not None else None,
             optional=optional,

@@ -32,4 +32,12 @@ def test_pip_installs_the_checkout(tmp_path):
     assert where.startswith(str(tmp_path / "v"))
     assert abs(float(frequency) - 10 / (2 * 3.141592653589793)) < 1e-12
     files = set(os.listdir(pathlib.Path(where).parent))
-    assert {"py.typed", "_pinode.pyi", "opensees.py"} <= files
+    assert {"py.typed", "_pinode.pyi", "opensees.py", "elements.py"} <= files
+    # What an element of one's own includes is there.
+    source = ("#include <pinode/dynamics/own_element.h>\n"
+              "PINODE_ELEMENTS(library) { (void)library; }\n")
+    script = ("import pinode\n"
+              f"print(pinode.elements.build({source!r}, 'none.so'))")
+    done = subprocess.run([python, "-c", script], env=environment, capture_output=True,
+                          text=True, cwd=tmp_path, check=True)
+    assert done.stdout.strip() == str(tmp_path / "none.so")

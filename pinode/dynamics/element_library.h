@@ -1,0 +1,52 @@
+// Elements of one's own, from a shared library that a case names.
+
+#ifndef PINODE_DYNAMICS_ELEMENT_LIBRARY_H_
+#define PINODE_DYNAMICS_ELEMENT_LIBRARY_H_
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/dynamics/elements.h"
+#include "pinode/dynamics/law.h"
+
+namespace pinode {
+
+// What such a library has to offer; own_element.h says how one is written.
+class ElementLibrary {
+ public:
+  struct Element {
+    std::string type;
+    std::unique_ptr<Law> (*create)();
+    std::vector<ElementParameterInfo> parameters;
+  };
+
+  void Add(Element element) { elements_.push_back(std::move(element)); }
+  const std::vector<Element>& elements() const { return elements_; }
+
+  // As many parameters as each law has, each with a name of its own and limits.
+  [[nodiscard]] bool IsValid(std::string* error) const;
+
+  // nullptr, and a sentence with the types that are there, where this is none.
+  const Element* Find(const std::string& type, std::string* error) const;
+
+ private:
+  std::vector<Element> elements_;
+};
+
+// Loads the shared library at `path`, whose code stays for the life of the
+// process. False, with one line in *error that begins with the path: where it
+// cannot be loaded, where it has no elements, or where it was compiled for
+// another version of pinode or with flags that lay out Jets differently.
+[[nodiscard]] bool LoadElementLibrary(const std::string& path,
+                                      ElementLibrary* library,
+                                      std::string* error);
+
+// Flags with which any compiler lays out Jets as here, whatever processor it
+// compiles for; may be none.
+std::string ElementCompilerFlags();
+
+}  // namespace pinode
+
+#endif  // PINODE_DYNAMICS_ELEMENT_LIBRARY_H_

@@ -1,0 +1,76 @@
+// How an element of one's own is written: a functor on a template scalar, as
+// AutoDiffLaw takes it, in a source file of its own,
+//
+//   #include <pinode/dynamics/own_element.h>
+//
+//   struct Sticky {
+//     // q: deformation and its rate; z: internal states; p: parameters;
+//     // result: the force, then the rates of the internal states.
+//     template <typename T>
+//     void operator()(const T* q, const T* z, const T* p, T* result) const {
+//       using std::tanh;
+//       result[0] = p[0] * q[0] + p[1] * tanh(q[1] / p[2]);
+//     }
+//   };
+//
+//   PINODE_ELEMENTS(library) {
+//     // Internal states, parameters; of each parameter its name and its
+//     // dimension by powers of force, length and time.
+//     pinode::AddElement<Sticky, 0, 3>(
+//         "sticky", {{"k", 1, -1, 0}, {"f", 1, 0, 0}, {"v0", 0, 1, -1, 1e-9}},
+//         library);
+//   }
+//
+// compiled into a shared library,
+//
+//   c++ -std=c++17 -O2 -shared -fPIC -I/usr/include/eigen3
+//       -o sticky.so sticky.cc
+//
+// and named by a case: `type = "sticky"`, `file = "sticky.so"`. Compiled for
+// one kind of processor (-march) it needs ElementCompilerFlags, which the CMake
+// target pinode::dynamics brings along.
+
+#ifndef PINODE_DYNAMICS_OWN_ELEMENT_H_
+#define PINODE_DYNAMICS_OWN_ELEMENT_H_
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/dynamics/autodiff_law.h"
+#include "pinode/dynamics/element_library.h"
+
+namespace pinode {
+
+// Which interface between pinode and such a library this is, and how Jets lie
+// in memory.
+inline unsigned long ElementInterface() {
+  constexpr unsigned long kVersion = 1;
+  return 10000 * kVersion + sizeof(WideJet);
+}
+
+template <typename Functor, int kInternal, int kParameters>
+void AddElement(const std::string& type,
+                std::vector<ElementParameterInfo> parameters,
+                ElementLibrary* library) {
+  library->Add({type,
+                []() -> std::unique_ptr<Law> {
+                  return std::make_unique<
+                      AutoDiffLaw<Functor, 2, kInternal, kParameters, 1>>();
+                },
+                std::move(parameters)});
+}
+
+}  // namespace pinode
+
+#define PINODE_ELEMENTS(library)                                         \
+  extern "C" __attribute__((visibility("default"))) unsigned long        \
+  PinodeElementInterface() {                                             \
+    return ::pinode::ElementInterface();                                 \
+  }                                                                      \
+  extern "C" __attribute__((visibility("default"))) void PinodeElements( \
+      ::pinode::ElementLibrary* library)
+
+#endif  // PINODE_DYNAMICS_OWN_ELEMENT_H_
