@@ -267,6 +267,8 @@ class ModelCaseWriter {
     for (TomlValue& mode : modes->elements) {
       MovePath(&mode, "shape");
       MovePath(&mode, "shape_covariance");
+      TomlValue* covariance = mode.Find("shape_covariance");
+      if (covariance != nullptr && covariance->IsTable()) MovePath(covariance);
     }
     return true;
   }

@@ -8,6 +8,7 @@
 #include "pinode/case/finite_element_section.h"
 #include "pinode/structure/damping.h"
 #include "pinode/structure/matrix_io.h"
+#include "pinode/structure/matrix_variable.h"
 
 namespace pinode {
 namespace {
@@ -329,43 +330,80 @@ bool ReadUnits(const TomlTable& root, UnitSystem* units) {
   return true;
 }
 
+namespace {
+
+// Of a file, by a matrix' name where it holds several; *source is where a wrong
+// size or entry is to be mended. `variable` may be empty.
+bool ReadMatrixFile(const TomlTable& table, const std::string& key,
+                    const std::string& file, const std::string& variable,
+                    std::string* source, Matrix* matrix) {
+  *source = ResolvePath(table, file);
+  const std::map<std::string, Matrix>& arrays = table.errors()->data().matrices;
+  const auto array = arrays.find(*source);
+  if (array != arrays.end()) {
+    *matrix = array->second;
+    return true;
+  }
+  if (!std::filesystem::exists(*source)) {
+    return table.Fail(key, "'" + key + "' names the file '" + file +
+                               "', which does not exist; expected a .csv, "
+                               ".mtx, .mat, .npz or .op4 file beside the case");
+  }
+  const bool by_name = HoldsMatricesByName(file);
+  if (!variable.empty() && !by_name) {
+    return table.Fail(key, "'" + file +
+                               "' has one matrix, expected no 'variable', or a "
+                               ".mat, .npz or .op4 file");
+  }
+  std::string error;
+  if (by_name ? !ReadMatrixVariable(*source, variable, matrix, &error)
+              : !ReadMatrix(*source, matrix, &error)) {
+    return table.errors()->FailAsIs(error);
+  }
+  if (!variable.empty()) *source += ": matrix '" + variable + "'";
+  return true;
+}
+
+// {diagonal = [...]}, or {file = ..., variable = ...}.
+bool ReadMatrixTable(const TomlTable& table, const std::string& key,
+                     std::string* source, Matrix* matrix) {
+  const TomlTable inner = table.Table(key, table.name() + " " + key);
+  if (!inner.AllowKeys({"diagonal", "file", "variable"})) return false;
+  if (inner.Has("file")) {
+    const std::string file = inner.String("file");
+    const std::string variable = inner.String("variable");
+    return inner.errors()->ok() &&
+           ReadMatrixFile(table, key, file, variable, source, matrix);
+  }
+  if (!inner.RequireKey("diagonal", "the entries of the diagonal")) {
+    return false;
+  }
+  const std::vector<double> diagonal = inner.Numbers("diagonal");
+  if (!table.errors()->ok()) return false;
+  *matrix = ToVector(diagonal).asDiagonal();
+  return true;
+}
+
+}  // namespace
+
 bool ReadMatrixKey(const TomlTable& table, const std::string& key,
                    const std::string& what, int num_dofs, Matrix* matrix) {
   const TomlValue& value = *table.Find(key);
-  // Where a wrong size or entry is to be mended.
   std::string source;
   Matrix result;
   if (value.type == TomlValue::Type::kString) {
-    source = ResolvePath(table, value.text);
-    std::string error;
-    const std::map<std::string, Matrix>& arrays =
-        table.errors()->data().matrices;
-    const auto array = arrays.find(source);
-    if (array != arrays.end()) {
-      result = array->second;
-    } else if (!ReadMatrix(source, &result, &error)) {
-      return std::filesystem::exists(source)
-                 ? table.errors()->FailAsIs(error)
-                 : table.Fail(key, "'" + key + "' names the file '" +
-                                       value.text +
-                                       "', which does not exist; expected a "
-                                       ".csv or .mtx file beside the case");
-    }
-  } else if (value.IsTable()) {
-    const TomlTable inner = table.Table(key, table.name() + " " + key);
-    if (!inner.AllowKeys({"diagonal"})) return false;
-    if (!inner.RequireKey("diagonal", "the entries of the diagonal")) {
+    if (!ReadMatrixFile(table, key, value.text, "", &source, &result)) {
       return false;
     }
-    const std::vector<double> diagonal = inner.Numbers("diagonal");
-    if (!table.errors()->ok()) return false;
-    result = ToVector(diagonal).asDiagonal();
+  } else if (value.IsTable()) {
+    if (!ReadMatrixTable(table, key, &source, &result)) return false;
   } else if (value.type == TomlValue::Type::kArray) {
     if (!RowsToMatrix(table, key, value, &result)) return false;
   } else {
     return table.Fail(key, "'" + key + "' is " + value.Describe() +
-                               ", expected a file's name, rows [[...], ...] "
-                               "or {diagonal = [...]}");
+                               ", expected a file's name, rows [[...], ...], "
+                               "{diagonal = [...]} or {file = ..., variable = "
+                               "...}");
   }
   std::string message;
   if (result.rows() != num_dofs || result.cols() != num_dofs) {

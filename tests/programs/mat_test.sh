@@ -30,6 +30,38 @@ sed '/^name  = "train"/,/^\[\[record\]\]/{
 }' three_storey.toml >from_mat.toml
 grep -q '"rec.a3"' from_mat.toml || Fail "the case names fields of the structure"
 
+# Matrices of a model and its groups, full and sparse.
+/usr/bin/python3 - <<'END'
+import numpy as np
+import scipy.io
+import scipy.sparse
+
+k = [2432000.0, 3898500.0, 3091000.0]
+storeys = [np.diag([1.0, 0, 0]), np.array([[1.0, -1, 0], [-1, 1, 0], [0, 0, 0]]),
+           np.array([[0, 0, 0], [0, 1.0, -1], [0, -1, 1]])]
+storeys = [k[i] * storeys[i] for i in range(3)]
+scipy.io.savemat("frame.mat", {
+    "M": 2000.0 * np.eye(3), "K": scipy.sparse.csc_matrix(sum(storeys)),
+    **{f"K{i + 1}": storeys[i] for i in range(3)}})
+END
+sed 's/^storey  *= \([123]\)/matrix = {file = "frame.mat", variable = "K\1"}/
+  /^\[model.shear_building\]/,/^$/d
+  s/^damping = {ray/mass = {file = "frame.mat", variable = "M"}\nstiffness = {file = "frame.mat", variable = "K"}\n&/
+  s/^dofs .*/&\ninfluence = {x = [1.0, 1.0, 1.0]}/' three_storey.toml >matrices.toml
+Run 0 pinode_check --case=three_storey.toml
+sed -n '/^ *1 /,/^ *3 /p' stdout >building
+Run 0 pinode_check --case=matrices.toml
+sed -n '/^ *1 /,/^ *3 /p' stdout | diff building - || Fail "other modes"
+sed 's/"K2"/"K9"/' matrices.toml >none.toml
+Refused "frame.mat: no matrix 'K9', expected 'variable' with one of" \
+  --case=none.toml --output_dir=E
+sed 's/"frame.mat", variable = "M"/"train.csv", variable = "M"/' matrices.toml \
+  >csv.toml
+Refused "'train.csv' has one matrix, expected no 'variable'" --case=csv.toml \
+  --output_dir=E
+sed 's/{file = "frame.mat", variable = "M"}/"frame.mat"/' matrices.toml >which.toml
+Refused "5 matrices, expected 'variable'" --case=which.toml --output_dir=E
+
 Run 0 pinode_update --case=three_storey.toml --output_dir=A --progress=false
 Run 0 pinode_update --case=from_mat.toml --output_dir=B --progress=false --mat
 [[ ! -e A/results.mat ]] || Fail "no results.mat without --mat"
