@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import functools
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
+from ._mode_shapes import SECONDS
 from ._pinode import Error
 from .case import Case, Progress
 from .progress import watched
@@ -259,6 +261,11 @@ class _Outcome:
         channels."""
         return {r["name"]: r for r in self.json["records"]}
 
+    @functools.cached_property
+    def _before(self) -> "Simulation":
+        """The model before the fit under the loads of the records."""
+        return self.case.simulate(noise_percent=0.0)
+
     @property
     def modes(self) -> list[dict[str, Any]]:
         """The model's modes before and after: initial_hz, updated_hz,
@@ -297,10 +304,17 @@ class _Outcome:
     @property
     def ambient(self) -> dict[str, dict[str, Any]]:
         """Of ambient records the spectral densities, measured and modelled
-        (channels x frequencies; without the response to measured loads), and
-        what part of each channel is explained, by measured loads too where
-        there are some."""
-        return {a["name"]: a for a in self._handle.ambient()}
+        (channels x frequencies, unit of the channel squared per Hz; without the
+        response to measured loads), and what part of each channel is explained,
+        by measured loads too where there are some."""
+        found = {a["name"]: a for a in self._handle.ambient()}
+        # The module has them per cycle of the model's time.
+        hz = SECONDS[self.json["units"]["time"]] if found else 1.0
+        if hz != 1.0:
+            for score in found.values():
+                for key in ("measured", "modelled"):
+                    score[key] = score[key] / hz
+        return found
 
     @property
     def history(self) -> dict[str, np.ndarray]:
