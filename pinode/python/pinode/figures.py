@@ -166,25 +166,18 @@ def changes(outcome: Any) -> "Figure | None":
     probability of a loss beyond the threshold (dashed), from grey (none) over
     orange (a half) to red (certain). Masses and nonlinear forces are there where
     they were found."""
-    found = getattr(outcome, "damage_json", None)
-    if not found:
-        return None
-    rows = [(g["name"], g, g["probability"] if g["target"] == "stiffness" else 0.0)
-            for g in found["groups"]]
-    rows += [(m["place"], m, 0.0) for m in found["masses"]]
-    rows += [(n["name"], {**n, "change": n["share"]}, 0.0)
-             for n in found["nonlinearity"].get("terms", [])]
+    rows = getattr(outcome, "changes", [])
     # Of what the data do not show at all the numbers are those of rounding.
     rows = [row for row in rows
-            if None not in (row[1]["change"], row[1]["lower95"], row[1]["upper95"])
-            and row[1]["upper95"] - row[1]["lower95"] < 20.0][:_MOST_BARS]
+            if None not in (row["change"], row["lower95"], row["upper95"])
+            and row["upper95"] - row["lower95"] < 20.0][:_MOST_BARS]
     if not rows:
         return None
     figure, (ax,) = panels(height=1.2 + 0.28 * len(rows))
-    bars(ax, [name for name, _, _ in rows],
-         *([100.0 * row[key] for _, row, _ in rows] for key in ("change", "lower95", "upper95")),
-         [_colour(probability) for _, _, probability in rows])
-    ax.axvline(-100.0 * found["threshold"], color="0.53", lw=0.8, ls="--")
+    bars(ax, [row["name"] for row in rows],
+         *([100.0 * row[key] for row in rows] for key in ("change", "lower95", "upper95")),
+         [_colour(row["probability"] if row["target"] == "stiffness" else 0.0) for row in rows])
+    ax.axvline(-100.0 * outcome.damage_json["threshold"], color="0.53", lw=0.8, ls="--")
     return figure
 
 

@@ -112,6 +112,13 @@ class Simulation(Mapping):
             mat=mat,
         )
 
+    def to_pandas(self, record: str | None = None) -> "DataFrame":
+        """A frame of pandas: the channels of a record, the first unless named,
+        indexed by time."""
+        from . import frames
+
+        return frames.of_simulation(self, record)
+
     def __getitem__(self, record: str) -> dict[str, Any]:
         return self._records[record]
 
@@ -162,6 +169,12 @@ class SensorPlan(Sequence):
     @property
     def names(self) -> list[str]:
         return [s["name"] for s in self._sensors]
+
+    def to_pandas(self, what: str = "sensors") -> "DataFrame":
+        """A frame of pandas: "sensors", "deviations" or "durations"."""
+        from . import frames
+
+        return frames.of_plan(self, what)
 
     def __getitem__(self, index: Any) -> Any:
         return self._sensors[index]
@@ -357,7 +370,10 @@ class _Outcome:
         self._handle.save(os.fspath(folder), overwrite, mat, os.fspath(deck))
 
     def to_pandas(self, what: str = "parameters") -> "DataFrame":
-        """A frame of pandas: "parameters", "history", "modes", or a record."""
+        """A frame of pandas: "parameters", "history", "stages", "modes",
+        "mode_shapes", "forces", "loops", "profiles", "ambient"; of a verdict
+        "changes", of a discovery "equations" and "pareto"; or a record. See
+        frames.frame."""
         from . import frames
 
         return frames.frame(self, what)
@@ -471,6 +487,23 @@ class Damage(_Outcome):
         """By group its change (-0.1: a tenth lost), lower95, upper95, the
         probability of a loss beyond the threshold, damaged, reason."""
         return {} if self._found is None else {g["name"]: g for g in self._found["groups"]}
+
+    @property
+    def changes(self) -> list[dict[str, Any]]:
+        """What a verdict looks at: name, target ("stiffness", "damping", "mass",
+        "nonlinear"), change, lower95, upper95 and probability of each group, and
+        then of the masses and nonlinear forces that were found beside them."""
+        if self._found is None:
+            return []
+        keys = ("name", "target", "change", "lower95", "upper95", "probability", "reason")
+        found = [
+            *self._found["groups"],
+            *({**m, "name": f"mass at {m['place']}", "target": "mass"}
+              for m in self._found["masses"]),
+            *({**n, "change": n["share"], "target": "nonlinear"}
+              for n in self._found["nonlinearity"].get("terms", [])),
+        ]
+        return [{key: row.get(key) for key in keys} for row in found]
 
     @property
     def damage_json(self) -> dict[str, Any] | None:
