@@ -14,7 +14,8 @@ from .parts import Record
 from .progress import watched
 
 if TYPE_CHECKING:
-    from .result import Damage, Discovery, Fit, ResultFolder, SensorPlan, Simulation
+    from .forecast import SensorPlan, Simulation
+    from .result import Damage, Discovery, Fit, ResultFolder
 
 Progress = Callable[[Mapping[str, Any]], Any]
 
@@ -206,7 +207,7 @@ class Case:
         noise: "sigma", each channel's own `sigma`; as the case says unless one
             is given. seed: of this noise.
         """
-        from .result import Simulation
+        from .forecast import Simulation
 
         wanted = {
             "noise_percent": -1.0 if noise_percent is None else noise_percent,
@@ -225,7 +226,7 @@ class Case:
             load does: where to hit. The DOFs of `excite` of that table are tried
             as well (SensorPlan.by_force_at).
         """
-        from .result import SensorPlan
+        from .forecast import SensorPlan
 
         plan = _pinode.plan_sensors(self._handle, num_sensors, force_at)
         places = () if force_at else plan["excite"]
