@@ -22,7 +22,7 @@ the units of the model unless a part says otherwise. What is wrong is raised as
 from . import _checked, _pinode
 from ._pinode import Error, __version__
 from .case import Case, read_case
-from .forecast import SensorPlan, Simulation
+from .forecast import Check, SensorPlan, Simulation
 from .modes import IdentifiedModes, identify_modes
 from .parts import (
     Channel,
@@ -65,6 +65,7 @@ def __getattr__(name: str):
 __all__ = [
     "Case",
     "Channel",
+    "Check",
     "Damage",
     "Discovery",
     "Element",

@@ -14,7 +14,7 @@ from .parts import Record
 from .progress import watched
 
 if TYPE_CHECKING:
-    from .forecast import SensorPlan, Simulation
+    from .forecast import Check, SensorPlan, Simulation
     from .result import Damage, Discovery, Fit, ResultFolder
 
 Progress = Callable[[Mapping[str, Any]], Any]
@@ -185,14 +185,16 @@ class Case:
 
     # What can be done with it.
 
-    def check(self) -> dict[str, Any]:
-        """What an identification could find, without one.
+    def check(self) -> "Check":
+        """What an identification could find, without one: a dictionary.
 
         expected: deviation of each free parameter, from the noise given or 5 %.
         undetermined: what the sensors and the loads cannot see; remarks, sizes,
         and the integration steps of each record.
         """
-        return self._handle.check()
+        from .forecast import Check
+
+        return Check(self._handle.check())
 
     def simulate(
         self,

@@ -1,4 +1,5 @@
-"""What a case says before anything is fitted: simulations, plans of sensors."""
+"""What a case says before anything is fitted: checks, simulations, plans of
+sensors."""
 
 from __future__ import annotations
 
@@ -6,12 +7,40 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _html, _pinode
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from .case import Case
+
+
+class Check(dict):
+    """What an identification could find; a dictionary that a notebook shows as
+    tables. See Case.check."""
+
+    def _repr_html_(self) -> str:
+        if "not_assessed" in self:
+            title = f"Not assessed: {self['not_assessed']}"
+        elif "num_free" in self:
+            title = f"{self['num_free']} free parameters, {self['num_residuals']} residuals"
+        else:
+            title = "Nothing was measured"
+        expected = [
+            [e["name"], e["initial"], e["sigma"], e["unit"]] for e in self.get("expected", [])
+        ]
+        steps = [[s["record"], s["integrator"], s["substeps"]] for s in self.get("steps", [])]
+        return _html.section(
+            title,
+            _html.sentences("Cannot be determined:", self.get("undetermined", [])),
+            _html.table(["parameter", "before", "expected deviation", "unit"], expected),
+            _html.table(["record", "integrator", "steps a sample"], steps),
+            _html.sentences(
+                "Remarks:", [*self.get("remarks", []), *self.get("assessment_remarks", [])]
+            ),
+        )
 
 
 class Simulation(Mapping):
@@ -61,6 +90,24 @@ class Simulation(Mapping):
             for name, r in self.items()
         )
         return f"Simulation({text})"
+
+    def _repr_html_(self) -> str:
+        records = [
+            [name, len(r["time"]), ", ".join(r["channels"]),
+             " ".join(filter(None, ["" if r["finite"] else "not finite", r["remark"]]))]
+            for name, r in self.items()
+        ]
+        channels = [
+            [name, channel, float(np.sqrt(np.mean(np.square(values)))),
+             float(np.abs(values).max())]
+            for name, r in self.items() for channel, values in r["channels"].items()
+        ]
+        count = f"{len(self)} record" + ("" if len(self) == 1 else "s")
+        return _html.section(
+            f"Simulation of {count}",
+            _html.table(["record", "samples", "channels", ""], records),
+            _html.table(["record", "channel", "rms", "largest"], channels),
+        )
 
 
 class SensorPlan(Sequence):

@@ -6,7 +6,7 @@ import csv
 import functools
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -87,6 +87,26 @@ class StructureView:
             '<iframe title="The structure" style="width: 100%; height: 800px; border: 0" '
             f'srcdoc="{escape(self.html)}"></iframe>'
         )
+
+
+_CHANGE_HEADER = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
+
+
+def _change_row(group: Mapping[str, Any]) -> list[Any]:
+    return [group[key] for key in ("name", "change", "lower95", "upper95", "probability")]
+
+
+def _tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:
+    """Parameters and scores of records as notebooks show them."""
+    keys = ("name", "initial", "value", "lower95", "upper95", "unit")
+    scores = ("name", "role", "nrmse", "prior_nrmse")
+    return _html.table(
+        ["parameter", "before", "value", "from", "to (95 %)", "unit"],
+        [[p[key] for key in keys] for p in parameters],
+    ) + _html.table(
+        ["record", "role", "error", "error before"],
+        [[r[key] for key in scores] for r in records],
+    )
 
 
 class _Outcome:
@@ -284,21 +304,8 @@ class _Outcome:
         return f"{type(self).__name__}({self._handle.brief()})"
 
     def _repr_html_(self) -> str:
-        parameters = [
-            [p.name, p.initial, p.value, p.lower95, p.upper95, p.unit]
-            for p in self.parameters.values()
-        ]
-        records = [
-            [r["name"], r["role"], r["nrmse"], r["prior_nrmse"]]
-            for r in self.records.values()
-        ]
-        return _html.section(
-            self.verdict,
-            _html.table(
-                ["parameter", "before", "value", "from", "to (95 %)", "unit"], parameters
-            ),
-            _html.table(["record", "role", "error", "error before"], records),
-        )
+        parameters = [p._asdict() for p in self.parameters.values()]
+        return _html.section(self.verdict, _tables(parameters, self.records.values()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), *self._handle.state())
@@ -410,12 +417,9 @@ class Damage(_Outcome):
         return f"{self.sentence}\n\n{self.report()}"
 
     def _repr_html_(self) -> str:
-        rows = [
-            [g["name"], g["change"], g["lower95"], g["upper95"], g["probability"]]
-            for g in self.groups.values()
-        ]
-        header = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
-        return _html.section(self.sentence, _html.table(header, rows)) + super()._repr_html_()
+        rows = [_change_row(g) for g in self.groups.values()]
+        table = _html.table(_CHANGE_HEADER, rows)
+        return _html.section(self.sentence, table) + super()._repr_html_()
 
 
 class Discovery(_Outcome):
@@ -565,6 +569,16 @@ class ResultFolder:
 
     def __repr__(self) -> str:
         return f"ResultFolder({str(self.path)!r}: {self.message})"
+
+    def _repr_html_(self) -> str:
+        damage = self.damage
+        changes = [] if damage is None else [_change_row(g) for g in damage["groups"]]
+        return _html.section(
+            f"{self.path}: {self.message if damage is None else damage['message']}",
+            _html.table(_CHANGE_HEADER, changes),
+            _tables(self.parameters.values(), self.records.values()),
+            _html.sentences("Remarks:", self.json["remarks"]),
+        )
 
 
 def read_result(path: str | os.PathLike[str]) -> ResultFolder:
