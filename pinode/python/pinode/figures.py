@@ -226,22 +226,26 @@ def mode_shapes(outcome: Any, *, most: int = 6) -> "Figure | None":
 
 
 def convergence(outcome: Any) -> "Figure | None":
-    """The cost by iteration, with vertical lines between the stages and above
-    them the samples of their longest segments; below, the error of the free run
-    over the training records after each stage."""
+    """The cost by iteration, steps that were tried and not taken among them, with
+    vertical lines between the stages and above them the samples of their longest
+    segments; below, the error of the free run over the training records after
+    each stage."""
     history = outcome.history
     cost, stage = history["cost"], history["stage"]
     if len(cost) < 2:
         return None
     ends = np.append(np.flatnonzero(np.diff(stage)) + 0.5, len(cost) - 0.5)
-    stages = outcome.json["solver"]["stages"]
+    solver = outcome.json["solver"]
+    stages = solver["stages"]
     after = [(end, 100.0 * s["free_run_error"]) for end, s in zip(ends, stages)
              if s["free_run_error"]]
     figure, axes = panels(2 if after else 1)
     ax = axes[0]
-    drawn = np.where(np.isfinite(cost) & (cost > 0.0), cost, np.nan)
+    # Of a step that is not taken the cost may be any number: no axis for that.
+    most = 1e3 * max(solver["initial_cost"] or 0.0, solver["final_cost"] or 0.0)
+    drawn = np.where((cost > 0.0) & (cost <= most), cost, np.nan)
     if np.isfinite(drawn).any():
-        ax.semilogy(np.arange(len(cost)), drawn, "o-", ms=2.5, **UPDATED)
+        ax.semilogy(np.arange(len(cost)), drawn, "o", ms=2.5, color=BLUE)
     for end in ends[:-1]:
         ax.axvline(end, **FAINT)
     for begin, end, s in zip(np.append(-0.5, ends), ends, stages):

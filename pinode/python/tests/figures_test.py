@@ -167,11 +167,14 @@ def test_convergence(baseline):
     assert error.get_lines()[0].get_ydata() == pytest.approx(
         [100 * s["free_run_error"] for s in baseline.json["solver"]["stages"]])
     staged = types.SimpleNamespace(
-        history={"cost": np.array([9.0, 3.0, np.nan, 2.0, 1.0]),
+        history={"cost": np.array([9.0, 1e82, np.nan, 2.0, 1.0]),
                  "stage": np.array([1, 1, 1, 2, 2])},
-        json={"solver": {"stages": [{"segment_samples": 20, "free_run_error": 0.5},
-                                    {"segment_samples": 0, "free_run_error": 0.1}]}})
+        json={"solver": {"initial_cost": 9.0, "final_cost": 1.0, "stages": [
+            {"segment_samples": 20, "free_run_error": 0.5},
+            {"segment_samples": 0, "free_run_error": 0.1}]}})
     cost, error = figures.convergence(staged).axes
+    assert np.array_equal(cost.get_lines()[0].get_ydata(), [9.0, np.nan, np.nan, 2.0, 1.0],
+                          equal_nan=True)
     assert cost.get_lines()[1].get_xdata() == [2.5, 2.5]
     assert [text.get_text() for text in cost.texts] == ["20"]
     assert list(error.get_lines()[0].get_xdata()) == [2.5, 4.5]
