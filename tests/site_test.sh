@@ -36,9 +36,14 @@ grep -q 'coming_from.html' "$scratch/index.html" || {
   echo "the index does not lead to pinode/coming_from"
   exit 1
 }
-# A class with its comment, and a function with its docstring.
-grep -q 'What the fit says of an ambient record' "$scratch/api/estimate.html" &&
-  grep -q 'pinode.identify' "$scratch/api_python.html" || {
-  echo "the API has not what the headers and docstrings say"
+# A class with its comment, and functions with their docstrings.
+grep -q 'What the fit says of an ambient record' "$scratch/api/estimate.html" || {
+  echo "the API has not what the headers say"
   exit 1
 }
+for name in identify_modes figures.changes frames.of_plan opensees.read calculix.export; do
+  if ! grep -q "id=\"pinode.$name\"" "$scratch/api_python.html"; then
+    echo "the API has no pinode.$name"
+    exit 1
+  fi
+done

@@ -22,6 +22,7 @@ the units of the model unless a part says otherwise. What is wrong is raised as
 from . import _checked, _pinode
 from ._pinode import Error, __version__
 from .case import Case, read_case
+from .forecast import Check, SensorPlan, Simulation
 from .modes import IdentifiedModes, identify_modes
 from .parts import (
     Channel,
@@ -44,8 +45,6 @@ from .result import (
     Fit,
     Parameter,
     ResultFolder,
-    SensorPlan,
-    Simulation,
     StructureView,
     read_result,
 )
@@ -67,6 +66,7 @@ def __getattr__(name: str):
 __all__ = [
     "Case",
     "Channel",
+    "Check",
     "Damage",
     "Discovery",
     "Element",

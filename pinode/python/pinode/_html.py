@@ -22,5 +22,10 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
 
 
+def sentences(title: str, texts: Iterable[str]) -> str:
+    items = "".join(f"<li>{escape(str(t))}</li>" for t in texts)
+    return f"<p>{escape(title)}</p><ul>{items}</ul>" if items else ""
+
+
 def section(title: str, *parts: str) -> str:
     return f"<div><p><b>{escape(title)}</b></p>{''.join(parts)}</div>"

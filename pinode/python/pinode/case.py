@@ -14,7 +14,8 @@ from .parts import Record
 from .progress import watched
 
 if TYPE_CHECKING:
-    from .result import Damage, Discovery, Fit, ResultFolder, SensorPlan, Simulation
+    from .forecast import Check, SensorPlan, Simulation
+    from .result import Damage, Discovery, Fit, ResultFolder
 
 Progress = Callable[[Mapping[str, Any]], Any]
 
@@ -184,14 +185,16 @@ class Case:
 
     # What can be done with it.
 
-    def check(self) -> dict[str, Any]:
-        """What an identification could find, without one.
+    def check(self) -> "Check":
+        """What an identification could find, without one: a dictionary.
 
         expected: deviation of each free parameter, from the noise given or 5 %.
         undetermined: what the sensors and the loads cannot see; remarks, sizes,
         and the integration steps of each record.
         """
-        return self._handle.check()
+        from .forecast import Check
+
+        return Check(self._handle.check())
 
     def simulate(
         self,
@@ -206,7 +209,7 @@ class Case:
         noise: "sigma", each channel's own `sigma`; as the case says unless one
             is given. seed: of this noise.
         """
-        from .result import Simulation
+        from .forecast import Simulation
 
         wanted = {
             "noise_percent": -1.0 if noise_percent is None else noise_percent,
@@ -225,7 +228,7 @@ class Case:
             load does: where to hit. The DOFs of `excite` of that table are tried
             as well (SensorPlan.by_force_at).
         """
-        from .result import SensorPlan
+        from .forecast import SensorPlan
 
         plan = _pinode.plan_sensors(self._handle, num_sensors, force_at)
         places = () if force_at else plan["excite"]

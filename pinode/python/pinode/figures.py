@@ -10,22 +10,34 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._pinode import Error
+from ._drawing import BLUE, FAINT, GREY, MARK, PRIOR, UPDATED, bars, decibels, label, panels
+from ._histories import forces, loops, prediction
+from ._mode_shapes import shape_pairs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_GREY, _BLUE, _RED = "0.45", "#1f6fb4", "#c0392b"
+__all__ = [
+    "all_figures",
+    "ambient",
+    "changes",
+    "convergence",
+    "equations",
+    "forces",
+    "identified_shapes",
+    "loops",
+    "mode_shapes",
+    "modes",
+    "of_modes",
+    "parameters",
+    "prediction",
+    "profiles",
+    "stabilisation",
+]
 
-
-def _figure(rows: int = 1, width: float = 7.0, height: float = 2.4) -> Any:
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise Error("matplotlib is missing, expected it for figures") from None
-
-    figure = Figure(figsize=(width, max(1, rows) * height), layout="constrained")
-    return figure, figure.subplots(max(1, rows), 1, squeeze=False)[:, 0]
+_MOST_BARS = 40
+# Quantiles of chi^2 with one degree of freedom, 99 over 95 %.
+_CHI99_BY_CHI95 = 6.634896601021213 / 3.841458820694124
 
 
 def all_figures(outcome: Any) -> "dict[str, Figure]":
@@ -33,15 +45,18 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
     drawn = {
         "changes": changes(outcome),
         "parameters": parameters(outcome),
-        "modes": modes(outcome),
-        "convergence": convergence(outcome),
-        "loops": loops(outcome),
         "forces": forces(outcome),
         "profiles": profiles(outcome),
         "ambient": ambient(outcome),
+        "modes": modes(outcome),
+        "mode_shapes": mode_shapes(outcome),
+        "convergence": convergence(outcome),
+        "loops": loops(outcome),
         "equations": equations(outcome),
     }
-    for name in outcome.records:
+    records = outcome.records
+    # What took no part in the fit first.
+    for name in sorted(records, key=lambda name: records[name]["role"] != "holdout"):
         drawn[f"prediction_{name}"] = prediction(outcome, name)
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
@@ -56,109 +71,119 @@ def of_modes(found: Any) -> "dict[str, Figure]":
 
 
 def stabilisation(found: Any, record: str) -> "Figure | None":
-    """Poles of all orders of a record; those of a mode are filled."""
+    """Poles of all orders of a record; those of a mode are filled, with 95 %
+    intervals."""
     bands = [band for band in found.diagram if band["record"] == record]
     if not any(len(band["order"]) for band in bands):
         return None
-    figure, (ax,) = _figure(1, height=3.4)
-    for band in bands:
+    figure, (ax,) = panels(height=3.4)
+    for number, band in enumerate(bands):
         hz, order = band["frequency_hz"], np.asarray(band["order"])
         of_mode = np.asarray(band["mode"]) >= 0
-        ax.plot(hz[~of_mode], order[~of_mode], "o", ms=3, mfc="none", color="0.7")
+        ax.plot(hz[~of_mode], order[~of_mode], "x", ms=3, color=PRIOR["color"],
+                label="" if number else "other poles")
         ax.errorbar(hz[of_mode], order[of_mode], xerr=1.96 * band["frequency_sigma"][of_mode],
-                    fmt="o", ms=3, color=_BLUE)
+                    fmt="o", ms=3, color=BLUE, label="" if number else "poles of a mode")
+    ax.set_xlim(*_frequency_range(found, bands))
+    ax.set_ylim(bottom=0.0)
     ax.set_xlabel("frequency (Hz)")
     ax.set_ylabel("model order")
     ax.set_title(record, loc="left")
+    ax.legend(loc="upper right", fontsize="small")
     return figure
+
+
+def _frequency_range(found: Any, bands: Any) -> tuple[float, float]:
+    """Around the modes; all that was looked at where there are none."""
+    low = min(band["lowest_hz"] for band in bands)
+    high = max(band["highest_hz"] for band in bands)
+    hz = found.frequencies_hz
+    hz = hz[(hz >= low) & (hz <= high)]
+    if len(hz) == 0:
+        return low, high
+    return max(0.0, min(0.5 * hz.min(), hz.min() - 1.0)), min(high, 1.25 * hz.max())
 
 
 def identified_shapes(found: Any, *, most: int = 16) -> "Figure | None":
     """Real parts of the first shapes with 95 % intervals, place by place."""
     modes = list(found)[:most]
-    if not modes:
+    if not modes or len(found.places) < 2:
         return None
-    figure, axes = _figure(len(modes), height=1.5)
-    for ax, mode in zip(axes, modes):
-        ax.errorbar(range(len(found.places)), mode["shape"].real,
-                    yerr=1.96 * mode["shape_sigma_real"], fmt="o", ms=3, color=_BLUE)
-        ax.axhline(0.0, color=_GREY, lw=0.8)
-        ax.set_ylabel(f"{mode['frequency_hz']:.4g} Hz")
-        ax.set_xticks([])
-    axes[-1].set_xticks(range(len(found.places)), found.places, rotation=90)
+    count = len(found.places)
+    figure, axes = panels(len(modes), 4, width=2.2 * min(len(modes), 4) + 0.8,
+                          height=float(np.clip(1.0 + 0.15 * count, 1.6, 3.4)))
+    for number, (ax, mode) in enumerate(zip(axes, modes), 1):
+        # Student's: an interval's half-width over its sigma.
+        sigma = mode["frequency_sigma"]
+        t = (mode["frequency_upper95"] - mode["frequency_hz"]) / sigma if sigma else 1.96
+        ax.errorbar(mode["shape"].real, np.arange(count), xerr=t * mode["shape_sigma_real"],
+                    fmt="o", ms=3, color=BLUE)
+        ax.axvline(0.0, color=GREY, lw=0.8)
+        ax.set_xlim(-1.25, 1.25)
+        ax.set_title(f"{number}: {mode['frequency_hz']:.4g} Hz", size="medium")
+        _name_places(ax, found.places, 20)
     return figure
 
 
-def prediction(
-    outcome: Any, record: str | None = None, *, most: int = 12
-) -> "Figure | None":
-    """Time histories of a record: measured, and the free run of the model with
-    its 95 % band; of the `most` channels that are predicted worst."""
-    result = outcome.record(record)
-    if not result.predicted:
-        return None
-    error = {
-        name: np.nanmean((result.measured[name] - values) ** 2)
-        / max(np.nanvar(result.measured[name]), 1e-300)
-        for name, values in result.predicted.items()
-    }
-    names = sorted(error, key=lambda name: -error[name])[:most]
-    figure, axes = _figure(len(names))
-    for ax, name in zip(axes, names):
-        values = result.predicted[name]
-        ax.plot(result.time, result.measured[name], color=_GREY, lw=1.2, label="measured")
-        ax.plot(result.time, values, color=_BLUE, lw=0.9, label="model")
-        band = result.deviation.get(name)
-        if band is not None and np.isfinite(band).all():
-            ax.fill_between(result.time, values - 1.96 * band, values + 1.96 * band,
-                            color=_BLUE, alpha=0.2, lw=0)
-        ax.set_ylabel(f"{name} ({result.units[name]})")
-    axes[0].legend(loc="upper right")
-    axes[-1].set_xlabel("time (s)")
-    return figure
+def _name_places(ax: Any, names: Any, most: int) -> None:
+    every = -(-len(names) // most)
+    ax.set_yticks(range(0, len(names), every), names[::every])
+    ax.set_ylim(-0.5, len(names) - 0.5)
 
 
 def parameters(outcome: Any) -> "Figure | None":
-    """Changes of the free parameters with their 95 % intervals, each in units
-    of its own value where that is not a fraction already."""
-    free = [p for p in outcome.parameters.values() if p.free and np.isfinite(p.sigma)]
-    if not free:
+    """Changes of the free parameters with their 95 % intervals, in per cent of
+    the value before; of groups, of the group's own matrix. Others that are zero
+    before have no such change: the title names them."""
+    groups = {group.get("name") for group in outcome.case.to_dict().get("group", [])}
+    rows, left_out = [], []
+    for p in outcome.parameters.values():
+        if not p.free:
+            continue
+        scale = 1.0 if p.name in groups else abs(p.initial)
+        if not scale > 0.0 or not np.isfinite(p.value):
+            left_out.append(p.name)
+            continue
+        change, low, high = (100.0 * (v - p.initial) / scale
+                             for v in (p.value, p.lower95, p.upper95))
+        # Without an interval there is a point and no bar.
+        rows.append((p.name, change, low if np.isfinite(low) else change,
+                     high if np.isfinite(high) else change))
+    if not rows:
         return None
-    figure, (ax,) = _figure(1, height=1.0 + 0.35 * len(free))
-    scale = [1.0 if p.unit == "1" else abs(p.value) or 1.0 for p in free]
-    value = np.array([p.value / s for p, s in zip(free, scale)])
-    spread = np.array([[(p.value - p.lower95) / s, (p.upper95 - p.value) / s]
-                       for p, s in zip(free, scale)]).T
-    places = np.arange(len(free))
-    ax.errorbar(value, places, xerr=np.maximum(spread, 0.0), fmt="o", color=_BLUE, capsize=3)
-    ax.plot([p.initial / s for p, s in zip(free, scale)], places, "x", color=_GREY,
-            label="before")
-    ax.axvline(0.0, color="0.8", lw=0.8, zorder=0)
-    ax.set_yticks(places, [p.name if s == 1.0 else f"{p.name} / {s:.3g} {p.unit}"
-                           for p, s in zip(free, scale)])
-    ax.invert_yaxis()
-    ax.set_xlabel("value")
-    ax.legend()
+    rows = rows[:_MOST_BARS]
+    figure, (ax,) = panels(height=1.2 + 0.28 * len(rows))
+    names, changes, lows, highs = zip(*rows)
+    bars(ax, names, changes, lows, highs, ["#9cc7e0"] * len(rows))
+    if left_out:
+        ax.set_title("zero before, not drawn: " + ", ".join(left_out), loc="left",
+                     size="small", wrap=True)
     return figure
 
 
 def changes(outcome: Any) -> "Figure | None":
-    """What has changed since the healthy records, with 95 % intervals."""
-    groups = list(getattr(outcome, "groups", {}).values())
-    groups = [g for g in groups if g["change"] is not None and g["lower95"] is not None]
-    if not groups:
+    """What has changed since the healthy records, with 95 % intervals. Colour: the
+    probability of a loss beyond the threshold (dashed), from grey (none) over
+    orange (a half) to red (certain). Masses and nonlinear forces are there where
+    they were found."""
+    rows = getattr(outcome, "changes", [])
+    # Of what the data do not show at all the numbers are those of rounding.
+    rows = [row for row in rows
+            if None not in (row["change"], row["lower95"], row["upper95"])
+            and row["upper95"] - row["lower95"] < 20.0][:_MOST_BARS]
+    if not rows:
         return None
-    figure, (ax,) = _figure(1, height=1.0 + 0.35 * len(groups))
-    for place, group in enumerate(groups):
-        low, high = group["lower95"], group["upper95"]
-        ax.plot([100 * low, 100 * high], [place, place], lw=2,
-                color=_RED if group["damaged"] else _BLUE)
-        ax.plot(100 * group["change"], place, "o", color=_RED if group["damaged"] else _BLUE)
-    ax.axvline(0.0, color="0.8", lw=0.8, zorder=0)
-    ax.set_yticks(range(len(groups)), [g["name"] for g in groups])
-    ax.invert_yaxis()
-    ax.set_xlabel("change (%)")
+    figure, (ax,) = panels(height=1.2 + 0.28 * len(rows))
+    bars(ax, [row["name"] for row in rows],
+         *([100.0 * row[key] for row in rows] for key in ("change", "lower95", "upper95")),
+         [_colour(row["probability"] if row["target"] == "stiffness" else 0.0) for row in rows])
+    ax.axvline(-100.0 * outcome.damage_json["threshold"], color="0.53", lw=0.8, ls="--")
     return figure
+
+
+def _colour(probability: "float | None") -> Any:
+    stops = np.array([[190.0, 190.0, 190.0], [240.0, 180.0, 60.0], [213.0, 40.0, 0.0]]) / 255.0
+    return [np.interp(probability or 0.0, (0.0, 0.5, 1.0), stops[:, k]) for k in range(3)]
 
 
 def modes(outcome: Any) -> "Figure | None":
@@ -166,10 +191,11 @@ def modes(outcome: Any) -> "Figure | None":
     pairs = [m for m in outcome.modes if m["initial_hz"] and m["updated_hz"]]
     if not pairs:
         return None
-    figure, (ax,) = _figure(1, height=2.8)
+    figure, (ax,) = panels(height=2.8)
     places = np.arange(1, len(pairs) + 1)
-    ax.bar(places - 0.2, [m["initial_hz"] for m in pairs], 0.4, color="0.7", label="before")
-    ax.bar(places + 0.2, [m["updated_hz"] for m in pairs], 0.4, color=_BLUE, label="after")
+    ax.bar(places - 0.2, [m["initial_hz"] for m in pairs], 0.4, color=PRIOR["color"],
+           label="before")
+    ax.bar(places + 0.2, [m["updated_hz"] for m in pairs], 0.4, color=BLUE, label="after")
     ax.set_xticks(places)
     ax.set_xlabel("mode")
     ax.set_ylabel("frequency (Hz)")
@@ -177,98 +203,161 @@ def modes(outcome: Any) -> "Figure | None":
     return figure
 
 
+def mode_shapes(outcome: Any, *, most: int = 6) -> "Figure | None":
+    """The first mode shapes of the linear part before and after, the largest entry
+    one, DOFs in the model's order."""
+    dofs, pairs = shape_pairs(outcome, most)
+    if len(dofs) < 2 or not pairs:
+        return None
+    figure, axes = panels(len(pairs), 3, width=2.8 * min(len(pairs), 3) + 0.8, height=2.6)
+    for number, (ax, pair) in enumerate(zip(axes, pairs)):
+        places = np.arange(len(dofs))
+        ax.plot(pair.initial, places, "o", ls=PRIOR["ls"], color=PRIOR["color"], ms=5,
+                mfc="none", lw=1.0, label="before")
+        ax.plot(pair.updated, places, "o-", color=BLUE, ms=3.5, lw=1.0, label="after")
+        ax.axvline(0.0, color=GREY, lw=0.8, zorder=0)
+        ax.set_xlim(-1.15, 1.15)
+        _name_places(ax, dofs, 12)
+        ax.set_title(f"mode {pair.number}: {pair.initial_hz:.4g} \u2192 {pair.updated_hz:.4g} Hz",
+                     size="medium")
+        if number == 0:
+            ax.legend(fontsize="small")
+    return figure
+
+
 def convergence(outcome: Any) -> "Figure | None":
-    """The cost by iteration."""
+    """The cost by iteration, steps that were tried and not taken among them, with
+    vertical lines between the stages and above them the samples of their longest
+    segments; below, the error of the free run over the training records after
+    each stage."""
     history = outcome.history
-    if len(history["cost"]) == 0:
+    cost, stage = history["cost"], history["stage"]
+    if len(cost) < 2:
         return None
-    figure, (ax,) = _figure(1)
-    cost = history["cost"]
-    ax.plot(np.arange(1, len(cost) + 1), cost, color=_BLUE, lw=1)
-    if (cost > 0.0).all():
-        ax.set_yscale("log")
-    ax.set_xlabel("iteration")
+    ends = np.append(np.flatnonzero(np.diff(stage)) + 0.5, len(cost) - 0.5)
+    solver = outcome.json["solver"]
+    stages = solver["stages"]
+    after = [(end, 100.0 * s["free_run_error"]) for end, s in zip(ends, stages)
+             if s["free_run_error"]]
+    figure, axes = panels(2 if after else 1)
+    ax = axes[0]
+    # Of a step that is not taken the cost may be any number: no axis for that.
+    most = 1e3 * max(solver["initial_cost"] or 0.0, solver["final_cost"] or 0.0)
+    drawn = np.where((cost > 0.0) & (cost <= most), cost, np.nan)
+    if np.isfinite(drawn).any():
+        ax.semilogy(np.arange(len(cost)), drawn, "o", ms=2.5, color=BLUE)
+    for end in ends[:-1]:
+        ax.axvline(end, **FAINT)
+    for begin, end, s in zip(np.append(-0.5, ends), ends, stages):
+        # Short stages have no room for words.
+        if s["segment_samples"] and end - begin > 0.05 * len(cost):
+            ax.annotate(str(s["segment_samples"]), (0.5 * (begin + end), 1.02),
+                        xycoords=("data", "axes fraction"), ha="center", size="small",
+                        color="0.33")
     ax.set_ylabel("cost")
-    return figure
-
-
-def loops(outcome: Any) -> "Figure | None":
-    """Forces of elements, libraries and networks over their deformation."""
-    curves = outcome.loops
-    if not curves:
-        return None
-    figure, axes = _figure(len(curves), width=5.0, height=3.2)
-    for ax, loop in zip(axes, curves):
-        ax.plot(loop["deformation"], loop["force"], color=_BLUE, lw=0.8)
-        ax.set_title(" ".join(filter(None, [loop["term"], loop["output"]])))
-        ax.set_xlabel(f"{loop['deformation_name']} ({loop['deformation_unit']})")
-        what = "acceleration" if loop["is_acceleration"] else "force"
-        ax.set_ylabel(f"{what} ({loop['force_unit']})")
-    return figure
-
-
-def forces(outcome: Any) -> "Figure | None":
-    """Unknown forces with their 95 % bands."""
-    found = outcome.forces
-    if not found:
-        return None
-    figure, axes = _figure(len(found))
-    for ax, (name, force) in zip(axes, found.items()):
-        if np.isfinite(force["lower95"]).all() and np.isfinite(force["upper95"]).all():
-            ax.fill_between(force["time"], force["lower95"], force["upper95"],
-                            color=_BLUE, alpha=0.2, lw=0)
-        ax.plot(force["time"], force["force"], color=_BLUE, lw=1)
-        ax.set_ylabel(name)
-    axes[-1].set_xlabel("time (s)")
+    if after:
+        axes[1].semilogy(*zip(*after), "o-", ms=4, clip_on=False, **UPDATED)
+        for end, error in after:
+            axes[1].annotate(f"{error:.3g}", (end, error), xytext=(-2, 5),
+                             textcoords="offset points", ha="right", size="small")
+        axes[1].margins(y=0.3)
+        axes[1].set_ylabel("free-run error (%)")
+    for ax in axes:
+        ax.set_xlim(-0.5, len(cost) - 0.5)
+    axes[-1].set_xlabel("iteration")
     return figure
 
 
 def profiles(outcome: Any) -> "Figure | None":
-    """Profiles of the likelihood."""
-    found = outcome.profiles
+    """Profiles of the likelihood with the thresholds of 95 and 99 %; grey: the
+    parabola of the linear interval."""
+    found = {name: p for name, p in outcome.profiles.items() if len(p["values"]) > 2}
     if not found:
         return None
-    figure, axes = _figure(len(found), width=5.0, height=2.6)
+    about = {p["name"]: p for p in outcome.json["profiles"]}
+    linear = outcome.parameters
+    figure, axes = panels(len(found), 2, width=4.5 * min(len(found), 2), height=3.0)
     for ax, (name, profile) in zip(axes, found.items()):
-        ax.plot(profile["values"], profile["likelihood_ratios"], "o-", color=_BLUE, ms=3)
-        ax.axhline(profile["threshold95"], color=_GREY, lw=0.8, ls="--")
-        ax.set_xlabel(f"{name} ({profile['unit']})")
+        values, ratios = profile["values"], profile["likelihood_ratios"]
+        best = about[name]["value"]
+        top95 = profile["threshold95"]
+        top = 1.6 * top95 * _CHI99_BY_CHI95
+        half = 0.5 * (linear[name].upper95 - linear[name].lower95)
+        if np.isfinite(half) and half > 0.0:
+            x = best + half * np.sqrt(top / top95) * np.linspace(-1.0, 1.0, 61)
+            ax.plot(x, top95 * ((x - best) / half) ** 2, **FAINT)
+        # The root is a straight line on either side of a parabola, and is taken as
+        # one from point to point.
+        roots = np.sqrt(np.maximum(ratios, 0.0))
+        x = np.interp(np.arange(0.0, len(values) - 1 + 1e-9, 1 / 12), np.arange(len(values)),
+                      values)
+        ax.plot(x, np.interp(x, values, roots) ** 2, color=BLUE, lw=1.4)
+        ax.plot(values, ratios, "o", color=BLUE, ms=3)
+        for level, words in ((top95, "95 %"), (top95 * _CHI99_BY_CHI95, "99 %")):
+            ax.axhline(level, ls="--", **FAINT)
+            ax.annotate(words, (0.99, level), xycoords=("axes fraction", "data"), ha="right",
+                        va="bottom", size="small", color="0.4")
+        ends = [about[name][end] for end in ("lower99", "upper99")]
+        shown = np.concatenate([values[ratios < top],
+                                [end for end in ends if end is not None]])
+        if len(shown) and np.ptp(shown) > 0.0:
+            margin = 0.05 * np.ptp(shown)
+            ax.set_xlim(shown.min() - margin, shown.max() + margin)
+        ax.set_ylim(0.0, top)
+        ax.locator_params(axis="x", nbins=4)
+        ax.set_xlabel(label(name, profile["unit"]))
         ax.set_ylabel("likelihood ratio")
+        ax.set_title(profile["determination"], loc="left", size="medium")
     return figure
 
 
-def ambient(outcome: Any) -> "Figure | None":
-    """Spectral densities of ambient records, measured and modelled."""
-    panels = [
+def ambient(outcome: Any, *, most: int = 6) -> "Figure | None":
+    """Spectral densities of the first channels of each ambient record, measured
+    (less the response to measured loads) and modelled; dB of the channel's unit
+    squared per Hz."""
+    found = [
         (name, channel, score, row)
         for name, score in outcome.ambient.items()
-        for row, channel in enumerate(score["channels"])
+        for row, channel in enumerate(score["channels"][:most])
+        if len(score["frequencies_hz"]) > 1
     ]
-    if not panels:
+    if not found:
         return None
-    figure, axes = _figure(len(panels))
-    for ax, (name, channel, score, row) in zip(axes, panels):
-        ax.semilogy(score["frequencies_hz"], score["measured"][row], color=_GREY, lw=1,
-                    label="measured")
-        ax.semilogy(score["frequencies_hz"], score["modelled"][row], color=_BLUE, lw=1,
-                    label="model")
-        ax.set_ylabel(f"{name}, {channel}")
-    axes[0].legend()
-    axes[-1].set_xlabel("frequency (Hz)")
+    figure, axes = panels(len(found), min(2, len(found)), width=9.0, height=2.6)
+    for number, (ax, (name, channel, score, row)) in enumerate(zip(axes, found)):
+        hz = score["frequencies_hz"]
+        modelled = decibels(score["modelled"][row])
+        ax.plot(hz, decibels(score["measured"][row]), label="measured", **FAINT)
+        ax.plot(hz, modelled, label="model", **UPDATED)
+        if np.isfinite(modelled).any():
+            ax.set_ylim(np.nanmin(modelled) - 12.0, np.nanmax(modelled) + 8.0)
+        ax.set_title(f"{name}, {channel}", loc="left", size="medium")
+        ax.set_xlabel("frequency (Hz)")
+        ax.set_ylabel("density (dB)")
+        ax.margins(x=0.0)
+        if number == 0:
+            ax.legend(fontsize="small")
     return figure
 
 
 def equations(outcome: Any) -> "Figure | None":
-    """What each number of terms leaves of what was regressed."""
-    curves = [e for e in getattr(outcome, "equations", []) if e["pareto"]]
+    """What the best sets of so many candidates leave of what was regressed, RMS
+    over that of the output's acceleration (or force); circled, what was chosen."""
+    curves = [(e, [p for p in e["pareto"] if p["residual"]])
+              for e in getattr(outcome, "equations", [])]
+    curves = [(e, points) for e, points in curves if len(points) > 1]
     if not curves:
         return None
-    figure, axes = _figure(len(curves), width=5.0)
-    for ax, equation in zip(axes, curves):
-        points = equation["pareto"]
+    figure, axes = panels(len(curves), 2, width=4.5 * min(len(curves), 2), height=2.8)
+    for ax, (equation, points) in zip(axes, curves):
         ax.semilogy([p["terms"] for p in points], [p["residual"] for p in points], "o-",
-                    color=_BLUE, ms=4)
-        ax.axvline(len(equation["terms"]), color=_RED, lw=0.8, ls="--")
-        ax.set_xlabel("terms")
-        ax.set_ylabel(f"residual, {equation['output']}")
+                    ms=4, **UPDATED)
+        # The terms of the equation itself may be others: the refit drops and adds.
+        chosen = [p for p in points if p["residual"] == equation["residual"]]
+        ax.plot([p["terms"] for p in chosen], [p["residual"] for p in chosen], "o", ms=10,
+                mfc="none", mew=1.6, color=MARK)
+        ax.set_xlabel("number of terms")
+        ax.set_ylabel(f"residual, share of the {equation['acts_as']}")
+        ax.set_title(f"{equation['output']}, {equation['candidates']} candidates", loc="left",
+                     size="medium")
     return figure

@@ -2,56 +2,238 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._mode_shapes import shape_pairs
 from ._pinode import Error
 
 if TYPE_CHECKING:
     import pandas
 
+__all__ = ["frame", "of_modes", "of_plan", "of_simulation"]
 
-def of_modes(found: Any) -> "pandas.DataFrame":
-    """Identified modes: frequency and damping with sigmas and intervals, and the
-    real part of the shape at each place, by columns."""
+
+def _pandas() -> Any:
     try:
         import pandas
     except ImportError:
         raise Error("pandas is missing, expected it for frames") from None
-
-    rows = []
-    for mode in found:
-        row = {key: value for key, value in mode.items() if np.ndim(value) == 0}
-        row.update(zip(found.places, mode["shape"].real))
-        rows.append(row)
-    index = pandas.RangeIndex(1, len(rows) + 1, name="mode")
-    return pandas.DataFrame(rows, index=index)
+    return pandas
 
 
 def frame(outcome: Any, what: str) -> "pandas.DataFrame":
-    """parameters, history, modes, or the record of that name: indexed by time,
-    columns (channel, "measured" | "predicted" | "deviation")."""
-    try:
-        import pandas
-    except ImportError:
-        raise Error("pandas is missing, expected it for frames") from None
+    """What a result has under that name:
 
+    parameters, modes: a row each.
+    history: a row an iteration; stages: a row for each of its stages.
+    changes: of a verdict, a row a group, and what was found beside them.
+    equations: of a discovery, a row a term; pareto: a row for each number of
+        terms that an output was regressed on.
+    profiles: a row a point, indexed by parameter.
+    forces: indexed by time, columns (force, "force" | "lower95" | "upper95").
+    loops: a row a sample, indexed by (term, output, record).
+    ambient: indexed by frequency (Hz), columns (record, channel, "measured" |
+        "modelled").
+    mode_shapes: indexed by DOF, columns (mode from 1, "initial" | "updated").
+    Any other name is that of a record: indexed by time, columns (channel,
+        "measured" | "predicted" | "deviation").
+
+    What a result has none of is a frame without rows.
+    """
+    pandas = _pandas()
     if not isinstance(what, str):
         raise Error(f"a frame of a {type(what).__name__}, expected a name")
-    if what == "parameters":
-        rows = list(outcome.parameters.values())
-        columns = rows[0]._fields if rows else ["name"]
-        return pandas.DataFrame(rows, columns=columns).set_index("name")
-    if what == "history":
-        return pandas.DataFrame(outcome.history)
+    make = _FRAMES.get(what)
+    return _record(outcome, what, pandas) if make is None else make(outcome, pandas)
+
+
+def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
+    """Of identified modes:
+
+    modes: a row each, frequency and damping with sigmas and intervals, and the
+        real part of the shape at each place.
+    shapes: indexed by place, columns (mode from 1, "real" | "imaginary" |
+        "sigma_real" | "sigma_imaginary").
+    diagram: a row a pole of the stabilisation diagram; `mode` from 1, that of the
+        record, 0 for none.
+    """
+    pandas = _pandas()
     if what == "modes":
-        return pandas.DataFrame(outcome.modes)
-    record = outcome.record(what)
+        rows = []
+        for mode in found:
+            row = {key: value for key, value in mode.items() if np.ndim(value) == 0}
+            row.update(zip(found.places, mode["shape"].real))
+            rows.append(row)
+        index = pandas.RangeIndex(1, len(rows) + 1, name="mode")
+        return pandas.DataFrame(rows, index=index)
+    if what == "shapes":
+        columns = {}
+        for number, mode in enumerate(found, 1):
+            columns[number, "real"] = mode["shape"].real
+            columns[number, "imaginary"] = mode["shape"].imag
+            columns[number, "sigma_real"] = mode["shape_sigma_real"]
+            columns[number, "sigma_imaginary"] = mode["shape_sigma_imaginary"]
+        return pandas.DataFrame(columns, index=pandas.Index(found.places, name="place"))
+    if what == "diagram":
+        keys = ("order", "frequency_hz", "frequency_sigma", "damping_ratio", "mode")
+        parts = []
+        for band in found.diagram:
+            part = pandas.DataFrame({key: band[key] for key in keys})
+            part.insert(0, "record", band["record"])
+            parts.append(part)
+        if not parts:
+            return pandas.DataFrame(columns=["record", *keys])
+        table = pandas.concat(parts, ignore_index=True)
+        table["mode"] += 1
+        return table
+    raise _no_such(what, "modes, shapes or diagram")
+
+
+def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
+    """Of a plan of sensors:
+
+    sensors: a row each, the most telling first, with what it and those before it
+        reach.
+    deviations: a row for each parameter, with the case's own sensors, the planned
+        ones and one at every place.
+    durations: what is reached with shorter records.
+    """
+    pandas = _pandas()
+    if what == "sensors":
+        return _rows(pandas, list(plan), "name", ["name"])
+    if what == "deviations":
+        rows = [{"parameter": name, **row} for name, row in plan.deviations.items()]
+        return _rows(pandas, rows, "parameter", ["parameter"])
+    if what == "durations":
+        return _rows(pandas, plan.durations, "duration", ["duration"])
+    raise _no_such(what, "sensors, deviations or durations")
+
+
+def of_simulation(
+    simulation: "Mapping[str, Any]", record: str | None = None
+) -> "pandas.DataFrame":
+    """The channels of a simulated record, the first unless named, by time."""
+    pandas = _pandas()
+    if record is None:
+        record = next(iter(simulation))
+    if record not in simulation:
+        raise Error(f"there is no record '{record}' in the simulation")
+    response = simulation[record]
+    return pandas.DataFrame(
+        response["channels"], index=pandas.Index(response["time"], name="time")
+    )
+
+
+def _no_such(what: Any, expected: str) -> Error:
+    name = f"'{what}'" if isinstance(what, str) else f"a {type(what).__name__}"
+    return Error(f"a frame of {name}, expected {expected}")
+
+
+def _rows(pandas: Any, rows: Any, index: str, columns: Any) -> Any:
+    """Dictionaries; `columns`: of a frame without rows."""
+    table = pandas.DataFrame(rows) if rows else pandas.DataFrame(columns=columns)
+    return table.set_index(index)
+
+
+def _side_by_side(pandas: Any, parts: Any, name: str) -> Any:
+    """Frames of which each has an index of its own, such as times."""
+    if not parts:
+        return pandas.DataFrame(index=pandas.Index([], name=name))
+    return pandas.concat(parts, axis=1).rename_axis(index=name)
+
+
+def _parameters(outcome: Any, pandas: Any) -> Any:
+    rows = list(outcome.parameters.values())
+    columns = rows[0]._fields if rows else ["name"]
+    return pandas.DataFrame(rows, columns=columns).set_index("name")
+
+
+def _changes(outcome: Any, pandas: Any) -> Any:
+    return _rows(pandas, getattr(outcome, "changes", []), "name", ["name"])
+
+
+def _equations(outcome: Any, pandas: Any) -> Any:
+    rows = [{"output": e["output"], **term}
+            for e in getattr(outcome, "equations", []) for term in e["terms"]]
+    return _rows(pandas, rows, ["output", "basis"], ["output", "basis"])
+
+
+def _pareto(outcome: Any, pandas: Any) -> Any:
+    rows = [{"output": e["output"], **point, "chosen": point["residual"] == e["residual"]}
+            for e in getattr(outcome, "equations", []) for point in e["pareto"]]
+    return _rows(pandas, rows, ["output", "terms"], ["output", "terms"])
+
+
+def _profiles(outcome: Any, pandas: Any) -> Any:
+    rows = [{"name": name, "value": value, "likelihood_ratio": ratio,
+             "threshold95": p["threshold95"]}
+            for name, p in outcome.profiles.items()
+            for value, ratio in zip(p["values"], p["likelihood_ratios"])]
+    return _rows(pandas, rows, "name", ["name"])
+
+
+def _forces(outcome: Any, pandas: Any) -> Any:
+    return _side_by_side(pandas, [
+        pandas.DataFrame({(name, key): force[key] for key in ("force", "lower95", "upper95")},
+                         index=force["time"])
+        for name, force in outcome.forces.items()], "time")
+
+
+def _loops(outcome: Any, pandas: Any) -> Any:
+    keys = ["term", "output", "record"]
+    parts = []
+    for loop in outcome.loops:
+        rate = loop["rate"] if len(loop["rate"]) else np.nan
+        part = pandas.DataFrame({"time": loop["time"], "deformation": loop["deformation"],
+                                 "rate": rate, "force": loop["force"]})
+        parts.append(part.assign(**{key: loop[key] for key in keys}))
+    if not parts:
+        return pandas.DataFrame(columns=keys).set_index(keys)
+    return pandas.concat(parts).set_index(keys)
+
+
+def _ambient(outcome: Any, pandas: Any) -> Any:
+    return _side_by_side(pandas, [
+        pandas.DataFrame({(name, channel, key): score[key][row] for row, channel
+                          in enumerate(score["channels"]) for key in ("measured", "modelled")},
+                         index=score["frequencies_hz"])
+        for name, score in outcome.ambient.items()], "frequency_hz")
+
+
+def _mode_shapes(outcome: Any, pandas: Any) -> Any:
+    dofs, pairs = shape_pairs(outcome, len(outcome.modes))
     columns = {}
-    for name, values in record.measured.items():
+    for pair in pairs:
+        columns[pair.number, "initial"] = pair.initial
+        columns[pair.number, "updated"] = pair.updated
+    return pandas.DataFrame(columns, index=pandas.Index(dofs, name="dof"))
+
+
+def _record(outcome: Any, name: str, pandas: Any) -> Any:
+    record = outcome.record(name)
+    columns = {}
+    for channel, values in record.measured.items():
         missing = np.full(len(record.time), np.nan)
-        columns[name, "measured"] = values
-        columns[name, "predicted"] = record.predicted.get(name, missing)
-        columns[name, "deviation"] = record.deviation.get(name, missing)
+        columns[channel, "measured"] = values
+        columns[channel, "predicted"] = record.predicted.get(channel, missing)
+        columns[channel, "deviation"] = record.deviation.get(channel, missing)
     return pandas.DataFrame(columns, index=pandas.Index(record.time, name="time"))
+
+
+_FRAMES = {
+    "parameters": _parameters,
+    "history": lambda outcome, pandas: pandas.DataFrame(outcome.history),
+    "stages": lambda outcome, pandas: pandas.DataFrame(outcome.json["solver"]["stages"]),
+    "modes": lambda outcome, pandas: pandas.DataFrame(outcome.modes),
+    "changes": _changes,
+    "equations": _equations,
+    "pareto": _pareto,
+    "profiles": _profiles,
+    "forces": _forces,
+    "loops": _loops,
+    "ambient": _ambient,
+    "mode_shapes": _mode_shapes,
+}

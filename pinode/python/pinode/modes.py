@@ -73,11 +73,11 @@ class IdentifiedModes(Sequence):
 
         return figures.of_modes(self)
 
-    def to_pandas(self) -> Any:
-        """A frame with a row for each mode."""
+    def to_pandas(self, what: str = "modes") -> Any:
+        """A frame of pandas: "modes" (a row each), "shapes" or "diagram"."""
         from . import frames
 
-        return frames.of_modes(self)
+        return frames.of_modes(self, what)
 
     def structure(self) -> "StructureView":
         """The modes moving, where the case has a [geometry]."""

@@ -33,7 +33,10 @@ def watched(
         yield callback
         return
 
+    last = 0
+
     def call(state: Mapping[str, Any]) -> Any:
+        nonlocal last
         bar.set_description(
             (state["fit"] + " " if state["fit"] else "")
             + f"stage {state['stage']}/{state['num_stages']}",
@@ -43,7 +46,10 @@ def watched(
             f"cost {state['cost']:.6g}, free-run error {state['free_run_error']:.3g}",
             refresh=False,
         )
-        bar.update(max(0, state["iteration"] - bar.n))
+        # Each of several fits counts from zero.
+        now = state["iteration"]
+        bar.update(now - last if now >= last else now)
+        last = now
         return None if callback is None else callback(state)
 
     try:

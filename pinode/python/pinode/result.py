@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+import functools
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
+from ._mode_shapes import SECONDS
 from ._pinode import Error
 from .case import Case, Progress
 from .progress import watched
@@ -20,6 +22,8 @@ from .progress import watched
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
+
+    from .forecast import Simulation
 
 
 class Parameter(NamedTuple):
@@ -85,100 +89,24 @@ class StructureView:
         )
 
 
-class Simulation(Mapping):
-    """Responses by record: `time` (s), `channels` by name, `states` (states x
-    samples, model units), `finite`, `remark`."""
-
-    def __init__(
-        self, records: dict[str, dict[str, Any]], case: "Case", noise: dict[str, Any]
-    ) -> None:
-        self._records = records
-        self._case = case
-        self._noise = noise
-
-    def save(
-        self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
-    ) -> None:
-        """A folder with response_<record>.csv, as `pinode_simulate` writes it;
-        `mat`: with results.mat, for MATLAB and Octave."""
-        _pinode.save_simulation(
-            self._case._handle,
-            self._records,
-            **self._noise,
-            path=os.fspath(folder),
-            overwrite=overwrite,
-            mat=mat,
-        )
-
-    def __getitem__(self, record: str) -> dict[str, Any]:
-        return self._records[record]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._records)
-
-    def __len__(self) -> int:
-        return len(self._records)
-
-    def __repr__(self) -> str:
-        text = ", ".join(
-            f"{name}: {len(r['time'])} samples" + ("" if r["finite"] else ", not finite")
-            for name, r in self.items()
-        )
-        return f"Simulation({text})"
+_CHANGE_HEADER = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
 
 
-class SensorPlan(Sequence):
-    """Sensors, the most telling first; each a dictionary: name, quantity, sigma
-    and unit of its noise, rms of what it would show, and what it and those
-    before it reach: `typical` and `worst` deviation of the targets, `worst_of`.
+def _change_row(group: Mapping[str, Any]) -> list[Any]:
+    return [group[key] for key in ("name", "change", "lower95", "upper95", "probability")]
 
-    targets: the parameters that the sensors are chosen for.
-    one_more: what another sensor would bring; None where there is none.
-    own: `typical` and `worst` with the case's own sensors, or None.
-    deviations: {parameter: {"unit", "initial", "own", "planned", "all"}},
-        standard deviations with the case's own sensors, the planned ones, and
-        one at every place; inf where it is not determined.
-    undetermined, undetermined_by_own: what they cannot see, as sentences.
-    durations: `typical` and `worst` with shorter records, where `plan` asks.
-    by_force_at: {DOF: the plan with the force there}, where `plan` has `excite`.
-    """
 
-    def __init__(
-        self, plan: dict[str, Any], by_force_at: "dict[str, SensorPlan] | None" = None
-    ) -> None:
-        self.by_force_at = by_force_at or {}
-        self._sensors: list[dict[str, Any]] = plan["sensors"]
-        self._text: str = plan["text"]
-        self.targets: list[str] = plan["targets"]
-        self.one_more: dict[str, Any] | None = plan["one_more"]
-        self.own: dict[str, Any] | None = plan["own"]
-        self.deviations: dict[str, dict[str, Any]] = plan["deviations"]
-        self.undetermined: list[str] = plan["undetermined"]
-        self.undetermined_by_own: list[str] = plan["undetermined_by_own"]
-        self.durations: list[dict[str, Any]] = plan["durations"]
-
-    @property
-    def names(self) -> list[str]:
-        return [s["name"] for s in self._sensors]
-
-    def __getitem__(self, index: Any) -> Any:
-        return self._sensors[index]
-
-    def __len__(self) -> int:
-        return len(self._sensors)
-
-    def __str__(self) -> str:
-        return self._text
-
-    def __repr__(self) -> str:
-        return f"SensorPlan({', '.join(self.names)})"
-
-    def _repr_html_(self) -> str:
-        rows = [[s["name"], s["quantity"], f"{s['sigma']:.3g} {s['unit']}", s["typical"],
-                 s["worst"], s["worst_of"]] for s in self._sensors]
-        header = ["sensor", "quantity", "noise", "typical deviation", "worst", "of"]
-        return _html.section(f"{len(self)} sensors for {', '.join(self.targets)}",
-                             _html.table(header, rows))
+def _tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:
+    """Parameters and scores of records as notebooks show them."""
+    keys = ("name", "initial", "value", "lower95", "upper95", "unit")
+    scores = ("name", "role", "nrmse", "prior_nrmse")
+    return _html.table(
+        ["parameter", "before", "value", "from", "to (95 %)", "unit"],
+        [[p[key] for key in keys] for p in parameters],
+    ) + _html.table(
+        ["record", "role", "error", "error before"],
+        [[r[key] for key in scores] for r in records],
+    )
 
 
 class _Outcome:
@@ -259,6 +187,11 @@ class _Outcome:
         channels."""
         return {r["name"]: r for r in self.json["records"]}
 
+    @functools.cached_property
+    def _before(self) -> "Simulation":
+        """The model before the fit under the loads of the records."""
+        return self.case.simulate(noise_percent=0.0)
+
     @property
     def modes(self) -> list[dict[str, Any]]:
         """The model's modes before and after: initial_hz, updated_hz,
@@ -297,10 +230,17 @@ class _Outcome:
     @property
     def ambient(self) -> dict[str, dict[str, Any]]:
         """Of ambient records the spectral densities, measured and modelled
-        (channels x frequencies; without the response to measured loads), and
-        what part of each channel is explained, by measured loads too where
-        there are some."""
-        return {a["name"]: a for a in self._handle.ambient()}
+        (channels x frequencies, unit of the channel squared per Hz; without the
+        response to measured loads), and what part of each channel is explained,
+        by measured loads too where there are some."""
+        found = {a["name"]: a for a in self._handle.ambient()}
+        # The module has them per cycle of the model's time.
+        hz = SECONDS[self.json["units"]["time"]] if found else 1.0
+        if hz != 1.0:
+            for score in found.values():
+                for key in ("measured", "modelled"):
+                    score[key] = score[key] / hz
+        return found
 
     @property
     def history(self) -> dict[str, np.ndarray]:
@@ -343,7 +283,10 @@ class _Outcome:
         self._handle.save(os.fspath(folder), overwrite, mat, os.fspath(deck))
 
     def to_pandas(self, what: str = "parameters") -> "DataFrame":
-        """A frame of pandas: "parameters", "history", "modes", or a record."""
+        """A frame of pandas: "parameters", "history", "stages", "modes",
+        "mode_shapes", "forces", "loops", "profiles", "ambient"; of a verdict
+        "changes", of a discovery "equations" and "pareto"; or a record. See
+        frames.frame."""
         from . import frames
 
         return frames.frame(self, what)
@@ -361,21 +304,8 @@ class _Outcome:
         return f"{type(self).__name__}({self._handle.brief()})"
 
     def _repr_html_(self) -> str:
-        parameters = [
-            [p.name, p.initial, p.value, p.lower95, p.upper95, p.unit]
-            for p in self.parameters.values()
-        ]
-        records = [
-            [r["name"], r["role"], r["nrmse"], r["prior_nrmse"]]
-            for r in self.records.values()
-        ]
-        return _html.section(
-            self.verdict,
-            _html.table(
-                ["parameter", "before", "value", "from", "to (95 %)", "unit"], parameters
-            ),
-            _html.table(["record", "role", "error", "error before"], records),
-        )
+        parameters = [p._asdict() for p in self.parameters.values()]
+        return _html.section(self.verdict, _tables(parameters, self.records.values()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), *self._handle.state())
@@ -459,6 +389,23 @@ class Damage(_Outcome):
         return {} if self._found is None else {g["name"]: g for g in self._found["groups"]}
 
     @property
+    def changes(self) -> list[dict[str, Any]]:
+        """What a verdict looks at: name, target ("stiffness", "damping", "mass",
+        "nonlinear"), change, lower95, upper95 and probability of each group, and
+        then of the masses and nonlinear forces that were found beside them."""
+        if self._found is None:
+            return []
+        keys = ("name", "target", "change", "lower95", "upper95", "probability", "reason")
+        found = [
+            *self._found["groups"],
+            *({**m, "name": f"mass at {m['place']}", "target": "mass"}
+              for m in self._found["masses"]),
+            *({**n, "change": n["share"], "target": "nonlinear"}
+              for n in self._found["nonlinearity"].get("terms", [])),
+        ]
+        return [{key: row.get(key) for key in keys} for row in found]
+
+    @property
     def damage_json(self) -> dict[str, Any] | None:
         """The content of damage.json; None where nothing could be said."""
         return self._found
@@ -470,12 +417,9 @@ class Damage(_Outcome):
         return f"{self.sentence}\n\n{self.report()}"
 
     def _repr_html_(self) -> str:
-        rows = [
-            [g["name"], g["change"], g["lower95"], g["upper95"], g["probability"]]
-            for g in self.groups.values()
-        ]
-        header = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
-        return _html.section(self.sentence, _html.table(header, rows)) + super()._repr_html_()
+        rows = [_change_row(g) for g in self.groups.values()]
+        table = _html.table(_CHANGE_HEADER, rows)
+        return _html.section(self.sentence, table) + super()._repr_html_()
 
 
 class Discovery(_Outcome):
@@ -625,6 +569,16 @@ class ResultFolder:
 
     def __repr__(self) -> str:
         return f"ResultFolder({str(self.path)!r}: {self.message})"
+
+    def _repr_html_(self) -> str:
+        damage = self.damage
+        changes = [] if damage is None else [_change_row(g) for g in damage["groups"]]
+        return _html.section(
+            f"{self.path}: {self.message if damage is None else damage['message']}",
+            _html.table(_CHANGE_HEADER, changes),
+            _tables(self.parameters.values(), self.records.values()),
+            _html.sentences("Remarks:", self.json["remarks"]),
+        )
 
 
 def read_result(path: str | os.PathLike[str]) -> ResultFolder:

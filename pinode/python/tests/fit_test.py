@@ -195,21 +195,6 @@ def test_profiles_of_the_likelihood(healthy):
     assert profile["upper95"] == pytest.approx(linear.upper95, abs=0.3 * linear.sigma)
 
 
-def test_frames_and_figures(baseline):
-    pytest.importorskip("pandas")
-    pytest.importorskip("matplotlib")
-    frame = baseline.to_pandas()
-    assert frame.loc["k1", "value"] == baseline["k1"]
-    record = baseline.to_pandas("healthy")
-    assert record["a1", "measured"].shape == (1500,)
-    assert len(baseline.to_pandas("history")) == len(baseline.history["cost"])
-    assert len(baseline.to_pandas("modes")) == 3
-    figures = baseline.figures()
-    assert set(figures) == {"parameters", "modes", "convergence", "prediction_healthy"}
-    lines = figures["prediction_healthy"].axes[0].get_lines()
-    assert len(lines[0].get_xdata()) == 1500
-
-
 def test_reprs(baseline):
     assert "k1" in str(baseline) and baseline.verdict.startswith("Usable")
     assert "<td>k1</td>" in baseline._repr_html_()

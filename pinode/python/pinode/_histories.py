@@ -1,0 +1,233 @@
+"""Figures of what goes on in time: records, forces, loops of devices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._drawing import BLUE, FAINT, MARK, MEASURED, PRIOR, UPDATED, band, blank, label, panels
+from ._mode_shapes import SECONDS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .result import RecordResult
+
+# Their loop says everything: there is no force over the rate.
+_SPRINGS = ("cubic", "quadratic_stiffness", "bilinear", "bouc_wen", "backlash_friction")
+_MOST_LOOP_SAMPLES = 2000
+
+
+def prediction(
+    outcome: Any, record: str | None = None, *, most: int = 12
+) -> "Figure | None":
+    """Of the `most` channels of a record (the first unless named) that are
+    predicted worst: measured, and the free run of the model with its 95 % band;
+    the strongest part of it; and what the model leaves, with plus and minus two
+    sigma of the noise. The free run of the model before the fit is beside them
+    where the start of the record is known."""
+    result = outcome.record(record)
+    if not result.predicted or len(result.time) < 2:
+        return None
+    if record is None:
+        record = next(iter(outcome.records))
+    score = outcome.records[record]
+    channels = {c["name"]: c for c in score["channels"]}
+    before = prior_run(outcome, record, result)
+    unit = time_units(outcome)[record]
+
+    def error(name: str) -> float:
+        value = channels[name]["nrmse"] if name in channels else 0.0
+        return np.inf if value is None else value
+
+    worst = sorted(result.predicted, key=lambda name: -error(name))[:most]
+    names = [name for name in result.predicted if name in worst]
+    figure = blank(9.0, 4.0 * len(names))
+    grid = figure.add_gridspec(2 * len(names), 2)
+    for row, name in enumerate(names):
+        whole = figure.add_subplot(grid[2 * row, :])
+        part = figure.add_subplot(grid[2 * row + 1, 0])
+        rest = figure.add_subplot(grid[2 * row + 1, 1])
+        measured, predicted = result.measured[name], result.predicted[name]
+        strongest = _strongest_part(outcome, measured, result.time, unit)
+        half = 1.96 * result.deviation.get(name, np.full(len(predicted), np.nan))
+        for ax, where in ((whole, slice(None)), (part, strongest)):
+            time = result.time[where]
+            band(ax, time, (predicted - half)[where], (predicted + half)[where],
+                 label="95 % of measurements")
+            ax.plot(time, measured[where], label="measured", **MEASURED)
+            if name in before:
+                ax.plot(time, before[name][where], label="model before", zorder=1.9, **PRIOR)
+            ax.plot(time, predicted[where], label="model", **UPDATED)
+            ax.set_ylabel(label(name, result.units[name]))
+            ax.set_ylim(*_range(measured, predicted, before.get(name)))
+            ax.margins(x=0.0)
+        first = score["first_scored_sample"]
+        if 0 < first < len(result.time):
+            whole.axvline(result.time[first], **FAINT)
+            whole.annotate("scored from here", (result.time[first], 0.04),
+                           xycoords=("data", "axes fraction"), size="small", color="0.33")
+        whole.set_title(_title(name, score, channels.get(name)), loc="left")
+        rest.plot(result.time, measured - predicted, **UPDATED)
+        sigma = channels[name]["sigma"] if name in channels else None
+        if sigma:
+            for side in (-2.0 * sigma, 2.0 * sigma):
+                rest.axhline(side, color=MARK, lw=0.9, ls="--")
+        rest.set_ylabel(label("residual", result.units[name]))
+        rest.margins(x=0.0)
+        for ax in (part, rest):
+            ax.set_xlabel(label("time", unit))
+        if row == 0:
+            whole.legend(loc="upper right", ncols=4, fontsize="small")
+    return figure
+
+
+def prior_run(
+    outcome: Any, record: str, result: "RecordResult"
+) -> "dict[str, np.ndarray]":
+    """By channel the free run of the model before the fit, in the units of the
+    record's file. Empty where a simulation is not that run: where the scores,
+    whose run finds a start that nobody knows, have another error of it."""
+    before = outcome._before[record]
+    score = outcome.records[record]
+    if not before["finite"]:
+        return {}
+    scored = slice(score["first_scored_sample"], None)
+    for channel in score["channels"]:
+        measured = result.measured[channel["name"]][scored]
+        left = measured - before["channels"][channel["name"]][scored]
+        nrmse = np.sqrt(np.nansum(left**2) / max(np.nansum(
+            (measured - np.nanmean(measured)) ** 2), 1e-300))
+        if channel["prior_nrmse"] is None or not np.isclose(
+            nrmse, channel["prior_nrmse"], rtol=1e-6
+        ):
+            return {}
+    return before["channels"]
+
+
+def time_units(outcome: Any) -> "dict[str, str]":
+    """By record that of its file."""
+    return {table["name"]: table.get("time_unit", "s")
+            for table in outcome.case.to_dict().get("record", [])}
+
+
+def _title(name: str, score: dict[str, Any], channel: "dict[str, Any] | None") -> str:
+    role = "hold-out" if score["role"] == "holdout" else "training"
+    text = f"{name} in {score['name']} ({role})"
+    for key, words in (("nrmse", "error"), ("prior_nrmse", "before")):
+        if channel is not None and channel[key] is not None:
+            text += f", {words} {100.0 * channel[key]:.3g} %"
+    return text
+
+
+def _range(measured: np.ndarray, *predicted: Any) -> tuple[float, float]:
+    """Room for what was measured and, as far as it does not dwarf that, for what
+    was predicted: the model before may run away."""
+    there = measured[np.isfinite(measured)]
+    low, high = (there.min(), there.max()) if len(there) else (0.0, 0.0)
+    room = max(high - low, 1e-300)
+    least, most = low - 0.5 * room, high + 0.5 * room
+    for values in predicted:
+        values = values[np.isfinite(values)] if values is not None else ()
+        if len(values):
+            low = min(low, max(values.min(), least))
+            high = max(high, min(values.max(), most))
+    margin = 0.05 * max(high - low, 1e-300)
+    return low - margin, high + margin
+
+
+def _strongest_part(
+    outcome: Any, values: np.ndarray, time: np.ndarray, unit: str
+) -> slice:
+    """Around the largest fluctuation, some six periods of the first mode. A free
+    decay is seen best after its peak."""
+    size = len(values)
+    if not np.isfinite(values).any():
+        return slice(0, size)
+    peak = int(np.nanargmax(np.abs(values - np.nanmean(values))))
+    wanted = size / 8.0
+    modes = outcome.modes
+    if modes and modes[0]["updated_hz"]:
+        step = (time[1] - time[0]) / SECONDS.get(unit, 1.0)
+        wanted = 6.0 / (modes[0]["updated_hz"] * step)
+    count = int(np.clip(wanted, min(60.0, size), max(60.0, size / 3.0)))
+    count = min(count, size)
+    first = int(np.clip(peak - count // 3, 0, size - count))
+    return slice(first, first + count)
+
+
+def forces(outcome: Any) -> "Figure | None":
+    """Unknown forces with their 95 % bands: all of each, and where it is largest."""
+    found = {name: force for name, force in outcome.forces.items()
+             if len(force["force"]) > 1 and np.isfinite(force["force"]).all()}
+    if not found:
+        return None
+    about = {f["name"]: f for f in outcome.json["forces"]}
+    units = time_units(outcome)
+    figure, axes = panels(2 * len(found), 2, width=9.0, height=2.8)
+    for number, (name, force) in enumerate(found.items()):
+        record = about[name]["record"]
+        for ax, where in zip(axes[2 * number:],
+                             (slice(None), _largest_part(force["force"]))):
+            time, low, high = (force[k][where] for k in ("time", "lower95", "upper95"))
+            band(ax, time, low, high, label="95 % band")
+            ax.plot(time, force["force"][where], label="identified", **UPDATED)
+            ax.set_xlabel(label("time", units[record]))
+            ax.margins(x=0.0)
+        axes[2 * number].set_ylabel(label(name, about[name]["unit"]))
+        axes[2 * number].set_title(f"in {record}", loc="left")
+        if number == 0:
+            axes[0].legend(fontsize="small")
+    return figure
+
+
+def _largest_part(force: np.ndarray) -> slice:
+    """The middle nine tenths of its energy with as much again on both sides, or,
+    of one that goes on for most of the record, an eighth around its peak."""
+    size = len(force)
+    energy = np.concatenate([[0.0], np.cumsum(force**2)[:-1]])
+    total = np.sum(force**2)
+    begin = int(np.flatnonzero(energy < 0.05 * total).max(initial=0))
+    end = int(np.flatnonzero(energy < 0.95 * total).max()) if total else size - 1
+    length = end - begin + 1
+    short = length < size / 3
+    count = min(size, max(3 * length if short else size // 8, 40))
+    middle = (begin + end) // 2 if short else int(np.argmax(np.abs(force)))
+    first = int(np.clip(middle - count // 2, 0, size - count))
+    return slice(first, first + count)
+
+
+def loops(outcome: Any) -> "Figure | None":
+    """Forces of elements, libraries and networks over their deformation and,
+    where the law is not a mere spring, over its rate; of a long record the part
+    around the largest deformation."""
+    curves = [c for c in outcome.loops
+              if len(c["force"]) > 1 and np.isfinite(c["force"]).all()]
+    if not curves:
+        return None
+    both = any(_has_rate(c) for c in curves)
+    figure, axes = panels(len(curves) * (2 if both else 1), 2 if both else 1,
+                          width=9.0 if both else 5.0, height=3.2)
+    for number, loop in enumerate(curves):
+        count = min(len(loop["force"]), _MOST_LOOP_SAMPLES)
+        peak = int(np.argmax(np.abs(loop["deformation"])))
+        first = int(np.clip(peak - count // 2, 0, len(loop["force"]) - count))
+        where = slice(first, first + count)
+        row = axes[number * (2 if both else 1):]
+        what = "acceleration" if loop["is_acceleration"] else "force"
+        for ax, over in zip(row, ("deformation", "rate") if both else ("deformation",)):
+            if over == "rate" and not _has_rate(loop):
+                ax.remove()
+                continue
+            ax.plot(loop[over][where], loop["force"][where], color=BLUE, lw=0.8)
+            ax.set_xlabel(label(loop[f"{over}_name"], loop[f"{over}_unit"]))
+            ax.set_ylabel(label(what, loop["force_unit"]))
+            ax.locator_params(axis="x", nbins=5)
+        name = " ".join(filter(None, [loop["term"], loop["output"]]))
+        row[0].set_title(f"{name} in {loop['record']}", loc="left")
+    return figure
+
+
+def _has_rate(loop: "dict[str, Any]") -> bool:
+    return loop["type"] not in _SPRINGS and len(loop["rate"]) == len(loop["force"])

@@ -1,0 +1,170 @@
+"""What a case says before anything is fitted: checks, simulations, plans of
+sensors."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _html, _pinode
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from .case import Case
+
+
+class Check(dict):
+    """What an identification could find; a dictionary that a notebook shows as
+    tables. See Case.check."""
+
+    def _repr_html_(self) -> str:
+        if "not_assessed" in self:
+            title = f"Not assessed: {self['not_assessed']}"
+        elif "num_free" in self:
+            title = f"{self['num_free']} free parameters, {self['num_residuals']} residuals"
+        else:
+            title = "Nothing was measured"
+        expected = [
+            [e["name"], e["initial"], e["sigma"], e["unit"]] for e in self.get("expected", [])
+        ]
+        steps = [[s["record"], s["integrator"], s["substeps"]] for s in self.get("steps", [])]
+        return _html.section(
+            title,
+            _html.sentences("Cannot be determined:", self.get("undetermined", [])),
+            _html.table(["parameter", "before", "expected deviation", "unit"], expected),
+            _html.table(["record", "integrator", "steps a sample"], steps),
+            _html.sentences(
+                "Remarks:", [*self.get("remarks", []), *self.get("assessment_remarks", [])]
+            ),
+        )
+
+
+class Simulation(Mapping):
+    """Responses by record: `time` (s), `channels` by name, `states` (states x
+    samples, model units), `finite`, `remark`."""
+
+    def __init__(
+        self, records: dict[str, dict[str, Any]], case: "Case", noise: dict[str, Any]
+    ) -> None:
+        self._records = records
+        self._case = case
+        self._noise = noise
+
+    def save(
+        self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
+    ) -> None:
+        """A folder with response_<record>.csv, as `pinode_simulate` writes it;
+        `mat`: with results.mat, for MATLAB and Octave."""
+        _pinode.save_simulation(
+            self._case._handle,
+            self._records,
+            **self._noise,
+            path=os.fspath(folder),
+            overwrite=overwrite,
+            mat=mat,
+        )
+
+    def to_pandas(self, record: str | None = None) -> "DataFrame":
+        """A frame of pandas: the channels of a record, the first unless named,
+        indexed by time."""
+        from . import frames
+
+        return frames.of_simulation(self, record)
+
+    def __getitem__(self, record: str) -> dict[str, Any]:
+        return self._records[record]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._records)
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def __repr__(self) -> str:
+        text = ", ".join(
+            f"{name}: {len(r['time'])} samples" + ("" if r["finite"] else ", not finite")
+            for name, r in self.items()
+        )
+        return f"Simulation({text})"
+
+    def _repr_html_(self) -> str:
+        records = [
+            [name, len(r["time"]), ", ".join(r["channels"]),
+             " ".join(filter(None, ["" if r["finite"] else "not finite", r["remark"]]))]
+            for name, r in self.items()
+        ]
+        channels = [
+            [name, channel, float(np.sqrt(np.mean(np.square(values)))),
+             float(np.abs(values).max())]
+            for name, r in self.items() for channel, values in r["channels"].items()
+        ]
+        count = f"{len(self)} record" + ("" if len(self) == 1 else "s")
+        return _html.section(
+            f"Simulation of {count}",
+            _html.table(["record", "samples", "channels", ""], records),
+            _html.table(["record", "channel", "rms", "largest"], channels),
+        )
+
+
+class SensorPlan(Sequence):
+    """Sensors, the most telling first; each a dictionary: name, quantity, sigma
+    and unit of its noise, rms of what it would show, and what it and those
+    before it reach: `typical` and `worst` deviation of the targets, `worst_of`.
+
+    targets: the parameters that the sensors are chosen for.
+    one_more: what another sensor would bring; None where there is none.
+    own: `typical` and `worst` with the case's own sensors, or None.
+    deviations: {parameter: {"unit", "initial", "own", "planned", "all"}},
+        standard deviations with the case's own sensors, the planned ones, and
+        one at every place; inf where it is not determined.
+    undetermined, undetermined_by_own: what they cannot see, as sentences.
+    durations: `typical` and `worst` with shorter records, where `plan` asks.
+    by_force_at: {DOF: the plan with the force there}, where `plan` has `excite`.
+    """
+
+    def __init__(
+        self, plan: dict[str, Any], by_force_at: "dict[str, SensorPlan] | None" = None
+    ) -> None:
+        self.by_force_at = by_force_at or {}
+        self._sensors: list[dict[str, Any]] = plan["sensors"]
+        self._text: str = plan["text"]
+        self.targets: list[str] = plan["targets"]
+        self.one_more: dict[str, Any] | None = plan["one_more"]
+        self.own: dict[str, Any] | None = plan["own"]
+        self.deviations: dict[str, dict[str, Any]] = plan["deviations"]
+        self.undetermined: list[str] = plan["undetermined"]
+        self.undetermined_by_own: list[str] = plan["undetermined_by_own"]
+        self.durations: list[dict[str, Any]] = plan["durations"]
+
+    @property
+    def names(self) -> list[str]:
+        return [s["name"] for s in self._sensors]
+
+    def to_pandas(self, what: str = "sensors") -> "DataFrame":
+        """A frame of pandas: "sensors", "deviations" or "durations"."""
+        from . import frames
+
+        return frames.of_plan(self, what)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._sensors[index]
+
+    def __len__(self) -> int:
+        return len(self._sensors)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"SensorPlan({', '.join(self.names)})"
+
+    def _repr_html_(self) -> str:
+        rows = [[s["name"], s["quantity"], f"{s['sigma']:.3g} {s['unit']}", s["typical"],
+                 s["worst"], s["worst_of"]] for s in self._sensors]
+        header = ["sensor", "quantity", "noise", "typical deviation", "worst", "of"]
+        return _html.section(f"{len(self)} sensors for {', '.join(self.targets)}",
+                             _html.table(header, rows))
