@@ -127,7 +127,7 @@ TEST(InputProjectionTest, NeedsAnInput) {
   EXPECT_THAT(error, HasSubstr("has no measured load"));
   record.inputs = Matrix::Zero(1, 7);
   EXPECT_FALSE(IdentifyModes(record, options, &result, &error));
-  EXPECT_THAT(error, HasSubstr("inputs of 7 samples"));
+  EXPECT_THAT(error, HasSubstr("loads of 7 samples"));
 }
 
 }  // namespace

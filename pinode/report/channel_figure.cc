@@ -36,11 +36,9 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
   }
   double wanted = size / 8.0;
   const std::vector<ModePair>& modes = input.prior.modes;
-  const double hz = modes.empty()
-                        ? 0.0
-                        : input.problem->description.HzPerModelFrequency() *
-                              modes[0].updated_frequency;
-  if (hz > 0.0) wanted = 6.0 / (hz * step);
+  // Both in the model's time.
+  const double frequency = modes.empty() ? 0.0 : modes[0].updated_frequency;
+  if (frequency > 0.0) wanted = 6.0 / (frequency * step);
   *count = static_cast<int>(std::clamp(wanted, std::min(60.0, 1.0 * size),
                                        std::max(60.0, size / 3.0)));
   *count = std::min(*count, size);

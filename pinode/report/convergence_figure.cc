@@ -19,6 +19,10 @@ struct Course {
   double end() const { return ends.back(); }
 };
 
+// Costs of rejected steps beyond so many times the largest accepted one are
+// drawn there.
+constexpr double kMostRejected = 10.0;
+
 Course CourseOf(const IdentificationSummary& summary) {
   Course course;
   const std::vector<IterationRecord>& iterations = summary.iterations;
@@ -34,7 +38,11 @@ Course CourseOf(const IdentificationSummary& summary) {
     (iteration.accepted ? course.accepted_x : course.rejected_x).push_back(x);
     (iteration.accepted ? course.accepted_y : course.rejected_y)
         .push_back(iteration.cost);
-    course.costs.Add(iteration.cost);
+    if (iteration.accepted) course.costs.Add(iteration.cost);
+  }
+  // A step that was not taken may have any cost.
+  for (double& cost : course.rejected_y) {
+    cost = std::min(cost, kMostRejected * course.costs.high);
   }
   course.ends.push_back(static_cast<double>(iterations.size()) - 0.5);
   course.lengths.push_back(iterations.back().segment_samples);
@@ -126,7 +134,8 @@ Figure MakeConvergenceFigure(const ReportInput& input) {
   figure.caption =
       "Cost over the iterations; vertical lines separate the stages, the "
       "numbers above are their longest segments in samples. The cost jumps "
-      "where noise levels are estimated anew or segments merge.";
+      "where noise levels are estimated anew or segments merge. Rejected steps "
+      "of more than ten times the largest cost are drawn there.";
   if (two_panels) {
     figure.caption +=
         " Below: error of the free run over the whole training records after "

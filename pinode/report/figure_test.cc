@@ -221,11 +221,26 @@ TEST_F(FigureTest, ShowsConvergenceByStages) {
                            ">25<", ">2.07<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
+  // What was not taken does not flatten the rest.
+  for (IterationRecord& iteration : example_->summary.iterations) {
+    if (!iteration.accepted) iteration.cost = 3e82;
+  }
+  EXPECT_THAT(MakeConvergenceFigure(example_->input).script,
+              Not(HasSubstr("e+82")));
   example_->summary.stages.clear();
   EXPECT_THAT(Draw(MakeConvergenceFigure(example_->input)),
               Not(HasSubstr("free-run")));
   example_->summary.iterations.clear();
   EXPECT_TRUE(MakeConvergenceFigure(example_->input).empty());
+}
+
+// The close-up is some periods of the first mode, in whatever unit time is.
+TEST_F(FigureTest, CloseUpsAreAsLongInMilliseconds) {
+  const size_t size = MakeChannelFigure(example_->input, 0, 0).script.size();
+  example_->problem.description.units.time = "ms";
+  EXPECT_NEAR(static_cast<double>(
+                  MakeChannelFigure(example_->input, 0, 0).script.size()),
+              static_cast<double>(size), 0.02 * static_cast<double>(size));
 }
 
 TEST_F(FigureTest, TakesAnyName) {
