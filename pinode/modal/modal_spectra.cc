@@ -145,4 +145,16 @@ ModalSpectra FitModalSpectra(const ResponseRecord& record,
   return result;
 }
 
+ModalSpectra FitModalSpectra(const ResponseRecord& record,
+                             const ModesOfRecord& modes) {
+  if (modes.method == ModalMethod::kRingDown || modes.bands.empty()) return {};
+  double lowest = kInfinity;
+  double highest = 0.0;
+  for (const AnalysedBand& band : modes.bands) {
+    lowest = std::min(lowest, band.lowest_hz);
+    highest = std::max(highest, band.highest_hz);
+  }
+  return FitModalSpectra(record, modes.modes, lowest, highest);
+}
+
 }  // namespace pinode

@@ -37,6 +37,11 @@ ModalSpectra FitModalSpectra(const ResponseRecord& record,
                              const std::vector<IdentifiedMode>& modes,
                              double lowest_hz, double highest_hz);
 
+// The same over the bands that `modes` were found in. Empty for a free decay:
+// there is no spectrum of loads.
+ModalSpectra FitModalSpectra(const ResponseRecord& record,
+                             const ModesOfRecord& modes);
+
 }  // namespace pinode
 
 #endif  // PINODE_MODAL_MODAL_SPECTRA_H_

@@ -232,9 +232,8 @@ class ClusterFinder {
     const double duration = 0.5 * window_seconds_ *
                             static_cast<double>(mean.s_influence.size() + 1);
     const double f = mean.frequency();
-    cluster->excess =
-        std::max(cluster->frequency_sigma / f, cluster->damping_sigma) /
-        std::sqrt(mean.damping_ratio() / (kTwoPi * f * duration));
+    cluster->excess = cluster->frequency_sigma / f /
+                      std::sqrt(mean.damping_ratio() / (kTwoPi * f * duration));
   }
 
   double ShapeSigma(const SubspacePole& mean) const {

@@ -27,9 +27,8 @@ struct PoleCluster {
 
   double frequency_sigma = 0.0;  // Hz
   double damping_sigma = 0.0;
-  // The standard deviation of the frequency (a fraction) or of the damping
-  // ratio, whichever is larger, over the smallest that it can have under noise;
-  // 0 where the record is none of that.
+  // The frequency's standard deviation over the smallest that it can have under
+  // noise; 0 where the record is none of that.
   double excess = 0.0;
 };
 
@@ -43,10 +42,11 @@ struct StabilisationOptions {
   double smallest_share = 0.5;
   double smallest_share_of_all = 0.3;
   // A mode under noise cannot be known better than to a fraction
-  // sqrt(zeta / (2 pi f T)) of its frequency, and to as much in its damping
-  // ratio, T the record's length (S. K. Au, Mech. Syst. Signal Process. 48
-  // (2014) 15). What is so many times as uncertain in either is no mode: poles
-  // of noise are fifty times.
+  // sqrt(zeta / (2 pi f T)) of its frequency, T the record's length (S. K. Au,
+  // Mech. Syst. Signal Process. 48 (2014) 15). What is so many times as
+  // uncertain is no mode: poles of noise are fifty times. (The damping ratio's
+  // bound is the same number; held to six times that, one record in a hundred
+  // loses a mode that has most of its power.)
   double largest_excess = 6.0;
   double largest_frequency_sigma = 0.02;  // as a fraction, in all
   double largest_damping_ratio = 0.15;

@@ -224,6 +224,7 @@ py::list Profiles(const Fit& fit) {
     entry["lower95"] = profile.lower95;
     entry["upper95"] = profile.upper95;
     entry["threshold95"] = profile.threshold95;
+    entry["threshold99"] = profile.threshold99;
     entry["determination"] = DeterminationName(profile.determination);
     list.append(std::move(entry));
   }
@@ -256,7 +257,7 @@ py::list Loops(const Fit& fit) {
   return list;
 }
 
-// Spectral densities of the ambient records, channels x frequencies.
+// Spectral densities of the ambient records per Hz, channels x frequencies.
 py::list Ambient(const std::shared_ptr<Fit>& fit) {
   const double to_hz = fit->c.problem.description.HzPerModelFrequency();
   py::list list;
@@ -271,8 +272,9 @@ py::list Ambient(const std::shared_ptr<Fit>& fit) {
       entry["coherence_probability"] = score.coherence_probability;
     }
     entry["frequencies_hz"] = FromVector(to_hz * score.frequencies);
-    entry["measured"] = View(score.measured, py::cast(fit));
-    entry["modelled"] = View(score.modelled, py::cast(fit));
+    entry["lines"] = FromVector(score.lines);
+    entry["measured"] = FromMatrix(score.measured / to_hz);
+    entry["modelled"] = FromMatrix(score.modelled / to_hz);
     list.append(std::move(entry));
   }
   return list;
@@ -280,11 +282,12 @@ py::list Ambient(const std::shared_ptr<Fit>& fit) {
 
 // One row an iteration.
 py::dict History(const Fit& fit) {
-  py::list stage, iteration, cost, gradient, gap;
+  py::list stage, iteration, cost, accepted, gradient, gap;
   for (const IterationRecord& record : fit.summary.iterations) {
     stage.append(record.stage);
     iteration.append(record.iteration);
     cost.append(record.cost);
+    accepted.append(record.accepted);
     gradient.append(record.gradient_norm);
     gap.append(record.largest_gap);
   }
@@ -292,6 +295,7 @@ py::dict History(const Fit& fit) {
   result["stage"] = std::move(stage);
   result["iteration"] = std::move(iteration);
   result["cost"] = std::move(cost);
+  result["accepted"] = std::move(accepted);
   result["gradient_norm"] = std::move(gradient);
   result["largest_gap"] = std::move(gap);
   return result;

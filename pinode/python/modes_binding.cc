@@ -19,6 +19,8 @@
 #include "pinode/case/result_folder.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/modal/identify_modes.h"
+#include "pinode/modal/modal_spectra.h"
+#include "pinode/modal/spectra.h"
 #include "pinode/python/case_tree.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
@@ -30,6 +32,9 @@ namespace {
 
 namespace py = pybind11;
 using Clock = std::chrono::steady_clock;
+
+// As many as the report draws.
+constexpr int kSingularValues = 3;
 
 // What was asked, and what was found.
 struct ModesHandle {
@@ -55,6 +60,7 @@ py::dict ModeAsDict(const IdentifiedMode& mode) {
   entry["phase_collinearity"] = mode.phase_collinearity;
   entry["orders_seen"] = mode.orders_seen;
   entry["orders_possible"] = mode.orders_possible;
+  entry["degrees_of_freedom"] = mode.degrees_of_freedom;
   return entry;
 }
 
@@ -251,6 +257,36 @@ py::list Diagram(const ModesHandle& handle) {
   return bands;
 }
 
+// Of each record (channels in its order) the spectra behind its stabilisation
+// diagram and those of its modes.
+py::dict Spectra(const ModesHandle& handle) {
+  py::dict result;
+  for (size_t i = 0; i < handle.found.by_record.size(); ++i) {
+    const ResponseRecord& record = handle.c.records[i];
+    pinode::Spectra all;
+    ModalSpectra fitted;
+    {
+      py::gil_scoped_release release;
+      all = EstimateSpectra(record, 0, kSingularValues);
+      fitted = FitModalSpectra(record, handle.found.by_record[i]);
+    }
+    py::list channels;
+    for (const ResponseChannel& channel : record.channels) {
+      channels.append(channel.name);
+    }
+    py::dict entry;
+    entry["channels"] = std::move(channels);
+    entry["singular_hz"] = FromVector(all.frequency_hz);
+    entry["singular_values"] = FromMatrix(all.singular_values);
+    entry["frequency_hz"] = FromVector(fitted.frequency_hz);
+    entry["measured"] = FromMatrix(fitted.measured);
+    entry["modelled"] = FromMatrix(fitted.modelled);
+    entry["explained"] = FromVector(fitted.explained);
+    result[py::str(record.name)] = std::move(entry);
+  }
+  return result;
+}
+
 }  // namespace
 
 void BindModes(py::module_* module) {
@@ -263,6 +299,7 @@ void BindModes(py::module_* module) {
       .def("save", &Save, py::arg("path"), py::arg("overwrite") = false,
            py::arg("mat") = false)
       .def("for_case", &ModesForCase)
+      .def("spectra", &Spectra)
       .def_property_readonly("modes", &Modes)
       .def_property_readonly("diagram", &Diagram)
       .def_property_readonly(

@@ -17,10 +17,12 @@
 #include "pinode/case/matlab_results.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
+#include "pinode/discover/equation_values.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
 #include "pinode/python/watch.h"
+#include "pinode/report/report.h"
 #include "pinode/study/discovered_problem.h"
 #include "pinode/study/simulation.h"
 
@@ -328,6 +330,41 @@ std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
   return result;
 }
 
+// Of each equation and feature that terms look at, along the training records:
+// the feature, the terms in it, and what was regressed less the other terms.
+py::list EquationSamples(const Fit& fit) {
+  py::list list;
+  if (fit.discovery == nullptr) return list;
+  const UnitSystem& units = fit.c.problem.description.units;
+  for (const DiscoveredEquation& equation : fit.discovery->equations) {
+    EquationValues values;
+    std::string error;
+    if (!EvaluateAtSamples(equation, &values, &error) ||
+        values.sum.size() != equation.sample_features.rows()) {
+      continue;
+    }
+    for (size_t f = 0; f < values.parts.size(); ++f) {
+      const Vector& part = values.parts[f];
+      if (part.size() == 0) continue;
+      py::dict entry;
+      entry["output"] = equation.output;
+      entry["unit"] =
+          UnitName(equation.acts_as == ActsAs::kForce ? Dimension::kForce
+                                                      : Dimension::kAcceleration,
+                   units);
+      entry["feature"] = equation.feature_names[f];
+      entry["feature_unit"] = FeatureUnit(equation.features[f], units);
+      entry["at"] = FromVector(
+          equation.sample_features.col(static_cast<Eigen::Index>(f)));
+      entry["terms"] = FromVector(part);
+      entry["regressed"] =
+          FromVector(equation.sample_outputs - (values.sum - part));
+      list.append(std::move(entry));
+    }
+  }
+  return list;
+}
+
 }  // namespace
 
 void BindStudy(py::module_* module) {
@@ -376,6 +413,7 @@ void BindStudy(py::module_* module) {
                                         : DiscoveryAsJson(*fit.discovery);
       },
       py::arg("fit"));
+  module->def("equation_samples", &EquationSamples, py::arg("fit"));
   module->def(
       "equations_text",
       [](const Fit& fit) {

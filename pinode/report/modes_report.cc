@@ -164,20 +164,6 @@ std::string MethodSentence(ModalMethod method) {
   }
 }
 
-// Of a record's bands, from the lowest to the highest frequency. Of a free
-// decay there is no spectrum of loads.
-ModalSpectra SpectraOfModes(const ResponseRecord& record,
-                            const ModesOfRecord& modes) {
-  if (modes.method == ModalMethod::kRingDown || modes.bands.empty()) return {};
-  double lowest = kInfinity;
-  double highest = 0.0;
-  for (const AnalysedBand& band : modes.bands) {
-    lowest = std::min(lowest, band.lowest_hz);
-    highest = std::max(highest, band.highest_hz);
-  }
-  return FitModalSpectra(record, modes.modes, lowest, highest);
-}
-
 TextTable MakeExplainedTable(const ResponseRecord& record,
                              const ModalSpectra& spectra) {
   TextTable table(
@@ -233,7 +219,7 @@ std::string RenderModesReport(const ModesReportInput& input,
     const ModesOfRecord& modes = (*input.by_record)[r];
     const int number = static_cast<int>(r);
     diagrams.push_back(plan(MakeStabilisationFigure(record, modes, number)));
-    spectra.push_back(SpectraOfModes(record, modes));
+    spectra.push_back(FitModalSpectra(record, modes));
     spectra_figures.push_back(
         plan(MakeModalSpectraFigure(record, spectra.back(), number)));
   }

@@ -10,7 +10,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._drawing import BLUE, FAINT, GREY, MARK, PRIOR, UPDATED, bars, decibels, label, panels
+from ._drawing import (
+    BLUE,
+    FAINT,
+    GREY,
+    MARK,
+    PRIOR,
+    UPDATED,
+    band,
+    bars,
+    decibels,
+    label,
+    panels,
+)
 from ._histories import forces, loops, prediction
 from ._mode_shapes import shape_pairs
 
@@ -22,10 +34,12 @@ __all__ = [
     "ambient",
     "changes",
     "convergence",
+    "equation_features",
     "equations",
     "forces",
     "identified_shapes",
     "loops",
+    "modal_spectra",
     "mode_shapes",
     "modes",
     "of_modes",
@@ -36,8 +50,6 @@ __all__ = [
 ]
 
 _MOST_BARS = 40
-# Quantiles of chi^2 with one degree of freedom, 99 over 95 %.
-_CHI99_BY_CHI95 = 6.634896601021213 / 3.841458820694124
 
 
 def all_figures(outcome: Any) -> "dict[str, Figure]":
@@ -52,6 +64,7 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
         "mode_shapes": mode_shapes(outcome),
         "convergence": convergence(outcome),
         "loops": loops(outcome),
+        "equation_features": equation_features(outcome),
         "equations": equations(outcome),
     }
     records = outcome.records
@@ -62,29 +75,40 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
 
 
 def of_modes(found: Any) -> "dict[str, Figure]":
-    """Of identified modes: stabilisation diagrams and shapes, by name."""
-    drawn = {
-        f"stabilisation_{record}": stabilisation(found, record) for record in found.methods
-    }
+    """Of identified modes: stabilisation diagrams, spectra and shapes, by name."""
+    drawn = {}
+    for record in found.methods:
+        drawn[f"stabilisation_{record}"] = stabilisation(found, record)
+        drawn[f"spectra_{record}"] = modal_spectra(found, record)
     drawn["shapes"] = identified_shapes(found)
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def stabilisation(found: Any, record: str) -> "Figure | None":
     """Poles of all orders of a record; those of a mode are filled, with 95 %
-    intervals."""
-    bands = [band for band in found.diagram if band["record"] == record]
-    if not any(len(band["order"]) for band in bands):
+    intervals. Behind them the singular values of the spectra of all channels."""
+    bands = [analysed for analysed in found.diagram if analysed["record"] == record]
+    if not any(len(analysed["order"]) for analysed in bands):
         return None
     figure, (ax,) = panels(height=3.4)
-    for number, band in enumerate(bands):
-        hz, order = band["frequency_hz"], np.asarray(band["order"])
-        of_mode = np.asarray(band["mode"]) >= 0
+    for number, analysed in enumerate(bands):
+        hz, order = analysed["frequency_hz"], np.asarray(analysed["order"])
+        of_mode = np.asarray(analysed["mode"]) >= 0
         ax.plot(hz[~of_mode], order[~of_mode], "x", ms=3, color=PRIOR["color"],
                 label="" if number else "other poles")
-        ax.errorbar(hz[of_mode], order[of_mode], xerr=1.96 * band["frequency_sigma"][of_mode],
+        ax.errorbar(hz[of_mode], order[of_mode], xerr=1.96 * analysed["frequency_sigma"][of_mode],
                     fmt="o", ms=3, color=BLUE, label="" if number else "poles of a mode")
-    ax.set_xlim(*_frequency_range(found, bands))
+    low, high = _frequency_range(found, bands)
+    spectra = found.spectra[record]
+    behind = ax.twinx()
+    inside = (spectra["singular_hz"] >= low) & (spectra["singular_hz"] <= high)
+    for values, shade in zip(spectra["singular_values"], ("0.53", "0.73", "0.87")):
+        behind.plot(spectra["singular_hz"][inside], decibels(values[inside]), color=shade,
+                    lw=0.8, zorder=0)
+    behind.set_ylabel("singular values of the spectra (dB)")
+    ax.set_zorder(behind.get_zorder() + 1)
+    ax.patch.set_visible(False)
+    ax.set_xlim(low, high)
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("frequency (Hz)")
     ax.set_ylabel("model order")
@@ -102,6 +126,28 @@ def _frequency_range(found: Any, bands: Any) -> tuple[float, float]:
     if len(hz) == 0:
         return low, high
     return max(0.0, min(0.5 * hz.min(), hz.min() - 1.0)), min(high, 1.25 * hz.max())
+
+
+def modal_spectra(found: Any, record: str, *, most: int = 6) -> "Figure | None":
+    """Spectral densities of the first channels of a record beside those of its modes
+    and a noise; dB of the channel's unit squared per Hz."""
+    spectra = found.spectra[record]
+    hz = spectra["frequency_hz"]
+    channels = spectra["channels"][:most]
+    if len(hz) < 2 or not channels:
+        return None
+    figure, axes = panels(len(channels), min(2, len(channels)), width=9.0, height=2.4)
+    for row, (ax, channel) in enumerate(zip(axes, channels)):
+        ax.plot(hz, decibels(spectra["measured"][row]), label="measured", **FAINT)
+        ax.plot(hz, decibels(spectra["modelled"][row]), label="modes", **UPDATED)
+        ax.set_title(f"{channel}, {100.0 * spectra['explained'][row]:.3g} % explained",
+                     loc="left", size="medium")
+        ax.set_xlabel("frequency (Hz)")
+        ax.set_ylabel("density (dB)")
+        ax.margins(x=0.0)
+        if row == 0:
+            ax.legend(fontsize="small")
+    return figure
 
 
 def identified_shapes(found: Any, *, most: int = 16) -> "Figure | None":
@@ -241,11 +287,17 @@ def convergence(outcome: Any) -> "Figure | None":
              if s["free_run_error"]]
     figure, axes = panels(2 if after else 1)
     ax = axes[0]
-    # Of a step that is not taken the cost may be any number: no axis for that.
-    most = 1e3 * max(solver["initial_cost"] or 0.0, solver["final_cost"] or 0.0)
-    drawn = np.where((cost > 0.0) & (cost <= most), cost, np.nan)
-    if np.isfinite(drawn).any():
-        ax.semilogy(np.arange(len(cost)), drawn, "o", ms=2.5, color=BLUE)
+    drawn = np.where(cost > 0.0, cost, np.nan)
+    taken = np.asarray(history["accepted"], dtype=bool)
+    number = np.arange(len(cost))
+    if np.isfinite(drawn[taken]).any():
+        ax.semilogy(number[taken], drawn[taken], "o-", ms=2.5, label="accepted", **UPDATED)
+        if not taken.all():
+            # Of a step that is not taken the cost may be any number.
+            most = 10.0 * np.nanmax(drawn[taken])
+            ax.semilogy(number[~taken], np.minimum(drawn[~taken], most), "x", ms=4, color=MARK,
+                        label="rejected")
+            ax.legend(fontsize="small")
     for end in ends[:-1]:
         ax.axvline(end, **FAINT)
     for begin, end, s in zip(np.append(-0.5, ends), ends, stages):
@@ -280,8 +332,8 @@ def profiles(outcome: Any) -> "Figure | None":
     for ax, (name, profile) in zip(axes, found.items()):
         values, ratios = profile["values"], profile["likelihood_ratios"]
         best = about[name]["value"]
-        top95 = profile["threshold95"]
-        top = 1.6 * top95 * _CHI99_BY_CHI95
+        top95, top99 = profile["threshold95"], profile["threshold99"]
+        top = 1.6 * top99
         half = 0.5 * (linear[name].upper95 - linear[name].lower95)
         if np.isfinite(half) and half > 0.0:
             x = best + half * np.sqrt(top / top95) * np.linspace(-1.0, 1.0, 61)
@@ -293,7 +345,7 @@ def profiles(outcome: Any) -> "Figure | None":
                       values)
         ax.plot(x, np.interp(x, values, roots) ** 2, color=BLUE, lw=1.4)
         ax.plot(values, ratios, "o", color=BLUE, ms=3)
-        for level, words in ((top95, "95 %"), (top95 * _CHI99_BY_CHI95, "99 %")):
+        for level, words in ((top95, "95 %"), (top99, "99 %")):
             ax.axhline(level, ls="--", **FAINT)
             ax.annotate(words, (0.99, level), xycoords=("axes fraction", "data"), ha="right",
                         va="bottom", size="small", color="0.4")
@@ -313,8 +365,9 @@ def profiles(outcome: Any) -> "Figure | None":
 
 def ambient(outcome: Any, *, most: int = 6) -> "Figure | None":
     """Spectral densities of the first channels of each ambient record, measured
-    (less the response to measured loads) and modelled; dB of the channel's unit
-    squared per Hz."""
+    (less the response to measured loads) and modelled, with the band in which 95 %
+    of the measured ones lie if the model is right; dB of the channel's unit squared
+    per Hz."""
     found = [
         (name, channel, score, row)
         for name, score in outcome.ambient.items()
@@ -329,6 +382,10 @@ def ambient(outcome: Any, *, most: int = 6) -> "Figure | None":
         modelled = decibels(score["modelled"][row])
         ax.plot(hz, decibels(score["measured"][row]), label="measured", **FAINT)
         ax.plot(hz, modelled, label="model", **UPDATED)
+        # The mean of n squares of complex normal numbers fluctuates by 1 / sqrt(n).
+        width = 1.96 / np.sqrt(np.maximum(score["lines"], 1.0))
+        band(ax, hz, modelled + decibels(np.maximum(1.0 - width, 0.05)),
+             modelled + decibels(1.0 + width), label="95 %")
         if np.isfinite(modelled).any():
             ax.set_ylim(np.nanmin(modelled) - 12.0, np.nanmax(modelled) + 8.0)
         ax.set_title(f"{name}, {channel}", loc="left", size="medium")
@@ -360,4 +417,19 @@ def equations(outcome: Any) -> "Figure | None":
         ax.set_ylabel(f"residual, share of the {equation['acts_as']}")
         ax.set_title(f"{equation['output']}, {equation['candidates']} candidates", loc="left",
                      size="medium")
+    return figure
+
+
+def equation_features(outcome: Any, *, most: int = 6) -> "Figure | None":
+    """Along the training records, an equation's terms over each feature that they look
+    at (blue), and what they stand for less the other terms (grey)."""
+    found = getattr(outcome, "samples", [])[:most]
+    if not found:
+        return None
+    figure, axes = panels(len(found), 2, width=4.5 * min(len(found), 2), height=2.8)
+    for ax, samples in zip(axes, found):
+        ax.plot(samples["at"], samples["regressed"], ".", ms=3, color="0.67")
+        ax.plot(samples["at"], samples["terms"], ".", ms=2, color=BLUE)
+        ax.set_xlabel(label(samples["feature"], samples["feature_unit"]))
+        ax.set_ylabel(label(samples["output"], samples["unit"]))
     return figure

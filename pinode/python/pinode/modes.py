@@ -54,6 +54,14 @@ class IdentifiedModes(Sequence):
         damping_ratio, mode: of that record, -1 for none)."""
         return self._handle.diagram
 
+    @property
+    def spectra(self) -> dict[str, dict[str, Any]]:
+        """Of each record its channels; singular_values (3 x singular_hz) of all of
+        them; and measured and modelled densities (channels x frequency_hz, unit of
+        the channel squared per Hz) with what part of each channel's power the
+        modes explain; these are empty for a free decay."""
+        return self._handle.spectra()
+
     def for_case(self) -> list[dict[str, Any]]:
         """`modes` of a Case: frequencies with sigmas, shapes with covariances, at
         DOFs that are called as the places are."""

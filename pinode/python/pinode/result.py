@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
-from ._mode_shapes import SECONDS
 from ._pinode import Error
 from .case import Case, Progress
 from .progress import watched
@@ -231,20 +230,13 @@ class _Outcome:
     def ambient(self) -> dict[str, dict[str, Any]]:
         """Of ambient records the spectral densities, measured and modelled
         (channels x frequencies, unit of the channel squared per Hz; without the
-        response to measured loads), and what part of each channel is explained,
-        by measured loads too where there are some."""
-        found = {a["name"]: a for a in self._handle.ambient()}
-        # The module has them per cycle of the model's time.
-        hz = SECONDS[self.json["units"]["time"]] if found else 1.0
-        if hz != 1.0:
-            for score in found.values():
-                for key in ("measured", "modelled"):
-                    score[key] = score[key] / hz
-        return found
+        response to measured loads), means of so many `lines`, and what part of
+        each channel is explained, by measured loads too where there are some."""
+        return {a["name"]: a for a in self._handle.ambient()}
 
     @property
     def history(self) -> dict[str, np.ndarray]:
-        """A row an iteration: stage, iteration, cost, gradient_norm,
+        """A row an iteration: stage, iteration, cost, accepted, gradient_norm,
         largest_gap."""
         return {k: np.array(v) for k, v in self._handle.history().items()}
 
@@ -429,6 +421,13 @@ class Discovery(_Outcome):
         super().__init__(handle)
         self._found: dict[str, Any] = json.loads(_pinode.discovery_json(handle))
         self._text: str = _pinode.equations_text(handle)
+
+    @property
+    def samples(self) -> list[dict[str, Any]]:
+        """Of each equation and feature that its terms look at, along the training
+        records: output, unit, feature, feature_unit, `at` (the feature), `terms`
+        in it, `regressed` (what they stand for, less the other terms)."""
+        return _pinode.equation_samples(self._handle)
 
     @property
     def equations(self) -> list[dict[str, Any]]:

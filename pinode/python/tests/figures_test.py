@@ -12,7 +12,7 @@ import scipy.linalg
 import study_test
 
 import pinode
-from pinode import _histories, figures, result
+from pinode import _histories, figures
 
 pytest.importorskip("matplotlib")
 
@@ -163,19 +163,23 @@ def test_mode_shapes_in_milliseconds():
 
 def test_convergence(baseline):
     cost, error = figures.convergence(baseline).axes
-    assert np.array_equal(cost.get_lines()[0].get_ydata(), baseline.history["cost"])
+    taken = baseline.history["accepted"]
+    assert taken.any()
+    assert np.array_equal(cost.get_lines()[0].get_ydata(), baseline.history["cost"][taken])
     assert error.get_lines()[0].get_ydata() == pytest.approx(
         [100 * s["free_run_error"] for s in baseline.json["solver"]["stages"]])
     staged = types.SimpleNamespace(
         history={"cost": np.array([9.0, 1e82, np.nan, 2.0, 1.0]),
+                 "accepted": np.array([True, False, False, True, True]),
                  "stage": np.array([1, 1, 1, 2, 2])},
-        json={"solver": {"initial_cost": 9.0, "final_cost": 1.0, "stages": [
+        json={"solver": {"stages": [
             {"segment_samples": 20, "free_run_error": 0.5},
             {"segment_samples": 0, "free_run_error": 0.1}]}})
     cost, error = figures.convergence(staged).axes
-    assert np.array_equal(cost.get_lines()[0].get_ydata(), [9.0, np.nan, np.nan, 2.0, 1.0],
-                          equal_nan=True)
-    assert cost.get_lines()[1].get_xdata() == [2.5, 2.5]
+    assert list(cost.get_lines()[0].get_ydata()) == [9.0, 2.0, 1.0]
+    # Of a step that was not taken the cost may be any number, or none.
+    assert np.array_equal(cost.get_lines()[1].get_ydata(), [90.0, np.nan], equal_nan=True)
+    assert cost.get_lines()[2].get_xdata() == [2.5, 2.5]
     assert [text.get_text() for text in cost.texts] == ["20"]
     assert list(error.get_lines()[0].get_xdata()) == [2.5, 4.5]
 
@@ -203,6 +207,13 @@ def test_equations_circle_what_was_chosen(network):
     curve, circle = ax.get_lines()
     assert list(curve.get_xdata()) == [p["terms"] for p in equation["pareto"]]
     assert list(circle.get_xdata()) == [1] and "acceleration" in ax.get_ylabel()
+    axes = figures.equation_features(found).axes
+    assert len(axes) == len(found.samples) >= 1
+    regressed, terms = axes[0].get_lines()
+    assert np.array_equal(terms.get_xdata(), found.samples[0]["at"])
+    spread = np.std(regressed.get_ydata() - terms.get_ydata())
+    assert spread < 0.2 * np.std(terms.get_ydata())
+    assert {"equations", "equation_features"} <= set(found.figures())
 
 
 def test_forces_and_where_they_are_largest():
@@ -240,6 +251,7 @@ def test_profiles_beside_the_parabola(healthy):
 
 def ambient_score(name):
     return {"name": name, "channels": ["a1", "a2"], "frequencies_hz": np.array([1.0, 2.0]),
+            "lines": np.array([100.0, 1.0]),
             "measured": np.array([[1.0, 100.0], [0.0, 1.0]]),
             "modelled": np.array([[10.0, 10.0], [1.0, 1.0]])}
 
@@ -253,13 +265,37 @@ def test_ambient_densities_are_in_decibels():
     assert np.isnan(axes[1].get_lines()[0].get_ydata()[0])
     assert axes[0].get_ylabel() == "density (dB)"
     assert len(figures.ambient(outcome, most=1).axes) == 2
+    # The mean of a hundred squares is within 20 %.
+    (path,) = axes[0].collections[0].get_paths()
+    assert path.vertices[:, 1].max() == pytest.approx(10.0 + 10.0 * np.log10(1.0 + 1.96))
+    at_first = path.vertices[path.vertices[:, 0] == 1.0][:, 1]
+    assert at_first.max() == pytest.approx(10.0 + 10.0 * np.log10(1.196))
 
 
-def test_ambient_densities_are_per_hertz():
-    for unit, factor in (("s", 1.0), ("ms", 1e-3)):
-        handle = types.SimpleNamespace(ambient=lambda: [ambient_score("wind")],
-                                       json=lambda: json.dumps({"units": {"time": unit}}))
-        assert result.Fit(handle).ambient["wind"]["measured"][0, 1] == 100.0 * factor
+def test_ambient_densities_are_per_hertz_in_any_unit_of_time():
+    folder = DATA / "three_storey_ambient"
+    case = pinode.read_case(folder / "three_storey_ambient.toml")
+    tree = case.to_dict()
+    # N, m and ms: a mass is in N ms^2 / m.
+    tree["units"]["time"] = "ms"
+    tree["group"] = [group for group in tree["group"] if group["adds_to"] == "stiffness"]
+    building = tree["model"]["shear_building"]
+    building["masses"] = [1e6 * mass for mass in building["masses"]]
+    a0, a1 = tree["model"]["damping"]["rayleigh"]
+    tree["model"]["damping"] = {"rayleigh": [1e-3 * a0, 1e3 * a1]}
+    # By Welch's method, from the same samples.
+    welch = pinode.identify_modes(case).spectra["wind"]
+    inside = (welch["frequency_hz"] > 1.0) & (welch["frequency_hz"] < 10.0)
+    power = np.trapz(welch["measured"][0][inside], welch["frequency_hz"][inside])
+    stop = {"callback": lambda state: state["iteration"] < 1}
+    for each in (case, pinode.Case.from_dict(tree, path=case.path)):
+        found = each.identify(**stop).ambient["wind"]
+        hz = found["frequencies_hz"]
+        inside = (hz > 1.0) & (hz < 10.0)
+        # In the model's unit of acceleration.
+        unit = 1e-6 if each is not case else 1.0
+        assert np.trapz(found["measured"][0][inside], hz[inside]) == pytest.approx(
+            unit**2 * power, rel=0.1)
 
 
 def test_identified_modes():
@@ -272,10 +308,20 @@ def test_identified_modes():
     class Found(list):
         places, methods, diagram = ["u1", "u2"], {"wind": "covariance_driven"}, [band]
         frequencies_hz = np.array([2.0])
+        spectra = {"wind": {
+            "channels": ["a1", "a2"], "singular_hz": np.array([0.5, 1.5, 2.0]),
+            "singular_values": np.array([[1.0, 2.0, 100.0], [1.0, 1.0, 1.0]]),
+            "frequency_hz": np.array([1.0, 2.0]), "explained": np.array([0.9, 0.8]),
+            "measured": np.array([[1.0, 10.0], [1.0, 1.0]]),
+            "modelled": np.array([[1.0, 100.0], [1.0, 1.0]])}}
 
     drawn = figures.of_modes(Found([mode]))
-    assert set(drawn) == {"stabilisation_wind", "shapes"}
-    (ax,) = drawn["stabilisation_wind"].axes
+    assert set(drawn) == {"stabilisation_wind", "spectra_wind", "shapes"}
+    first, second = drawn["spectra_wind"].axes
+    assert list(curve(first, "modes")[1]) == [0.0, 20.0]
+    assert first.get_title(loc="left") == "a1, 90 % explained"
+    ax, behind = drawn["stabilisation_wind"].axes
+    assert list(behind.get_lines()[0].get_ydata()) == pytest.approx([10 * np.log10(2), 20.0])
     assert list(curve(ax, "other poles")[0]) == [9.0]
     assert ax.get_xlim() == (1.0, 2.5)
     (ax,) = drawn["shapes"].axes

@@ -61,7 +61,7 @@ def test_of_wind(rows):
     assert modes.places == ["u1", "u2", "u3"] and modes.shapes.shape == (3, 3)
     for band in modes.diagram:
         assert len(band["order"]) == len(band["frequency_hz"]) == len(band["mode"])
-    assert set(modes.figures()) == {"stabilisation_record", "shapes"}
+    assert set(modes.figures()) == {"stabilisation_record", "spectra_record", "shapes"}
     frame = modes.to_pandas()
     assert list(frame["frequency_hz"]) == list(modes.frequencies_hz)
     assert np.allclose(frame["u2"], modes.shapes[1].real)
