@@ -9,7 +9,6 @@
 #include "pinode/base/strings.h"
 #include "pinode/case/ambient_section.h"
 #include "pinode/case/case_tables.h"
-#include "pinode/case/case_tables.h"
 #include "pinode/case/discover_section.h"
 #include "pinode/case/finite_element_section.h"
 #include "pinode/case/force_scale_section.h"

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import pinode
 from pinode import _pinode
 
-EXAMPLES = int(os.environ.get("PINODE_FUZZ_EXAMPLES", "60"))
+EXAMPLES = int(os.environ.get("PINODE_FUZZ_EXAMPLES", "40"))
 settings = hypothesis.settings(
     max_examples=EXAMPLES, deadline=None, database=None, derandomize=EXAMPLES <= 1000,
     suppress_health_check=list(hypothesis.HealthCheck))
