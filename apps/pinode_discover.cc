@@ -33,6 +33,7 @@
 #include "pinode/case/discover_files.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/case/model_case.h"
+#include "pinode/case/refit_checkpoint.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/report/html_report.h"
@@ -101,15 +102,11 @@ bool FindTerms(const Case& c, IdentifiedModel* model,
   return found;
 }
 
-// Watches a refit: its progress on standard error, and a checkpoint at most
-// once a second.
+// Watches a refit: its progress on standard error, and a checkpoint.
 class RefitWatch {
  public:
-  RefitWatch(const ResultFolder& folder, const std::string& problem_hash)
-      : line_(FLAGS_progress),
-        path_(folder.checkpoint_path()),
-        writes_(folder.writes()),
-        problem_hash_(problem_hash) {}
+  explicit RefitWatch(RefitCheckpoint* checkpoint)
+      : line_(FLAGS_progress), checkpoint_(checkpoint) {}
 
   void Watch(DiscoveryOptions* discover, IdentificationOptions* options) {
     options->callback = [this](const IdentificationProgress& progress) {
@@ -119,7 +116,11 @@ class RefitWatch {
     discover->on_equations =
         [this](int fit, const std::vector<DiscoveredEquation>& equations) {
           Name(fit, equations);
-          Save(equations);
+          checkpoint_->Save(equations);
+          if (warned_ || checkpoint_->trouble().empty()) return;
+          std::fprintf(stderr, "no checkpoint: %s\n",
+                       checkpoint_->trouble().c_str());
+          warned_ = true;
         };
   }
   void End() { line_.End(); }
@@ -134,25 +135,9 @@ class RefitWatch {
              (terms == 1 ? " term  " : " terms  ");
   }
 
-  void Save(const std::vector<DiscoveredEquation>& equations) {
-    if (!writes_) return;
-    const Clock::time_point now = Clock::now();
-    if (now - written_ < std::chrono::seconds(1)) return;
-    written_ = now;
-    std::string problem;
-    if (!WriteDiscoverCheckpoint(path_, problem_hash_, equations, &problem) &&
-        !warned_) {
-      std::fprintf(stderr, "no checkpoint: %s\n", problem.c_str());
-      warned_ = true;
-    }
-  }
-
   ProgressLine line_;
-  const std::string path_;
-  const bool writes_;
-  const std::string problem_hash_;
+  RefitCheckpoint* const checkpoint_;
   std::string which_;
-  Clock::time_point written_;
   bool warned_ = false;
 };
 
@@ -160,24 +145,20 @@ class RefitWatch {
 // where the case asks for that; goes on where `folder` resumes.
 bool RefitTerms(const Case& c, const IdentifiedModel& model,
                 const std::vector<DiscoveredEquation>& equations,
-                const ResultFolder& folder, Discovery* discovery,
-                std::string* error) {
-  const std::string problem_hash = ProblemIdentity(c.problem);
+                const ResultFolder& folder, RefitCheckpoint* checkpoint,
+                Discovery* discovery, std::string* error) {
   std::vector<DiscoveredEquation> resumed;
-  if (!folder.resume_path().empty()) {
-    const bool ok = ReadDiscoverCheckpoint(folder.resume_path(), problem_hash,
-                                           equations, &resumed, error);
-    // All ranks have read it before it is written anew.
-    if (!CommunicatorOrSingle(c.options.communicator).AllTrue(ok)) {
-      if (ok) *error = folder.resume_path() + ": not all ranks can read it";
-      return false;
-    }
+  const bool read = checkpoint->Read(equations, &resumed, error);
+  // All ranks have read it before it is written anew.
+  if (!CommunicatorOrSingle(c.options.communicator).AllTrue(read)) {
+    if (read) *error = folder.resume_path() + ": not all ranks can read it";
+    return false;
   }
   *discovery = WithoutRefit(c.problem, equations);
   if (!c.discover.refit || discovery->num_terms() == 0) return true;
   DiscoveryOptions discover = c.discover;
   IdentificationOptions options = c.options;
-  RefitWatch watch(folder, problem_hash);
+  RefitWatch watch(checkpoint);
   watch.Watch(&discover, &options);
   const bool refitted =
       RefitEquations(c.problem, model, equations, discover, options,
@@ -194,7 +175,7 @@ bool IsInterrupted(const Discovery& discovery) {
 // The fitted model that has the equations, with its report.
 bool WriteFittedModel(const Case& c, const Discovery& discovery,
                       const ReportOrigin& origin, const ResultFolder& folder,
-                      std::string* error) {
+                      const RefitCheckpoint& checkpoint, std::string* error) {
   Case discovered;
   if (!CaseWithEquations(c, discovery.equations, discovery.problem,
                          /*given_steps=*/true, &discovered, error)) {
@@ -214,9 +195,7 @@ bool WriteFittedModel(const Case& c, const Discovery& discovery,
          WriteHtmlReport(report, report_options,
                          folder.working_path() + "/report.html", error) &&
          (!IsInterrupted(discovery) ||
-          WriteDiscoverCheckpoint(folder.checkpoint_path(),
-                                  ProblemIdentity(c.problem),
-                                  discovery.equations, error));
+          checkpoint.Write(discovery.equations, error));
 }
 
 // The model that has the equations with the coefficients of the regression.
@@ -283,8 +262,12 @@ int main(int argc, char** argv) {
   Discovery discovery;
   CatchInterrupts();
   if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
-                  &error) ||
-      !RefitTerms(c, model, equations, folder, &discovery, &error)) {
+                  &error)) {
+    return Refuse(error);
+  }
+  RefitCheckpoint checkpoint(folder, c.problem);
+  if (!RefitTerms(c, model, equations, folder, &checkpoint, &discovery,
+                  &error)) {
     return Refuse(error);
   }
 
@@ -301,7 +284,7 @@ int main(int argc, char** argv) {
   if (discovery.refitted) {
     if (!WriteFittedModel(c, discovery,
                           {c.path, CommandLine(argc, argv), seconds}, folder,
-                          &error)) {
+                          checkpoint, &error)) {
       return CannotWrite(error, folder);
     }
   } else {

@@ -97,6 +97,7 @@ bool ReadLaw(const TomlTable& table, LawTerm* term,
   if (element == nullptr) return table.Fail("type", path + ": " + error);
   term->law = element->create();
   *infos = element->parameters;
+  term->identity = term->type + " " + library.fingerprint();
   term->type = "user";
   return true;
 }

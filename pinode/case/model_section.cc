@@ -368,8 +368,15 @@ bool ReadMatrixFile(const TomlTable& table, const std::string& key,
 bool ReadMatrixTable(const TomlTable& table, const std::string& key,
                      std::string* source, Matrix* matrix) {
   const TomlTable inner = table.Table(key, table.name() + " " + key);
-  if (!inner.AllowKeys({"diagonal", "file", "variable"})) return false;
-  if (inner.Has("file")) {
+  const bool is_file = inner.Has("file") || inner.Has("variable");
+  if (!inner.AllowKeys(is_file ? std::vector<std::string>{"file", "variable"}
+                               : std::vector<std::string>{"diagonal"})) {
+    return false;
+  }
+  if (is_file) {
+    if (!inner.RequireKey("file", "the file that has the variable")) {
+      return false;
+    }
     const std::string file = inner.String("file");
     const std::string variable = inner.String("variable");
     return inner.errors()->ok() &&

@@ -1,11 +1,17 @@
 #include "pinode/dynamics/element_library.h"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <system_error>
 
+#include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/own_element.h"
 
@@ -39,6 +45,43 @@ bool IsSound(const ElementLibrary::Element& element, std::string* error) {
   return true;
 }
 
+std::string Fingerprint(const std::string& content) {
+  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+  for (const char letter : content) {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001b3u;
+  }
+  return std::to_string(hash) + " " + std::to_string(content.size());
+}
+
+// The code of a library with this content. A private copy is loaded: of a path
+// that it knows the linker has what was there before, and a file that is
+// written over takes the code that runs with it. One content is loaded once.
+void* Load(const std::string& content, const std::string& fingerprint,
+           std::string* reason) {
+  static std::mutex& mutex = *new std::mutex;
+  static auto& loaded = *new std::map<std::string, void*>;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const auto known = loaded.find(fingerprint);
+  if (known != loaded.end()) return known->second;
+  std::string name = std::filesystem::temp_directory_path() / "pinode-XXXXXX";
+  const int file = mkstemp(name.data());
+  if (file < 0) {
+    *reason = "no temporary file can be made";
+    return nullptr;
+  }
+  close(file);
+  void* code = nullptr;
+  if (WriteFileAtomically(name, content, reason)) {
+    code = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
+    const char* why = code == nullptr ? dlerror() : nullptr;
+    if (why != nullptr) *reason = why;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(name, ignored);
+  if (code != nullptr) loaded.emplace(fingerprint, code);
+  return code;
+}
+
 }  // namespace
 
 bool ElementLibrary::IsValid(std::string* error) const {
@@ -61,17 +104,18 @@ const ElementLibrary::Element* ElementLibrary::Find(const std::string& type,
 
 bool LoadElementLibrary(const std::string& path, ElementLibrary* library,
                         std::string* error) {
+  std::string content;
   std::error_code status;
-  const std::filesystem::path whole = std::filesystem::absolute(path, status);
-  if (status || !std::filesystem::is_regular_file(whole, status)) {
+  if (!std::filesystem::is_regular_file(path, status)) {
     *error = path + ": cannot be opened, expected a shared library";
     return false;
   }
-  void* code = dlopen(whole.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!ReadBinaryFile(path, &content, error)) return false;
+  std::string reason;
+  const std::string fingerprint = Fingerprint(content);
+  void* code = Load(content, fingerprint, &reason);
   if (code == nullptr) {
-    const char* reason = dlerror();
-    *error = path + ": cannot be loaded: " +
-             (reason == nullptr ? "no reason given" : reason);
+    *error = path + ": cannot be loaded: " + reason;
     return false;
   }
   const auto interface = reinterpret_cast<InterfaceFunction>(
@@ -96,6 +140,7 @@ bool LoadElementLibrary(const std::string& path, ElementLibrary* library,
     *error = path + ": " + *error;
     return false;
   }
+  found.set_fingerprint(fingerprint);
   *library = std::move(found);
   return true;
 }

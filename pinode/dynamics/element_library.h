@@ -25,6 +25,12 @@ class ElementLibrary {
   void Add(Element element) { elements_.push_back(std::move(element)); }
   const std::vector<Element>& elements() const { return elements_; }
 
+  // Of the library's content; empty for elements that were added by hand.
+  const std::string& fingerprint() const { return fingerprint_; }
+  void set_fingerprint(std::string fingerprint) {
+    fingerprint_ = std::move(fingerprint);
+  }
+
   // As many parameters as each law has, each with a name of its own and limits.
   [[nodiscard]] bool IsValid(std::string* error) const;
 
@@ -33,12 +39,14 @@ class ElementLibrary {
 
  private:
   std::vector<Element> elements_;
+  std::string fingerprint_;
 };
 
-// Loads the shared library at `path`, whose code stays for the life of the
-// process. False, with one line in *error that begins with the path: where it
-// cannot be loaded, where it has no elements, or where it was compiled for
-// another version of pinode or with flags that lay out Jets differently.
+// Loads the shared library at `path` as it is now, also where another one was
+// loaded from there; its code stays for the life of the process. False, with
+// one line in *error that begins with the path: where it cannot be loaded,
+// where it has no elements, or where it was compiled for another version of
+// pinode or with flags that lay out Jets differently.
 [[nodiscard]] bool LoadElementLibrary(const std::string& path,
                                       ElementLibrary* library,
                                       std::string* error);

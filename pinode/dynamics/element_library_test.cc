@@ -98,6 +98,8 @@ TEST_F(ElementLibraryTest, HasLawsWithDerivatives) {
   ASSERT_NE(maxwell, nullptr);
   EXPECT_EQ(maxwell->create()->num_internal(), 1);
   EXPECT_EQ(maxwell->parameters[1].default_value, 5.0);
+  EXPECT_TRUE(std::isnan(maxwell->parameters[0].default_value));
+  EXPECT_FALSE(library.fingerprint().empty());
   EXPECT_EQ(library.Find("stiky", &error), nullptr);
   EXPECT_THAT(error, HasSubstr("expected one of 'sticky', 'maxwell'"));
 }

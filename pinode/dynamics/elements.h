@@ -27,7 +27,7 @@ struct ElementParameterInfo {
   double lower = -kInfinity;
   double upper = kInfinity;
   // Used when the case file gives no initial value; NaN: must be given.
-  double default_value = 0.0;
+  double default_value = kNaN;
 };
 
 // Type names in the order of the table in pinode/case/README.md:

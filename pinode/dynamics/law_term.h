@@ -18,6 +18,8 @@ namespace pinode {
 struct LawTerm {
   std::string name;
   std::string type;  // an element type, "library" (see LibraryLaw), or "user"
+  // Of a user's law, by which one is told from another; may be empty.
+  std::string identity;
   std::shared_ptr<const Law> law;
   std::vector<Feature> features;
   Matrix outputs;

@@ -14,8 +14,10 @@
 //   };
 //
 //   PINODE_ELEMENTS(library) {
-//     // Internal states, parameters; of each parameter its name and its
-//     // dimension by powers of force, length and time.
+//     // Internal states, parameters; of each parameter its name, its dimension
+//     // by powers of force, length and time, its limits, and its default:
+//     without
+//     // one a case must give it.
 //     pinode::AddElement<Sticky, 0, 3>(
 //         "sticky", {{"k", 1, -1, 0}, {"f", 1, 0, 0}, {"v0", 0, 1, -1, 1e-9}},
 //         library);
@@ -44,11 +46,13 @@
 
 namespace pinode {
 
-// Which interface between pinode and such a library this is, and how Jets lie
-// in memory.
+// Which interface between pinode and such a library this is, to be counted up
+// with any change to Law, ElementLibrary or ElementParameterInfo, and how what
+// passes through it lies in memory.
 inline unsigned long ElementInterface() {
   constexpr unsigned long kVersion = 1;
-  return 10000 * kVersion + sizeof(WideJet);
+  return 100000000 * kVersion + 10000 * sizeof(ElementParameterInfo) +
+         sizeof(WideJet);
 }
 
 template <typename Functor, int kInternal, int kParameters>

@@ -79,6 +79,13 @@ bool ModalData::HasSigmas() const {
   });
 }
 
+bool ModalData::HasSigmasOfAll() const {
+  return std::all_of(modes.begin(), modes.end(), [](const MeasuredMode& mode) {
+    return mode.frequency_sigma > 0.0 &&
+           (!mode.HasShape() || mode.HasShapeSigma());
+  });
+}
+
 bool ModalData::IsValid(int num_dofs, std::string* error) const {
   if (static_cast<int>(modes.size()) > num_dofs) {
     *error = std::to_string(modes.size()) + " modes were measured, the model " +

@@ -71,6 +71,8 @@ struct ModalData {
   // Whether a standard deviation is given. Weights are then the inverse of one;
   // where none is, they say how modes and shapes compare.
   bool HasSigmas() const;
+  // Whether every residual is one in units of a standard deviation.
+  bool HasSigmasOfAll() const;
 
   // Positive frequencies and weights, no sigma that the form has no use for,
   // DOFs that exist, each once, shapes that are not zero and say something (two

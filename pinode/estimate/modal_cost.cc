@@ -126,6 +126,8 @@ StructuralDynamics AveragedDynamics(const ModalData& data,
 
 std::vector<bool> ModesInUse(const ModalData& data,
                              const StructuralDynamics& dynamics) {
+  std::string error;
+  CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
   return HavePartners(
       data,
       AveragedDynamics(data, dynamics).CorrectedModel(dynamics.Parameters()));
@@ -136,9 +138,7 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
     : dynamics_(AveragedDynamics(data, dynamics)),
       data_(OnlyModes(data, ModesInUse(data, dynamics))),
       layout_(layout) {
-  std::string error;
   int num_residuals = 0;
-  CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
   for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {
     const int free = layout.FreeIndex(change.parameter);
     if (free < 0 || change.group->target == MatrixGroup::Target::kDamping) {

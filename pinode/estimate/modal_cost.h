@@ -49,6 +49,9 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
             const ParameterLayout& layout);
 
+  // The modes in use.
+  const ModalData& data() const { return data_; }
+
   // Of the shapes: unknowns that the residuals have used up.
   int num_eliminated() const { return num_eliminated_; }
 

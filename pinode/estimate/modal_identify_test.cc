@@ -229,6 +229,37 @@ TEST(ModalIdentify, WidensIntervalsWhereModesAreNotMet) {
   EXPECT_NEAR(covered / (3.0 * trials), 0.95, 0.03);
 }
 
+// What is left of the modes says nothing of a prior.
+TEST(ModalIdentify, LeavesPriorsAsTheyAre) {
+  const auto chain = testing::MakeGroupedChain(3, 40.0, 0.1);
+  auto dynamics =
+      std::make_shared<StructuralDynamics>(chain->model(), chain->inputs());
+  std::string error;
+  for (size_t j = 0; j < 2; ++j) {
+    ASSERT_TRUE(dynamics->AddGroup(chain->groups()[j], &error)) << error;
+  }
+  // No mode sees it.
+  GroupTerm unseen = chain->groups()[2];
+  unseen.group.matrix.setZero();
+  unseen.alpha.prior_sigma = 0.05;
+  ASSERT_TRUE(dynamics->AddGroup(unseen, &error)) << error;
+  ModalFit fit;
+  fit.problem.dynamics = dynamics;
+  fit.problem.modal.modes = Measure(*chain, Vector::Zero(3), 3, {0, 1, 2});
+  testing::Gaussian random(4);
+  for (MeasuredMode& mode : fit.problem.modal.modes) {
+    mode.frequency_sigma = 0.0001 * mode.frequency;
+    mode.frequency *= 1.0 + 0.01 * random.Next();
+    mode.shape_sigma = 0.001;
+    mode.shape += 0.05 * random.Draw(3);
+  }
+  fit.Run();
+  ASSERT_EQ(fit.summary.remarks.size(), 1u);
+  EXPECT_THAT(fit.summary.remarks[0], HasSubstr("are met worse than"));
+  EXPECT_NEAR(fit.summary.parameters[2].sigma, 0.05, 1e-6);
+  EXPECT_GT(fit.summary.parameters[0].sigma, 0.003);
+}
+
 // With weights alone the residuals say how large the errors are: Student's
 // intervals, which cover as well.
 TEST(ModalIdentify, EstimatesTheErrorsOfWeightedModes) {

@@ -77,31 +77,38 @@ double ResidualsLeft(const ModalCost& modal, double effective_parameters,
 }
 
 // What is left over says how large the errors of modes are, as it does for
-// channels.
-void ScaleToResiduals(double cost, double left,
+// channels: so many times the variances that they were given, while priors stay
+// what they are. H^-1 (s H_modes + H_priors) H^-1, with H the sum of the two.
+bool ScaleToResiduals(const Vector& free, double left, ModalCost* modes,
                       CovarianceEstimate* covariance) {
-  covariance->covariance *= 2.0 * cost / left;
+  CondensedSystem system;
+  if (!modes->Linearize(free, &system)) return false;
+  const double scale = 2.0 * system.cost / left;
+  const Matrix inverse = covariance->covariance;
+  covariance->covariance += (scale - 1.0) * inverse * system.hessian * inverse;
   covariance->quantile = StudentQuantile(left);
+  return covariance->covariance.allFinite();
 }
 
 // Of a fit to modes alone. Where nothing is left there is no covariance without
 // standard deviations of theirs.
-void JudgeModes(const ModalData& data, const ModalCost& modal, bool* known,
+void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
                 CovarianceEstimate* covariance,
                 IdentificationSummary* summary) {
   const double cost = summary->final_modal_cost;
   const double left =
-      ResidualsLeft(modal, summary->effective_parameters, *covariance);
-  if (!data.HasSigmas()) {
-    *known = left >= 0.5;
-    if (*known) ScaleToResiduals(cost, left, covariance);
+      ResidualsLeft(*modes, summary->effective_parameters, *covariance);
+  if (!modes->data().HasSigmas()) {
+    *known = left >= 0.5 && ScaleToResiduals(free, left, modes, covariance);
     return;
   }
+  // A weight says nothing of the size of a residual.
+  if (!modes->data().HasSigmasOfAll()) return;
   if (left < 0.5 ||
       ChiSquareProbability(2.0 * cost, left) >= kLeastModalProbability) {
     return;
   }
-  ScaleToResiduals(cost, left, covariance);
+  *known = ScaleToResiduals(free, left, modes, covariance);
   summary->remarks.push_back(
       "The measured modes are met worse than their standard deviations say "
       "(chi^2 " +
@@ -125,7 +132,7 @@ void ReportModes(const IdentificationProblem& problem,
   const std::string left_out = ModesLeftOut(summary->modes);
   if (!left_out.empty()) summary->remarks.push_back(left_out);
   if (*known && problem.num_train_records() == 0 && problem.ambient.empty()) {
-    JudgeModes(problem.modal, *modes, known, covariance, summary);
+    JudgeModes(layout.Free(parameters), modes, known, covariance, summary);
   }
 }
 

@@ -289,11 +289,11 @@ void ReportOutcome(const IdentificationProblem& problem,
   ScoreRecords(problem, options, layout.InitialValues(), certainty.starts,
                summary, model);
   summary->remarks = SignRemarks(problem, model->parameters);
-  BandPredictions(problem, options, certainty, *model, summary);
   if (!problem.modal.empty()) {
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
                 &certainty.known, &certainty.covariance, summary);
   }
+  BandPredictions(problem, options, certainty, *model, summary);
   ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);
   summary->forces = EstimateForces(

@@ -58,6 +58,15 @@ bool HasTrainRecord(const IdentificationSummary& summary) {
 // Empty: each measured mode that was used is still like its partner. A fit that
 // holds a mode against another one of the model has moved parameters to no end.
 std::string WhyModesAreLost(const IdentificationSummary& summary) {
+  const auto used =
+      std::count_if(summary.modes.begin(), summary.modes.end(),
+                    [](const ModeScore& mode) { return mode.InUse(); });
+  if (2 * used < static_cast<std::ptrdiff_t>(summary.modes.size())) {
+    return "of " + std::to_string(summary.modes.size()) +
+           " measured modes only " + std::to_string(used) +
+           " are like any of the model before: wrong units, places or signs of "
+           "sensors, or another structure";
+  }
   for (const ModeScore& mode : summary.modes) {
     if (!mode.InUse()) continue;
     const double ratio = mode.updated.frequency / mode.frequency;
@@ -68,8 +77,7 @@ std::string WhyModesAreLost(const IdentificationSummary& summary) {
     }
     std::ostringstream reason;
     reason << "no mode of the model that was found is like measured mode '"
-           << mode.name
-           << "' (the nearest: "
+           << mode.name << "' (the nearest: "
            << (std::isfinite(ratio)
                    ? FormatNumber(100.0 * (ratio - 1.0), 2) + " % in frequency"
                    : "without a frequency");

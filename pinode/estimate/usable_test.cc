@@ -87,6 +87,8 @@ TEST(Usable, SaysWhatIsMissing) {
   summary = GoodSummary();
   summary.records.clear();
   summary.modes.resize(1);
+  summary.modes[0].frequency = 2.0;
+  summary.modes[0].updated = {0, 2.0, 1.0};
   summary.initial_modal_cost = summary.final_modal_cost = 1.0;
   EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
 }
@@ -101,7 +103,13 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   mode.frequency = 2.0;
   summary.modes = {mode};
   JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "what was not used says nothing";
+  EXPECT_FALSE(summary.usable);
+  EXPECT_THAT(summary.message,
+              HasSubstr("of 1 measured modes only 0 are like any"));
+  summary.modes.push_back(mode);
+  summary.modes[1].updated = {1, 2.0, 1.0};
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "half of them are enough";
   ModeMatch& match = summary.modes[0].updated;
   match = {0, 2.6, 0.6};
   JudgeUsable(GapTuning(), &summary);

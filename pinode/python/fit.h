@@ -57,9 +57,10 @@ void CheckFit(const CaseHandle& handle);
 // The options of the case with the request's threads.
 void SetThreads(const FitRequest& request, Case* c);
 
-// Writes a result folder as the programs do, report included, and ends it.
+// Writes what the programs do to a result folder, report included; the caller
+// commits it.
 [[nodiscard]] bool WriteFit(const Fit& fit, const FolderExtras& extras,
-                            ResultFolder* folder, std::string* error);
+                            const ResultFolder& folder, std::string* error);
 
 // One file a part of the module; each adds to it what its name says.
 void BindCase(pybind11::module_* module);

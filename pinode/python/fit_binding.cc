@@ -108,7 +108,10 @@ std::shared_ptr<Fit> IdentifyCase(const CaseHandle& handle, const Fit* begin,
     }
     fit->seconds = std::chrono::duration<double>(Clock::now() - begun).count();
     fit->troubles = python.troubles();
-    if (folder.writes()) ok = WriteFit(*fit, request.extras, &folder, &error);
+    if (folder.writes()) {
+      ok = WriteFit(*fit, request.extras, folder, &error) &&
+           folder.Commit(&error);
+    }
   });
   Require(ok, error);
   return fit;
@@ -339,9 +342,9 @@ void SetThreads(const FitRequest& request, Case* c) {
   Require(c->options.IsValid(&error), error);
 }
 
-bool WriteFit(const Fit& fit, const FolderExtras& extras, ResultFolder* folder,
-              std::string* error) {
-  const std::string& path = folder->working_path();
+bool WriteFit(const Fit& fit, const FolderExtras& extras,
+              const ResultFolder& folder, std::string* error) {
+  const std::string& path = folder.working_path();
   IdentificationSummary summary = fit.summary;
   if (!extras.deck.empty()) {
     std::string remark;
@@ -357,7 +360,7 @@ bool WriteFit(const Fit& fit, const FolderExtras& extras, ResultFolder* folder,
   ReportInput report = ReportOf(fit);
   report.summary = &summary;
   if (picture.has_value()) report.structure = &*picture;
-  return WriteCaseResult(fit.c, summary, fit.model, *folder, error) &&
+  return WriteCaseResult(fit.c, summary, fit.model, folder, error) &&
          (fit.damage == nullptr ||
           WriteFileAtomically(path + "/damage.json", DamageAsJson(*fit.damage),
                               error)) &&
@@ -365,8 +368,7 @@ bool WriteFit(const Fit& fit, const FolderExtras& extras, ResultFolder* folder,
           WriteDiscoverFiles(*fit.discovery, path, error)) &&
          WriteVtu(picture, path, error) &&
          WriteHtmlReport(report, options, path + "/report.html", error) &&
-         (!extras.mat || WriteMatlabResults(path, error)) &&
-         folder->Commit(error);
+         (!extras.mat || WriteMatlabResults(path, error));
 }
 
 void BindFit(py::module_* module) {
@@ -428,7 +430,8 @@ void BindFit(py::module_* module) {
               py::gil_scoped_release release;
               ok = (deck.empty() || CheckDeck(fit.c, deck, &error)) &&
                    folder.Open(path, overwrite, /*resume=*/false, &error) &&
-                   WriteFit(fit, {mat, deck}, &folder, &error);
+                   WriteFit(fit, {mat, deck}, folder, &error) &&
+                   folder.Commit(&error);
             }
             Require(ok, error);
           },

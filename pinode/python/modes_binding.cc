@@ -325,6 +325,14 @@ void BindModes(py::module_* module) {
                    : std::string();
       });
   module->def(
+      "check_output_folder",
+      [](const std::string& path, bool overwrite) {
+        std::string error;
+        Require(CheckOutputFolder(path, overwrite, /*resume=*/false, &error),
+                error);
+      },
+      py::arg("path"), py::arg("overwrite"));
+  module->def(
       "toml_tree",
       [](const std::string& path) {
         std::string text;

@@ -1,6 +1,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@
 #include "pinode/case/discover_files.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/case/matlab_results.h"
+#include "pinode/case/refit_checkpoint.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
 #include "pinode/discover/equation_values.h"
@@ -202,6 +204,11 @@ std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
   return baselines;
 }
 
+double SecondsSince(std::chrono::steady_clock::time_point begun) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun)
+      .count();
+}
+
 void KeepJudgement(JudgedChange judgement, Fit* fit) {
   if (judgement.judged) {
     auto damage = std::make_shared<DamageResult>(std::move(judgement.result));
@@ -248,6 +255,7 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
       error);
   PythonWatch python(request.callback);
   JudgedChange judgement;
+  const auto begun = std::chrono::steady_clock::now();
   bool ok = true;
   python.Run([&] {
     const FitWatch watch = python.watch();
@@ -257,76 +265,123 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
     judgement =
         JudgeChange(fit->summary, fit->model, healthy, change, watch, &fit->c);
     fit->troubles = python.troubles();
+    fit->seconds = SecondsSince(begun);
     KeepJudgement(std::move(judgement), fit.get());
-    ok = !folder.writes() || WriteFit(*fit, request.extras, &folder, &error);
+    ok = !folder.writes() || (WriteFit(*fit, request.extras, folder, &error) &&
+                              folder.Commit(&error));
   });
   Require(ok, error);
   return fit;
+}
+
+// The case of a discovery, with the options of `handle`. Throws Error where
+// there is nothing to discover equations from.
+Case CaseToDiscover(const CaseHandle& handle, const Fit* fit,
+                    const FitRequest& request) {
+  CheckFit(handle);
+  Case c = fit != nullptr ? fit->c : handle.c;
+  SetThreads(request, &c);
+  c.discover = handle.c.discover;
+  c.discover.num_threads = c.options.num_threads;
+  if (c.problem.num_train_records() == 0) {
+    throw Error("no training record, expected one to discover equations from");
+  }
+  if (c.discover.source == DiscoveryOptions::Source::kNetwork &&
+      fit == nullptr) {
+    throw Error(
+        "equations come from the networks of a fit, expected one, or "
+        "source = 'derivatives'");
+  }
+  return c;
+}
+
+// `equations` in place of the networks, refitted where the case asks for it:
+// into *result, which has the model that they are found from.
+bool PutInPlace(const Case& c, const std::vector<DiscoveredEquation>& equations,
+                const FitWatch& watch, RefitCheckpoint* checkpoint, Fit* result,
+                Discovery* discovery, std::string* error) {
+  *discovery = WithoutRefit(c.problem, equations);
+  result->c = c;
+  if (discovery->num_terms() == 0) return true;
+  const IdentifiedModel model = result->model;
+  if (!c.discover.refit) {
+    IdentificationProblem problem;
+    return MakeDiscoveredProblem(c.problem, model, equations, {}, &problem,
+                                 &result->model, error) &&
+           CaseWithEquations(c, equations, problem, /*given_steps=*/false,
+                             &result->c, error);
+  }
+  std::vector<DiscoveredEquation> resumed;
+  if (!checkpoint->Read(equations, &resumed, error)) return false;
+  DiscoveryOptions discover = c.discover;
+  discover.on_equations = [checkpoint](
+                              int, const std::vector<DiscoveredEquation>& now) {
+    checkpoint->Save(now);
+  };
+  IdentificationOptions options = c.options;
+  options.callback = [&watch](const IdentificationProgress& progress) {
+    return watch.on_iteration("refit", progress);
+  };
+  if (!RefitEquations(c.problem, model, equations, discover, options,
+                      resumed.empty() ? nullptr : &resumed, discovery, error) ||
+      !CaseWithEquations(c, discovery->equations, discovery->problem,
+                         /*given_steps=*/true, &result->c, error)) {
+    return false;
+  }
+  result->summary = discovery->summary;
+  result->model = discovery->model;
+  return true;
 }
 
 // The terms of networks of `fit` (null: of what the records say), refitted
 // where the case asks for it.
 std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
                                   const FitRequest& request) {
-  CheckFit(handle);
-  auto result = std::make_shared<Fit>();
-  Case c = fit != nullptr ? fit->c : handle.c;
-  SetThreads(request, &c);
-  c.discover = handle.c.discover;
-  c.discover.num_threads = c.options.num_threads;
+  const Case c = CaseToDiscover(handle, fit, request);
   const bool networks = c.discover.source == DiscoveryOptions::Source::kNetwork;
-  if (c.problem.num_train_records() == 0) {
-    throw Error("no training record, expected one to discover equations from");
-  }
-  if (networks && fit == nullptr) {
-    throw Error(
-        "equations come from the networks of a fit, expected one, or "
-        "source = 'derivatives'");
-  }
-  PythonWatch python(request.callback);
-  IdentificationOptions options = c.options;
-  const FitWatch watch = python.watch();
-  options.callback = [&watch](const IdentificationProgress& progress) {
-    return watch.on_iteration("refit", progress);
-  };
-  auto discovery = std::make_shared<Discovery>();
+  ResultFolder folder;
   std::string error;
+  Require(
+      request.output.empty() || folder.Open(request.output, request.overwrite,
+                                            request.resume, &error),
+      error);
+  auto result = std::make_shared<Fit>();
+  auto discovery = std::make_shared<Discovery>();
+  PythonWatch python(request.callback);
+  const FitWatch watch = python.watch();
+  const auto begun = std::chrono::steady_clock::now();
   bool ok = false;
   python.Run([&] {
-    IdentifiedModel model;
-    if (fit != nullptr) model = fit->model;
+    RefitCheckpoint checkpoint(folder, c.problem);
+    if (fit != nullptr) result->model = fit->model;
     std::vector<DiscoveredEquation> equations;
-    ok = networks ? DiscoverFromNetworks(c.problem, model, c.discover,
-                                         &equations, &error)
-                  : DiscoverFromDerivatives(c.problem, c.discover, &equations,
-                                            &model, &error);
+    ok = (networks ? DiscoverFromNetworks(c.problem, result->model, c.discover,
+                                          &equations, &error)
+                   : DiscoverFromDerivatives(c.problem, c.discover, &equations,
+                                             &result->model, &error)) &&
+         PutInPlace(c, equations, watch, &checkpoint, result.get(),
+                    discovery.get(), &error);
     if (!ok) return;
-    *discovery = WithoutRefit(c.problem, equations);
-    result->c = c;
-    result->model = model;
-    if (discovery->num_terms() == 0) return;
-    if (c.discover.refit) {
-      ok = RefitEquations(c.problem, model, equations, c.discover, options,
-                          nullptr, discovery.get(), &error) &&
-           CaseWithEquations(c, discovery->equations, discovery->problem,
-                             /*given_steps=*/true, &result->c, &error);
-      result->summary = discovery->summary;
-      result->model = discovery->model;
-      return;
+    if (!discovery->refitted) {
+      result->summary.message = discovery->num_terms() == 0
+                                    ? "no term was found"
+                                    : "the equations were not refitted";
     }
-    IdentificationProblem problem;
-    ok = MakeDiscoveredProblem(c.problem, model, equations, {}, &problem,
-                               &result->model, &error) &&
-         CaseWithEquations(c, equations, problem, /*given_steps=*/false,
-                           &result->c, &error);
+    result->troubles = python.troubles();
+    result->seconds = SecondsSince(begun);
+    if (!checkpoint.trouble().empty()) {
+      result->troubles.push_back("no checkpoint: " + checkpoint.trouble());
+    }
+    result->discovery = discovery;
+    if (!folder.writes()) return;
+    const bool interrupted =
+        discovery->refitted &&
+        discovery->summary.termination == Termination::kInterrupted;
+    ok = WriteFit(*result, request.extras, folder, &error) &&
+         (!interrupted || checkpoint.Write(discovery->equations, &error)) &&
+         folder.Commit(&error);
   });
   Require(ok, error);
-  if (!discovery->refitted) {
-    result->summary.message = discovery->num_terms() == 0
-                                  ? "no term was found"
-                                  : "the equations were not refitted";
-  }
-  result->discovery = std::move(discovery);
   return result;
 }
 
@@ -348,10 +403,10 @@ py::list EquationSamples(const Fit& fit) {
       if (part.size() == 0) continue;
       py::dict entry;
       entry["output"] = equation.output;
-      entry["unit"] =
-          UnitName(equation.acts_as == ActsAs::kForce ? Dimension::kForce
-                                                      : Dimension::kAcceleration,
-                   units);
+      entry["unit"] = UnitName(equation.acts_as == ActsAs::kForce
+                                   ? Dimension::kForce
+                                   : Dimension::kAcceleration,
+                               units);
       entry["feature"] = equation.feature_names[f];
       entry["feature_unit"] = FeatureUnit(equation.features[f], units);
       entry["at"] = FromVector(
@@ -393,12 +448,16 @@ void BindStudy(py::module_* module) {
   module->def(
       "discover",
       [](const CaseHandle& handle, const Fit* fit, int threads,
-         const py::object& callback) {
-        return DiscoverCase(handle, fit,
-                            {threads, callback, "", false, false, {}});
+         const py::object& callback, const std::string& output, bool overwrite,
+         bool resume, bool mat) {
+        return DiscoverCase(
+            handle, fit,
+            {threads, callback, output, overwrite, resume, {mat, ""}});
       },
       py::arg("case"), py::arg("fit"), py::arg("threads") = 0,
-      py::arg("callback") = py::none());
+      py::arg("callback") = py::none(), py::arg("output") = "",
+      py::arg("overwrite") = false, py::arg("resume") = false,
+      py::arg("mat") = false);
   module->def(
       "damage_json",
       [](const Fit& fit) {

@@ -39,12 +39,23 @@ bool ReadMatrixVariable(const std::string& path, const std::string& variable,
   const NamedMatrix* chosen = nullptr;
   int count = 0;
   std::vector<std::string> names;
-  for (const NamedMatrix& candidate : container.matrices) {
-    names.push_back("'" + candidate.name + "'");
-    if (variable.empty() || LowerCase(candidate.name) == LowerCase(variable)) {
+  const auto choose = [&](const auto& fits) {
+    for (const NamedMatrix& candidate : container.matrices) {
+      if (!fits(candidate.name)) continue;
       chosen = &candidate;
       ++count;
     }
+  };
+  for (const NamedMatrix& candidate : container.matrices) {
+    names.push_back("'" + candidate.name + "'");
+  }
+  choose([&variable](const std::string& name) {
+    return variable.empty() || name == variable;
+  });
+  if (count == 0) {
+    choose([&variable](const std::string& name) {
+      return LowerCase(name) == LowerCase(variable);
+    });
   }
   if (count != 1) {
     *error = path + ": " +

@@ -13,9 +13,10 @@ namespace pinode {
 // (NumPy), .op4 (Nastran).
 bool HoldsMatricesByName(const std::string& path);
 
-// Reads the matrix `variable` of such a file, in any case of letters, sparse or
-// full; empty: its only one. Larger ones than ReadMatrix reads are refused. On
-// failure *matrix is untouched and *error begins with the path.
+// Reads the matrix `variable` of such a file, sparse or full, in any case of
+// letters where none is called exactly so; empty: its only one. Larger ones
+// than ReadMatrix reads are refused. On failure *matrix is untouched and *error
+// begins with the path.
 [[nodiscard]] bool ReadMatrixVariable(const std::string& path,
                                       const std::string& variable,
                                       Matrix* matrix, std::string* error);

@@ -57,6 +57,21 @@ TEST_F(MatrixVariableTest, IsFoundByName) {
   EXPECT_EQ(matrix, mass_);
 }
 
+// MATLAB tells M from m.
+TEST_F(MatrixVariableTest, ExactNamesComeFirst) {
+  const std::string both = folder_.Path("both.mat");
+  MatlabWriter writer(both);
+  writer.AddMatrix("m", 2.0 * mass_);
+  writer.AddMatrix("M", mass_);
+  std::string error;
+  ASSERT_TRUE(writer.Close(&error)) << error;
+  Matrix matrix;
+  ASSERT_TRUE(ReadMatrixVariable(both, "M", &matrix, &error)) << error;
+  EXPECT_EQ(matrix, mass_);
+  ASSERT_TRUE(ReadMatrixVariable(both, "m", &matrix, &error)) << error;
+  EXPECT_EQ(matrix, 2.0 * mass_);
+}
+
 TEST_F(MatrixVariableTest, RefusesInOneLine) {
   EXPECT_THAT(ErrorOf(path_, "C"),
               HasSubstr("no matrix 'C', expected 'variable' with one of 'M', "

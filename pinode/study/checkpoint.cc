@@ -71,6 +71,7 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
   }
   for (const LawTerm& term : dynamics.laws()) {
     hash->Add(term.type);
+    if (!term.identity.empty()) hash->Add(term.identity);
     hash->Add(term.outputs);
     hash->Add(static_cast<std::int64_t>(term.acts_as));
   }

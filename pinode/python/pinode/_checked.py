@@ -42,12 +42,15 @@ def install(module: Any) -> None:
 
 
 def _checked(function: Any, error: type[Exception]) -> Any:
+    name = function.__name__
+
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
         try:
             return function(*args, **kwargs)
         except TypeError as failure:
-            if "incompatible function arguments" not in str(failure):
+            # Not that of a callback that has called something else.
+            if not str(failure).startswith(f"{name}(): incompatible function arguments"):
                 raise
             sentence = _sentence(function.__doc__ or "", args, kwargs)
         raise error(sentence)

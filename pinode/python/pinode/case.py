@@ -332,15 +332,32 @@ class Case:
         threads: int = 0,
         progress: bool | None = None,
         callback: Progress | None = None,
+        output: str | os.PathLike[str] = "",
+        overwrite: bool = False,
+        resume: bool = False,
+        mat: bool = False,
     ) -> "Discovery":
         """Equations from the derivatives of smoothed records, without a fit
         (`discover={"source": "derivatives"}` of the case); those in place of
-        trained networks are asked of a Fit."""
+        trained networks are asked of a Fit.
+
+        output: a result folder, written as `pinode_discover` does, with a
+            checkpoint on the way from which `resume` goes on.
+        """
         from .result import Discovery
 
         with watched(progress, callback) as call:
             return Discovery(
-                _pinode.discover(self._handle, None, threads=threads, callback=call)
+                _pinode.discover(
+                    self._handle,
+                    None,
+                    threads=threads,
+                    callback=call,
+                    output=os.fspath(output),
+                    overwrite=overwrite,
+                    resume=resume,
+                    mat=mat,
+                )
             )
 
     def __repr__(self) -> str:

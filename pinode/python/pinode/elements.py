@@ -12,8 +12,8 @@ names.
       }
     };
     PINODE_ELEMENTS(library) {
-      // Internal states, parameters; of each its name and its dimension by powers
-      // of force, length and time.
+      // Internal states, parameters; of each its name, its dimension by powers of
+      // force, length and time, its limits, its default.
       pinode::AddElement<Sticky, 0, 3>(
           "sticky", {{"k", 1, -1, 0}, {"f", 1, 0, 0}, {"v0", 0, 1, -1, 1e-9}},
           library);
@@ -42,8 +42,8 @@ _PREFIXES = (Path(sys.prefix), Path("/usr/local"), Path("/usr"))
 
 
 def include_paths() -> list[str]:
-    """Where the headers of pinode, Ceres and Eigen are, as far as they are in one
-    of the usual places."""
+    """Where the headers of pinode and Eigen are, as far as they are in one of the
+    usual places; Ceres' are where the compiler looks by itself."""
     own = Path(__file__).parent / "include"
     places = [own, *(prefix / "include" for prefix in _PREFIXES)]
     pinode = [place for place in places if (place / _HEADER).exists()]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import functools
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -27,6 +29,11 @@ class IdentifiedModes(Sequence):
         self.places: list[str] = handle.places
         self.remarks: list[str] = handle.remarks
 
+    def __getstate__(self) -> dict[str, Any]:
+        # All that is shown; the records stay behind.
+        known = ("methods", "diagram", "spectra", "_case_modes", "_structure_html")
+        return {**self.__dict__, **{key: getattr(self, key) for key in known}, "_handle": None}
+
     @property
     def frequencies_hz(self) -> np.ndarray:
         return np.array([m["frequency_hz"] for m in self._modes])
@@ -42,19 +49,19 @@ class IdentifiedModes(Sequence):
             return np.zeros((len(self.places), 0), dtype=complex)
         return np.column_stack([m["shape"] for m in self._modes])
 
-    @property
+    @functools.cached_property
     def methods(self) -> dict[str, str]:
         """By record: "covariance_driven", "input_output", "ring_down", ..."""
         return self._handle.methods
 
-    @property
+    @functools.cached_property
     def diagram(self) -> list[dict[str, Any]]:
         """The stabilisation diagram: of each record, at each rate at which it was
         looked at, its poles by columns (order, frequency_hz, frequency_sigma,
         damping_ratio, mode: of that record, -1 for none)."""
         return self._handle.diagram
 
-    @property
+    @functools.cached_property
     def spectra(self) -> dict[str, dict[str, Any]]:
         """Of each record its channels; singular_values (3 x singular_hz) of all of
         them; and measured and modelled densities (channels x frequency_hz, unit of
@@ -65,13 +72,23 @@ class IdentifiedModes(Sequence):
     def for_case(self) -> list[dict[str, Any]]:
         """`modes` of a Case: frequencies with sigmas, shapes with covariances, at
         DOFs that are called as the places are."""
+        return copy.deepcopy(self._case_modes)
+
+    @functools.cached_property
+    def _case_modes(self) -> list[dict[str, Any]]:
         return self._handle.for_case()
+
+    @functools.cached_property
+    def _structure_html(self) -> str:
+        return self._handle.structure_html
 
     def save(
         self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
     ) -> None:
         """A result folder, as `pinode_modes` writes it, with the report; `mat`:
         with results.mat, for MATLAB and Octave."""
+        if self._handle is None:
+            raise Error("modes from a pickle are without their records: save the folder before")
         self._handle.save(os.fspath(folder), overwrite, mat)
 
     def figures(self) -> "dict[str, Any]":
@@ -91,7 +108,7 @@ class IdentifiedModes(Sequence):
         """The modes moving, where the case has a [geometry]."""
         from .result import StructureView
 
-        section = self._handle.structure_html
+        section = self._structure_html
         if not section:
             raise Error("nobody knows where the structure is, expected a geometry")
         return StructureView(section)
@@ -169,12 +186,21 @@ def identify_modes(
         "pick": None if pick is None else _as_list("pick", pick),
     }
     options = {key: value for key, value in options.items() if value is not None}
+    output = os.fspath(output)
+    if output:
+        _pinode.check_output_folder(output, overwrite)
+    one = {"step": step, "names": names, "quantity": quantity, "loads": loads,
+           "free_decay": free_decay}
     handle = _of_case(records, options)
-    if handle is None:
-        one = {"step": step, "quantity": quantity, "loads": loads, "free_decay": free_decay}
-        setups = records if isinstance(records, Mapping) else {
-            "record": {"values": records, "names": names}
-        }
+    if handle is not None:
+        given = [key for key, value in {**one, "title": title or None}.items()
+                 if value is not None and value is not False
+                 and not (key == "quantity" and isinstance(value, str)
+                          and value == "acceleration")]
+        if given:
+            raise Error(f"a case says itself what its records are, expected no {given[0]}")
+    else:
+        setups = records if isinstance(records, Mapping) else {"record": {"values": records}}
         handle = _pinode.ModesHandle.from_setups(
             [_setup(str(name), setup, one) for name, setup in setups.items()],
             options,
@@ -182,7 +208,7 @@ def identify_modes(
         )
     handle.find(threads)
     found = IdentifiedModes(handle)
-    if os.fspath(output):
+    if output:
         found.save(output, overwrite=overwrite)
     return found
 
@@ -214,7 +240,7 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
         raise Error(f"set-up '{name}': expected {{'values': ..., 'step': ...}}")
     values = _columns(setup["values"])
     count = values.shape[1] if values.ndim == 2 else 0
-    places = setup.get("names")
+    places = setup.get("names", one["names"])
     places = [f"a{i + 1}" for i in range(count)] if places is None else list(places)
     step = setup.get("step", one["step"])
     if step is None:

@@ -313,16 +313,29 @@ class Fit(_Outcome):
         threads: int = 0,
         progress: bool | None = None,
         callback: Progress | None = None,
+        output: str | os.PathLike[str] = "",
+        overwrite: bool = False,
+        resume: bool = False,
+        mat: bool = False,
     ) -> "Discovery":
         """Closed-form equations in place of the networks of the model.
 
         options: as [discover] of a case file; those of the case unless given.
+        output: a result folder, written as `pinode_discover` does, with a
+            checkpoint on the way from which `resume` goes on.
         """
         case = self.case if options is None else self.case.replace(discover=dict(options))
         with watched(progress, callback) as call:
             return Discovery(
                 _pinode.discover(
-                    case._handle, self._handle, threads=threads, callback=call
+                    case._handle,
+                    self._handle,
+                    threads=threads,
+                    callback=call,
+                    output=os.fspath(output),
+                    overwrite=overwrite,
+                    resume=resume,
+                    mat=mat,
                 )
             )
 

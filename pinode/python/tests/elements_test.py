@@ -87,12 +87,32 @@ def test_is_identified_written_and_pickled(library, displacement, tmp_path):
     assert again.to_dict()["element"][0]["file"].endswith("soil.so")
 
 
+def test_is_the_law_that_was_built_last(library, displacement, tmp_path):
+    stiffer = str(tmp_path / "soil.so")
+    for factor in ("1.0", "3.0"):
+        path = pinode.elements.build(SOURCE.replace("p[0] * q[0]", f"{factor} * p[0] * q[0]"),
+                                     stiffer, include=[os.environ["PINODE_SOURCE_DIR"]])
+        softest = np.abs(case(path, None).simulate()["r"]["channels"]["x"]).max()
+        if factor == "1.0":
+            assert softest == pytest.approx(np.abs(displacement).max(), rel=1e-3)
+    assert softest < 0.95 * np.abs(displacement).max()
+    # A fit of the other law is not gone on from.
+    unknown = {"k": pinode.Unknown(80.0, lower=0.0)}
+    out = tmp_path / "out"
+    case(library, displacement, **unknown).identify(output=out, callback=lambda state: False)
+    with pytest.raises(pinode.Error, match="another"):
+        case(path, displacement, **unknown).identify(output=out, resume=True)
+
+
 def test_what_is_wrong_is_said(library, displacement, tmp_path):
     with pytest.raises(pinode.Error, match="'stif'"):
         case(library, displacement, stif=3.0)
     with pytest.raises(pinode.Error, match="there is no element 'sand', expected one of 'soil'"):
         pinode.Case(pinode.Model([[1.0]], [[1.0]], dofs=["u1"]),
                     elements=[pinode.Element("s", "sand", ("ground", "u1"), file=library)])
+    with pytest.raises(pinode.Error, match="'d0' needs a value"):
+        pinode.Case(pinode.Model([[1.0]], [[1.0]], dofs=["u1"]), elements=[
+            pinode.Element("s", "soil", ("ground", "u1"), {"k": 1.0, "f": 0.0}, file=library)])
     with pytest.raises(pinode.Error, match="none.so: cannot be opened"):
         case(str(tmp_path / "none.so"), displacement)
     with pytest.raises(pinode.Error, match="cannot compile the elements: source:1:.*error"):

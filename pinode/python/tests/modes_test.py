@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import subprocess
 from pathlib import Path
 
@@ -66,6 +67,12 @@ def test_of_wind(rows):
     assert list(frame["frequency_hz"]) == list(modes.frequencies_hz)
     assert np.allclose(frame["u2"], modes.shapes[1].real)
     assert "damping ratio" in modes._repr_html_()
+    other = pickle.loads(pickle.dumps(modes))
+    assert np.array_equal(other.shapes, modes.shapes)
+    assert set(other.figures()) == set(modes.figures())
+    assert other.for_case()[0]["frequency"] == modes.for_case()[0]["frequency"]
+    with pytest.raises(pinode.Error, match="from a pickle"):
+        other.save("nowhere")
     with pytest.raises(pinode.Error, match="expected a geometry"):
         modes.structure()
 
@@ -109,6 +116,13 @@ def test_of_a_case_as_the_program_finds_them(tmp_path):
     assert [m["frequency_hz"] for m in ours["modes"]] == pytest.approx(modes.frequencies_hz)
     with pytest.raises(pinode.Error, match="exists"):
         modes.save(tmp_path / "ours")
+    # Before anything is identified.
+    with pytest.raises(pinode.Error, match="exists"):
+        pinode.identify_modes(np.zeros((4, 1)), step=-1.0, output=tmp_path / "ours")
+    with pytest.raises(pinode.Error, match="expected no free_decay"):
+        pinode.identify_modes(CASE, free_decay=True)
+    with pytest.raises(pinode.Error, match="expected no loads"):
+        pinode.identify_modes(CASE, loads=np.zeros((4, 1)))
     modes.save(tmp_path / "ours", overwrite=True)
 
 

@@ -115,6 +115,29 @@ def test_networks_become_equations():
     assert other.terms == found.terms
 
 
+def test_discovery_with_a_folder_that_goes_on(tmp_path):
+    fit = oscillator(
+        networks=[pinode.Network("nn", ["x[u1]", "v[u1]"], ["u1"], layers=[8])],
+        options={"max_iterations": 60}).identify()
+    stopped = fit.discover(output=tmp_path / "out", callback=lambda state: False)
+    assert stopped.termination == "interrupted"
+    assert (tmp_path / "out/checkpoint.json").exists()
+    with pytest.raises(pinode.Error, match="exists"):
+        fit.discover(output=tmp_path / "out")
+    found = fit.discover(output=tmp_path / "out", resume=True, mat=True)
+    assert found.termination == "converged"
+    assert found.terms["u1"]["x[u1]^3"] == pytest.approx(-3000.0, rel=0.05)
+    assert json.loads((tmp_path / "out/discover.json").read_text()) == found.discovery_json
+    for name in ("report.html", "result.json", "equations.txt", "results.mat"):
+        assert (tmp_path / "out" / name).exists()
+    # Another discovery's checkpoint is not gone on from.
+    fit.discover(output=tmp_path / "other", callback=lambda state: False)
+    with pytest.raises(pinode.Error, match="checkpoint"):
+        oscillator(networks=[pinode.Network("mm", ["x[u1]"], ["u1"], layers=[4])],
+                   options={"max_iterations": 20}).identify().discover(
+                       output=tmp_path / "other", resume=True)
+
+
 def test_measured_modes_alone():
     true = frame_testing.STIFFNESS - 0.1 * frame_testing.STOREYS[0]
     values, shapes = scipy.linalg.eigh(true, frame_testing.MASS)
