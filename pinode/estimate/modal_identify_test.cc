@@ -238,9 +238,9 @@ TEST(ModalIdentify, LeavesPriorsAsTheyAre) {
   for (size_t j = 0; j < 2; ++j) {
     ASSERT_TRUE(dynamics->AddGroup(chain->groups()[j], &error)) << error;
   }
-  // No mode sees it.
+  // Modes are undamped: none sees it.
   GroupTerm unseen = chain->groups()[2];
-  unseen.group.matrix.setZero();
+  unseen.group.target = MatrixGroup::Target::kDamping;
   unseen.alpha.prior_sigma = 0.05;
   ASSERT_TRUE(dynamics->AddGroup(unseen, &error)) << error;
   ModalFit fit;
