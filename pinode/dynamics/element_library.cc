@@ -63,7 +63,12 @@ void* Load(const std::string& content, const std::string& fingerprint,
   const std::lock_guard<std::mutex> lock(mutex);
   const auto known = loaded.find(fingerprint);
   if (known != loaded.end()) return known->second;
-  std::string name = std::filesystem::temp_directory_path() / "pinode-XXXXXX";
+  std::error_code status;
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path(status);
+  std::string name =
+      ((status ? std::filesystem::path("/tmp") : folder) / "pinode-XXXXXX")
+          .string();
   const int file = mkstemp(name.data());
   if (file < 0) {
     *reason = "no temporary file can be made";
