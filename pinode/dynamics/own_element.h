@@ -69,6 +69,7 @@ void AddElement(const std::string& type,
 
 }  // namespace pinode
 
+// NOLINTNEXTLINE(bugprone-macro-parentheses): the name of a parameter.
 #define PINODE_ELEMENTS(library)                                         \
   extern "C" __attribute__((visibility("default"))) unsigned long        \
   PinodeElementInterface() {                                             \

@@ -178,7 +178,7 @@ std::string WhyNotCarriedOver(const IdentificationSummary& summary) {
 // Empty: it is.
 std::string WhyNotUsable(const GapTuning& tuning,
                          const IdentificationSummary& summary) {
-  const std::string not_predicted = WhyNotPredicted(summary);
+  std::string not_predicted = WhyNotPredicted(summary);
   if (!not_predicted.empty()) return not_predicted;
   if (TrainingError(summary) > 1.001 * summary.linear_error) {
     return "the training records are predicted worse than by the linear terms "
@@ -189,7 +189,7 @@ std::string WhyNotUsable(const GapTuning& tuning,
         WhyModesAreLost(summary)}) {
     if (!objection.empty()) return objection;
   }
-  const std::string explained = WhyLoadsExplainAll(summary);
+  std::string explained = WhyLoadsExplainAll(summary);
   if (!explained.empty()) return explained;
   std::ostringstream reason;
   for (const AmbientScore& score : summary.ambient) {

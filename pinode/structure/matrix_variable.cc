@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/mat_file.h"
 #include "pinode/structure/matrix_container.h"
