@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -12,6 +11,7 @@
 #include <system_error>
 
 #include "pinode/base/file.h"
+#include "pinode/base/fnv.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/own_element.h"
 
@@ -46,11 +46,8 @@ bool IsSound(const ElementLibrary::Element& element, std::string* error) {
 }
 
 std::string Fingerprint(const std::string& content) {
-  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-  for (const char letter : content) {
-    hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001b3u;
-  }
-  return std::to_string(hash) + " " + std::to_string(content.size());
+  return std::to_string(Fnv1a(content.data(), content.size())) + " " +
+         std::to_string(content.size());
 }
 
 // The code of a library with this content. A private copy is loaded: of a path

@@ -24,6 +24,10 @@ constexpr double kMostHoldoutGrowth = 3.0;
 // logarithm of the ratio of frequencies, and the MAC.
 constexpr double kMostModeDistance = 0.3;
 constexpr double kLeastModeMac = 0.5;
+// Where the farthest frequency is off by more than this and by more than so
+// many times what the model before left, shapes have driven it there.
+constexpr double kFrequencyMet = 0.02;
+constexpr double kMostFrequencyGrowth = 2.0;
 
 // Empty: every record is predicted well enough.
 std::string WhyNotPredicted(const IdentificationSummary& summary) {
@@ -90,6 +94,28 @@ std::string WhyModesAreLost(const IdentificationSummary& summary) {
     return reason.str();
   }
   return "";
+}
+
+// Empty: frequencies are not met much worse than by the model before.
+std::string WhyFrequenciesAreWorse(const IdentificationSummary& summary) {
+  double before = 0.0;
+  double after = 0.0;
+  for (const ModeScore& mode : summary.modes) {
+    if (!mode.InUse()) continue;
+    const auto error = [&mode](const ModeMatch& match) {
+      return std::abs(match.frequency / mode.frequency - 1.0);
+    };
+    before = std::max(before, error(mode.initial));
+    after = std::max(after, error(mode.updated));
+  }
+  if (after <= std::max(kFrequencyMet, kMostFrequencyGrowth * before)) {
+    return "";
+  }
+  return "measured frequencies are met within " +
+         FormatNumber(100.0 * after, 2) + " %, by the model before within " +
+         FormatNumber(100.0 * before, 2) +
+         " %: shapes and frequencies contradict each other; a sensor's sign, "
+         "place or direction, or standard deviations that are too small";
 }
 
 // Of a fit to ambient records alone: empty where one of them tells something of
@@ -186,7 +212,7 @@ std::string WhyNotUsable(const GapTuning& tuning,
   }
   for (const std::string& objection :
        {WhyNotLearned(summary), WhyNotCarriedOver(summary),
-        WhyModesAreLost(summary)}) {
+        WhyModesAreLost(summary), WhyFrequenciesAreWorse(summary)}) {
     if (!objection.empty()) return objection;
   }
   std::string explained = WhyLoadsExplainAll(summary);

@@ -93,6 +93,30 @@ TEST(Usable, SaysWhatIsMissing) {
   EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
 }
 
+// As where a sensor is upside down: shapes drive frequencies away.
+TEST(Usable, FrequenciesAreNotDrivenAway) {
+  IdentificationSummary summary = GoodSummary();
+  summary.records.clear();
+  summary.initial_modal_cost = 2.0;
+  summary.final_modal_cost = 1.0;
+  ModeScore mode;
+  mode.name = "sway";
+  mode.frequency = 1.0;
+  mode.initial = {0, 1.006, 0.7};
+  mode.updated = {0, 1.08, 0.9};
+  summary.modes = {mode, mode};
+  summary.modes[1].updated.frequency = 1.0;
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("within 8 %, by the model before within 0.6 %"));
+  summary.modes[0].updated.frequency = 1.019;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "two per cent are met";
+  summary.modes[0].initial.frequency = 0.95;
+  summary.modes[0].updated.frequency = 1.08;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "it was not met before";
+}
+
 TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   IdentificationSummary summary = GoodSummary();
   summary.records.clear();
@@ -101,6 +125,7 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   ModeScore mode;
   mode.name = "sway";
   mode.frequency = 2.0;
+  mode.initial = {0, 3.0, 0.9};
   summary.modes = {mode};
   JudgeUsable(GapTuning(), &summary);
   EXPECT_FALSE(summary.usable);

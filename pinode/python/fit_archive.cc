@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/fnv.h"
 #include "pinode/report/report.h"
 
 namespace pinode::python {
@@ -369,15 +370,6 @@ void VisitOne(Archive* a, RecordSteps& value) {
   Visit(a, substeps, chosen, exponential_steps, integrator);
 }
 
-// FNV-1a: what was cut off or mixed up is not taken for a fit.
-std::uint64_t Checksum(const char* data, size_t size) {
-  std::uint64_t sum = 14695981039346656037u;
-  for (size_t i = 0; i < size; ++i) {
-    sum = (sum ^ static_cast<unsigned char>(data[i])) * 1099511628211u;
-  }
-  return sum;
-}
-
 template <typename Archive>
 void VisitFit(Archive* a, std::string* version, std::vector<RecordSteps>* steps,
               Fit* fit) {
@@ -416,7 +408,8 @@ std::string PackFit(const Fit& fit) {
   VisitPart(&packer, fit, &copy.damage);
   VisitPart(&packer, fit, &copy.discovery);
   std::string bytes = packer.Take();
-  const std::uint64_t sum = Checksum(bytes.data(), bytes.size());
+  // What was cut off or mixed up is not taken for a fit.
+  const std::uint64_t sum = Fnv1a(bytes.data(), bytes.size());
   bytes.append(reinterpret_cast<const char*>(&sum), sizeof(sum));
   return bytes;
 }
@@ -426,7 +419,7 @@ bool UnpackFit(const std::string& packed, Fit* fit) {
   if (packed.size() < sizeof(sum)) return false;
   const std::string bytes = packed.substr(0, packed.size() - sizeof(sum));
   std::memcpy(&sum, packed.data() + bytes.size(), sizeof(sum));
-  if (sum != Checksum(bytes.data(), bytes.size())) return false;
+  if (sum != Fnv1a(bytes.data(), bytes.size())) return false;
   Unpacker unpacker(bytes);
   std::string version;
   std::vector<RecordSteps> steps;

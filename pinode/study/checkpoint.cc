@@ -2,17 +2,15 @@
 
 #include <cstdint>
 
+#include "pinode/base/fnv.h"
+
 namespace pinode {
 namespace {
 
-// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
 class Hash {
  public:
   void Add(const void* data, size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (size_t i = 0; i < size; ++i) {
-      state_ = (state_ ^ bytes[i]) * 0x100000001b3u;
-    }
+    state_ = Fnv1a(data, size, state_);
   }
   void Add(const std::string& text) {
     Add(static_cast<std::int64_t>(text.size()));
@@ -50,7 +48,7 @@ class Hash {
   }
 
  private:
-  std::uint64_t state_ = 0xcbf29ce484222325u;
+  std::uint64_t state_ = kFnvStart;
 };
 
 void Add(const StructuralDynamics& dynamics, Hash* hash) {

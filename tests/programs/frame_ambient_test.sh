@@ -94,3 +94,8 @@ Run 0 pinode_update --case=pump.toml --output_dir=P --progress=false
 grep -q "does not use 'pump'" stdout || Fail "not said"
 diff <(cut -d, -f1,4 M1/parameters.csv) <(cut -d, -f1,4 P/parameters.csv) ||
   Fail "not as without it"
+
+# A sensor upside down, in the modes' shapes: nothing of it is usable.
+sed 's/\("1051.1" = \)\([0-9]\)/\1-\2/' 1/by_modes.toml >flipped.toml
+Run 1 pinode_update --case=flipped.toml --output_dir=F --progress=false
+grep -q "shapes and frequencies contradict each other" stdout || Fail "usable"
