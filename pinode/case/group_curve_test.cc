@@ -142,7 +142,9 @@ class GroupCurveTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(GroupCurveTest, RecoversAKinkThatAStraightLineMisses) {
+using GroupCurveFigures = GroupCurveTest;
+
+TEST_F(GroupCurveFigures, RecoversAKinkThatAStraightLineMisses) {
   const Case c = Read(kTable);
   IdentificationSummary summary;
   IdentifiedModel model;

@@ -217,7 +217,7 @@ TEST(AmbientMeanTest, RanksFindTheSameBits) {
 }
 
 // What is measured of the loads says more than the same record without it.
-TEST(AmbientMeanTest, MeasuredLoadsTellMore) {
+TEST(AmbientMeanFigures, MeasuredLoadsTellMore) {
   const TestChain chain = RayleighChain(2);
   IdentificationProblem problem =
       ProblemOfChain(chain, kChainSpring, 0.15, HalfMeasured(chain, 300.0, 2));
@@ -246,7 +246,7 @@ TEST(AmbientMeanTest, MeasuredLoadsTellMore) {
 
 // Loads of the wrong size, sign or place would pass for more of those that
 // nobody measured.
-TEST(AmbientMeanTest, AWrongLoadIsSeen) {
+TEST(AmbientMeanFigures, AWrongLoadIsSeen) {
   const TestChain chain = RayleighChain(2);
   const IdentificationProblem problem =
       ProblemOfChain(chain, kChainSpring, 0.02, HalfMeasured(chain, 200.0, 3));

@@ -71,7 +71,7 @@ TEST(IdentifyModesTest, QuantitiesMayBeMixed) {
       4.0);
 }
 
-TEST(IdentifyModesTest, ModesOverTwoDecades) {
+TEST(IdentifyModesFigures, ModesOverTwoDecades) {
   Matrix stiffness = Vector(Vector::Constant(4, 1.0)).asDiagonal();
   const Vector hz = (Vector(4) << 0.4, 2.2, 9.0, 33.0).finished();
   // Rotated, so that all sensors see all modes.
@@ -98,7 +98,7 @@ TEST(IdentifyModesTest, CloseModesWithDifferentShapesAreTwo) {
   ExpectModes(chain, FindOrFail(SimulateChain(chain, 0.02, 90000, 3)), 4.0);
 }
 
-TEST(IdentifyModesTest, UnitsDoNotMatter) {
+TEST(IdentifyModesFigures, UnitsDoNotMatter) {
   const TestChain chain(3, 4000.0);
   ResponseRecord record = SimulateChain(chain, 0.01, 30000, 4);
   const ModesOfRecord first = FindOrFail(record);

@@ -91,7 +91,7 @@ TEST(InputProjectionTest, GapsHaveNoWeight) {
 
 // One of three forces is measured: intervals hold the truth as often as they
 // say. A few records; many are in tests/cases/modes_study_test.cc.
-TEST(InputProjectionTest, IntervalsHoldTheTruth) {
+TEST(InputProjectionFigures, IntervalsHoldTheTruth) {
   const TestChain chain(3, 2000.0);
   TestExcitation excitation;
   excitation.common = 0.0;

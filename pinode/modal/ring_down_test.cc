@@ -61,7 +61,7 @@ TEST(RingDownTest, FindsTheModesAndNoOther) {
 }
 
 // A few decays; many are in tests/cases/modes_study_test.cc.
-TEST(RingDownTest, IntervalsHoldTheTruth) {
+TEST(RingDownFigures, IntervalsHoldTheTruth) {
   const TestChain chain(3, 900.0);
   int inside = 0;
   int count = 0;
@@ -119,7 +119,7 @@ TEST(RingDownTest, NoiseSeriesAreAsLargeAtAModeAsNoiseIs) {
 }
 
 // Least squares over the whole decay, not what its first samples say.
-TEST(RingDownTest, ShapesAreAsGoodAsTheDecayAllows) {
+TEST(RingDownFigures, ShapesAreAsGoodAsTheDecayAllows) {
   const TestChain chain(3, 900.0);
   double squares = 0.0;
   double count = 0.0;

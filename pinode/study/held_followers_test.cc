@@ -123,8 +123,10 @@ TEST_F(HeldFollowersTest, LossIsFoundAtAnotherTemperature) {
   EXPECT_FALSE(result.estimate.groups[1].changed);
 }
 
+using HeldFollowersFigures = HeldFollowersTest;
+
 // Masses are looked for as well, and there are two baselines.
-TEST_F(HeldFollowersTest, BesideOtherKindsOfChange) {
+TEST_F(HeldFollowersFigures, BesideOtherKindsOfChange) {
   const double slope = baseline_->with_followers.values[4];
   IdentificationProblem problem = NewProblem(-10.0, 8, 0.1);
   Hold(slope, &problem);
@@ -155,7 +157,7 @@ TEST_F(HeldFollowersTest, BesideOtherKindsOfChange) {
 
 // Held elsewhere, groups are elsewhere, and their changes are where they were:
 // to the first order it does not matter.
-TEST_F(HeldFollowersTest, ChangesDoNotDependOnWhereTheyAreHeld) {
+TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
   const double slope = baseline_->with_followers.values[4];
   constexpr double kAway = 4e-4;  // a tenth of the slope
   std::vector<DamageResult> results;
