@@ -33,21 +33,27 @@ void AddResults(const Matrix& map, ActsAs acts_as, const T* results,
   }
 }
 
+// jacobian += [0; slope * d feature / d state; 0], slope with num_dofs entries.
+inline void AddFeatureColumn(const Feature& feature, const double* slope,
+                             Eigen::Index num_dofs, Matrix* jacobian) {
+  feature.ForEachState(static_cast<int>(num_dofs), [&](int index, double sign) {
+    double* column = jacobian->data() + index * jacobian->rows() + num_dofs;
+    for (Eigen::Index i = 0; i < num_dofs; ++i) column[i] += sign * slope[i];
+  });
+}
+
 // The state's share through the features, jacobian += [0; map * slope * d
 // features / d state; 0]: slope(o, f) is the derivative of result o by feature
 // f, jacobian is num_states x num_states, `scratch` has num_dofs entries.
 template <typename Slope>
 void AddFeatureColumns(const Matrix& map, const std::vector<Feature>& features,
                        const Slope& slope, Vector* scratch, Matrix* jacobian) {
-  const int n = static_cast<int>(map.rows());
   for (size_t f = 0; f < features.size(); ++f) {
     scratch->setZero();
     for (int o = 0; o < map.cols(); ++o) {
       *scratch += map.col(o) * slope(o, static_cast<int>(f));
     }
-    features[f].ForEachState(n, [&](int index, double sign) {
-      jacobian->col(index).segment(n, n) += sign * *scratch;
-    });
+    AddFeatureColumn(features[f], scratch->data(), scratch->size(), jacobian);
   }
 }
 

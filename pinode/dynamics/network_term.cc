@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "pinode/base/small_matrix.h"
 #include "pinode/dynamics/described_term.h"
 #include "pinode/network/network_functor.h"
 
@@ -18,7 +19,8 @@ struct LinearizedNetwork : TermLinearization {
   NetworkTangent tangent;
   // Scratch.
   NetworkWorkspace workspace;
-  Vector features, results, mapped;
+  Vector features, results;
+  Matrix mapped;  // accelerations by features
 };
 
 struct NetworkScratch : TermTangentScratch {
@@ -58,7 +60,8 @@ class NetworkDynamics final
     auto linearization = std::make_unique<LinearizedNetwork>(network());
     linearization->features = Vector::Zero(network().num_inputs());
     linearization->results = Vector::Zero(network().num_outputs());
-    linearization->mapped = Vector::Zero(place.num_dofs);
+    linearization->mapped =
+        Matrix::Zero(place.num_dofs, network().num_inputs());
     return linearization;
   }
 
@@ -90,10 +93,15 @@ class NetworkDynamics final
     network().Linearize(own->features.data(), at.parameters, &own->tangent);
     AddResultsOf(prepared, own->tangent.value().data(), rate);
     const Matrix& slopes = own->tangent.input_jacobian();
-    AddFeatureColumns(
-        prepared.output_map, description_.features,
-        [&slopes](int output, int feature) { return slopes(output, feature); },
-        &own->mapped, jacobian);
+    const int n = at.place.num_dofs;
+    MultiplySmall(n, network().num_outputs(), network().num_inputs(),
+                  prepared.output_map.data(), slopes.data(),
+                  own->mapped.data());
+    for (size_t f = 0; f < description_.features.size(); ++f) {
+      AddFeatureColumn(description_.features[f],
+                       own->mapped.col(static_cast<int>(f)).data(), n,
+                       jacobian);
+    }
   }
 
   std::unique_ptr<TermTangentScratch> MakeTangentScratch(

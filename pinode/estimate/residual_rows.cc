@@ -1,5 +1,6 @@
 #include "pinode/estimate/residual_rows.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pinode/estimate/sensor.h"
@@ -25,6 +26,16 @@ void FilterHistories(const ZeroPhaseFilter& filter, int num_channels,
   }
 }
 
+// Whether derivatives are something else behind the sensors than before them.
+bool ChangesRows(const IdentificationRecord& record, bool whole) {
+  return (record.filter != nullptr && whole) ||
+         std::any_of(record.channels.begin(), record.channels.end(),
+                     [](const MeasuredChannel& channel) {
+                       return channel.delay >= 0 || channel.gain >= 0 ||
+                              channel.offset >= 0;
+                     });
+}
+
 }  // namespace
 
 void AddSensorColumns(const ParameterLayout& layout, int num_states,
@@ -36,10 +47,9 @@ void AddSensorColumns(const ParameterLayout& layout, int num_states,
   }
   // The dynamics' tangent columns are its free parameters, which come first.
   const int by_start = HasStart(columns) ? num_states : 0;
-  const int known = by_start + layout.num_free_dynamics();
   result->resize(tangents.rows(), by_start + layout.num_free());
-  result->leftCols(known) = tangents;
-  result->rightCols(result->cols() - known).setZero();
+  result->leftCols(tangents.cols()) = tangents;
+  result->rightCols(result->cols() - tangents.cols()).setZero();
 }
 
 ResidualRows::ResidualRows(const IdentificationProblem& problem,
@@ -56,15 +66,20 @@ void ResidualRows::Compute(const IdentificationRecord& record,
                            const SegmentTangents& tangents) {
   const int nc = static_cast<int>(tangents.channels.rows());
   const int samples = static_cast<int>(tangents.channels.cols());
-  AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
-                   tangents.jacobian, &jacobian_);
+  const bool changes = ChangesRows(record, whole);
+  if (changes) {
+    AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
+                     tangents.jacobian, &jacobian_);
+  }
   // Predictions of real sensors, sample-major as the rows are.
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                tangents.channels.size());
   std::vector<bool> valid(
       static_cast<size_t>(nc) * static_cast<size_t>(samples), true);
-  ApplySensors(layout_, parameters, record, HasParameters(columns), prediction,
-               &jacobian_, &valid);
+  if (changes) {
+    ApplySensors(layout_, parameters, record, HasParameters(columns),
+                 prediction, &jacobian_, &valid);
+  }
   if (record.filter != nullptr && whole) {
     FilterHistories(*record.filter, nc, &prediction, &jacobian_);
   }
@@ -92,7 +107,18 @@ void ResidualRows::Compute(const IdentificationRecord& record,
       weights[row] = root / sigmas[c];
     }
   }
-  jacobian_.array().colwise() *= weights.array();
+  if (changes) {
+    jacobian_.array().colwise() *= weights.array();
+    return;
+  }
+  // In one pass over the derivatives, which are most of the work.
+  const Matrix& rows = tangents.jacobian;
+  const Eigen::Index sensors =
+      HasParameters(columns) ? layout_.num_free() - layout_.num_free_dynamics()
+                             : 0;
+  jacobian_.resize(rows.rows(), rows.cols() + sensors);
+  jacobian_.leftCols(rows.cols()) = weights.asDiagonal() * rows;
+  jacobian_.rightCols(sensors).setZero();
 }
 
 }  // namespace pinode

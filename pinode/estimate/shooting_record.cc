@@ -100,6 +100,31 @@ void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
   }
 }
 
+void ShootingRecord::AddGaps(double mu, const Matrix& starts,
+                             FreeEquations* equations) {
+  // A few gaps at a time: each alone would read and write all of the sum.
+  constexpr int kRows = 256;
+  const int at_once = std::max(1, kRows / num_states_);
+  const Vector weight = std::sqrt(mu) * scales().cwiseInverse();
+  const Eigen::Index nf = equations->gradient.size();
+  const int gaps = num_segments() - 1;
+  Matrix scaled;
+  for (int first = 0; first < gaps; first += at_once) {
+    const int count = std::min(at_once, gaps - first);
+    scaled.resize(count * num_states_, nf);
+    for (int k = 0; k < count; ++k) {
+      const auto by_parameters =
+          result(first + k).end_sensitivity.rightCols(nf);
+      scaled.middleRows(k * num_states_, num_states_) =
+          weight.asDiagonal() * by_parameters;
+      equations->gradient.noalias() +=
+          by_parameters.transpose() * gaps_.Force(mu, ends_, starts, first + k);
+    }
+    equations->hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+        scaled.transpose());
+  }
+}
+
 bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
                                FreeEquations* equations) {
   const int nf = static_cast<int>(equations->gradient.size());
@@ -112,14 +137,7 @@ bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
   // Right-hand sides: the cross terms with theta, then the gradient.
   Matrix right;
   Assemble(mu, starts, nf, &right);
-  for (int k = 0; k + 1 < num_segments(); ++k) {
-    const auto by_parameters = result(k).end_sensitivity.rightCols(nf);
-    const Matrix scaled =
-        (std::sqrt(mu) * scales().cwiseInverse()).asDiagonal() * by_parameters;
-    hessian.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
-    gradient.noalias() +=
-        by_parameters.transpose() * gaps_.Force(mu, ends_, starts, k);
-  }
+  AddGaps(mu, starts, equations);
   double damping = 0.0;
   while (!system_->Factor(damping)) {
     damping = std::max(1e-12, 10.0 * damping);

@@ -121,6 +121,9 @@ class ShootingRecord {
   double linearized_cost = 0.0;
 
  private:
+  // To the equations of the free parameters.
+  void AddGaps(double mu, const Matrix& starts, FreeEquations* equations);
+
   int index_ = -1;
   const IdentificationRecord* data_ = nullptr;
   int num_states_ = 0;

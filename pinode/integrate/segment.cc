@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/small_matrix.h"
 #include "pinode/integrate/free_run.h"
 
 namespace pinode {
@@ -141,8 +142,8 @@ bool SegmentPropagator::PropagateTangents(
       observation.Observe(state_.data(), stage.rate.data(), grid.AtSample(i),
                           result->channels.col(i - first).data());
       observation.StateJacobian(stage, &state_jacobian_);
-      result->jacobian.middleRows(row, channels).noalias() =
-          state_jacobian_ * sensitivity_;
+      Multiply(state_jacobian_, sensitivity_,
+               result->jacobian.middleRows(row, channels));
       if (direct) {
         direct_.setZero();
         step_.AddParameterTangents(prepared, observation.rate_map(), &direct_);

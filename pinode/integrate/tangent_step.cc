@@ -1,6 +1,7 @@
 #include "pinode/integrate/tangent_step.h"
 
 #include "pinode/base/logging.h"
+#include "pinode/base/small_matrix.h"
 
 namespace pinode {
 namespace {
@@ -8,7 +9,6 @@ namespace {
 // Columns for each state up to which a sensitivity goes through the stages: 8
 // ns^2 columns multiplications against 14 ns^3 + 2 ns^2 columns.
 constexpr int kFewColumns = 2;
-
 }  // namespace
 
 TangentStep::TangentStep(const StructuralDynamics& dynamics)
@@ -24,6 +24,7 @@ TangentStep::TangentStep(const StructuralDynamics& dynamics)
   const int ns = dynamics.num_states();
   for (Matrix& weight : weights_) weight = Matrix::Zero(ns, ns);
   transition_ = Matrix::Zero(ns, ns);
+  product_ = Matrix::Zero(ns, ns);
   next_ = Matrix::Zero(ns, ns + dynamics.num_tangent_columns());
   stage_state_ = Vector::Zero(ns);
 }
@@ -93,21 +94,22 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
 void TangentStep::AdvanceByTransition(
     const StructuralDynamics::Prepared& prepared, double dt,
     bool with_parameters, const Matrix& sensitivity) {
-  // Backwards through the stages.
+  // Backwards through the stages: each G_s J_s is both a term of A and what
+  // G_(s-1) is made of.
+  product_ = dt / 6.0 * stages_[3].jacobian;  // G4 J4
+  transition_ = product_;
+  const double shares[] = {0.5 * dt, 0.5 * dt, dt};
+  const double diagonals[] = {dt / 6.0, dt / 3.0, dt / 3.0};
+  for (const size_t s : {2, 1, 0}) {
+    weights_[s] = shares[s] * product_;
+    weights_[s].diagonal().array() += diagonals[s];
+    Multiply(weights_[s], stages_[s].jacobian, product_);
+    transition_ += product_;
+  }
+  transition_.diagonal().array() += 1.0;
   weights_[3].setZero();
   weights_[3].diagonal().array() = dt / 6.0;
-  weights_[2].noalias() = dt * weights_[3] * stages_[3].jacobian;
-  weights_[2].diagonal().array() += dt / 3.0;
-  weights_[1].noalias() = 0.5 * dt * weights_[2] * stages_[2].jacobian;
-  weights_[1].diagonal().array() += dt / 3.0;
-  weights_[0].noalias() = 0.5 * dt * weights_[1] * stages_[1].jacobian;
-  weights_[0].diagonal().array() += dt / 6.0;
-
-  transition_.setIdentity();
-  for (size_t s = 0; s < 4; ++s) {
-    transition_.noalias() += weights_[s] * stages_[s].jacobian;
-  }
-  next_.noalias() = transition_ * sensitivity;
+  Multiply(transition_, sensitivity, next_);
   if (with_parameters) AddParameterColumns(prepared);
 }
 

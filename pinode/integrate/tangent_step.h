@@ -70,6 +70,7 @@ class TangentStep {
   StructuralDynamics::TangentScratch scratch_;
   StructuralDynamics::TangentScratch observation_scratch_;
   Matrix transition_;  // A
+  Matrix product_;     // G_s J_s
   Matrix next_;        // next sensitivity
   // Through the stages: S_s, K_s, and F_s but for the rates of displacements.
   StructuralDynamics::TangentScratch forward_scratch_;

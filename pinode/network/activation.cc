@@ -31,26 +31,27 @@ using Block = Eigen::Array<double, kBlock, 1>;
 // The library's tanh is scalar and takes longer than the rest of a small
 // network. Near zero: Lambert's continued fraction x/(1 + x^2/(3 + x^2/(5 +
 // ...))) cut off after 15, whose relative error is below 1e-17 for |x| < 0.625.
-// Elsewhere: 1 - 2/(exp(2|x|) + 1). Within 3 ulp of the exact value.
+// Elsewhere: (exp(2|x|) - 1)/(exp(2|x|) + 1). Within 3 ulp of the exact value.
+// Divisions take longest, so that the two are chosen between before it.
 Block Tanh(const Block& x) {
   const Block s = x * x;
   const Block numerator =
       x * (2027025.0 + s * (270270.0 + s * (6930.0 + s * 36.0)));
   const Block denominator =
       2027025.0 + s * (945945.0 + s * (51975.0 + s * (630.0 + s)));
-  const Block near_zero = numerator / denominator;
   // The bound keeps exp finite and changes no result: tanh(20) rounds to 1.
   const Block exponential = (2.0 * x.abs().min(20.0)).exp();
-  const Block elsewhere = 1.0 - 2.0 / (exponential + 1.0);
   // A loop, because Eigen does not vectorise its select(). NaN fails the
-  // second comparison and comes from `near_zero`.
-  Block result;
+  // comparison and is that of `numerator`.
+  Block above;
+  Block below;
   for (int i = 0; i < kBlock; ++i) {
-    const double magnitude = std::abs(x[i]);
-    const double signed_elsewhere = std::copysign(elsewhere[i], x[i]);
-    result[i] = magnitude >= 0.625 ? signed_elsewhere : near_zero[i];
+    const bool near_zero = !(std::abs(x[i]) >= 0.625);
+    above[i] =
+        near_zero ? numerator[i] : std::copysign(exponential[i] - 1.0, x[i]);
+    below[i] = near_zero ? denominator[i] : exponential[i] + 1.0;
   }
-  return result;
+  return above / below;
 }
 
 // Calls tanh(scale * z) block by block: write(i, count, block).

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/small_matrix.h"
 #include "pinode/network/activation.h"
-#include "pinode/network/small_matrix.h"
 
 namespace pinode {
 namespace {
@@ -186,8 +186,13 @@ void Network::SweepBackward(const double* weights,
   NetworkSweep& rest = tangent->rest_;
   NetworkSweep& rate = tangent->rate_;
   for (int l = last - 1; l >= 0; --l) {
-    PropagateAdjoint(layout_.weights[l + 1], weights, 1.0, l, &point);
-    point.layers[l].adjoint *= point.layers[l].slope.asDiagonal();
+    if (l + 1 < last) {
+      PropagateAdjoint(layout_.weights[l + 1], weights, 1.0, l, &point);
+    }
+    Matrix& adjoint = point.layers[l].adjoint;
+    ScaleColumnsSmall(num_outputs(), static_cast<int>(adjoint.cols()),
+                      l + 1 < last ? adjoint.data() : weights + output.offset,
+                      point.layers[l].slope.data(), adjoint.data());
     if (!architecture_.gauge) continue;
     // With z0 the preactivation at rest and W_l t its rate, the sweeps at rest
     // and along the rate compute act(z0) and act'(z0) (W_l t): the latter
@@ -204,11 +209,13 @@ void Network::SweepBackward(const double* weights,
   }
 
   const WeightLayout::Part& first = layout_.weights.front();
-  tangent->first_adjoint_ = point.layers[0].adjoint;
-  if (architecture_.gauge) tangent->first_adjoint_ += rate.layers[0].adjoint;
-  MultiplySmall(num_outputs(), first.rows, first.cols,
-                tangent->first_adjoint_.data(), weights + first.offset,
-                tangent->input_jacobian_.data());
+  const double* first_adjoint = point.layers[0].adjoint.data();
+  if (architecture_.gauge) {
+    tangent->first_adjoint_ = point.layers[0].adjoint + rate.layers[0].adjoint;
+    first_adjoint = tangent->first_adjoint_.data();
+  }
+  MultiplySmall(num_outputs(), first.rows, first.cols, first_adjoint,
+                weights + first.offset, tangent->input_jacobian_.data());
   if (layout_.skip.size() > 0) {
     tangent->input_jacobian_ += MapPart(layout_.skip, weights);
   }
@@ -216,7 +223,8 @@ void Network::SweepBackward(const double* weights,
 }
 
 void Network::ScaleJacobian(Matrix* jacobian) const {
-  *jacobian *= inverse_scale_.asDiagonal();
+  ScaleColumnsSmall(num_outputs(), num_inputs(), jacobian->data(),
+                    inverse_scale_.data(), jacobian->data());
   for (int i = 0; i < architecture_.output_scale.size(); ++i) {
     jacobian->row(i) *= architecture_.output_scale[i];
   }

@@ -10,7 +10,6 @@
 #include "gtest/gtest.h"
 #include "pinode/network/activation.h"
 #include "pinode/network/network_functor.h"
-#include "pinode/network/small_matrix.h"
 
 namespace pinode {
 namespace {
@@ -328,31 +327,6 @@ TEST(NetworkDeathTest, WorkspaceTooSmall) {
 
 TEST(NetworkDeathTest, InvalidArchitecture) {
   EXPECT_DEATH(Network{NetworkArchitecture()}, "num_inputs is 0");
-}
-
-TEST(SmallMatrix, AgreesWithEigenAtEverySize) {
-  for (const int rows : {1, 2, 3, 4, 6, 7, 8, 9, 15, 30}) {
-    for (const int inner : {1, 2, 5, 9}) {
-      for (const int cols : {1, 3, 4, 5, 8}) {
-        const Matrix a = Matrix::Random(rows, inner);
-        const Matrix b = Matrix::Random(inner, cols);
-        Matrix c = Matrix::Constant(rows, cols, 99.0);
-        MultiplySmall(rows, inner, cols, a.data(), b.data(), c.data());
-        ExpectClose(c, a.lazyProduct(b), 1e-14);
-
-        // `inner` outer products of the columns of a and the rows of b.
-        const Matrix b_transposed = b.transpose();
-        std::vector<const double*> v;
-        std::vector<const double*> r;
-        for (int k = 0; k < inner; ++k) {
-          v.push_back(a.col(k).data());
-          r.push_back(b_transposed.col(k).data());
-        }
-        AddOuterProducts(inner, rows, cols, v.data(), r.data(), c.data());
-        ExpectClose(c, 2.0 * a.lazyProduct(b), 1e-14);
-      }
-    }
-  }
 }
 
 }  // namespace

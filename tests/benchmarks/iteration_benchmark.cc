@@ -175,15 +175,9 @@ class Fit {
     ceres::Problem ceres_problem;
     ceres_problem.AddResidualBlock(
         new TimedCost(
-            std::make_unique<CondensedCost>(&shooting_, layout_.num_free()),
+            std::make_unique<CondensedCost>(&objective_, layout_.num_free()),
             &times),
         nullptr, x.data());
-    if (objective_.priors().num_priors() > 0) {
-      auto priors = std::make_unique<PriorCost>(layout_);
-      priors->SetDecays(Vector::Constant(layout_.num_decay_groups(), kDecay));
-      ceres_problem.AddResidualBlock(new TimedCost(std::move(priors), &times),
-                                     nullptr, x.data());
-    }
     return RunIterations(kIterations, times, &ceres_problem);
   }
 
