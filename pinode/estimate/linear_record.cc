@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "pinode/base/compensated_sum.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/integrate/history_pass.h"
 
@@ -45,15 +46,67 @@ struct LinearRecord::Sums {
   std::vector<Matrix> hessians;  // where the Jacobian's rows are summed
   Vector end;  // the last histories, zero where they are others' to sum
 
-  void Add(const Sums& other) {
-    costs += other.costs;
-    for (size_t p = 0; p < grams.size(); ++p) grams[p] += other.grams[p];
-    products += other.products;
-    for (size_t h = 0; h < hessians.size(); ++h) {
-      hessians[h] += other.hessians[h];
+  // Calls each(column of these, column of `other`), of the triangles what is
+  // filled.
+  template <typename Each>
+  void ForEachColumn(Sums* other, const Each& each) {
+    each(costs, other->costs);
+    each(end, other->end);
+    for (Eigen::Index j = 0; j < products.cols(); ++j) {
+      each(products.col(j), other->products.col(j));
     }
-    end += other.end;
+    const auto lower = [&](Matrix* own, Matrix* others) {
+      for (Eigen::Index j = 0; j < own->cols(); ++j) {
+        const Eigen::Index below = own->rows() - j;
+        each(own->col(j).tail(below), others->col(j).tail(below));
+      }
+    };
+    for (size_t p = 0; p < grams.size(); ++p) {
+      lower(&grams[p], &other->grams[p]);
+    }
+    for (size_t h = 0; h < hessians.size(); ++h) {
+      lower(&hessians[h], &other->hessians[h]);
+    }
   }
+};
+
+// Sums over a share's pieces to twice the digits. A piece's own sum is the same
+// for any number of threads, and so is that of all.
+class LinearRecord::PieceSums {
+ public:
+  explicit PieceSums(const Sums& zero)
+      : piece_(zero), sum_(zero), rest_(zero) {}
+
+  Sums* piece() { return &piece_; }
+  // Adds the piece to the others, and begins the next.
+  void Close() {
+    Add(&piece_);
+    piece_.ForEachColumn(&piece_, [](auto&& own, auto&&) { own.setZero(); });
+  }
+  void Add(PieceSums* other) {
+    Add(&other->sum_);
+    rest_.ForEachColumn(&other->rest_,
+                        [](auto&& own, auto&& others) { own += others; });
+  }
+  Sums Take() {
+    sum_.ForEachColumn(&rest_, [](auto&& own, auto&& rest) { own += rest; });
+    return std::move(sum_);
+  }
+
+ private:
+  void Add(Sums* term) {
+    // Columns of the three in their common order.
+    std::vector<Eigen::Map<Vector>> rests;
+    rest_.ForEachColumn(&rest_, [&](auto&& own, auto&&) {
+      rests.emplace_back(own.data(), own.size());
+    });
+    size_t at = 0;
+    sum_.ForEachColumn(term, [&](auto&& own, auto&& added) {
+      AddCompensated(added, own, rests[at++]);
+    });
+  }
+
+  Sums piece_, sum_, rest_;
 };
 
 LinearRecord::LinearRecord(const IdentificationProblem& problem,
@@ -296,17 +349,22 @@ LinearRecord::Sums LinearRecord::SumPieces(
   const int begin = FairBound(0, pieces, communicator.rank(), ranks);
   const int end = FairBound(0, pieces, communicator.rank() + 1, ranks);
   const int shares = HistoryPass::NumShares(begin, end, num_threads);
-  std::vector<Sums> sums(static_cast<size_t>(shares), zero);
+  std::vector<PieceSums> sums(static_cast<size_t>(shares), PieceSums(zero));
   pass.Visit(begin, end, shares,
              [&](int share, int first, const Matrix& histories) {
-               Sums* into = &sums[static_cast<size_t>(share)];
-               AddBlock(tables, first, histories, into);
-               if (first + histories.cols() == samples) {
-                 into->end = histories.rightCols(1);
+               PieceSums& into = sums[static_cast<size_t>(share)];
+               AddBlock(tables, first, histories, into.piece());
+               const auto next = first + static_cast<int>(histories.cols());
+               if (next == samples) {
+                 into.piece()->end = histories.rightCols(1);
+               }
+               if (next == samples ||
+                   HistoryPass::PieceOf(next) != HistoryPass::PieceOf(first)) {
+                 into.Close();
                }
              });
-  for (int s = 1; s < shares; ++s) sums[0].Add(sums[static_cast<size_t>(s)]);
-  return std::move(sums[0]);
+  for (int s = 1; s < shares; ++s) sums[0].Add(&sums[static_cast<size_t>(s)]);
+  return sums[0].Take();
 }
 
 bool LinearRecord::HasBeenAt(const Point& point, const ByChannel& known) const {

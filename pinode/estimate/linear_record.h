@@ -98,6 +98,7 @@ class LinearRecord {
   struct Tables;
   // Sums over samples.
   struct Sums;
+  class PieceSums;
   // Scores of a thread's share of the record.
   struct ScoreShare;
   // The equations of each channel, whatever its noise.
