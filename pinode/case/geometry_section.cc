@@ -1,5 +1,6 @@
 #include "pinode/case/geometry_section.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <unordered_map>
 #include <utility>
@@ -34,7 +35,8 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
     return false;
   }
   std::unordered_map<int, int> index;
-  int turned = 0;
+  int unknown = 0;
+  Eigen::Vector3d position;
   geometry->positions.resize(static_cast<Eigen::Index>(file.nodes.size()), 3);
   for (const UniversalNode& node : file.nodes) {
     const auto place = static_cast<int>(index.size());
@@ -43,23 +45,27 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
                " is there twice, expected different numbers";
       return false;
     }
-    if (!file.IsGlobal(node.system)) {
+    // Some programs mean by the system of set 2411 that of the position.
+    if ((!node.position_is_local && !file.IsGlobal(node.system)) ||
+        !file.PositionOf(node, &position)) {
       *error = path + ": node " + std::to_string(node.label) +
                " is in coordinate system " + std::to_string(node.system) +
-               ", expected the global one";
+               ", expected the global one, or in set 15 a Cartesian one of "
+               "set 18 or 2420";
       return false;
     }
-    if (!file.IsGlobal(node.displacement_system)) ++turned;
     geometry->node_names.push_back(std::to_string(node.label));
-    for (int k = 0; k < 3; ++k) {
-      geometry->positions(place, k) = node.position[static_cast<size_t>(k)];
-    }
+    geometry->positions.row(place) = position.transpose();
+    if (file.IsGlobal(node.displacement_system)) continue;
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+    if (!file.AxesAt(node, &axes)) ++unknown;
+    geometry->axes[place] = axes;
   }
-  if (turned > 0) {
+  if (unknown > 0) {
     geometry->notes.push_back(
-        std::to_string(turned) +
-        " nodes have directions of their own in the file; the pictures take "
-        "directions as those of the global axes.");
+        std::to_string(unknown) +
+        " nodes have directions of their own that the file does not tell; "
+        "what is measured there is not drawn.");
   }
   for (const UniversalLine& line : file.lines) {
     StructureGeometry::Set set;
@@ -212,6 +218,14 @@ class GeometryReader {
                                     "' is no place, expected a node of the "
                                     "geometry and 1, 2 or 3, as in \"" +
                                     geometry_.node_names.front() + ".1\"");
+        }
+        if (geometry_.Direction(index_.at(place.node), place.direction)
+                .isZero()) {
+          return dofs.Fail(dof, "'" + text +
+                                    "' has a direction of its own that the "
+                                    "geometry's file does not tell, expected "
+                                    "its coordinate system (data set 18 or "
+                                    "2420) in the file");
         }
         placed_->dofs[dof].push_back(std::move(place));
       }

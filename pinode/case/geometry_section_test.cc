@@ -107,29 +107,71 @@ TEST_F(GeometrySectionTest, UniversalFiles) {
   EXPECT_NE(ErrorOf("[geometry]\nfile = \"empty.uff\"\n"), "");
 }
 
-// Data set 18: the first is the global system, the second is moved.
-TEST_F(GeometrySectionTest, CoordinateSystemsOfUniversalFiles) {
-  const auto with = [](const std::string& systems) {
-    return "    -1\n    18\n1 0 0 1 1\nsame\n0. 0. 0. 1. 0. 0.\n0. 0. 1.\n"
-           "2 0 0 1 1\nmoved\n0. 0. 9. 1. 0. 9.\n0. 0. 10.\n    -1\n"
-           "    -1\n    15\n7 0 0 1 0. 0. 0.\n8 " +
-           systems + " 1 0. 0. 4.\n    -1\n";
-  };
-  const std::string text = "[geometry]\nfile = \"mast.uff\"\n";
-  folder_.Write("mast.uff", with("1 1"));
-  auto placed = Read(text);
+// Data set 18: the first is the global system, the second is moved and turned:
+// its x axis is y, its z axis z; the third is spherical.
+class UniversalSystemsTest : public GeometrySectionTest {
+ protected:
+  // `numbers`: of the systems of node 8's position and directions.
+  std::string With(const std::string& numbers, const std::string& dofs = "") {
+    folder_.Write(
+        "mast.uff",
+        "    -1\n    18\n1 0 0 1 1\nsame\n0. 0. 0. 1. 0. 0.\n0. 0. 1.\n"
+        "2 0 0 1 1\nmoved\n0. 0. 9. 0. 1. 9.\n0. 0. 10.\n"
+        "3 2 0 1 1\nround\n0. 0. 9. 0. 1. 9.\n0. 0. 10.\n    -1\n"
+        "    -1\n    15\n7 0 0 1 0. 0. 0.\n8 " +
+            numbers + " 1 0.5 0. 4.\n    -1\n");
+    return "[geometry]\nfile = \"mast.uff\"\n" + dofs;
+  }
+};
+
+TEST_F(UniversalSystemsTest, OfPositions) {
+  auto placed = Read(With("1 1"));
   ASSERT_NE(placed, nullptr);
   EXPECT_TRUE(placed->geometry.notes.empty());
-  folder_.Write("mast.uff", with("0 2"));
-  placed = Read(text);
+  EXPECT_TRUE(placed->geometry.axes.empty());
+  placed = Read(With("2 0"));
   ASSERT_NE(placed, nullptr);
-  ASSERT_EQ(placed->geometry.notes.size(), 1u);
-  EXPECT_THAT(placed->geometry.notes[0],
-              HasSubstr("1 nodes have directions of their own"));
-  folder_.Write("mast.uff", with("2 0"));
-  EXPECT_THAT(ErrorOf(text),
-              HasSubstr("node 8 is in coordinate system 2, expected the "
-                        "global one"));
+  const Vector position = placed->geometry.positions.row(1);
+  EXPECT_TRUE(position.isApprox(Eigen::Vector3d(0.0, 0.5, 13.0)));
+  for (const char* system : {"3", "4"}) {
+    EXPECT_THAT(ErrorOf(With(std::string(system) + " 0")),
+                HasSubstr("node 8 is in coordinate system " +
+                          std::string(system) + ", expected the global one"));
+  }
+}
+
+TEST_F(UniversalSystemsTest, OfDirections) {
+  const std::string dof = "dofs = {u1 = \"-8.1\"}\n";
+  const auto placed = Read(With("0 2", dof));
+  ASSERT_NE(placed, nullptr);
+  EXPECT_TRUE(placed->geometry.notes.empty());
+  EXPECT_TRUE(
+      placed->geometry.Direction(1, 1).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(
+      placed->geometry.Direction(1, 2).isApprox(-Eigen::Vector3d::UnitX()));
+  EXPECT_EQ(placed->geometry.Direction(0, 2), Eigen::Vector3d::UnitY());
+  // Drawn, but without what is measured there.
+  for (const char* system : {"3", "4"}) {
+    const auto unknown = Read(With("0 " + std::string(system)));
+    ASSERT_NE(unknown, nullptr);
+    ASSERT_EQ(unknown->geometry.notes.size(), 1u);
+    EXPECT_THAT(unknown->geometry.notes[0],
+                HasSubstr("1 nodes have directions of their own"));
+    EXPECT_THAT(ErrorOf(With("0 " + std::string(system), dof)),
+                HasSubstr("'8.1' has a direction of its own"));
+  }
+}
+
+// What set 2411 names is taken for the system of the position by some programs.
+TEST_F(UniversalSystemsTest, OfSet2411) {
+  UniversalFile file;
+  file.nodes = {{7, {0.0, 0.0, 1.0}, 2, 0}};
+  UniversalSystem moved;
+  moved.origin[2] = 9.0;
+  file.systems[2] = moved;
+  folder_.Write("mast.uff", FormatUniversalFile(file));
+  EXPECT_THAT(ErrorOf("[geometry]\nfile = \"mast.uff\"\n"),
+              HasSubstr("node 7 is in coordinate system 2"));
 }
 
 TEST_F(GeometrySectionTest, RefusesInOneLine) {

@@ -333,6 +333,7 @@ std::string ModesAsUniversalFile(const ModesResult& result) {
     shape.frequency = shape.eigenvalue.imag() / kTwoPi;
     shape.values = shapes.values[file.shapes.size()];
     shape.values_per_node = static_cast<int>(shape.values.cols());
+    shape.characteristic = shape.values_per_node > 3 ? 3 : 2;
     file.shapes.push_back(shape);
   }
   return FormatUniversalFile(file);

@@ -32,7 +32,64 @@ std::string ColumnName(const UniversalFunction& f, size_t number,
   return name;
 }
 
+// Axes of a cylindrical system at a place: outwards, around and along its axis.
+bool CylindricalAxes(const UniversalSystem& system,
+                     const Eigen::Vector3d& position, Eigen::Matrix3d* axes) {
+  const Eigen::Vector3d local = system.axes * (position - system.origin);
+  const double radius = local.head<2>().norm();
+  if (!(radius > 1e-9 * local.norm())) return false;
+  const double cosine = local[0] / radius;
+  const double sine = local[1] / radius;
+  Eigen::Matrix3d turn;
+  turn << cosine, sine, 0.0, -sine, cosine, 0.0, 0.0, 0.0, 1.0;
+  *axes = turn * system.axes;
+  return true;
+}
+
 }  // namespace
+
+bool UniversalFile::IsGlobal(int system) const {
+  const auto place = systems.find(system);
+  if (place == systems.end()) return system == 0 || system == 1;
+  return place->second.is_known && place->second.type == 0 &&
+         place->second.axes.isIdentity(1e-6) &&
+         place->second.origin.isZero(1e-6);
+}
+
+bool UniversalFile::PositionOf(const UniversalNode& node,
+                               Eigen::Vector3d* position) const {
+  const Eigen::Vector3d given(node.position[0], node.position[1],
+                              node.position[2]);
+  if (!node.position_is_local || IsGlobal(node.system)) {
+    *position = given;
+    return true;
+  }
+  const auto place = systems.find(node.system);
+  if (place == systems.end() || !place->second.is_known ||
+      place->second.type != 0) {
+    return false;
+  }
+  *position = place->second.axes.transpose() * given + place->second.origin;
+  return true;
+}
+
+bool UniversalFile::AxesAt(const UniversalNode& node,
+                           Eigen::Matrix3d* axes) const {
+  if (IsGlobal(node.displacement_system)) {
+    axes->setIdentity();
+    return true;
+  }
+  const auto place = systems.find(node.displacement_system);
+  if (place == systems.end() || !place->second.is_known) return false;
+  const UniversalSystem& system = place->second;
+  Eigen::Vector3d position;
+  if (system.type == 0) {
+    *axes = system.axes;
+    return true;
+  }
+  return system.type == 1 && PositionOf(node, &position) &&
+         CylindricalAxes(system, position, axes);
+}
 
 std::string UniversalPlace(int node, int direction) {
   return std::to_string(node) + ":" + (direction < 0 ? "-" : "") +

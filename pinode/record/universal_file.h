@@ -1,9 +1,25 @@
 // Universal files: what test programs exchange. Functions (data set 58, text
-// and binary), geometry (15, 2411, 82, 2412), mode shapes (55), and which
-// coordinate systems (18, 2420) are the global one.
+// and binary), geometry (15, 2411, 82, 2412), mode shapes (55), and coordinate
+// systems (18, 2420).
 //
 // The format is that of SDRC's I-DEAS, documented by the University of
 // Cincinnati (Universal File Formats for Modal Analysis Testing).
+//
+// What is written is read back equal, to the last bit, but for what the format
+// has no room for:
+// - Shapes (set 55) have no data type of double precision and fields of 13
+//   columns, as have the frequency or eigenvalue, modal mass and damping beside
+//   them: numbers up to 10 are off by 5e-10 at most, up to 1e9 by 5e-10 of
+//   themselves, others by up to 5e-5 of themselves (1e-100; see
+//   UniversalNumber).
+// - Functions written as text (kText): 20 columns a value, off by 5e-12 of
+//   themselves at most, most of them by nothing; uneven abscissae 13 columns.
+// - Positions in a local system (UniversalNode::position_is_local): 13 columns.
+// - Texts are cut after 80, labels and units after 20, names of responses after
+//   10 characters; "NONE" is read as nothing.
+// The start and the step of even abscissae have 13 columns too; where these are
+// not enough, a line of text that the function leaves free says the rest
+// ("abscissa from 0 by 0.0083333333333333332"), which others pass over.
 
 #ifndef PINODE_RECORD_UNIVERSAL_FILE_H_
 #define PINODE_RECORD_UNIVERSAL_FILE_H_
@@ -20,11 +36,21 @@
 
 namespace pinode {
 
+// An axis of a function.
+struct UniversalAxis {
+  int type = 0;  // 8 displacement, 11 velocity, 12 acceleration, 17 time, ...
+  std::array<int, 3> exponents = {0, 0, 0};  // of length, force, temperature
+  std::string label, unit;
+};
+
 // Data set 58: one function, of time or frequency.
 struct UniversalFunction {
   std::array<std::string, 5> texts;  // lines 1 to 5; the first names it
   int function_type = 1;             // 1: a time history; 4: FRF; 9: PSD; ...
-  // Directions: 1, 2, 3 are x, y, z, 4, 5, 6 rotations, with the sign; 0: none.
+  int number = 0, version = 0, load_case = 0;
+  // Directions: 1, 2, 3 are x, y, z of the node's displacement system (see
+  // UniversalFile::AxesAt), 4, 5, 6 rotations, with the sign; 0: none.
+  std::string response_name, reference_name;
   int response_node = 0, response_direction = 0;
   int reference_node = 0, reference_direction = 0;
   double abscissa_start = 0.0;
@@ -32,10 +58,11 @@ struct UniversalFunction {
   Vector abscissa;
   Eigen::VectorXcd values;
   bool is_complex = false;
+  // Whether it is kept in double precision; it is written so in any case where
+  // single precision would lose something.
   bool is_double = true;
-  std::string abscissa_label, abscissa_unit;
-  std::string ordinate_label, ordinate_unit;
-  int ordinate_type = 0;  // 8 displacement, 11 velocity, 12 acceleration, ...
+  double z = 0.0;
+  UniversalAxis abscissa_axis, ordinate_axis, denominator_axis, z_axis;
 
   Eigen::Index size() const { return values.size(); }
 };
@@ -46,6 +73,22 @@ struct UniversalNode {
   // Coordinate systems of the position and of the directions at the node; 0:
   // the global one.
   int system = 0, displacement_system = 0;
+  int color = 0;
+  // Set 15 with another than the global system: `position` is in that. Set
+  // 2411 has positions in the global one, and `system` is one to export to.
+  bool position_is_local = false;
+};
+
+// A coordinate system, in the global one.
+struct UniversalSystem {
+  int type = 0;  // 0 Cartesian, 1 cylindrical, 2 spherical
+  int color = 0;
+  std::string name;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // x, y, z are its rows
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  // False where the file is not clear about its axes or its origin: these are
+  // zero then.
+  bool is_known = true;
 };
 
 // Nodes joined by lines, in their order; 0 lifts the pen.
@@ -54,14 +97,19 @@ struct UniversalLine {
   std::vector<int> nodes;
 };
 
-// Data set 55: a shape.
+// Data set 55: a shape. Vectors (characteristic 2 and 3) are along the global
+// axes, by the format, whatever the displacement systems of the nodes.
 struct UniversalShape {
   std::array<std::string, 5> texts;
-  int analysis_type = 2;  // 2 normal mode; 3, 7 complex eigenvalue
+  int model_type = 1;      // structural
+  int analysis_type = 2;   // 2 normal mode; 3, 7 complex eigenvalue
+  int characteristic = 2;  // 1 scalar, 2 translations, 3 with rotations, ...
+  int quantity = 8;        // 8 displacement, 11 velocity, 12 acceleration, ...
   int mode = 0;
   int load_case = 0;
   double frequency = 0.0;           // Hz; of a complex eigenvalue Im / (2 pi)
   std::complex<double> eigenvalue;  // of a complex one, 1 / s
+  std::complex<double> modal_a, modal_b;  // of a complex one
   double modal_mass = 0.0;
   double viscous_damping = 0.0, hysteretic_damping = 0.0;
   bool is_complex = false;
@@ -76,13 +124,21 @@ struct UniversalFile {
   std::vector<UniversalNode> nodes;
   std::vector<UniversalLine> lines;
   std::vector<UniversalShape> shapes;
-  // Coordinate systems by their numbers: whether each is the global one, with
-  // its origin and its axes.
-  std::map<int, bool> systems;
+  std::map<int, UniversalSystem> systems;  // by their numbers
 
   // Of 0, of a system that the file says to be so, and of 1 where it says
   // nothing of it: programs number the global system from 0 or from 1.
   bool IsGlobal(int system) const;
+
+  // The node in the global system. False where the file does not tell its
+  // system, or this is not Cartesian: programs do not agree about angles.
+  [[nodiscard]] bool PositionOf(const UniversalNode& node,
+                                Eigen::Vector3d* position) const;
+  // Directions 1, 2 and 3 at the node, in rows, as vectors of the global
+  // system. False where the file does not tell its displacement system, where
+  // this is spherical, and on the axis of a cylindrical one.
+  [[nodiscard]] bool AxesAt(const UniversalNode& node,
+                            Eigen::Matrix3d* axes) const;
 };
 
 // Reads all data sets of a file (.uff, .unv; also gzipped); those of other
@@ -93,8 +149,13 @@ struct UniversalFile {
                                       const std::string& path,
                                       UniversalFile* file, std::string* error);
 
-// The data sets as text, functions with even abscissae as such: 15, 82, 58, 55.
-std::string FormatUniversalFile(const UniversalFile& file);
+// How functions are written: 58b, which is exact, or text.
+enum class UniversalEncoding { kBinary, kText };
+
+// The data sets 2420, 2411 (15 where positions are local), 82, 58, 55.
+std::string FormatUniversalFile(
+    const UniversalFile& file,
+    UniversalEncoding functions = UniversalEncoding::kBinary);
 
 // By its extension, in any case.
 bool IsUniversalFile(const std::string& path);

@@ -38,6 +38,12 @@ int NumCorners(ElementShape shape) {
   return 0;
 }
 
+Eigen::Vector3d StructureGeometry::Direction(int node, int direction) const {
+  const auto own = axes.find(node);
+  if (own == axes.end()) return Eigen::Vector3d::Unit(direction - 1);
+  return own->second.row(direction - 1).transpose();
+}
+
 int StructureGeometry::SetIndex(const std::string& name) const {
   for (size_t i = 0; i < sets.size(); ++i) {
     if (SameInAnyCase(sets[i].name, name)) return static_cast<int>(i);

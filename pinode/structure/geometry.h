@@ -4,6 +4,7 @@
 #ifndef PINODE_STRUCTURE_GEOMETRY_H_
 #define PINODE_STRUCTURE_GEOMETRY_H_
 
+#include <Eigen/Core>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -38,6 +39,9 @@ struct StructureGeometry {
 
   std::vector<std::string> node_names;  // unique; as in DOFs "node.direction"
   Matrix positions;                     // nodes x 3
+  // Directions 1, 2 and 3 of nodes that have their own, in rows, as vectors of
+  // the axes of `positions`; zero where nobody says. Others have these axes.
+  std::unordered_map<int, Eigen::Matrix3d> axes;
   std::vector<Element> elements;
   std::vector<Set> sets;
   // What was left out, one sentence each.
@@ -45,6 +49,8 @@ struct StructureGeometry {
 
   int num_nodes() const { return static_cast<int>(node_names.size()); }
   bool empty() const { return node_names.empty(); }
+  // Direction 1, 2 or 3 at a node, a unit vector; zero where nobody says.
+  Eigen::Vector3d Direction(int node, int direction) const;
   // Position of a name (in any case), -1 if there is none.
   int SetIndex(const std::string& name) const;
 

@@ -32,8 +32,10 @@ std::vector<DofPlaces::Place> DofPlaces::Of(const std::string& dof) const {
         place.direction > 3) {
       continue;
     }
-    places.push_back({node->second,
-                      place.sign * Eigen::Vector3d::Unit(place.direction - 1)});
+    const Eigen::Vector3d direction =
+        placed_.geometry.Direction(node->second, place.direction);
+    if (direction.isZero()) continue;
+    places.push_back({node->second, place.sign * direction});
   }
   return places;
 }

@@ -24,7 +24,8 @@ class DofPlaces {
   explicit DofPlaces(const PlacedGeometry& placed);
 
   // As the geometry says; else of "node.direction" and "node:x" as they are
-  // called. None of rotations, and where nobody says.
+  // called; along the node's own directions, where it has such. None of
+  // rotations, and where nobody says.
   std::vector<Place> Of(const std::string& dof) const;
 
   // Adds an arrow at each node that `weights`, of DOFs, have a part at; where

@@ -12,6 +12,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/unknown_force.h"
 #include "pinode/dynamics/unknown_force_term.h"
+#include "pinode/study/dof_places.h"
 #include "pinode/study/testing.h"
 
 namespace pinode {
@@ -116,6 +117,35 @@ TEST(StructurePictureTest, SensorsAlongAnyDirection) {
   EXPECT_EQ(picture.sensors[2].direction, Eigen::Vector3d::UnitX());
   EXPECT_EQ(picture.sensors[2].name, picture.sensors[1].name);
   EXPECT_TRUE(picture.modes.empty());
+}
+
+// A node may have directions of its own, and such that nobody says.
+TEST(StructurePictureTest, DirectionsOfNodes) {
+  PlacedGeometry placed = Frame();
+  placed.dofs["u2"] = {{"w1", 3, -1.0}};
+  Eigen::Matrix3d axes;
+  axes << 0.0, 0.6, 0.8, 1.0, 0.0, 0.0, 0.0, 0.8, -0.6;
+  placed.geometry.axes[2] = axes;
+  placed.geometry.axes[3] = Eigen::Matrix3d::Zero();
+  const DofPlaces places(placed);
+  ASSERT_EQ(places.Of("u2").size(), 1u);
+  EXPECT_EQ(places.Of("u2")[0].direction, Eigen::Vector3d(0.0, -0.8, 0.6));
+  ASSERT_EQ(places.Of("w1.1").size(), 1u);
+  EXPECT_EQ(places.Of("w1.1")[0].direction, Eigen::Vector3d(0.0, 0.6, 0.8));
+  EXPECT_EQ(places.Of("w2.1")[0].direction, Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(places.Of("e1.1").empty());
+  // Shapes there are turned into the global system: 2 along the first of the
+  // directions, 1 along the second.
+  MergedModes merged;
+  merged.modes.resize(1);
+  merged.modes[0].mode.shape = Eigen::Vector2cd(2.0, 1.0);
+  const std::vector<Eigen::MatrixXcd> motions = MotionsOfNodes(
+      placed, {{"w1.1", "a", {{"w1.1", 1.0}}}, {"w1.2", "b", {{"w1.2", 1.0}}}},
+      merged);
+  ASSERT_EQ(motions.size(), 1u);
+  const Eigen::Vector3d turned =
+      motions[0].row(2).real().transpose() / motions[0].row(2).real()[0];
+  EXPECT_TRUE(turned.isApprox(Eigen::Vector3d(1.0, 1.2, 1.6)));
 }
 
 // Where it pushes, towards what it is multiplied by; a floor's force is drawn
