@@ -1,7 +1,9 @@
 #include "pinode/record/universal_file.h"
 
 #include <cmath>
+#include <complex>
 #include <string>
+#include <utility>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -198,6 +200,96 @@ TEST(UniversalFileTest, ShapesToTheirThirteenColumns) {
         << error;
     SCOPED_TRACE(type);
     ExpectEqualFiles(read, file, {}, {5.001e-10, 5.001e-10});
+  }
+}
+
+// Set 58b of two points with uneven abscissae in double precision, put together
+// by hand: `bytes` are the numbers, of which the header states `count`.
+std::string UnevenBinary(int data_type, int byte_order,
+                         const std::string& count, const std::string& bytes) {
+  return "    -1\n    58b     " + std::to_string(byte_order) +
+         "     2          11" + std::string(12 - count.size(), ' ') + count +
+         "     0     0           0           0\n"
+         "sweep\nNONE\nNONE\nNONE\nNONE\n"
+         "    4         0    0         0 NONE               7   1 NONE       "
+         "        8  -3\n"
+         "         " +
+         std::to_string(data_type) +
+         "         2         0  0.00000E+00  0.00000E+00  0.00000E+00\n"
+         "        18    0    0    0 Frequency            Hz                  \n"
+         "        12    0    0    0 Acceleration         m/s^2               \n"
+         "        13    0    0    0 Force                N                   \n"
+         "         0    0    0    0 NONE                 NONE                "
+         "\n" +
+         bytes + "    -1\n";
+}
+
+// Of hexadecimal digits.
+std::string Bytes(const std::string& digits) {
+  std::string bytes;
+  for (size_t i = 0; i < digits.size(); i += 2) {
+    bytes += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  }
+  return bytes;
+}
+
+TEST(UniversalFileTest, UnevenAbscissaeInDoublePrecision) {
+  // 1.5 and -2 at 0.25 and 1, abscissae in single precision as the format says;
+  // then with abscissae in double precision, as some write them.
+  const std::string real = Bytes(
+      "0000803e000000000000f83f"
+      "0000803f00000000000000c0");
+  const std::string wide = Bytes(
+      "000000000000d03f000000000000f83f"
+      "000000000000f03f00000000000000c0");
+  for (const auto& [bytes, count] :
+       {std::make_pair(real, "24"), std::make_pair(wide, "32"),
+        // Counted as if there were no abscissae, as pyuff does.
+        std::make_pair(wide, "16"), std::make_pair(real, "16")}) {
+    UniversalFile file;
+    std::string error;
+    ASSERT_TRUE(ParseUniversalFile(UnevenBinary(4, 1, count, bytes), "x.uff",
+                                   &file, &error))
+        << error;
+    ASSERT_THAT(file.functions, SizeIs(1));
+    const UniversalFunction& f = file.functions[0];
+    EXPECT_EQ(f.abscissa_step, 0.0);
+    EXPECT_EQ(f.abscissa, Vector(Eigen::Vector2d(0.25, 1.0)));
+    EXPECT_EQ(f.values, Eigen::VectorXcd(Eigen::Vector2cd(1.5, -2.0)));
+    EXPECT_TRUE(f.is_double);
+    EXPECT_FALSE(f.is_complex);
+    EXPECT_EQ(f.reference_direction, -3);
+    EXPECT_EQ(f.denominator_axis.unit, "N");
+  }
+}
+
+// The most significant byte first; the numbers' bytes hold breaks of lines.
+TEST(UniversalFileTest, UnevenComplexInDoublePrecision) {
+  const std::string values = "400a0a0a0a0a0a0ac000000000000000";  // and -2
+  const std::string single = Bytes("3e800000" + values + "3f800000" + values);
+  const std::string wide =
+      Bytes("3fb999999999999a" + values + "3fd3333333333333" + values);
+  for (const bool is_wide : {false, true}) {
+    UniversalFile file;
+    std::string error;
+    ASSERT_TRUE(ParseUniversalFile(
+        UnevenBinary(6, 2, is_wide ? "48" : "40", is_wide ? wide : single),
+        "x.uff", &file, &error))
+        << error;
+    const UniversalFunction& f = file.functions.at(0);
+    const std::complex<double> value(0x1.a0a0a0a0a0a0ap+1, -2.0);
+    EXPECT_EQ(f.values, Eigen::VectorXcd(Eigen::Vector2cd(value, value)));
+    EXPECT_EQ(f.abscissa, Vector(is_wide ? Eigen::Vector2d(0.1, 0.3)
+                                         : Eigen::Vector2d(0.25, 1.0)));
+  }
+  // Neither way do so many bytes make two points.
+  for (const char* count : {"40", "30", "48", "100000"}) {
+    UniversalFile file;
+    std::string error;
+    EXPECT_FALSE(
+        ParseUniversalFile(UnevenBinary(6, 2, count, single.substr(0, 30)),
+                           "x.uff", &file, &error));
+    EXPECT_THAT(error, HasSubstr("data set 1 (type 58): it "));
   }
 }
 
