@@ -32,6 +32,13 @@ std::string ColumnName(const UniversalFunction& f, size_t number,
   return name;
 }
 
+bool HaveSameAbscissae(const UniversalFunction& a, const UniversalFunction& b) {
+  if (a.size() != b.size() || a.is_even() != b.is_even()) return false;
+  return a.is_even() ? a.abscissa_step == b.abscissa_step &&
+                           a.abscissa_start == b.abscissa_start
+                     : a.abscissa == b.abscissa;
+}
+
 // Axes of a cylindrical system at a place: outwards, around and along its axis.
 bool CylindricalAxes(const UniversalSystem& system,
                      const Eigen::Vector3d& position, Eigen::Matrix3d* axes) {
@@ -160,9 +167,7 @@ bool ReadUniversalTable(const std::string& path,
     const UniversalFunction* f =
         histories[static_cast<size_t>(place - names.begin()) - 1];
     if (first == nullptr) first = f;
-    if (f->size() != first->size() ||
-        f->abscissa_step != first->abscissa_step ||
-        f->abscissa_start != first->abscissa_start) {
+    if (!HaveSameAbscissae(*f, *first)) {
       *error = path + ": '" + name +
                "' has other times than the histories before it, expected "
                "records of one rate, or a file each";
@@ -178,10 +183,9 @@ bool ReadUniversalTable(const std::string& path,
     if (place == names.begin()) {
       for (Eigen::Index i = 0; i < first->size(); ++i) {
         result.values(i, column) =
-            first->abscissa_step > 0.0
-                ? first->abscissa_start +
-                      static_cast<double>(i) * first->abscissa_step
-                : first->abscissa[i];
+            first->is_even() ? first->abscissa_start +
+                                   static_cast<double>(i) * first->abscissa_step
+                             : first->abscissa[i];
       }
     } else {
       result.values.col(column) =

@@ -54,8 +54,8 @@ struct UniversalFunction {
   int response_node = 0, response_direction = 0;
   int reference_node = 0, reference_direction = 0;
   double abscissa_start = 0.0;
-  double abscissa_step = 0.0;  // 0: `abscissa` has each
-  Vector abscissa;
+  double abscissa_step = 0.0;
+  Vector abscissa;  // each; empty where they are even, by start and step
   Eigen::VectorXcd values;
   bool is_complex = false;
   // Whether it is kept in double precision; it is written so in any case where
@@ -65,6 +65,7 @@ struct UniversalFunction {
   UniversalAxis abscissa_axis, ordinate_axis, denominator_axis, z_axis;
 
   Eigen::Index size() const { return values.size(); }
+  bool is_even() const { return abscissa.size() == 0; }
 };
 
 struct UniversalNode {

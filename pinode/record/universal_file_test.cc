@@ -310,6 +310,49 @@ TEST(UniversalFileTest, HistoriesAreATable) {
   EXPECT_THAT(error, HasSubstr("'3:x'"));
 }
 
+TEST(UniversalFileTest, HistoriesOfOtherTimesAreNoTable) {
+  UniversalFile file;
+  file.functions = {Function(0, false), Function(1, false)};
+  const TemporaryFolder folder;
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ReadUniversalTable(
+      folder.Write("x.uff", FormatUniversalFile(file)), {}, &table, &error))
+      << error;
+  EXPECT_EQ(table.values.col(0), file.functions[0].abscissa);
+  file.functions[1].abscissa[3] += 0.01;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_FALSE(ReadUniversalTable(
+        folder.Write("x.uff", FormatUniversalFile(file)), {}, &table, &error));
+    EXPECT_THAT(error, HasSubstr("'3:-z' has other times"));
+    file.functions[1] = Function(1, true);
+  }
+}
+
+// Even abscissae with a step of nothing, as some files have them, and no names.
+TEST(UniversalFileTest, HistoriesWithoutStepAndName) {
+  UniversalFile file;
+  file.functions = {Function(0, true), Function(1, true)};
+  for (UniversalFunction& f : file.functions) {
+    f.abscissa_step = 0.0;
+    f.abscissa_start = 2.5;
+    f.response_node = 0;
+    f.texts[0] = "";
+  }
+  const std::string bytes = FormatUniversalFile(file);
+  UniversalFile read;
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ParseUniversalFile(bytes, "x.uff", &read, &error)) << error;
+  ExpectEqualFiles(read, file, {}, {});
+  const TemporaryFolder folder;
+  ASSERT_TRUE(
+      ReadUniversalTable(folder.Write("x.uff", bytes), {}, &table, &error))
+      << error;
+  EXPECT_THAT(table.columns, ElementsAre("t", "set1", "set2"));
+  EXPECT_EQ(table.values(6, 0), 2.5);
+}
+
 TEST(UniversalFileTest, DamagedFilesAreRefused) {
   const std::string text = FormatUniversalFile(Example());
   UniversalFile file;

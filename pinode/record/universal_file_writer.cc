@@ -93,7 +93,7 @@ bool FitsSingleColumns(double value) {
 class FunctionWriter {
  public:
   FunctionWriter(const UniversalFunction& f, bool binary)
-      : f_(f), binary_(binary), even_(f.abscissa_step > 0.0) {
+      : f_(f), binary_(binary), even_(f.is_even()) {
     abscissa_single_ = even_ || All(f.abscissa);
     double_ = f.is_double || !abscissa_single_ || !All(f.values.real()) ||
               (f.is_complex && !All(f.values.imag()));
