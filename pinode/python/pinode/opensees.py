@@ -125,6 +125,8 @@ def condense(
     *,
     dofs: Mapping[int, Sequence[int]],
     equal: Iterable[tuple[int, int, Sequence[int]]] = (),
+    rigid: Iterable[tuple[str | int, int, Sequence[int]]] = (),
+    coordinates: Mapping[int, Sequence[float]] | None = None,
     translations: int = 2,
 ) -> CondensedModel:
     """The model over the DOFs that carry mass.
@@ -133,6 +135,9 @@ def condense(
     dofs: {node: [equation of each DOF]}, see equation_names.
     equal: (retained node, constrained node, [directions]), as equalDOF; where
         the matrices were printed without these constraints (handler Plain).
+    rigid: (kind, retained node, [constrained nodes]) likewise: "beam" and "bar"
+        as rigidLink, 1, 2 or 3 the direction across a rigidDiaphragm.
+    coordinates: {node: (x, y) or (x, y, z)} of the nodes of `rigid`.
     translations: 2 or 3, the directions along which nodes move.
 
     Constraints come first, u = L q with L'ML and so on; then DOFs without mass
@@ -146,7 +151,10 @@ def condense(
         if matrix is not None and len(matrix) != size:
             raise Error(f"the {name} matrix has {len(matrix)} rows, expected {size} as the mass")
     names = equation_names(dofs, size)
-    link, kept = _constraints(_equations(dofs), _ties(equal), size)
+    nodes = _equations(dofs)
+    link, kept = _constraints(
+        nodes, _ties(equal), _rigid_rows(nodes, rigid, coordinates, translations), size
+    )
     mass, stiffness = link.T @ mass @ link, link.T @ stiffness @ link
     weight = np.abs(mass).max(axis=1)
     massive = weight > _NO_MASS * weight.max(initial=0.0)
@@ -246,45 +254,179 @@ def _square(name: str, value: Any) -> np.ndarray:
     return matrix
 
 
+class _Row(NamedTuple):
+    """A DOF that follows others: sum of factor * motion of (node, direction)."""
+
+    node: int
+    direction: int
+    leaders: list[tuple[float, int, int]]
+
+
+def _places(coordinates: Any, translations: int) -> dict[int, np.ndarray]:
+    try:
+        places = {
+            operator.index(node): np.array([float(x) for x in place])
+            for node, place in (coordinates or {}).items()
+        }
+    except (AttributeError, TypeError, ValueError):
+        raise Error(
+            f"coordinates is a value of type {type(coordinates).__name__}, expected "
+            "{node: (x, y) or (x, y, z)}"
+        ) from None
+    for node, place in places.items():
+        if place.shape != (translations,) or not np.isfinite(place).all():
+            raise Error(f"coordinates: node {node}, expected {translations} finite numbers")
+    return places
+
+
+def _link_rows(kind: Any, offset: np.ndarray, retained: int, constrained: int,
+               translations: int) -> list[_Row]:
+    """u_c = u_r + theta_r x offset, theta_c = theta_r, or the part of them that
+    the kind of link holds."""
+    plane = translations == 2
+    rotations = [3] if plane else [4, 5, 6]
+    axes = [(3, 2)] if plane else [(4, 0), (5, 1), (6, 2)]  # DOF, vector
+    moving, turning = list(range(1, translations + 1)), list(rotations)
+    if kind == "bar":
+        turning, axes = [], []
+    elif kind != "beam":
+        moving = [d for d in moving if d != kind]
+        turning = [kind + 3]
+        axes = [(kind + 3, kind - 1)]
+    arm = np.zeros(3)
+    arm[:translations] = offset
+    rows = []
+    for direction in moving:
+        leaders = [(1.0, retained, direction)]
+        for dof, axis in axes:
+            factor = np.cross(np.eye(3)[axis], arm)[direction - 1]
+            if factor != 0.0:
+                leaders.append((float(factor), retained, dof))
+        rows.append(_Row(constrained, direction, leaders))
+    return rows + [_Row(constrained, d, [(1.0, retained, d)]) for d in turning]
+
+
+def _rigid_rows(dofs: Mapping[int, Sequence[int]], rigid: Any, coordinates: Any,
+                translations: int) -> list[_Row]:
+    if translations not in (2, 3):
+        raise Error(f"translations is {translations!r:.40}, expected 2 or 3")
+    try:
+        links = [
+            (kind, operator.index(retained), [operator.index(node) for node in constrained])
+            for kind, retained, constrained in rigid
+        ]
+    except (TypeError, ValueError):
+        raise Error(
+            f"rigid is a value of type {type(rigid).__name__}, expected a list of "
+            "(kind, retained node, [constrained nodes])"
+        ) from None
+    places = _places(coordinates, translations)
+    kinds = ["beam", "bar"] + ([1, 2, 3] if translations == 3 else [])
+    rows = []
+    for kind, retained, constrained in links:
+        if isinstance(kind, bool) or kind not in kinds:
+            raise Error(
+                f"rigid: kind {kind!r:.40}, expected one of {', '.join(map(repr, kinds))}"
+                + ("" if translations == 3 else " (rigidDiaphragm needs translations=3)")
+            )
+        for node in constrained:
+            for each in (retained, node):
+                if each not in dofs:
+                    raise Error(f"rigid: node {each} is not in 'dofs'")
+                if kind != "bar" and each not in places:
+                    raise Error(f"rigid: node {each} has no place in 'coordinates'")
+            if node == retained:
+                raise Error(f"rigid: node {node} is tied to itself")
+            offset = (np.zeros(translations) if kind == "bar"
+                      else places[node] - places[retained])
+            rows += _link_rows(kind, offset, retained, node, translations)
+    return rows
+
+
+class _Links:
+    """Which equations follow which others."""
+
+    def __init__(self, dofs: Mapping[int, Sequence[int]], size: int) -> None:
+        self.dofs = dofs
+        self.master = list(range(size))
+        self.held: set[int] = set()
+        self.follow: dict[int, list[tuple[float, int]]] = {}
+
+    def equation(self, what: str, node: int, direction: int) -> int:
+        if node not in self.dofs or not 1 <= direction <= len(self.dofs[node]):
+            raise Error(f"{what}: node {node} has no DOF {direction}")
+        return self.dofs[node][direction - 1]
+
+    def root(self, index: int) -> int:
+        while self.master[index] != index:
+            index = self.master[index]
+        return index
+
+    def tie(self, retained: int, constrained: int, direction: int) -> None:
+        leader = self.equation("equalDOF", retained, direction)
+        follower = self.equation("equalDOF", constrained, direction)
+        if leader < 0 and follower < 0:
+            return
+        if leader < 0 or follower < 0:
+            # What is tied to a support stands still.
+            self.held.add(self.root(max(leader, follower)))
+        elif self.root(leader) != self.root(follower):
+            self.master[self.root(follower)] = self.root(leader)
+
+    def add(self, row: _Row) -> None:
+        leaders = []
+        for factor, node, direction in row.leaders:
+            leader = self.equation("rigid", node, direction)
+            if leader >= 0:
+                leaders.append((factor, self.root(leader)))
+        follower = self.equation("rigid", row.node, row.direction)
+        if follower < 0:
+            if not leaders:
+                return
+            raise Error(
+                f"rigid: DOF {row.direction} of node {row.node} is fixed, expected the fixed "
+                "node as the retained one"
+            )
+        follower = self.root(follower)
+        if leaders == [(1.0, follower)]:
+            return
+        if follower in self.follow or follower in self.held:
+            raise Error(f"rigid: DOF {row.direction} of node {row.node} is constrained twice")
+        self.follow[follower] = leaders
+
+
 def _constraints(
     dofs: Mapping[int, Sequence[int]],
     equal: Iterable[tuple[int, int, Sequence[int]]],
+    rigid: Iterable[_Row],
     size: int,
 ) -> tuple[np.ndarray, list[int]]:
     """L of u = L q, and which equation each q is."""
-    master = list(range(size))
-
-    def equation(node: int, direction: int) -> int:
-        if node not in dofs or not 1 <= direction <= len(dofs[node]):
-            raise Error(f"equalDOF: node {node} has no DOF {direction}")
-        return dofs[node][direction - 1]
-
-    def root(index: int) -> int:
-        while master[index] != index:
-            index = master[index]
-        return index
-
-    held: set[int] = set()
+    links = _Links(dofs, size)
     for retained, constrained, directions in equal:
         for direction in directions:
-            leader, follower = equation(retained, direction), equation(constrained, direction)
-            if leader < 0 and follower < 0:
-                continue
-            if leader < 0 or follower < 0:
-                # What is tied to a support stands still.
-                held.add(root(max(leader, follower)))
-            elif root(leader) != root(follower):
-                master[root(follower)] = root(leader)
-    held = {root(index) for index in held}
-    kept = [i for i in range(size) if master[i] == i and i not in held]
+            links.tie(retained, constrained, direction)
+    links.held = {links.root(index) for index in links.held}
+    for row in rigid:
+        links.add(row)
+    roots = [links.root(index) for index in range(size)]
+    kept = [i for i in range(size)
+            if roots[i] == i and i not in links.held and i not in links.follow]
     if not kept:
         raise Error("the constraints leave no DOF free")
-    place = {index: column for column, index in enumerate(kept)}
     link = np.zeros((size, len(kept)))
-    for index in range(size):
-        if root(index) in place:
-            link[index, place[root(index)]] = 1.0
-    return link, kept
+    link[kept] = np.eye(len(kept))
+    # Those that follow others that follow come after these.
+    done, waiting = set(kept) | links.held, dict(links.follow)
+    while waiting:
+        ready = [f for f, leaders in waiting.items() if all(i in done for _, i in leaders)]
+        if not ready:
+            raise Error("rigid: nodes follow each other in a circle")
+        for follower in ready:
+            for factor, leader in waiting.pop(follower):
+                link[follower] += factor * link[leader]
+            done.add(follower)
+    return link[roots], kept
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -207,3 +207,85 @@ def test_what_does_not_fit_together():
         opensees.condense(two, two, dofs={1: [0, 7]})
     with pytest.raises(pinode.Error, match="node 5 has no DOF"):
         opensees.condense(two, two, dofs=dofs, equal=[(1, 5, [1])])
+
+
+def test_rigid_diaphragm():
+    """A slab of mass m on four columns of stiffness k at its corners: w^2 is
+    4 k / m in both directions, and k r^2 / (m r^2 / 4) the same in torsion; an
+    eccentric mass at one corner couples them."""
+    half_x, half_y, k, m = 3.0, 2.0, 5.0e6, 8.0e3
+    corners = {1: (half_x, half_y, 3.0), 2: (-half_x, half_y, 3.0),
+               3: (-half_x, -half_y, 3.0), 4: (half_x, -half_y, 3.0)}
+    dofs = {node: [3 * node - 3, 3 * node - 2, -1, -1, -1, 3 * node - 1] for node in range(1, 6)}
+    masses = np.array([1.0, 1.0, 1.0, 3.0]) * m / 4
+    mass, stiffness = np.zeros((15, 15)), np.zeros((15, 15))
+    for node, own in zip(corners, masses):
+        for equation in dofs[node][:2]:
+            mass[equation, equation], stiffness[equation, equation] = own, k
+    model = opensees.condense(
+        mass, stiffness, dofs=dofs, translations=3, rigid=[(3, 5, [1, 2, 3, 4])],
+        coordinates={**corners, 5: (0.0, 0.0, 3.0)})
+    assert model.dofs == ["5.1", "5.2", "5.6"]
+    x, y = np.array([place[:2] for place in corners.values()]).T
+    expected = np.array([
+        [masses.sum(), 0.0, -(masses * y).sum()],
+        [0.0, masses.sum(), (masses * x).sum()],
+        [-(masses * y).sum(), (masses * x).sum(), (masses * (x**2 + y**2)).sum()]])
+    np.testing.assert_allclose(model.mass, expected, rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(
+        model.stiffness, np.diag([4 * k, 4 * k, 4 * k * (half_x**2 + half_y**2)]),
+        rtol=1e-12, atol=1e-6)
+    np.testing.assert_array_equal(model.influence["y"], [0.0, 1.0, 0.0])
+    # Every corner moves with the slab.
+    turned = model.expansion @ [0.0, 0.0, 1.0]
+    np.testing.assert_allclose(turned[dofs[2][0]], -half_y)
+    np.testing.assert_allclose(turned[dofs[2][1]], -half_x)
+
+
+@pytest.mark.parametrize("kind", ["beam", "bar"])
+def test_rigid_links(kind):
+    """A cantilever whose mass sits on a rigid arm (a, b) from its tip: its
+    inertia is that of the arm, or of none where only translations are tied."""
+    height, inertia, young, m, a, b = 4.0, 2.0e-5, 2.1e11, 300.0, 0.6, 0.25
+    ends = ((0.0, 0.0), (0.0, height))
+    dofs = {1: [-1] * 3, 2: [0, 1, 2], 3: [3, 4, 5], 4: [6, 7, 8]}
+    stiffness, mass = np.zeros((9, 9)), np.zeros((9, 9))
+    stiffness[:3, :3] = beam(ends, 1e-2, inertia, young)[3:, 3:]
+    mass[6, 6] = mass[7, 7] = m
+    # In two links, the second given first.
+    places = {1: ends[0], 2: ends[1], 3: (a, height), 4: (a, height + b)}
+    if kind == "bar":
+        stiffness[5, 5] = stiffness[8, 8] = 1.0
+    model = opensees.condense(mass, stiffness, dofs=dofs,
+                              rigid=[(kind, 3, [4]), (kind, 2, [3])], coordinates=places)
+    tip = stiffness[:3, :3]
+    if kind == "beam":
+        assert model.dofs == ["2.1", "2.2", "2.3"]
+        expected = m * np.array([[1, 0, -b], [0, 1, a], [-b, a, a * a + b * b]])
+        np.testing.assert_allclose(model.mass, expected, rtol=1e-12)
+        np.testing.assert_allclose(model.stiffness, tip, rtol=1e-12)
+    else:
+        assert model.dofs == ["2.1", "2.2"]
+        follow = tip[:2, :2] - np.outer(tip[:2, 2], tip[2, :2]) / tip[2, 2]
+        np.testing.assert_allclose(model.mass, m * np.eye(2), rtol=1e-12)
+        np.testing.assert_allclose(model.stiffness, follow, rtol=1e-9)
+
+
+@pytest.mark.parametrize("keys, message", [
+    ({"rigid": [("rod", 2, [3])]}, "kind 'rod'"),
+    ({"rigid": [(3, 2, [3])]}, "translations=3"),
+    ({"rigid": [("beam", 2, [9])]}, "node 9 is not in 'dofs'"),
+    ({"rigid": [("beam", 2, [2])]}, "tied to itself"),
+    ({"rigid": [("beam", 2, [3])], "coordinates": {2: (0, 1)}}, "node 3 has no place"),
+    ({"rigid": [("beam", 2, [3])], "coordinates": {2: (0, 1), 3: (0, 1, 2)}}, "2 finite"),
+    ({"rigid": [("beam", 2, [3]), ("beam", 3, [2])]}, "circle"),
+    ({"rigid": [("beam", 2, [4]), ("beam", 3, [4])]}, "twice"),
+    ({"rigid": [("beam", 2, [1])]}, "fixed, expected the fixed node"),
+    ({"rigid": 3}, "list of"),
+])
+def test_links_that_cannot_be(keys, message):
+    dofs = {1: [-1] * 3, 2: [0, 1, 2], 3: [3, 4, 5], 4: [6, 7, 8]}
+    places = {1: (0, 0), 2: (0, 1), 3: (1, 1), 4: (2, 1)}
+    with pytest.raises(pinode.Error, match=message):
+        opensees.condense(np.eye(9), np.eye(9), dofs=dofs,
+                          **{"coordinates": places, **keys})
