@@ -168,14 +168,18 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
+  // Before the report's run of the model before, which takes as much memory as
+  // a record.
+  if (!WriteCaseResult(c, summary, model, folder, &error)) {
+    return CannotWrite(error, folder);
+  }
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   if (judgement.judged) report.damage = &result;
   const std::optional<StructurePicture> picture =
       PictureOfCase(c, summary, model, report.damage);
   if (picture.has_value()) report.structure = &*picture;
-  if (!WriteCaseResult(c, summary, model, folder, &error) ||
-      !WriteVtu(picture, folder.working_path(), &error) ||
+  if (!WriteVtu(picture, folder.working_path(), &error) ||
       !WriteDamageFiles(report, folder.working_path(), &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return CannotWrite(error, folder);

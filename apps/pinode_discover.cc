@@ -181,6 +181,12 @@ bool WriteFittedModel(const Case& c, const Discovery& discovery,
                          /*given_steps=*/true, &discovered, error)) {
     return false;
   }
+  // Before the report's run of the model before, which takes as much memory as
+  // a record.
+  if (!WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
+                       error)) {
+    return false;
+  }
   ReportInput report = MakeReportInput(discovered.problem, discovery.summary,
                                        discovery.model, origin);
   report.equations = &discovery.equations;
@@ -189,9 +195,7 @@ bool WriteFittedModel(const Case& c, const Discovery& discovery,
   if (picture.has_value()) report.structure = &*picture;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  return WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
-                         error) &&
-         WriteVtu(picture, folder.working_path(), error) &&
+  return WriteVtu(picture, folder.working_path(), error) &&
          WriteHtmlReport(report, report_options,
                          folder.working_path() + "/report.html", error) &&
          (!IsInterrupted(discovery) ||

@@ -125,6 +125,11 @@ int main(int argc, char** argv) {
           .count();
   std::string deck_error;
   const bool has_deck = WriteDeck(c, model, folder, &summary, &deck_error);
+  // Before the report's run of the model before, which takes as much memory as
+  // a record.
+  if (!WriteCaseResult(c, summary, model, folder, &error)) {
+    return CannotWrite(error, folder);
+  }
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   const std::optional<StructurePicture> picture =
@@ -132,8 +137,7 @@ int main(int argc, char** argv) {
   if (picture.has_value()) report.structure = &*picture;
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  if (!WriteCaseResult(c, summary, model, folder, &error) ||
-      !WriteVtu(picture, folder.working_path(), &error) ||
+  if (!WriteVtu(picture, folder.working_path(), &error) ||
       !WriteHtmlReport(report, report_options,
                        folder.working_path() + "/report.html", &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {

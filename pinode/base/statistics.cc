@@ -103,19 +103,19 @@ double AutocorrelationTime(const Vector& residuals) {
   return time;
 }
 
-double MemorylessMeanSquare(const Vector& residuals) {
-  double sum = 0.0;
-  int count = 0;
-  double last = 0.0;
-  for (const double value : residuals) {
-    if (value == 0.0) continue;
-    if (last != 0.0) {
-      sum += 0.5 * (value - last) * (value - last);
-      ++count;
-    }
-    last = value;
+void MemorylessPart::Add(double residual) {
+  if (residual == 0.0) return;
+  if (last_ != 0.0) {
+    sum_ += 0.5 * (residual - last_) * (residual - last_);
+    ++count_;
   }
-  return count > 0 ? sum / count : 0.0;
+  last_ = residual;
+}
+
+double MemorylessMeanSquare(const Vector& residuals) {
+  MemorylessPart part;
+  for (const double residual : residuals) part.Add(residual);
+  return part.MeanSquare();
 }
 
 DifferencedVariance VarianceOfDifferences(const Vector& values) {

@@ -37,6 +37,20 @@ double AutocorrelationTime(const Vector& residuals);
 // than two are left.
 double MemorylessMeanSquare(const Vector& residuals);
 
+// The same of residuals that come one by one.
+class MemorylessPart {
+ public:
+  void Add(double residual);
+  double MeanSquare() const {
+    return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0;
+  }
+
+ private:
+  double last_ = 0.0;
+  double sum_ = 0.0;
+  Eigen::Index count_ = 0;
+};
+
 // The variance of white noise, with its standard deviation, from what a series
 // has above about a third of its sampling rate: the mean square of its
 // differences of order 8 over C(16, 8), and next to nothing of what is below.

@@ -149,7 +149,10 @@ class ResultWriter {
       const IdentificationRecord& record = problem_.records[r];
       // A run that never became finite has nothing to show.
       if (score.prediction.cols() != record.num_samples()) continue;
-      std::vector<CsvColumn> columns = {{"time", FileTimes(record)}};
+      std::vector<CsvColumn> columns = {
+          {"time", record.num_samples(), [&record](Eigen::Index sample) {
+             return FileTime(record, sample);
+           }}};
       for (size_t i = 0; i < record.channels.size(); ++i) {
         const MeasuredChannel& channel = record.channels[i];
         const std::string& name = channel.observation.name;
@@ -251,13 +254,15 @@ bool IsSummaryOf(const IdentificationProblem& problem,
 
 }  // namespace
 
+double FileTime(const IdentificationRecord& record, Eigen::Index sample) {
+  return record.excitation->time(static_cast<int>(sample)) /
+         record.description.time_factor;
+}
+
 Vector FileTimes(const IdentificationRecord& record) {
-  const Excitation& excitation = *record.excitation;
-  Vector times(excitation.num_samples());
-  for (int i = 0; i < excitation.num_samples(); ++i) {
-    times[i] = excitation.time(i) / record.description.time_factor;
-  }
-  return times;
+  return Vector::NullaryExpr(
+      record.excitation->num_samples(),
+      [&record](Eigen::Index sample) { return FileTime(record, sample); });
 }
 
 bool WriteTables(const IdentificationProblem& problem,

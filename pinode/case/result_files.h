@@ -13,7 +13,8 @@
 
 namespace pinode {
 
-// The time of each sample in the unit of the record's file.
+// The times of samples in the unit of the record's file.
+double FileTime(const IdentificationRecord& record, Eigen::Index sample);
 Vector FileTimes(const IdentificationRecord& record);
 
 // Writes to `folder`, which is created where it is not there, what came out of

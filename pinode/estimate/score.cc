@@ -120,7 +120,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     double sum = 0.0;
     double spread = 0.0;
     int count = 0;
-    Vector residuals = Vector::Zero(samples);
+    MemorylessPart memoryless;
     const double mean =
         MeanOfPresent(channel.values.tail(samples - first_scored_sample));
     for (int i = first_scored_sample; i < samples; ++i) {
@@ -129,14 +129,14 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
           !valid[static_cast<size_t>(Eigen::Index{i} * nc + c)])
         continue;
       const double residual = y - score->prediction(c, i);
-      residuals[i] = residual;
+      memoryless.Add(residual);
       sum += residual * residual;
       spread += (y - mean) * (y - mean);
       ++count;
     }
     result.rmse = count > 0 ? std::sqrt(sum / count) : 0.0;
     result.nrmse = spread > 0.0 ? std::sqrt(sum / spread) : kInfinity;
-    const double noise = MemorylessMeanSquare(residuals);
+    const double noise = memoryless.MeanSquare();
     result.noise_share =
         noise > 0.0 && count > 0 ? std::min(1.0, noise * count / sum) : kNaN;
   });
