@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include "pinode/base/file.h"
 #include "pinode/base/matlab_file.h"
@@ -113,6 +114,15 @@ struct MatlabWriter::Opened {
     file.reset();
     if (memory >= 0) close(memory);
   }
+  // Before a variable of so many numbers is made; its name comes first.
+  bool HasRoomFor(Eigen::Index numbers, Eigen::Index bytes_of_a_number) {
+    if (!FitsMatlabFile(numbers * bytes_of_a_number) && fault.empty()) {
+      fault = "'" + names.back() + "' has " + std::to_string(numbers) +
+              " numbers, more than a variable of a MATLAB file of version 5 "
+              "can have";
+    }
+    return fault.empty();
+  }
   void Write(MatlabVariable variable) {
     if (!fault.empty()) return;
     if (variable == nullptr ||
@@ -140,12 +150,19 @@ MatlabWriter::MatlabWriter(const std::string& path)
 MatlabWriter::~MatlabWriter() = default;
 
 void MatlabWriter::AddMatrix(const std::string& name, const Matrix& matrix) {
-  opened_->Write(Numbers(opened_->Name(name), matrix.data(), matrix.rows(),
-                         matrix.cols()));
+  const char* valid = opened_->Name(name);
+  if (!opened_->HasRoomFor(matrix.size(), sizeof(double))) return;
+  opened_->Write(Numbers(valid, matrix.data(), matrix.rows(), matrix.cols()));
 }
 
 void MatlabWriter::AddSparse(const std::string& name,
                              const Eigen::SparseMatrix<double>& matrix) {
+  const char* valid = opened_->Name(name);
+  // With the row of each.
+  if (!opened_->HasRoomFor(matrix.nonZeros(),
+                           sizeof(double) + sizeof(mat_uint32_t))) {
+    return;
+  }
   Eigen::SparseMatrix<double> whole = matrix;
   whole.makeCompressed();
   const auto count = static_cast<size_t>(whole.nonZeros());
@@ -163,9 +180,9 @@ void MatlabWriter::AddSparse(const std::string& name,
   sparse.data = whole.valuePtr();
   size_t dims[2] = {static_cast<size_t>(whole.rows()),
                     static_cast<size_t>(whole.cols())};
-  opened_->Write(MatlabVariable(Mat_VarCreate(opened_->Name(name), MAT_C_SPARSE,
-                                              MAT_T_DOUBLE, 2, dims, &sparse,
-                                              MAT_F_DONT_COPY_DATA)));
+  opened_->Write(
+      MatlabVariable(Mat_VarCreate(valid, MAT_C_SPARSE, MAT_T_DOUBLE, 2, dims,
+                                   &sparse, MAT_F_DONT_COPY_DATA)));
 }
 
 void MatlabWriter::AddText(const std::string& name, const std::string& text) {
@@ -175,13 +192,18 @@ void MatlabWriter::AddText(const std::string& name, const std::string& text) {
 void MatlabWriter::AddStructure(const std::string& name,
                                 const std::vector<MatlabField>& fields) {
   std::vector<std::string> names;
-  for (const MatlabField& field : fields) MatlabName(field.name, &names);
+  Eigen::Index numbers = 0;
+  for (const MatlabField& field : fields) {
+    MatlabName(field.name, &names);
+    numbers += field.numbers.size();
+  }
   std::vector<const char*> pointers;
   for (const std::string& field : names) pointers.push_back(field.c_str());
   size_t dims[2] = {1, 1};
-  MatlabVariable structure(
-      Mat_VarCreateStruct(opened_->Name(name), 2, dims, pointers.data(),
-                          static_cast<unsigned>(pointers.size())));
+  const char* valid = opened_->Name(name);
+  if (!opened_->HasRoomFor(numbers, sizeof(double))) return;
+  MatlabVariable structure(Mat_VarCreateStruct(
+      valid, 2, dims, pointers.data(), static_cast<unsigned>(pointers.size())));
   for (size_t i = 0; structure != nullptr && i < fields.size(); ++i) {
     const MatlabField& field = fields[i];
     MatlabVariable value = field.texts.empty()
@@ -210,6 +232,12 @@ bool MatlabWriter::Close(std::string* error) {
     return false;
   }
   return WriteFileAtomically(opened_->path, content, error);
+}
+
+bool FitsMatlabFile(Eigen::Index bytes) {
+  // Heads, names and dimensions of a variable take some as well.
+  constexpr Eigen::Index kHeads = Eigen::Index{1} << 20;
+  return bytes <= std::numeric_limits<std::int32_t>::max() - kHeads;
 }
 
 std::string MatlabName(const std::string& name,

@@ -48,6 +48,10 @@ class MatlabWriter {
   std::unique_ptr<Opened> opened_;
 };
 
+// Whether a variable of so many bytes is one of a file of version 5, where
+// sizes are numbers of 31 bits.
+bool FitsMatlabFile(Eigen::Index bytes);
+
 // `name` as MATLAB takes it, and none of `taken`, to which it is added.
 std::string MatlabName(const std::string& name,
                        std::vector<std::string>* taken);

@@ -132,5 +132,13 @@ TEST(MatlabWriterTest, AFolderThatIsNotThereIsALine) {
   EXPECT_THAT(error, testing::HasSubstr("/nowhere/at/all.mat"));
 }
 
+TEST(MatlabWriterTest, KnowsWhatAFileOfVersion5CannotHold) {
+  EXPECT_TRUE(FitsMatlabFile(0));
+  EXPECT_TRUE(FitsMatlabFile(Eigen::Index{8} * 250000000));
+  EXPECT_FALSE(FitsMatlabFile(Eigen::Index{8} * 300000000));
+  // What a size of 32 bits would take for one byte.
+  EXPECT_FALSE(FitsMatlabFile((Eigen::Index{1} << 32) + 1));
+}
+
 }  // namespace
 }  // namespace pinode
