@@ -15,8 +15,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::microseconds;
 
-// MPI counts in 32 bits.
-constexpr int64_t kMostAtOnce = int64_t{1} << 28;
 // Others are asked without a pause for so long, then with one.
 constexpr microseconds kEager(200000);
 constexpr microseconds kPause(100);
@@ -91,8 +89,9 @@ bool MpiCommunicator::Wait(void* request, double timeout_seconds) {
 }
 
 bool MpiCommunicator::Sum(double* values, int64_t count) {
-  for (int64_t at = 0; at < count && !failed_; at += kMostAtOnce) {
-    const int now = static_cast<int>(std::min(kMostAtOnce, count - at));
+  for (int64_t at = 0; at < count && !failed_; at += options_.most_at_once) {
+    const int now =
+        static_cast<int>(std::min(options_.most_at_once, count - at));
     MPI_Request request = MPI_REQUEST_NULL;
     const void* send = rank_ == 0 ? MPI_IN_PLACE : values + at;
     if (MPI_Ireduce(send, rank_ == 0 ? values + at : nullptr, now, MPI_DOUBLE,
@@ -108,12 +107,12 @@ bool MpiCommunicator::Gather(const std::vector<int64_t>& sizes, double* all) {
   int64_t total = 0;
   std::vector<int> counts, places;
   for (const int64_t size : sizes) {
-    counts.push_back(static_cast<int>(std::min(size, kMostAtOnce)));
-    places.push_back(static_cast<int>(std::min(total, kMostAtOnce)));
+    counts.push_back(static_cast<int>(std::min(size, options_.most_at_once)));
+    places.push_back(static_cast<int>(std::min(total, options_.most_at_once)));
     total += size;
   }
   if (failed_) return false;
-  if (total > kMostAtOnce) {
+  if (total > options_.most_at_once) {
     // Beyond what MPI can address: one after the other.
     int64_t at = 0;
     for (int r = 0; r < size_; ++r) {
@@ -143,8 +142,9 @@ bool MpiCommunicator::Await() {
 }
 
 bool MpiCommunicator::Broadcast(int root, void* bytes, int64_t count) {
-  for (int64_t at = 0; at < count && !failed_; at += kMostAtOnce) {
-    const int now = static_cast<int>(std::min(kMostAtOnce, count - at));
+  for (int64_t at = 0; at < count && !failed_; at += options_.most_at_once) {
+    const int now =
+        static_cast<int>(std::min(options_.most_at_once, count - at));
     MPI_Request request = MPI_REQUEST_NULL;
     if (MPI_Ibcast(static_cast<char*>(bytes) + at, now, MPI_BYTE, root,
                    MPI_COMM_WORLD, &request) != MPI_SUCCESS) {

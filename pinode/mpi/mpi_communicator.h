@@ -19,6 +19,9 @@ class MpiCommunicator final : public Communicator {
   struct Options {
     // A rank that does not answer for so long has stalled.
     double timeout_seconds = 300.0;
+    // Numbers, or bytes, that are sent at a time: MPI counts in 32 bits. No
+    // more than its default.
+    int64_t most_at_once = int64_t{1} << 28;
     // Asked while others are waited for: whether this process was told to end.
     // It then waits for a moment and no longer, because the one who told it
     // will not either.
