@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pinode/dynamics/testing.h"
+#include "pinode/estimate/testing.h"
 #include "pinode/study/checkpoint.h"
 
 namespace pinode {
