@@ -65,6 +65,22 @@ for case in three_storey/three_storey duffing/multiple; do
   done
 done
 
+# The same equations, from bags and a refit that the ranks share.
+cp -- "$data"/quarter_car/*.csv .
+sed 's/^polynomial_degree.*/&\nbags = 12/' \
+  "$data/quarter_car/quarter_car.toml" >bags.toml
+Terms() { grep -E '"(basis|inclusion_probability)"' "$1/discover.json"; }
+"$programs/pinode_discover" --case=bags.toml --output_dir=one_bags \
+  >stdout 2>stderr || Fail "a discovery alone"
+Terms one_bags >terms || Fail "no terms"
+for ranks in 2 4; do
+  Ranks "$ranks" pinode_discover --case=bags.toml --output_dir="bags_$ranks"
+  [[ $status -eq 0 ]] || Fail "a discovery on $ranks ranks: status $status"
+  [[ $(grep -c '^Results: ' stdout) -eq 1 ]] || Fail "who has written?"
+  Terms "bags_$ranks" | cmp - terms || Fail "other terms on $ranks ranks"
+  Same one_bags "bags_$ranks"
+done
+
 # 2. A rank that dies: mpirun ends the others; the checkpoint is there, and
 # another number of ranks goes on from it.
 cp -- "$data"/four_dof_free/*.csv "$data/four_dof_free/scheme1.toml" .
