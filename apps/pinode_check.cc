@@ -138,12 +138,12 @@ void PrintRecords(const Case& c) {
     const IdentificationRecord& record = c.problem.records[r];
     const SubstepChoice& choice = c.substeps[r];
     std::printf(
-        "  %s (%s): %d samples, step %.6g s, %.4g s, %zu channels, "
+        "  %s (%s): %td samples, step %.6g s, %.4g s, %zu channels, "
         "excitation %s%s\n",
         record.name.c_str(),
         record.role == IdentificationRecord::Role::kTrain ? "train" : "holdout",
         record.num_samples(), record.sampling_step(),
-        record.sampling_step() * (record.num_samples() - 1),
+        record.sampling_step() * static_cast<double>(record.num_samples() - 1),
         record.channels.size(),
         c.problem.IsDriven(record)
             ? InterpolationName(record.excitation->interpolation())
@@ -262,7 +262,7 @@ bool PrintAssessment(const Case& c) {
     return false;
   }
   std::printf(
-      "\nSizes: %d free parameters, %d residuals, %d unknown start states\n",
+      "\nSizes: %d free parameters, %td residuals, %d unknown start states\n",
       assessment.num_free, assessment.num_residuals, assessment.num_starts);
   if (!assessment.expected.empty()) {
     std::printf(

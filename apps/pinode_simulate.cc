@@ -59,7 +59,7 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
                                      SensorNoise* noise) {
   std::vector<CsvColumn> columns;
   columns.push_back({"t", FileTimes(record)});
-  std::printf("record %s: %d samples\n", record.name.c_str(),
+  std::printf("record %s: %td samples\n", record.name.c_str(),
               record.num_samples());
   for (size_t i = 0; i < record.channels.size(); ++i) {
     const MeasuredChannel& channel = record.channels[i];

@@ -21,10 +21,10 @@ class Gaussian {
     const double radius = std::sqrt(-2.0 * std::log(Uniform()));
     return radius * std::cos(kTwoPi * Uniform());
   }
-  Vector Draw(int count) {
+  Vector Draw(Eigen::Index count) {
     return Vector::NullaryExpr(count, [this]() { return Next(); });
   }
-  Matrix Draw(int rows, int cols) {
+  Matrix Draw(Eigen::Index rows, Eigen::Index cols) {
     return Matrix::NullaryExpr(rows, cols, [this]() { return Next(); });
   }
 

@@ -31,13 +31,14 @@ template <typename Function>
 double MeanOf(const Eigen::Ref<const Vector>& values,
               const Function& function) {
   double sum = 0.0;
-  int count = 0;
+  Eigen::Index count = 0;
   for (const double value : values) {
     if (std::isnan(value)) continue;
     sum += function(value);
     ++count;
   }
-  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+  return count == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : sum / static_cast<double>(count);
 }
 
 }  // namespace
@@ -49,10 +50,9 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-int CountPresent(const Vector& values) {
-  return static_cast<int>(
-      std::count_if(values.begin(), values.end(),
-                    [](double value) { return !std::isnan(value); }));
+Eigen::Index CountPresent(const Vector& values) {
+  return std::count_if(values.begin(), values.end(),
+                       [](double value) { return !std::isnan(value); });
 }
 
 double MeanOfPresent(const Eigen::Ref<const Vector>& values) {
@@ -71,16 +71,16 @@ double StandardDeviationOfPresent(const Vector& values) {
 }
 
 double LjungBoxExcess(const Vector& residuals, int num_lags) {
-  const int n = static_cast<int>(residuals.size());
+  const Eigen::Index n = residuals.size();
   const double variance = residuals.squaredNorm();
   if (n <= 2 * num_lags || !(variance > 0.0)) return 0.0;
   double statistic = 0.0;
   for (int k = 1; k <= num_lags; ++k) {
     const double rho =
         residuals.head(n - k).dot(residuals.tail(n - k)) / variance;
-    statistic += rho * rho / (n - k);
+    statistic += rho * rho / static_cast<double>(n - k);
   }
-  statistic *= static_cast<double>(n) * (n + 2.0);
+  statistic *= static_cast<double>(n) * static_cast<double>(n + 2);
   return (statistic - num_lags) / std::sqrt(2.0 * num_lags);
 }
 
@@ -131,11 +131,12 @@ DifferencedVariance VarianceOfDifferences(const Vector& values) {
     differences = (differences.tail(n) - differences.head(n)).eval();
   }
   DifferencedVariance variance;
-  const int count = CountPresent(differences);
+  const Eigen::Index count = CountPresent(differences);
   if (count == 0) return variance;
   const double rms = RmsOfPresent(differences);
   variance.value = rms * rms / kSquares;
-  variance.deviation = variance.value * std::sqrt(2.0 * kCorrelation / count);
+  variance.deviation = variance.value * std::sqrt(2.0 * kCorrelation /
+                                                  static_cast<double>(count));
   return variance;
 }
 

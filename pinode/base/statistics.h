@@ -10,7 +10,7 @@
 namespace pinode {
 
 // Values that are not NaN, which means missing.
-int CountPresent(const Vector& values);
+Eigen::Index CountPresent(const Vector& values);
 
 // Over the samples that are present; NaN if there are none. The standard
 // deviation is that of the population: sqrt(mean((x - mean(x))^2)).

@@ -52,6 +52,18 @@ bool StripForNumber(std::string_view* text) {
   return !text->empty();
 }
 
+template <typename Integer>
+bool ParseInteger(std::string_view text, Integer* value) {
+  CHECK(value != nullptr);
+  if (!StripForNumber(&text)) return false;
+  Integer parsed = 0;
+  const auto [end, status] =
+      std::from_chars(text.data(), text.data() + text.size(), parsed);
+  if (end != text.data() + text.size() || status != std::errc()) return false;
+  *value = parsed;
+  return true;
+}
+
 }  // namespace
 
 std::string NearestName(const std::string& name,
@@ -112,14 +124,11 @@ bool ParseDouble(std::string_view text, double* value) {
 }
 
 bool ParseInt(std::string_view text, int* value) {
-  CHECK(value != nullptr);
-  if (!StripForNumber(&text)) return false;
-  int parsed = 0;
-  const auto [end, status] =
-      std::from_chars(text.data(), text.data() + text.size(), parsed);
-  if (end != text.data() + text.size() || status != std::errc()) return false;
-  *value = parsed;
-  return true;
+  return ParseInteger(text, value);
+}
+
+bool ParseInt(std::string_view text, int64_t* value) {
+  return ParseInteger(text, value);
 }
 
 std::string FormatNumber(double value, int digits) {

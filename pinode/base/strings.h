@@ -3,6 +3,7 @@
 #ifndef PINODE_BASE_STRINGS_H_
 #define PINODE_BASE_STRINGS_H_
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,7 @@ bool ParseDouble(std::string_view text, double* value);
 
 // As ParseDouble for a decimal integer.
 bool ParseInt(std::string_view text, int* value);
+bool ParseInt(std::string_view text, int64_t* value);
 
 // `value` with `digits` significant digits (1 to 17) as "%.<digits>g" would
 // write it in the C locale; 0 digits: the shortest text that reads back to the

@@ -74,6 +74,16 @@ TEST(ParseIntTest, WholeTextOnly) {
   EXPECT_EQ(value, -3);
 }
 
+TEST(ParseIntTest, OfTheSizeAskedFor) {
+  int value = 7;
+  EXPECT_FALSE(ParseInt("5000000000", &value));
+  EXPECT_EQ(value, 7);
+  int64_t long_value = 0;
+  EXPECT_TRUE(ParseInt("5000000000", &long_value));
+  EXPECT_EQ(long_value, 5000000000);
+  EXPECT_FALSE(ParseInt("9223372036854775808", &long_value));
+}
+
 TEST(FormatNumberTest, RoundTripsAndIsPlain) {
   EXPECT_EQ(FormatNumber(0.1), "0.1");
   EXPECT_EQ(FormatNumber(-2.0), "-2");

@@ -202,7 +202,7 @@ substeps = 3
   order = 2
 [options]
 shooting = "single"
-segment_samples = 25
+segment_samples = 5000000000
 max_iterations = 17
 robust_loss = "huber"
 robust_scale = 2.5
@@ -339,7 +339,7 @@ seed = 5
   EXPECT_FALSE(delay.free);
 
   EXPECT_EQ(c.options.shooting, IdentificationOptions::Shooting::kSingle);
-  EXPECT_EQ(c.options.segment_samples, 25);
+  EXPECT_EQ(c.options.segment_samples, 5000000000);
   EXPECT_EQ(c.options.max_num_iterations, 17);
   EXPECT_EQ(c.options.loss, RobustLoss::kHuber);
   EXPECT_EQ(c.options.loss_scale, 2.5);
@@ -781,6 +781,9 @@ const BadCase kBadCases[] = {
     {"NotUtf8", "Two storeys", "Two \xff", "case.toml:1: "},
     {"WrongType", "scale = 200.0", "scale = \"200\"",
      "case.toml:14: group 'k1': 'scale' is the text '200', expected a finite"},
+    {"TooLargeNumber", "[units]",
+     "[options]\nmax_iterations = 5000000000\n[units]",
+     "expected a whole number of at most 2147483647"},
     {"UnknownUnit", "force = \"kN\"", "force = \"KN\"", "case.toml:3: [units]"},
     {"EmptyUnit", "force = \"kN\"", "force = \"\"", "case.toml:3: [units]"},
     {"UnknownDof", "between = [\"ground\", \"u1\"]",

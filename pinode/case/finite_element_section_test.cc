@@ -176,7 +176,7 @@ TEST_F(FiniteElementSectionTest, ResponsesAndShapesReachAllDofs) {
   IdentificationSummary summary;
   RecordScore score;
   score.name = "quake";
-  const int samples = c.problem.records[0].num_samples();
+  const Eigen::Index samples = c.problem.records[0].num_samples();
   score.states = Matrix::Zero(4, samples);
   score.states.row(0).setConstant(3.0);
   score.states.row(1).setConstant(7.0);

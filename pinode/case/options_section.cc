@@ -22,7 +22,7 @@ bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
     options->shooting = IdentificationOptions::Shooting::kSingle;
   }
   options->segment_samples =
-      table.Integer("segment_samples", options->segment_samples, 0);
+      table.LongInteger("segment_samples", options->segment_samples, 0);
   options->max_num_iterations =
       table.Integer("max_iterations", options->max_num_iterations, 0);
   const std::string loss =

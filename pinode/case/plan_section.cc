@@ -116,7 +116,8 @@ class PlanReader {
       for (const IdentificationRecord& record : problem_.records) {
         if (record.role != IdentificationRecord::Role::kTrain) continue;
         const double step = record.sampling_step();
-        const double length = step * (record.num_samples() - 1);
+        const double length =
+            step * static_cast<double>(record.num_samples() - 1);
         if (time >= step && time <= length * (1.0 + 1e-9)) continue;
         return table_.Fail("durations",
                            "'durations' has " + FormatNumber(duration, 6) +

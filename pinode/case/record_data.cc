@@ -43,7 +43,7 @@ bool IsConstant(const Vector& values) {
 struct SourceFile {
   double start_time = 0.0;
   double step = 0.0;
-  int num_samples = 0;
+  Eigen::Index num_samples = 0;
   Vector motion;  // of an AT2
   Table table;    // of any other
   TimeGrid grid;
@@ -110,7 +110,7 @@ class RecordDataReader {
                            "'duration' holds 1e8 samples or more, expected "
                            "fewer");
       }
-      num_samples_ = 1 + static_cast<int>(steps);
+      num_samples_ = 1 + static_cast<Eigen::Index>(steps);
       if (num_samples_ < 2) {
         return table_.Fail("duration",
                            "'duration' holds fewer than two "
@@ -138,7 +138,7 @@ class RecordDataReader {
         return table_.Fail("file", error);
       }
       file.step = motion.sampling_step * second;
-      file.num_samples = static_cast<int>(motion.acceleration.size());
+      file.num_samples = motion.acceleration.size();
       file.motion = std::move(motion.acceleration);
       if (file.num_samples < 2) {
         return table_.errors()->FailAsIs(
@@ -189,8 +189,8 @@ class RecordDataReader {
     const Eigen::Index present = CountPresent(*values);
     const std::vector<Gap> gaps = FindGaps(*values);
     if (present < 2 || gaps.empty()) return;
-    int longest = 1;
-    const auto size = static_cast<int>(values->size());
+    Eigen::Index longest = 1;
+    const Eigen::Index size = values->size();
     const auto at_an_end = [size](const Gap& gap) {
       return gap.first == 0 || gap.first + gap.size == size;
     };
@@ -245,7 +245,8 @@ class RecordDataReader {
              Vector* values) {
     if (signal.file == section_.file) return true;
     if (std::abs(file.step - base_step_) > 1e-9 * base_step_) {
-      if (!(file.num_samples * (file.step / base_step_) < kMostSamples)) {
+      if (!(static_cast<double>(file.num_samples) * (file.step / base_step_) <
+            kMostSamples)) {
         return signal.table.Fail("file",
                                  "at the record's rate it has 1e8 samples or "
                                  "more, expected a record that is sampled less "
@@ -265,9 +266,9 @@ class RecordDataReader {
                                            "', expected the same times");
     }
     Vector aligned = Vector::Constant(num_samples_, kNaN);
-    int missing = 0;
-    for (int i = 0; i < num_samples_; ++i) {
-      const double source = shift + i;
+    Eigen::Index missing = 0;
+    for (Eigen::Index i = 0; i < num_samples_; ++i) {
+      const double source = shift + static_cast<double>(i);
       if (source < 0.0 || source >= static_cast<double>(values->size())) {
         ++missing;
         continue;
@@ -404,7 +405,7 @@ class RecordDataReader {
   }
 
   bool MakeExcitation() {
-    const int samples = merged_.num_samples();
+    const Eigen::Index samples = merged_.num_samples();
     Matrix inputs = Matrix::Zero(dynamics_.num_inputs(), samples);
     record_->input_sigma = Vector::Zero(dynamics_.num_inputs());
     for (int i = 0; i < dynamics_.num_inputs(); ++i) {
@@ -465,7 +466,7 @@ class RecordDataReader {
   }
 
   bool MakeChannels() {
-    const int samples = merged_.num_samples();
+    const Eigen::Index samples = merged_.num_samples();
     for (const ChannelSection& section : section_.channels) {
       MeasuredChannel channel;
       channel.observation.name = section.name;
@@ -477,7 +478,7 @@ class RecordDataReader {
           merged_.channels.begin(), merged_.channels.end(),
           [&](const Channel& c) { return c.name == section.signal.label; });
       channel.values = std::move(source->values);
-      const int present = CountPresent(channel.values);
+      const Eigen::Index present = CountPresent(channel.values);
       if (!simulation_ && present < 2) {
         return section.signal.table.Fail(
             "column", "it has " + std::to_string(present) +
@@ -547,7 +548,7 @@ class RecordDataReader {
   std::map<std::string, SourceFile> files_;
   double base_start_ = 0.0;
   double base_step_ = 0.0;
-  int num_samples_ = 0;
+  Eigen::Index num_samples_ = 0;
   Record merged_;
 };
 

@@ -342,7 +342,7 @@ class RecordReader {
                                  "' says what a free start is found from, "
                                  "expected start = \"free\"");
     }
-    section_->start_samples = table.Integer(key, 0, 1);
+    section_->start_samples = table.LongInteger(key, 0, 1);
     return table_.errors()->ok();
   }
 

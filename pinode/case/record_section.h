@@ -48,9 +48,9 @@ struct RecordSection {
   Interpolation interpolation = Interpolation::kLinear;
   bool periodic = false;
   IdentificationRecord::Start start = IdentificationRecord::Start::kFree;
-  Vector start_x, start_v;  // kKnown
-  int start_samples = 0;    // of a hold-out; 0: chosen
-  int substeps = 0;         // 0: chosen
+  Vector start_x, start_v;         // kKnown
+  Eigen::Index start_samples = 0;  // of a hold-out; 0: chosen
+  int substeps = 0;                // 0: chosen
   std::optional<Integrator> integrator;
   std::vector<InputSection> inputs;
   std::vector<ChannelSection> channels;

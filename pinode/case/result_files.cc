@@ -255,8 +255,7 @@ bool IsSummaryOf(const IdentificationProblem& problem,
 }  // namespace
 
 double FileTime(const IdentificationRecord& record, Eigen::Index sample) {
-  return record.excitation->time(static_cast<int>(sample)) /
-         record.description.time_factor;
+  return record.excitation->time(sample) / record.description.time_factor;
 }
 
 Vector FileTimes(const IdentificationRecord& record) {

@@ -54,7 +54,7 @@ IdentifiedModel CompleteModel(const IdentificationProblem& problem,
 struct SimulationSummary {
   struct Record {
     std::string name;
-    int num_samples = 0;
+    Eigen::Index num_samples = 0;
     bool finite = false;
   };
   std::string case_path;

@@ -151,15 +151,30 @@ double TomlTable::ExtendedNumber(const std::string& key, double absent) const {
 }
 
 int TomlTable::Integer(const std::string& key, int absent, int minimum) const {
+  return static_cast<int>(
+      IntegerUpTo(std::numeric_limits<int>::max(), key, absent, minimum));
+}
+
+int64_t TomlTable::LongInteger(const std::string& key, int64_t absent,
+                               int64_t minimum) const {
+  return IntegerUpTo(std::numeric_limits<int64_t>::max(), key, absent, minimum);
+}
+
+int64_t TomlTable::IntegerUpTo(int64_t maximum, const std::string& key,
+                               int64_t absent, int64_t minimum) const {
   const TomlValue* value = Find(key);
   if (value == nullptr) return absent;
-  if (value->type != TomlValue::Type::kInteger || value->integer < minimum ||
-      value->integer > std::numeric_limits<int>::max()) {
+  if (value->type != TomlValue::Type::kInteger || value->integer < minimum) {
     WrongType(key, *value,
               "a whole number of at least " + std::to_string(minimum));
     return absent;
   }
-  return static_cast<int>(value->integer);
+  if (value->integer > maximum) {
+    WrongType(key, *value,
+              "a whole number of at most " + std::to_string(maximum));
+    return absent;
+  }
+  return value->integer;
 }
 
 bool TomlTable::Boolean(const std::string& key, bool absent) const {

@@ -4,6 +4,7 @@
 #ifndef PINODE_CASE_TOML_TABLE_H_
 #define PINODE_CASE_TOML_TABLE_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,9 @@ class TomlTable {
   // May be infinite, as bounds are.
   double ExtendedNumber(const std::string& key, double absent) const;
   int Integer(const std::string& key, int absent, int minimum) const;
+  // Of what grows with the length of a record.
+  int64_t LongInteger(const std::string& key, int64_t absent,
+                      int64_t minimum) const;
   bool Boolean(const std::string& key, bool absent) const;
   std::vector<std::string> Strings(const std::string& key) const;
   // Finite numbers, in as many entries as there are.
@@ -105,6 +109,8 @@ class TomlTable {
                                 const std::string& prefix = "") const;
 
  private:
+  int64_t IntegerUpTo(int64_t maximum, const std::string& key, int64_t absent,
+                      int64_t minimum) const;
   bool WrongType(const std::string& key, const TomlValue& value,
                  const std::string& expected) const;
   bool NumberOf(const std::string& key, const TomlValue& value,

@@ -118,7 +118,8 @@ SparseLearner LassoLearner(const LassoOptions& lasso,
     return FitSupport(
         system, map,
         SelectByBic(system, map, SupportsOfPath(system, map, lasso),
-                    kBagEvidence * independent_fraction * system.num_residuals,
+                    kBagEvidence * independent_fraction *
+                        static_cast<double>(system.num_residuals),
                     selection));
   };
 }
@@ -132,9 +133,12 @@ SparseLearner LassoLearnerWithin(double tolerance, const LassoOptions& lasso,
              const LeastSquaresSystem& system, const CoefficientMap& map) {
     return FitSupport(
         system, map,
-        SelectByLoss(system, map, SupportsOfPath(system, map, lasso),
-                     kBagEvidence * independent_fraction * system.num_residuals,
-                     tolerance * tolerance * system.num_residuals, selection));
+        SelectByLoss(
+            system, map, SupportsOfPath(system, map, lasso),
+            kBagEvidence * independent_fraction *
+                static_cast<double>(system.num_residuals),
+            tolerance * tolerance * static_cast<double>(system.num_residuals),
+            selection));
   };
 }
 

@@ -93,7 +93,8 @@ LeastSquaresSystem Condense(const RegressionProblem& problem,
     system = Triangularize(rows);
   }
   system.rest += rest;
-  system.num_residuals = block.count * static_cast<int>(problem.outputs.size());
+  system.num_residuals =
+      block.count * static_cast<Eigen::Index>(problem.outputs.size());
   return system;
 }
 
@@ -108,7 +109,7 @@ LeastSquaresSystem Combine(const std::vector<LeastSquaresSystem>& systems,
   Eigen::Index num_rows = 0;
   Eigen::Index free = 0;
   double rest = 0.0;
-  int num_residuals = 0;
+  Eigen::Index num_residuals = 0;
   for (size_t i = 0; i < systems.size(); ++i) {
     if (multiplicities[i] == 0) continue;
     num_rows += systems[i].A.rows();

@@ -24,7 +24,7 @@ struct LeastSquaresSystem {
   Vector b;
   double rest = 0.0;
   // Samples times outputs behind it.
-  int num_residuals = 0;
+  Eigen::Index num_residuals = 0;
 
   int num_free() const { return static_cast<int>(A.cols()); }
   double SumOfSquares(const Vector& free) const {

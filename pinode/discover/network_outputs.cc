@@ -28,7 +28,7 @@ Matrix EvaluateNetwork(const StructuralDynamics& dynamics, size_t j,
   NetworkWorkspace workspace(*term.network);
   Vector in(inputs.cols());
   Vector out(term.outputs.cols());
-  for (int i = 0; i < samples.num_samples(); ++i) {
+  for (Eigen::Index i = 0; i < samples.num_samples(); ++i) {
     in = inputs.row(i).transpose();
     term.network->Evaluate(in.data(), weights, out.data(), &workspace);
     outputs.row(i) = out.transpose();
@@ -83,7 +83,7 @@ class MissingAccelerations {
 
   void Add(const IdentificationRecord& record, const SmoothedRecord& smoothed) {
     const int n = dynamics_.num_dofs();
-    const std::vector<int> kept = WellKnownSamples(smoothed.sigma);
+    const std::vector<Eigen::Index> kept = WellKnownSamples(smoothed.sigma);
     const Eigen::Index count = static_cast<Eigen::Index>(kept.size());
     const Matrix states = smoothed.states(Eigen::all, kept);
     const Matrix rates = smoothed.rates(Eigen::all, kept);

@@ -15,21 +15,21 @@ namespace {
 
 // The samples of the records among those of every Runge-Kutta step.
 struct RecordNodes {
-  std::vector<int> columns;          // in the samples
-  std::vector<Matrix> trajectories;  // num_states x samples, a training record
+  std::vector<Eigen::Index> columns;  // in the samples
+  std::vector<Matrix> trajectories;   // num_states x samples, a training record
 };
 
 RecordNodes NodesOf(const TrajectorySamples& samples) {
   RecordNodes nodes;
   for (size_t t = 0; t < samples.record_starts.size(); ++t) {
-    const int begin = samples.record_starts[t];
-    const int end = t + 1 < samples.record_starts.size()
-                        ? samples.record_starts[t + 1]
-                        : samples.num_samples();
+    const Eigen::Index begin = samples.record_starts[t];
+    const Eigen::Index end = t + 1 < samples.record_starts.size()
+                                 ? samples.record_starts[t + 1]
+                                 : samples.num_samples();
     Matrix trajectory(samples.states.rows(),
                       (end - 1 - begin) / samples.strides[t] + 1);
     for (Eigen::Index i = 0; i < trajectory.cols(); ++i) {
-      nodes.columns.push_back(begin + static_cast<int>(i) * samples.strides[t]);
+      nodes.columns.push_back(begin + i * samples.strides[t]);
       trajectory.col(i) = samples.states.col(nodes.columns.back());
     }
     nodes.trajectories.push_back(std::move(trajectory));
@@ -96,7 +96,7 @@ Matrix OutputSigma(const IdentificationProblem& problem,
                    const IdentifiedModel& model, const ParameterLayout& layout,
                    const Information& information,
                    const TrajectorySamples& samples,
-                   const std::vector<int>& columns, size_t j) {
+                   const std::vector<Eigen::Index>& columns, size_t j) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   const NetworkTerm& term = dynamics.networks()[j];
   const Matrix features =

@@ -25,7 +25,7 @@ class OutputRegression {
                    DiscoveredEquation* equation)
       : options_(options), features_(features), equation_(*equation) {}
 
-  bool Run(const Vector& y, const std::vector<int>& record_starts,
+  bool Run(const Vector& y, const std::vector<Eigen::Index>& record_starts,
            bool without_slope, std::string* error) {
     problem_.record_starts = record_starts;
     problem_.outputs.resize(1);
@@ -238,9 +238,9 @@ class OutputRegression {
 }  // namespace
 
 bool RegressOutput(const DiscoveryOptions& options, const Matrix& features,
-                   const std::vector<int>& record_starts, const Vector& y,
-                   bool without_slope, DiscoveredEquation* equation,
-                   std::string* error) {
+                   const std::vector<Eigen::Index>& record_starts,
+                   const Vector& y, bool without_slope,
+                   DiscoveredEquation* equation, std::string* error) {
   if (OutputRegression(options, features, equation)
           .Run(y, record_starts, without_slope, error)) {
     return true;

@@ -33,7 +33,7 @@ namespace pinode {
 // names the network and the output.
 [[nodiscard]] bool RegressOutput(const DiscoveryOptions& options,
                                  const Matrix& features,
-                                 const std::vector<int>& record_starts,
+                                 const std::vector<Eigen::Index>& record_starts,
                                  const Vector& y, bool without_slope,
                                  DiscoveredEquation* equation,
                                  std::string* error);

@@ -79,7 +79,7 @@ bool RegressionProblem::IsValid(std::string* error, CoefficientMap* map) const {
     }
   }
   for (size_t i = 0; i < record_starts.size(); ++i) {
-    const int before = i == 0 ? -1 : record_starts[i - 1];
+    const Eigen::Index before = i == 0 ? -1 : record_starts[i - 1];
     if ((i == 0 && record_starts[0] != 0) || record_starts[i] <= before ||
         record_starts[i] >= num_samples()) {
       *error = "regression: record " + std::to_string(i + 1) +
@@ -100,25 +100,22 @@ bool RegressionProblem::IsValid(std::string* error, CoefficientMap* map) const {
 std::vector<TimeBlock> DivideIntoBlocks(const RegressionProblem& problem,
                                         int num_blocks) {
   CHECK_GT(num_blocks, 0);
-  std::vector<int> starts = problem.record_starts;
+  std::vector<Eigen::Index> starts = problem.record_starts;
   if (starts.empty()) starts.push_back(0);
-  const int total = problem.num_samples();
+  const Eigen::Index total = problem.num_samples();
   std::vector<TimeBlock> blocks;
   for (size_t r = 0; r < starts.size(); ++r) {
-    const int begin = starts[r];
-    const int end = r + 1 < starts.size() ? starts[r + 1] : total;
-    const int length = end - begin;
-    const int share = static_cast<int>(
-        std::lround(static_cast<double>(num_blocks) * length / total));
-    const int parts = std::clamp(share, 1, length);
-    for (int i = 0; i < parts; ++i) {
+    const Eigen::Index begin = starts[r];
+    const Eigen::Index end = r + 1 < starts.size() ? starts[r + 1] : total;
+    const Eigen::Index length = end - begin;
+    const auto share = static_cast<Eigen::Index>(
+        std::llround(static_cast<double>(num_blocks) *
+                     static_cast<double>(length) / static_cast<double>(total)));
+    const Eigen::Index parts = std::clamp<Eigen::Index>(share, 1, length);
+    for (Eigen::Index i = 0; i < parts; ++i) {
       TimeBlock block;
-      block.begin =
-          begin + static_cast<int>(static_cast<long long>(length) * i / parts);
-      block.count =
-          begin +
-          static_cast<int>(static_cast<long long>(length) * (i + 1) / parts) -
-          block.begin;
+      block.begin = begin + length * i / parts;
+      block.count = begin + length * (i + 1) / parts - block.begin;
       blocks.push_back(block);
     }
   }

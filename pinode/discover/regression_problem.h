@@ -24,8 +24,8 @@ struct RegressionOutput {
 
 // Consecutive samples of one record.
 struct TimeBlock {
-  int begin = 0;
-  int count = 0;
+  Eigen::Index begin = 0;
+  Eigen::Index count = 0;
 };
 
 // Outputs at the same samples. Several outputs belong into one problem only if
@@ -34,11 +34,11 @@ struct TimeBlock {
 struct RegressionProblem {
   std::vector<RegressionOutput> outputs;
   // First sample of each record, beginning with 0; empty: one record.
-  std::vector<int> record_starts;
+  std::vector<Eigen::Index> record_starts;
   std::vector<CoefficientConstraint> constraints;
 
-  int num_samples() const {
-    return outputs.empty() ? 0 : static_cast<int>(outputs[0].y.size());
+  Eigen::Index num_samples() const {
+    return outputs.empty() ? 0 : outputs[0].y.size();
   }
   // Over all outputs.
   int num_coefficients() const;

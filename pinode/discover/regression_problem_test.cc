@@ -90,7 +90,7 @@ TEST(RegressionProblem, BlocksCoverTheRecordsAndStayWithin) {
   problem.record_starts = {0, 50, 53};
   for (int wanted : {1, 2, 5, 10, 1000}) {
     const std::vector<TimeBlock> blocks = DivideIntoBlocks(problem, wanted);
-    int next = 0;
+    Eigen::Index next = 0;
     for (const TimeBlock& block : blocks) {
       EXPECT_EQ(block.begin, next);
       EXPECT_GT(block.count, 0);

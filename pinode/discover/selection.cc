@@ -91,7 +91,7 @@ void Selector::Add(const std::vector<int>& support) {
   for (size_t k = 0; k < blocks_.size(); ++k) {
     const Vector free = FitSupport(rest_[k], map_, support);
     fit.block_errors.push_back(blocks_[k].SumOfSquares(free) /
-                               blocks_[k].num_residuals);
+                               static_cast<double>(blocks_[k].num_residuals));
   }
   fits_.push_back(std::move(fit));
 }
@@ -156,12 +156,12 @@ bool Selector::Acceptable(const Fit& fit) const {
   }
   double mean, error;
   Excess(fit, &mean, &error);
-  return mean <=
-         options_.num_standard_errors * error + floor_ / system_.num_residuals;
+  return mean <= options_.num_standard_errors * error +
+                     floor_ / static_cast<double>(system_.num_residuals);
 }
 
 int Selector::Choose() {
-  const double n = system_.num_residuals;
+  const auto n = static_cast<double>(system_.num_residuals);
   for (Fit& fit : fits_) {
     const double mean = std::max({fit.sum_of_squares, floor_,
                                   std::numeric_limits<double>::min()}) /
@@ -192,7 +192,7 @@ int Selector::Choose() {
 // Residuals of each output and record, in units of sigma.
 std::vector<std::vector<Vector>> Residuals(const RegressionProblem& problem,
                                            const Vector& coefficients) {
-  std::vector<int> starts = problem.record_starts;
+  std::vector<Eigen::Index> starts = problem.record_starts;
   if (starts.empty()) starts.push_back(0);
   starts.push_back(problem.num_samples());
   std::vector<std::vector<Vector>> residuals;
@@ -361,7 +361,8 @@ SelectionOptions ByBic(const LeastSquaresSystem& system, double num_independent,
                        const SelectionOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
-  CHECK(num_independent > 0.0 && num_independent <= system.num_residuals)
+  CHECK(num_independent > 0.0 &&
+        num_independent <= static_cast<double>(system.num_residuals))
       << num_independent << " of " << system.num_residuals;
   SelectionOptions bic = options;
   bic.criterion = SelectionOptions::Criterion::kBic;

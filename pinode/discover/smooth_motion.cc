@@ -35,13 +35,13 @@ double Factorial(int n) {
 
 double RmsOfFinite(const Vector& values) {
   double sum = 0.0;
-  int count = 0;
+  Eigen::Index count = 0;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
     sum += value * value;
     ++count;
   }
-  return count > 0 ? std::sqrt(sum / count) : 0.0;
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
 }
 
 // Channels in units of the displacement's RMS and the step: the state is
@@ -65,22 +65,20 @@ class Filter {
     for (int i = 0; i < order; ++i) first_(i, i) = 100.0;
   }
 
-  int num_samples() const {
-    return static_cast<int>(channels_[0].values.size());
-  }
+  Eigen::Index num_samples() const { return channels_[0].values.size(); }
 
   // Negative log-likelihood, but for a constant. With `smoothed` also mean and
   // variance of the first three entries at each sample.
   double Run(double intensity, const std::vector<double>& noise,
              Matrix* means = nullptr, Matrix* variances = nullptr) const {
-    const int n = num_samples();
+    const Eigen::Index n = num_samples();
     const bool smooth = means != nullptr;
     State mean = State::Zero(order_);
     Square covariance = first_;
     std::vector<State> filtered_mean, predicted_mean;
     std::vector<Square> filtered, predicted;
     double cost = 0.0;
-    for (int i = 0; i < n; ++i) {
+    for (Eigen::Index i = 0; i < n; ++i) {
       if (i > 0) {
         mean = transition_ * mean;
         covariance = transition_ * covariance * transition_.transpose() +
@@ -115,7 +113,7 @@ class Filter {
     if (!smooth) return cost;
     means->resize(3, n);
     variances->resize(3, n);
-    for (int i = n - 1; i >= 0; --i) {
+    for (Eigen::Index i = n - 1; i >= 0; --i) {
       const size_t k = static_cast<size_t>(i);
       if (i < n - 1) {
         const Square back = predicted[k + 1]

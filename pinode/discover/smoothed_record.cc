@@ -97,7 +97,7 @@ bool SmoothRecord(const IdentificationProblem& problem,
   constexpr double kShareOfSpread = 0.05;
   const StructuralDynamics& dynamics = *problem.dynamics;
   const int n = dynamics.num_dofs();
-  const int samples = record.num_samples();
+  const Eigen::Index samples = record.num_samples();
   result->states.resize(2 * n, samples);
   result->rates.resize(2 * n, samples);
   result->sigma.resize(n, samples);
@@ -124,18 +124,20 @@ bool SmoothRecord(const IdentificationProblem& problem,
   return true;
 }
 
-std::vector<int> WellKnownSamples(const Matrix& sigma) {
+std::vector<Eigen::Index> WellKnownSamples(const Matrix& sigma) {
   const Eigen::Index samples = sigma.cols();
-  std::vector<int> kept(static_cast<size_t>(samples));
-  for (size_t i = 0; i < kept.size(); ++i) kept[i] = static_cast<int>(i);
+  std::vector<Eigen::Index> kept(static_cast<size_t>(samples));
+  for (size_t i = 0; i < kept.size(); ++i)
+    kept[i] = static_cast<Eigen::Index>(i);
   for (Eigen::Index dof = 0; dof < sigma.rows(); ++dof) {
     Vector sorted = sigma.row(dof).transpose();
     std::nth_element(sorted.begin(), sorted.begin() + samples / 2,
                      sorted.end());
     const double limit = 2.0 * sorted[samples / 2];
-    kept.erase(std::remove_if(kept.begin(), kept.end(),
-                              [&](int i) { return sigma(dof, i) > limit; }),
-               kept.end());
+    kept.erase(
+        std::remove_if(kept.begin(), kept.end(),
+                       [&](Eigen::Index i) { return sigma(dof, i) > limit; }),
+        kept.end());
   }
   return kept;
 }

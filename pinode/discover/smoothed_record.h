@@ -33,7 +33,7 @@ struct SmoothedRecord {
 // The samples (columns of `sigma`) at which no DOF's standard deviation is more
 // than twice its median: not those at the ends of a record, where a smoother
 // knows little.
-std::vector<int> WellKnownSamples(const Matrix& sigma);
+std::vector<Eigen::Index> WellKnownSamples(const Matrix& sigma);
 
 }  // namespace pinode
 

@@ -5,13 +5,14 @@
 
 namespace pinode {
 
-double ExtendedBicPrice(int num_values, int num_parameters,
+double ExtendedBicPrice(Eigen::Index num_values, int num_parameters,
                         double num_alternatives) {
-  return num_parameters * std::log(std::max(num_values, 3)) +
+  return num_parameters * std::log(static_cast<double>(
+                              std::max<Eigen::Index>(num_values, 3))) +
          2.0 * std::log(num_alternatives);
 }
 
-TermPrices::TermPrices(int num_values,
+TermPrices::TermPrices(Eigen::Index num_values,
                        const std::vector<DiscoveredEquation>& equations)
     : of_a_parameter_(ExtendedBicPrice(num_values, 1, 1.0)) {
   std::map<int, int> kinds;

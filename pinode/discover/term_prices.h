@@ -16,7 +16,7 @@ namespace pinode {
 // by the extended BIC (J. Chen, Z. Chen, Biometrika 95 (2008) 759):
 //
 //   parameters * ln(number of fitted values) + 2 ln(alternatives).
-double ExtendedBicPrice(int num_values, int num_parameters,
+double ExtendedBicPrice(Eigen::Index num_values, int num_parameters,
                         double num_alternatives);
 
 // What terms must gain: of each the price of one parameter among
@@ -34,7 +34,8 @@ class TermPrices {
  public:
   TermPrices() = default;
   // `equations` have their candidates.
-  TermPrices(int num_values, const std::vector<DiscoveredEquation>& equations);
+  TermPrices(Eigen::Index num_values,
+             const std::vector<DiscoveredEquation>& equations);
 
   // 0 for a given term; ln(number of fitted values) for one that is no
   // candidate.

@@ -41,7 +41,8 @@ inline const std::vector<int>& DuffingSupport() {
   return support;
 }
 
-inline RegressionProblem Duffing(int samples, double noise, uint64_t seed) {
+inline RegressionProblem Duffing(Eigen::Index samples, double noise,
+                                 uint64_t seed) {
   const auto rate = [](double t, const Eigen::Vector2d& h) {
     const double force = 0.8 * std::sin(2.3 * t) + 0.5 * std::sin(5.1 * t + 1);
     return Eigen::Vector2d(
@@ -51,9 +52,9 @@ inline RegressionProblem Duffing(int samples, double noise, uint64_t seed) {
   constexpr int kStride = 5;
   Eigen::Vector2d h(0.6, 0.0);
   Matrix features(samples, 2);
-  for (int i = 0; i < samples * kStride; ++i) {
+  for (Eigen::Index i = 0; i < samples * kStride; ++i) {
     if (i % kStride == 0) features.row(i / kStride) = h.transpose();
-    const double t = step * i;
+    const double t = step * static_cast<double>(i);
     const Eigen::Vector2d k1 = rate(t, h);
     const Eigen::Vector2d k2 = rate(t + step / 2, h + step / 2 * k1);
     const Eigen::Vector2d k3 = rate(t + step / 2, h + step / 2 * k2);
@@ -72,7 +73,8 @@ inline RegressionProblem Duffing(int samples, double noise, uint64_t seed) {
   const Vector x = features.col(0);
   Vector y = -0.3 * features.col(1) - 4.0 * x - 6.0 * x.array().cube().matrix();
   Gaussian random(seed);
-  y += noise * std::sqrt(y.squaredNorm() / samples) * random.Draw(samples, 1);
+  y += noise * std::sqrt(y.squaredNorm() / static_cast<double>(samples)) *
+       random.Draw(samples, 1);
   RegressionProblem problem = Problem(theta, y);
   problem.outputs[0].candidates = library.Names();
   return problem;

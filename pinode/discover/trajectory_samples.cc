@@ -32,7 +32,7 @@ Vector StartOfRun(const IdentificationProblem& problem,
 class Sampler {
  public:
   Sampler(const StructuralDynamics& dynamics,
-          const StructuralDynamics::Prepared& prepared, int total)
+          const StructuralDynamics::Prepared& prepared, Eigen::Index total)
       : dynamics_(dynamics),
         prepared_(prepared),
         stage_(dynamics.MakeLinearization()),
@@ -48,14 +48,14 @@ class Sampler {
     samples_.record_starts.push_back(column_);
     samples_.strides.push_back(record.substeps);
     const IntegrationGrid grid(*record.excitation, record.substeps);
-    const int last = record.num_samples() - 1;
-    const auto not_finite = [&](int i) {
+    const Eigen::Index last = record.num_samples() - 1;
+    const auto not_finite = [&](Eigen::Index i) {
       *error = "the free run of record '" + record.name +
                "' with the identified model is not finite from t = " +
                FormatNumber(grid.time(i), 6) + " on";
       return false;
     };
-    for (int i = 0; i < last; ++i) {
+    for (Eigen::Index i = 0; i < last; ++i) {
       for (int s = 0; s < grid.substeps(); ++s) {
         if (!state.allFinite()) return not_finite(i);
         const double time = grid.step_time(i, s);
@@ -94,7 +94,7 @@ class Sampler {
   StructuralDynamics::Linearization stage_;
   Rk4Scratch<double> scratch_;
   TrajectorySamples samples_;
-  int column_ = 0;
+  Eigen::Index column_ = 0;
 };
 
 }  // namespace
@@ -108,7 +108,7 @@ bool SampleTrajectories(const IdentificationProblem& problem,
                         &prepared, error)) {
     return false;
   }
-  int total = 0;
+  Eigen::Index total = 0;
   for (const IdentificationRecord& record : problem.records) {
     if (record.role != IdentificationRecord::Role::kTrain) continue;
     total += (record.num_samples() - 1) * record.substeps + 1;

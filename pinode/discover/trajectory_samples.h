@@ -20,10 +20,10 @@ struct TrajectorySamples {
   Matrix rates;   // dh/dt
   Matrix inputs;  // num_inputs x samples
   Vector times;   // s
-  std::vector<int> record_starts;
+  std::vector<Eigen::Index> record_starts;
   std::vector<int> strides;  // samples here per sample of the record
 
-  int num_samples() const { return static_cast<int>(times.size()); }
+  Eigen::Index num_samples() const { return times.size(); }
 };
 
 // The free runs of the training records at every Runge-Kutta step, from

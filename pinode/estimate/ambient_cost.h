@@ -61,7 +61,9 @@ class AmbientCost final : public CostPart {
               Communicator* communicator = nullptr);
 
   // Groups of lines.
-  int num_lines() const { return static_cast<int>(lines_.size()); }
+  Eigen::Index num_lines() const {
+    return static_cast<Eigen::Index>(lines_.size());
+  }
 
   [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
   [[nodiscard]] bool Linearize(const Vector& free,

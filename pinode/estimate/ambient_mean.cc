@@ -76,7 +76,7 @@ bool AmbientMean::SetPoint(const Vector& free, std::string* error) {
   Matrix rest = record_.samples;
   const bool runs = shooting_.VisitWeightedResiduals(
       free.head(num_free()), /*with_jacobian=*/false,
-      [&](size_t, int first, const Matrix& part, const Matrix&) {
+      [&](size_t, Eigen::Index first, const Matrix& part, const Matrix&) {
         rest.middleCols(first, part.cols()) =
             record_.samples.middleCols(first, part.cols()) - part;
       },
@@ -102,7 +102,8 @@ bool AmbientMean::SetSlopes(const Vector& free, std::string* error) {
                                Matrix(channels, samples));
     const bool runs = shooting_.VisitWeightedResiduals(
         free.head(num_free()), /*with_jacobian=*/true,
-        [&](size_t, int first, const Matrix& part, const Matrix& rows) {
+        [&](size_t, Eigen::Index first, const Matrix& part,
+            const Matrix& rows) {
           for (int j = 0; j < count; ++j) {
             slopes[static_cast<size_t>(j)].middleCols(first, part.cols()) =
                 rows.col(begin + j).reshaped(channels, part.cols());

@@ -74,11 +74,11 @@ StructuralDynamics AmbientRecord::AveragedDynamics(
   // Nothing follows anything.
   if (dynamics.IsLinear()) return dynamics;
   // What lies in gaps has no part in the record's lines.
-  std::vector<int> present;
+  std::vector<Eigen::Index> present;
   double middle = 0.0;
   for (Eigen::Index i = 0; i < samples.cols(); ++i) {
     if (samples.col(i).array().isNaN().any()) continue;
-    present.push_back(static_cast<int>(i));
+    present.push_back(i);
     middle += static_cast<double>(i);
   }
   middle *= sampling_step / std::max(1.0, static_cast<double>(present.size()));

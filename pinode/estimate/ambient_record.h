@@ -89,14 +89,14 @@ struct AmbientScore {
   std::string name;
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
-  int num_lines = 0;
+  Eigen::Index num_lines = 0;
   int num_knots = 0;  // of the loads' spectrum
   // Whitened by the model, a line's power is one. Over parts of the band its
   // mean deviates from that by chance alone where the model is right: the
   // probability of a chi^2 as large as the one found, and the part (cycles per
   // model time) that deviates most, in standard deviations.
   double chi_square = 0.0;
-  int degrees_of_freedom = 0;
+  Eigen::Index degrees_of_freedom = 0;
   double probability = 1.0;
   // What the response to measured loads leaves has nothing in common with it
   // but by chance: the probability of a chi^2 as large as the one found.

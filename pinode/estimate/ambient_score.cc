@@ -84,7 +84,7 @@ class Coherence {
     }
     if (degrees == 0) return;
     score->coherence_probability =
-        ChiSquareProbability(chi_square, static_cast<int>(degrees));
+        ChiSquareProbability(chi_square, static_cast<double>(degrees));
   }
 
  private:
@@ -140,10 +140,10 @@ class Whiteness {
       }
     }
     const double numbers = square_ * static_cast<double>(parts_.size());
-    score->degrees_of_freedom =
-        std::max(1, static_cast<int>((numbers - fitted) / r_));
-    score->probability =
-        ChiSquareProbability(score->chi_square, score->degrees_of_freedom);
+    score->degrees_of_freedom = std::max<Eigen::Index>(
+        1, static_cast<Eigen::Index>((numbers - fitted) / r_));
+    score->probability = ChiSquareProbability(
+        score->chi_square, static_cast<double>(score->degrees_of_freedom));
   }
 
  private:
@@ -237,7 +237,7 @@ AmbientScore AmbientCost::BlankScore() const {
   score.name = record_.name;
   score.lowest_frequency = lines_.frequency[0];
   score.highest_frequency = lines_.frequency[num_lines() - 1];
-  score.num_lines = static_cast<int>(total_lines_);
+  score.num_lines = static_cast<Eigen::Index>(total_lines_);
   score.num_knots = spectrum_->num_knots();
   for (const Column& column : columns_) {
     score.groups.push_back(layout_.free_parameter(column.free).name);

@@ -100,10 +100,10 @@ bool AssessProblem(const IdentificationProblem& problem,
   InputNoiseFit point;
   point.free = layout.Free(layout.InitialValues());
   point.sigmas = sigmas;
-  const int segment_samples =
+  const Eigen::Index segment_samples =
       FirstSegmentSamples(problem, options.tuning.stages);
   TrajectoryOutlines trajectories;
-  const auto find_trajectories = [&](int samples) {
+  const auto find_trajectories = [&](Eigen::Index samples) {
     return InitialTrajectories(problem, samples, point.free,
                                options.tuning.stages, &shooting, &trajectories);
   };

@@ -24,7 +24,7 @@ struct ExpectedDeviation {
 
 struct ProblemAssessment {
   int num_free = 0;
-  int num_residuals = 0;
+  Eigen::Index num_residuals = 0;
   int num_starts = 0;  // unknown states at record starts
   // Expected standard deviation of each free named parameter from the
   // Gauss-Newton Hessian at the initial values, with the noise given or 5 % of

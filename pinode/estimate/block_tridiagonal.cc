@@ -43,7 +43,7 @@ bool BlockTridiagonal::Factor(double damping) {
 }
 
 void BlockTridiagonal::SolveLower(Matrix* right) const {
-  const int m = block_size_;
+  const Eigen::Index m = block_size_;
   CHECK_EQ(right->rows(), m * num_blocks());
   for (int k = 0; k < num_blocks(); ++k) {
     auto block = right->middleRows(k * m, m);
@@ -57,7 +57,7 @@ void BlockTridiagonal::SolveLower(Matrix* right) const {
 }
 
 void BlockTridiagonal::SolveUpper(Matrix* right) const {
-  const int m = block_size_;
+  const Eigen::Index m = block_size_;
   CHECK_EQ(right->rows(), m * num_blocks());
   for (int k = num_blocks() - 1; k >= 0; --k) {
     auto block = right->middleRows(k * m, m);

@@ -22,17 +22,18 @@ constexpr int kLags = 20;
 constexpr int kProbes = 6;
 
 // Samples of a block for each record, by residuals, channels x samples.
-std::vector<int> BlockLengths(const std::vector<Matrix>& residuals) {
-  std::vector<int> lengths;
+std::vector<Eigen::Index> BlockLengths(const std::vector<Matrix>& residuals) {
+  std::vector<Eigen::Index> lengths;
   for (const Matrix& record : residuals) {
     double time = 1.0;
     for (int c = 0; c < record.rows(); ++c) {
       time = std::max(time, AutocorrelationTime(record.row(c)));
     }
     // Blocks long against the memory of the residuals, but enough of them.
-    const int samples = static_cast<int>(record.cols());
-    lengths.push_back(std::clamp(static_cast<int>(std::ceil(8.0 * time)), 5,
-                                 std::max(5, samples / 12)));
+    const Eigen::Index samples = record.cols();
+    lengths.push_back(std::clamp<Eigen::Index>(
+        static_cast<Eigen::Index>(std::ceil(8.0 * time)), 5,
+        std::max<Eigen::Index>(5, samples / 12)));
   }
   return lengths;
 }
@@ -46,19 +47,19 @@ class BlockScores {
         score_(Vector::Zero(num_free)),
         products_(Matrix::Zero(num_free, num_free)) {
     for (const Matrix& record : residuals) {
-      samples_.push_back(static_cast<int>(record.cols()));
+      samples_.push_back(record.cols());
     }
   }
 
   // As MultipleShooting::Visitor has them.
-  void Add(size_t record, int first, const Matrix& residuals,
+  void Add(size_t record, Eigen::Index first, const Matrix& residuals,
            const Matrix& jacobian) {
-    const int count = static_cast<int>(residuals.cols());
+    const Eigen::Index count = residuals.cols();
     const Eigen::Index nc = residuals.rows();
-    const int length = lengths_[record];
-    for (int i = 0; i < count;) {
-      const int sample = first + i;
-      const int end = std::min(count, i + length - sample % length);
+    const Eigen::Index length = lengths_[record];
+    for (Eigen::Index i = 0; i < count;) {
+      const Eigen::Index sample = first + i;
+      const Eigen::Index end = std::min(count, i + length - sample % length);
       score_.noalias() +=
           jacobian.middleRows(i * nc, (end - i) * nc).transpose() *
           Eigen::Map<const Vector>(residuals.col(i).data(), (end - i) * nc);
@@ -75,8 +76,8 @@ class BlockScores {
   Matrix products() const { return products_.selfadjointView<Eigen::Lower>(); }
 
  private:
-  std::vector<int> lengths_;
-  std::vector<int> samples_;
+  std::vector<Eigen::Index> lengths_;
+  std::vector<Eigen::Index> samples_;
   Vector score_;
   Matrix products_;
   double count_ = 0.0;
@@ -134,14 +135,13 @@ Vector StepToADraw(const Matrix& inverse_root) {
 }
 
 // kProbes columns per channel: random signs in its samples, zeros elsewhere.
-Matrix ProbeColumns(int nc, int samples) {
+Matrix ProbeColumns(int nc, Eigen::Index samples) {
   Matrix probes = Matrix::Zero(nc * samples, nc * kProbes);
   std::mt19937_64 random(12345);
   for (int c = 0; c < nc; ++c) {
     for (int p = 0; p < kProbes; ++p) {
-      for (int i = 0; i < samples; ++i) {
-        probes(Eigen::Index{i} * nc + c, c * kProbes + p) =
-            (random() & 1) != 0 ? 1.0 : -1.0;
+      for (Eigen::Index i = 0; i < samples; ++i) {
+        probes(i * nc + c, c * kProbes + p) = (random() & 1) != 0 ? 1.0 : -1.0;
       }
     }
   }
@@ -151,25 +151,25 @@ Matrix ProbeColumns(int nc, int samples) {
 // The filter is symmetric but for its ends: the adjoint of "predict, then
 // filter" filters the weights.
 void FilterWeights(const ZeroPhaseFilter& filter, int nc, Matrix* weights) {
-  const int samples = static_cast<int>(weights->rows()) / nc;
+  const Eigen::Index samples = weights->rows() / nc;
   for (int c = 0; c < nc; ++c) {
     Matrix history(samples, weights->cols());
-    for (int i = 0; i < samples; ++i) {
-      history.row(i) = weights->row(Eigen::Index{i} * nc + c);
+    for (Eigen::Index i = 0; i < samples; ++i) {
+      history.row(i) = weights->row(i * nc + c);
     }
     filter.Apply(&history);
-    for (int i = 0; i < samples; ++i) {
-      weights->row(Eigen::Index{i} * nc + c) = history.row(i);
+    for (Eigen::Index i = 0; i < samples; ++i) {
+      weights->row(i * nc + c) = history.row(i);
     }
   }
 }
 
 // Rows of one channel.
 Matrix ChannelRows(const Matrix& jacobian, int nc, int c) {
-  const int samples = static_cast<int>(jacobian.rows()) / nc;
+  const Eigen::Index samples = jacobian.rows() / nc;
   Matrix rows(samples, jacobian.cols());
-  for (int i = 0; i < samples; ++i)
-    rows.row(i) = jacobian.row(Eigen::Index{i} * nc + c);
+  for (Eigen::Index i = 0; i < samples; ++i)
+    rows.row(i) = jacobian.row(i * nc + c);
   return rows;
 }
 
@@ -180,13 +180,13 @@ void AddRecordInputNoise(const IdentificationRecord& data,
                          const Matrix& residuals, const Matrix& jacobian,
                          const Vector& sigmas, Matrix* middle) {
   const int nc = static_cast<int>(residuals.rows());
-  const int samples = static_cast<int>(residuals.cols());
+  const Eigen::Index samples = residuals.cols();
   const Eigen::Index n = jacobian.cols();
   // Columns: the weighted Jacobian, then random signs per channel.
   Matrix weights(nc * samples, n + nc * kProbes);
   weights << jacobian, ProbeColumns(nc, samples);
   if (data.filter != nullptr) FilterWeights(*data.filter, nc, &weights);
-  for (int row = 0; row < weights.rows(); ++row) {
+  for (Eigen::Index row = 0; row < weights.rows(); ++row) {
     weights.row(row) /= sigmas[row % nc];
   }
   Vector induced = Vector::Zero(nc);  // sum of squares, units of sigma^2
@@ -206,7 +206,8 @@ void AddRecordInputNoise(const IdentificationRecord& data,
     // Never nothing: the split itself is estimated.
     const double share =
         total > 0.0 ? std::clamp(1.0 - induced[c] / total, 0.02, 1.0) : 1.0;
-    const double scale_to_one = total / std::max(1, samples);
+    const double scale_to_one =
+        total / static_cast<double>(std::max<Eigen::Index>(1, samples));
     const Matrix rows = ChannelRows(jacobian, nc, c);
     middle->noalias() += share * scale_to_one * rows.transpose() * rows;
   }
@@ -249,7 +250,7 @@ bool AddInflated(const Vector& free, const std::vector<Matrix>& drawn,
   }
   return shooting->VisitWeightedResiduals(
       free, true,
-      [&](size_t r, int, const Matrix& part, const Matrix& jacobian) {
+      [&](size_t r, Eigen::Index, const Matrix& part, const Matrix& jacobian) {
         const Vector weights = roots[r].replicate(part.cols(), 1);
         const Matrix rows = weights.asDiagonal() * jacobian;
         middle->noalias() += rows.transpose() * rows;
@@ -274,7 +275,8 @@ class Scores {
     BlockScores blocks(residuals, static_cast<int>(free.size()));
     if (!shooting->VisitWeightedResiduals(
             free, true,
-            [&](size_t r, int first, const Matrix& part, const Matrix& rows) {
+            [&](size_t r, Eigen::Index first, const Matrix& part,
+                const Matrix& rows) {
               const Vector move = rows * step;
               drawn_[r].middleCols(first, part.cols()) +=
                   Eigen::Map<const Matrix>(move.data(), part.rows(),

@@ -64,7 +64,7 @@ bool Fit::IsWorseThanBest(const FitState& state) const {
            (1.0 + tuning.stages.worse_share) * best_.ExpectedError());
 }
 
-bool Fit::Prepare(const Vector& parameters, int segment_samples,
+bool Fit::Prepare(const Vector& parameters, Eigen::Index segment_samples,
                   const IdentifiedModel* initial) {
   current_ = FitState();
   current_.free = layout_.Free(parameters);
@@ -113,7 +113,7 @@ void Fit::BeginAnnealing() {
   solver_.ResetRadius();
 }
 
-bool Fit::RunStage(int samples, bool last) {
+bool Fit::RunStage(Eigen::Index samples, bool last) {
   StageRecord record;
   bool settled = false;
   Stage stage(context_, &solver_, &reweighting_, &progress_);
@@ -131,7 +131,7 @@ bool Fit::RunStage(int samples, bool last) {
 
 bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
   const bool networks = context_.HasNetworks();
-  const std::vector<int> lengths =
+  const std::vector<Eigen::Index> lengths =
       StageLengths(context_.problem, options_, networks);
   const int num_stages = static_cast<int>(lengths.size());
   // A fit that was cut off goes on in its stage. With networks it begins at the
@@ -147,7 +147,7 @@ bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
   const GapTuning& gaps = context_.tuning().gaps;
   bool gaps_closed = false;
   for (int s = first; s <= num_stages; ++s) {
-    const int samples = lengths[static_cast<size_t>(s) - 1];
+    const Eigen::Index samples = lengths[static_cast<size_t>(s) - 1];
     const bool last = s == num_stages;
     // With closed gaps the trajectory is already one piece: merging a few
     // segments would change nothing.

@@ -63,9 +63,10 @@ class Fit {
   // better.
   bool IsWorseThanBest(const FitState& state) const;
   // Noise, decays and trajectories before the first stage.
-  [[nodiscard]] bool Prepare(const Vector& parameters, int segment_samples,
+  [[nodiscard]] bool Prepare(const Vector& parameters,
+                             Eigen::Index segment_samples,
                              const IdentifiedModel* initial);
-  [[nodiscard]] bool RunStage(int samples, bool last);
+  [[nodiscard]] bool RunStage(Eigen::Index samples, bool last);
   void BeginAnnealing();
   void FitInputNoise();
 

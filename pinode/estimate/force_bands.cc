@@ -51,13 +51,14 @@ ForceEstimate EstimateForce(const std::string& name,
   ForceEstimate estimate;
   estimate.name = name;
   estimate.record = record;
-  const int count = (data.num_samples() - 1) * data.substeps + 1;
+  const Eigen::Index count = (data.num_samples() - 1) * data.substeps + 1;
   estimate.times.resize(count);
   estimate.value.resize(count);
   estimate.sigma = Vector::Zero(count);
-  for (int i = 0; i < count; ++i) {
-    estimate.times[i] =
-        data.excitation->time(0) + i * data.sampling_step() / data.substeps;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    estimate.times[i] = data.excitation->time(0) + static_cast<double>(i) *
+                                                       data.sampling_step() /
+                                                       data.substeps;
     const ForceAt at = force(estimate.times[i]);
     estimate.value[i] = at.value;
     std::vector<int> indices;

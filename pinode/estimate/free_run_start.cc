@@ -26,9 +26,10 @@ constexpr int kMostPeriods = 200;
 
 // The record's beginning as a training record of its own. The excitation goes
 // on for as long as it shows in the samples before: it is known.
-IdentificationRecord Beginning(const IdentificationRecord& data, int samples) {
+IdentificationRecord Beginning(const IdentificationRecord& data,
+                               Eigen::Index samples) {
   IdentificationRecord beginning = data;
-  const int count =
+  const Eigen::Index count =
       std::min(data.num_samples(), samples + data.excitation->reach());
   beginning.role = IdentificationRecord::Role::kTrain;
   beginning.filter = nullptr;
@@ -46,7 +47,7 @@ IdentificationRecord Beginning(const IdentificationRecord& data, int samples) {
 // From the first `samples` alone.
 Vector SmoothedStart(const IdentificationProblem& problem, int record,
                      const Vector& parameters, const Vector& sigmas,
-                     int samples) {
+                     Eigen::Index samples) {
   IdentificationProblem beginning = problem;
   beginning.records = {
       Beginning(problem.records[static_cast<size_t>(record)], samples)};
@@ -67,9 +68,9 @@ Vector SmoothedStart(const IdentificationProblem& problem, int record,
 
 }  // namespace
 
-int FreeRunStart(const IdentificationProblem& problem, int record,
-                 const Vector& parameters, const Vector& sigmas,
-                 Vector* start) {
+Eigen::Index FreeRunStart(const IdentificationProblem& problem, int record,
+                          const Vector& parameters, const Vector& sigmas,
+                          Vector* start) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   if (data.start == IdentificationRecord::Start::kRest) {
@@ -84,12 +85,14 @@ int FreeRunStart(const IdentificationProblem& problem, int record,
       FindSteadyState(problem, record, parameters, start)) {
     return 0;
   }
-  const int samples =
+  const Eigen::Index samples =
       data.start_samples > 0
           ? data.start_samples
           : std::clamp(
-                static_cast<int>(std::ceil(kStartShare * data.num_samples())),
-                std::min(data.num_samples(), 8), data.num_samples());
+                static_cast<Eigen::Index>(std::ceil(
+                    kStartShare * static_cast<double>(data.num_samples()))),
+                std::min<Eigen::Index>(data.num_samples(), 8),
+                data.num_samples());
   *start = SmoothedStart(problem, record, parameters, sigmas, samples);
   return data.role == IdentificationRecord::Role::kHoldout ? samples : 0;
 }

@@ -13,8 +13,9 @@ namespace pinode {
 // needs no sample, and else smoothed, given the parameters, from the first
 // samples alone. Returns the first sample that may be scored: 0, or of a
 // hold-out the first one after those used. sigmas: noise per channel.
-int FreeRunStart(const IdentificationProblem& problem, int record,
-                 const Vector& parameters, const Vector& sigmas, Vector* start);
+Eigen::Index FreeRunStart(const IdentificationProblem& problem, int record,
+                          const Vector& parameters, const Vector& sigmas,
+                          Vector* start);
 
 // The state at the first sample with which a period of the record's excitation
 // ends as it began, to 1e-9 of each state's RMS: Newton's method on the map of

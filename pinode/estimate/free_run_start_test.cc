@@ -67,7 +67,8 @@ class HoldoutStart : public ::testing::TestWithParam<double> {
 
 TEST_P(HoldoutStart, IsSmoothedFromTheFirstSamples) {
   Vector start;
-  const int first = FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &start);
+  const Eigen::Index first =
+      FreeRunStart(problem_, 0, Vector::Zero(2), sigmas_, &start);
   EXPECT_EQ(first, 50);
   EXPECT_LT((start - truth_).norm(), 1e-3 * truth_.norm());
   RecordScore score;

@@ -21,8 +21,8 @@ struct IdentifiedModel;
 struct IdentificationProgress {
   int stage = 0;  // from 1
   int num_stages = 0;
-  int segment_samples = 0;  // longest segment of the stage
-  int iteration = 0;        // Levenberg-Marquardt iterations so far
+  Eigen::Index segment_samples = 0;  // longest segment of the stage
+  int iteration = 0;                 // Levenberg-Marquardt iterations so far
   double cost = 0.0;
   double largest_gap = 0.0;  // in units of the state's RMS
   // The newest one measured, nrmse over all channels: as the stage began, and
@@ -47,7 +47,7 @@ struct IdentificationOptions {
 
   // Segment length of the first stage in samples; 0: a quarter of the longest
   // period, and at least ten samples.
-  int segment_samples = 0;
+  Eigen::Index segment_samples = 0;
 
   // Levenberg-Marquardt iterations in all stages together.
   int max_num_iterations = 2000;

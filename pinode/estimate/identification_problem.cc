@@ -97,7 +97,7 @@ bool AreValidSensors(const IdentificationProblem& problem,
 
 bool AreValidSamples(const IdentificationRecord& record,
                      const MeasuredChannel& channel, std::string* error) {
-  int finite = 0;
+  Eigen::Index finite = 0;
   bool any_infinite = false;
   for (const double value : channel.values) {
     any_infinite = any_infinite || std::isinf(value);

@@ -57,7 +57,7 @@ struct IdentificationRecord {
   // Of a free start: the first samples, which it is found from; of a hold-out
   // they are not scored, 0: a twentieth of the record. Of a training record
   // PrepareProblem makes it a known start, 0: it is an unknown of the fit.
-  int start_samples = 0;
+  Eigen::Index start_samples = 0;
   std::vector<MeasuredChannel> channels;
   // Applied to `values` by whoever read them, and to the prediction here.
   std::shared_ptr<const ZeroPhaseFilter> filter;
@@ -78,7 +78,7 @@ struct IdentificationRecord {
   // What its channels see, in their order.
   std::vector<Observation> Observations() const;
 
-  int num_samples() const { return excitation->num_samples(); }
+  Eigen::Index num_samples() const { return excitation->num_samples(); }
   double sampling_step() const { return excitation->step(); }
 };
 

@@ -45,11 +45,11 @@ struct RecordScore {
   IdentificationRecord::Role role = IdentificationRecord::Role::kTrain;
   bool finite = false;
   // First sample that is scored; later than 0 where the start was smoothed.
-  int first_scored_sample = 0;
+  Eigen::Index first_scored_sample = 0;
   double nrmse = 0.0;  // over all channels, each in units of its scale
   double prior_nrmse = 0.0;
   std::vector<ChannelScore> channels;
-  Vector start;       // num_states
+  Vector start;  // num_states
   Matrix prediction;  // channels x samples, of the sensors as they are
   // num_states x samples; empty without IdentificationOptions::keep_states.
   Matrix states;
@@ -96,7 +96,7 @@ struct ForceEstimate {
 
 struct IterationRecord {
   int stage = 0;
-  int segment_samples = 0;
+  Eigen::Index segment_samples = 0;
   int iteration = 0;
   double cost = 0.0;
   double gradient_norm = 0.0;
@@ -108,7 +108,7 @@ struct IterationRecord {
 };
 
 struct StageRecord {
-  int segment_samples = 0;
+  Eigen::Index segment_samples = 0;
   int num_segments = 0;
   int iterations = 0;
   double free_run_error = 0.0;

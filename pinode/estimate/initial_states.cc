@@ -149,7 +149,7 @@ Vector StateScalesOf(const IdentificationProblem& problem,
 }
 
 bool InitialTrajectories(const IdentificationProblem& problem,
-                         int segment_samples, const Vector& free,
+                         Eigen::Index segment_samples, const Vector& free,
                          const StageTuning& tuning, MultipleShooting* shooting,
                          TrajectoryOutlines* trajectories) {
   std::vector<Vector> scales;

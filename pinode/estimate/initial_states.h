@@ -32,7 +32,8 @@ Vector StateScalesOf(const IdentificationProblem& problem,
 // softly: accelerations alone suffice. False where no finite trajectory is
 // found.
 [[nodiscard]] bool InitialTrajectories(const IdentificationProblem& problem,
-                                       int segment_samples, const Vector& free,
+                                       Eigen::Index segment_samples,
+                                       const Vector& free,
                                        const StageTuning& tuning,
                                        MultipleShooting* shooting,
                                        TrajectoryOutlines* trajectories);

@@ -55,7 +55,7 @@ class RecordLinearizer {
   }
 
   // What the sensors see at sample `i`.
-  void LinearizeSample(int i, LinearizedRecord::Sample* sample) {
+  void LinearizeSample(Eigen::Index i, LinearizedRecord::Sample* sample) {
     const auto& linearized = step_.LinearizeAt(
         prepared_, grid_.time(i), grid_.AtSample(i), states_.col(i).data());
     observation_.StateJacobian(linearized, &state_jacobian_);
@@ -70,7 +70,7 @@ class RecordLinearizer {
   }
 
   // The way from sample `i` to the next one.
-  void LinearizeInterval(int i, LinearizedRecord::Sample* sample) {
+  void LinearizeInterval(Eigen::Index i, LinearizedRecord::Sample* sample) {
     const int ns = dynamics_.num_states();
     sample->transition = Matrix::Identity(ns, ns);
     Vector state = states_.col(i);
@@ -101,7 +101,7 @@ class RecordLinearizer {
     return values_.data();
   }
 
-  Vector Observed(int i, int j, double change) {
+  Vector Observed(Eigen::Index i, int j, double change) {
     Vector rate(dynamics_.num_states()), y(gains_.size());
     const double* at = Changed(grid_.AtSample(i), j, change);
     dynamics_.Rate(prepared_, grid_.time(i), at, states_.col(i).data(),
@@ -112,7 +112,7 @@ class RecordLinearizer {
 
   // State at the end of an interval when the sample at its left (or right) end
   // is changed.
-  Vector IntervalEnd(int i, int j, bool left, double change) {
+  Vector IntervalEnd(Eigen::Index i, int j, bool left, double change) {
     Vector state = states_.col(i);
     for (int s = 0; s < grid_.substeps(); ++s) {
       Rk4Step(
@@ -166,7 +166,7 @@ LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
                               states);
   LinearizedRecord result;
   result.samples.resize(static_cast<size_t>(data.num_samples()));
-  for (int i = 0; i < data.num_samples(); ++i) {
+  for (Eigen::Index i = 0; i < data.num_samples(); ++i) {
     LinearizedRecord::Sample& sample = result.samples[static_cast<size_t>(i)];
     linearizer.LinearizeSample(i, &sample);
     if (i + 1 < data.num_samples()) linearizer.LinearizeInterval(i, &sample);
@@ -176,14 +176,14 @@ LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
 
 Matrix InputSensitivity(const LinearizedRecord& record, int input,
                         const Matrix& weights) {
-  const int samples = static_cast<int>(record.samples.size());
+  const auto samples = static_cast<Eigen::Index>(record.samples.size());
   const int nc = static_cast<int>(record.samples[0].by_state.rows());
   const int ns = static_cast<int>(record.samples[0].by_state.cols());
   const int columns = static_cast<int>(weights.cols());
   CHECK_EQ(weights.rows(), nc * samples);
   Matrix result = Matrix::Zero(columns, samples);
   Matrix adjoint = Matrix::Zero(columns, ns);
-  for (int i = samples - 1; i >= 0; --i) {
+  for (Eigen::Index i = samples - 1; i >= 0; --i) {
     const LinearizedRecord::Sample& sample =
         record.samples[static_cast<size_t>(i)];
     if (i + 1 < samples) {

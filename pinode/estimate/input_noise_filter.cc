@@ -14,7 +14,7 @@ InputNoiseFilter::InputNoiseFilter(const LinearizedRecord& record,
       num_channels_(static_cast<int>(noise.rows())),
       num_states_(static_cast<int>(start_sigmas.size())),
       num_inputs_(static_cast<int>(input_sigmas.size())) {
-  const int samples = static_cast<int>(record.samples.size());
+  const auto samples = static_cast<Eigen::Index>(record.samples.size());
   const int size = num_states_ + num_inputs_;
   CHECK_EQ(noise.cols(), samples);
   const Matrix input_variance = input_sigmas.cwiseAbs2().asDiagonal();
@@ -23,7 +23,7 @@ InputNoiseFilter::InputNoiseFilter(const LinearizedRecord& record,
       start_sigmas.cwiseAbs2().asDiagonal();
   variance.bottomRightCorner(num_inputs_, num_inputs_) = input_variance;
   updates_.resize(static_cast<size_t>(samples));
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     const LinearizedRecord::Sample& sample =
         record.samples[static_cast<size_t>(i)];
     Update& update = updates_[static_cast<size_t>(i)];
@@ -63,7 +63,7 @@ InputNoiseFilter::InputNoiseFilter(const LinearizedRecord& record,
   }
 }
 
-Matrix InputNoiseFilter::Transition(int sample) const {
+Matrix InputNoiseFilter::Transition(Eigen::Index sample) const {
   const LinearizedRecord::Sample& at =
       record_.samples[static_cast<size_t>(sample)];
   const int size = num_states_ + num_inputs_;
@@ -73,7 +73,7 @@ Matrix InputNoiseFilter::Transition(int sample) const {
   return transition;
 }
 
-Matrix InputNoiseFilter::Rows(const Update& update, int first,
+Matrix InputNoiseFilter::Rows(const Update& update, Eigen::Index first,
                               const Matrix& columns) {
   Matrix rows(update.rows.size(), columns.cols());
   for (size_t k = 0; k < update.rows.size(); ++k) {
@@ -89,7 +89,7 @@ Matrix InputNoiseFilter::Information(const Matrix& columns) const {
   Matrix state = Matrix::Zero(num_states_ + num_inputs_, columns.cols());
   for (size_t i = 0; i < updates_.size(); ++i) {
     const Update& update = updates_[i];
-    const int sample = static_cast<int>(i);
+    const auto sample = static_cast<Eigen::Index>(i);
     if (!update.rows.empty()) {
       Matrix innovation =
           Rows(update, sample * num_channels_, columns) - update.by_all * state;
@@ -105,15 +105,14 @@ Matrix InputNoiseFilter::Information(const Matrix& columns) const {
 
 void InputNoiseFilter::Smooth(const Vector& residuals, Matrix* errors,
                               Vector* noise_mean_square) const {
-  const int samples = static_cast<int>(updates_.size());
+  const auto samples = static_cast<Eigen::Index>(updates_.size());
   const int size = num_states_ + num_inputs_;
-  CHECK_EQ(residuals.size(),
-           static_cast<Eigen::Index>(num_channels_) * samples);
+  CHECK_EQ(residuals.size(), num_channels_ * samples);
   // Forward: the innovations, and the state before each update.
   std::vector<Vector> predicted(updates_.size());
   std::vector<Vector> innovations(updates_.size());
   Vector state = Vector::Zero(size);
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     const Update& update = updates_[static_cast<size_t>(i)];
     predicted[static_cast<size_t>(i)] = state;
     if (!update.rows.empty()) {
@@ -131,7 +130,7 @@ void InputNoiseFilter::Smooth(const Vector& residuals, Matrix* errors,
   Vector count = Vector::Zero(num_channels_);
   Vector adjoint = Vector::Zero(size);
   Matrix adjoint_variance = Matrix::Zero(size, size);
-  for (int i = samples - 1; i >= 0; --i) {
+  for (Eigen::Index i = samples - 1; i >= 0; --i) {
     const Update& update = updates_[static_cast<size_t>(i)];
     if (i + 1 < samples) {
       const Matrix transition = Transition(i);

@@ -47,9 +47,10 @@ class InputNoiseFilter {
     Matrix gain;                    // size x rows
   };
   // F of [x; e]_{i+1} = F [x; e]_i + ...: the errors are forgotten.
-  Matrix Transition(int sample) const;
+  Matrix Transition(Eigen::Index sample) const;
   // Rows of `columns` of one sample that have a residual.
-  static Matrix Rows(const Update& update, int first, const Matrix& columns);
+  static Matrix Rows(const Update& update, Eigen::Index first,
+                     const Matrix& columns);
 
   const LinearizedRecord& record_;
   int num_channels_ = 0;

@@ -158,10 +158,10 @@ bool Fitter::Cost(const Point& point, double* cost) {
 Vector Fitter::Response(const LinearizedRecord& record, const Matrix& errors,
                         const Vector& sigmas) const {
   const int nc = static_cast<int>(sigmas.size());
-  const int samples = static_cast<int>(record.samples.size());
+  const auto samples = static_cast<Eigen::Index>(record.samples.size());
   Vector response(nc * samples);
   Vector state = Vector::Zero(problem_.dynamics->num_states());
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     const LinearizedRecord::Sample& sample =
         record.samples[static_cast<size_t>(i)];
     response.segment(i * nc, nc) =
@@ -180,7 +180,7 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
   const IdentificationRecord& record =
       corrected_.records[static_cast<size_t>(train_[t])];
   const int nc = static_cast<int>(residuals.rows());
-  const int samples = static_cast<int>(residuals.cols());
+  const Eigen::Index samples = residuals.cols();
   const Eigen::Index n = jacobian.cols();
   eliminated->linearized = LinearizeRecord(
       corrected_, layout_, train_[t], inputs_[t], parameters, trajectories_[t]);
@@ -191,10 +191,10 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
   }
   // Residuals that the fit leaves out are zero, with zero derivatives.
   Matrix noise(nc, samples);
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
-      const bool missing = residuals(c, i) == 0.0 &&
-                           jacobian.row(Eigen::Index{i} * nc + c).isZero(0.0);
+      const bool missing =
+          residuals(c, i) == 0.0 && jacobian.row(i * nc + c).isZero(0.0);
       noise(c, i) = missing ? kMissing : sigmas_[t][c];
       if (!missing) equations->num_residuals += 1.0;
     }
@@ -211,7 +211,7 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
   columns.col(n) = Response(linearized, point_.errors[t], sigmas_[t]) - flat;
   equations->priors.noalias() -= jacobian.transpose() * jacobian;
   equations->prior_gradient.noalias() -= jacobian.transpose() * flat;
-  for (int row = 0; row < columns.rows(); ++row) {
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     columns.row(row) *= sigmas_[t][row % nc];
   }
   const Matrix information = eliminated->filter->Information(columns);

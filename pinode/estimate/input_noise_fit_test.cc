@@ -71,7 +71,7 @@ struct JointResiduals {
   bool operator()(double const* const* parameters, double* residuals) const {
     const StructuralDynamics& dynamics = *ground->problem.dynamics;
     const IdentificationRecord& record = ground->problem.records[0];
-    const int samples = record.num_samples();
+    const Eigen::Index samples = record.num_samples();
     const Vector theta = Eigen::Map<const Vector>(parameters[0], 2);
     const Vector errors = Eigen::Map<const Vector>(parameters[1], samples);
     const Vector start = Eigen::Map<const Vector>(parameters[2], 4);

@@ -223,7 +223,7 @@ bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
   return true;
 }
 
-Matrix LinearRecord::Residuals(const Tables& tables, int first,
+Matrix LinearRecord::Residuals(const Tables& tables, Eigen::Index first,
                                const Matrix& histories) const {
   const auto count = histories.cols();
   Matrix residuals = tables.predictions.transpose() * histories;
@@ -247,7 +247,7 @@ Matrix LinearRecord::Residuals(const Tables& tables, int first,
   return residuals;
 }
 
-void LinearRecord::AddBlock(const Tables& tables, int first,
+void LinearRecord::AddBlock(const Tables& tables, Eigen::Index first,
                             const Matrix& histories, Sums* sums) const {
   const Matrix residuals = Residuals(tables, first, histories);
   sums->costs += 0.5 * residuals.rowwise().squaredNorm();
@@ -342,7 +342,7 @@ LinearRecord::Sums LinearRecord::SumPieces(
                          Matrix::Zero(tables.columns, tables.columns));
   }
 
-  const int samples = record_.num_samples();
+  const Eigen::Index samples = record_.num_samples();
   const int ranks = communicator.size();
   const HistoryPass pass(response_, tables.contents, grid_, 0, samples);
   const int pieces = pass.num_pieces();
@@ -351,10 +351,10 @@ LinearRecord::Sums LinearRecord::SumPieces(
   const int shares = HistoryPass::NumShares(begin, end, num_threads);
   std::vector<PieceSums> sums(static_cast<size_t>(shares), PieceSums(zero));
   pass.Visit(begin, end, shares,
-             [&](int share, int first, const Matrix& histories) {
+             [&](int share, Eigen::Index first, const Matrix& histories) {
                PieceSums& into = sums[static_cast<size_t>(share)];
                AddBlock(tables, first, histories, into.piece());
-               const auto next = first + static_cast<int>(histories.cols());
+               const Eigen::Index next = first + histories.cols();
                if (next == samples) {
                  into.piece()->end = histories.rightCols(1);
                }
@@ -464,28 +464,29 @@ bool LinearRecord::Visit(const Point& point, int num_threads,
   std::atomic<bool> finite = true;
   const HistoryPass pass(response_, tables.contents, grid_, 0,
                          record_.num_samples());
-  pass.Visit(num_threads, [&](int, int first, const Matrix& histories) {
-    const Matrix residuals = Residuals(tables, first, histories);
-    if (!residuals.allFinite()) finite = false;
-    if (!finite) return;
-    const Eigen::Index count = histories.cols();
-    Matrix jacobian = Matrix::Zero(nc * count, tables.columns);
-    for (const Pattern& pattern : patterns_) {
-      for (const int c : pattern.channels) {
-        if (tables.columns == 0) continue;
-        const Matrix rows =
-            histories.transpose() * tables.derivatives[static_cast<size_t>(c)];
-        for (Eigen::Index i = 0; i < count; ++i) {
-          if (!pattern.present.empty() &&
-              !pattern.present[static_cast<size_t>(first + i)]) {
-            continue;
+  pass.Visit(
+      num_threads, [&](int, Eigen::Index first, const Matrix& histories) {
+        const Matrix residuals = Residuals(tables, first, histories);
+        if (!residuals.allFinite()) finite = false;
+        if (!finite) return;
+        const Eigen::Index count = histories.cols();
+        Matrix jacobian = Matrix::Zero(nc * count, tables.columns);
+        for (const Pattern& pattern : patterns_) {
+          for (const int c : pattern.channels) {
+            if (tables.columns == 0) continue;
+            const Matrix rows = histories.transpose() *
+                                tables.derivatives[static_cast<size_t>(c)];
+            for (Eigen::Index i = 0; i < count; ++i) {
+              if (!pattern.present.empty() &&
+                  !pattern.present[static_cast<size_t>(first + i)]) {
+                continue;
+              }
+              jacobian.row(i * nc + c) = rows.row(i);
+            }
           }
-          jacobian.row(i * nc + c) = rows.row(i);
         }
-      }
-    }
-    visitor(first, residuals, jacobian);
-  });
+        visitor(first, residuals, jacobian);
+      });
   return finite;
 }
 
@@ -501,10 +502,11 @@ bool LinearRecord::Residuals(const Point& point, const Vector& step,
   residuals->resize(tables.predictions.cols(), record_.num_samples());
   const HistoryPass pass(response_, tables.contents, grid_, 0,
                          record_.num_samples());
-  pass.Visit(num_threads, [&](int, int first, const Matrix& histories) {
-    residuals->middleCols(first, histories.cols()) =
-        Residuals(tables, first, histories);
-  });
+  pass.Visit(num_threads,
+             [&](int, Eigen::Index first, const Matrix& histories) {
+               residuals->middleCols(first, histories.cols()) =
+                   Residuals(tables, first, histories);
+             });
   return residuals->allFinite();
 }
 
@@ -518,11 +520,11 @@ struct LinearRecord::ScoreShare {
 };
 
 bool LinearRecord::AddScores(const Point& point, const Matrix& projection,
-                             int length, int num_threads, Matrix* products,
-                             double* count) {
+                             Eigen::Index length, int num_threads,
+                             Matrix* products, double* count) {
   Tables tables;
   if (!Tabulate(point, *point.sigmas, num_threads, &tables)) return false;
-  const int samples = record_.num_samples();
+  const Eigen::Index samples = record_.num_samples();
   ScoreShare zero;
   zero.tail =
       Matrix::Zero(tables.predictions.rows(), tables.predictions.cols());
@@ -542,12 +544,13 @@ bool LinearRecord::AddScores(const Point& point, const Matrix& projection,
       HistoryPass::NumShares(0, pass.num_pieces(), num_threads);
   std::vector<ScoreShare> shares(static_cast<size_t>(num_shares), zero);
   pass.Visit(0, pass.num_pieces(), num_shares,
-             [&](int s, int first, const Matrix& histories) {
+             [&](int s, Eigen::Index first, const Matrix& histories) {
                ScoreShare* share = &shares[static_cast<size_t>(s)];
                const Matrix residuals = Residuals(tables, first, histories);
-               const int last = first + static_cast<int>(histories.cols());
-               for (int from = first; from < last;) {
-                 const int to = std::min(last, from + length - from % length);
+               const Eigen::Index last = first + histories.cols();
+               for (Eigen::Index from = first; from < last;) {
+                 const Eigen::Index to =
+                     std::min(last, from + length - from % length);
                  share->tail.noalias() +=
                      histories.middleCols(from - first, to - from) *
                      residuals.middleCols(from - first, to - from).transpose();

@@ -72,8 +72,8 @@ class LinearRecord {
   // Residuals r, channels x count, and their Jacobian, (channels * count) x
   // columns, channels fastest, of consecutive samples from `first` on; zero
   // where missing or not fitted. Called by several threads at a time.
-  using Visitor = std::function<void(int first, const Matrix& residuals,
-                                     const Matrix& jacobian)>;
+  using Visitor = std::function<void(
+      Eigen::Index first, const Matrix& residuals, const Matrix& jacobian)>;
   [[nodiscard]] bool Visit(const Point& point, int num_threads,
                            const Visitor& visitor);
 
@@ -85,8 +85,8 @@ class LinearRecord {
   // which may have fewer: adds the lower triangle of sum g g' to *products, and
   // the number of blocks to *count. P: columns x any number.
   [[nodiscard]] bool AddScores(const Point& point, const Matrix& projection,
-                               int length, int num_threads, Matrix* products,
-                               double* count);
+                               Eigen::Index length, int num_threads,
+                               Matrix* products, double* count);
 
  private:
   // Channels that miss the same samples.
@@ -126,10 +126,10 @@ class LinearRecord {
   bool Tabulate(const Point& point, const Vector& sigmas, int num_threads,
                 Tables* tables);
   // r of consecutive samples from their histories, channels x count.
-  Matrix Residuals(const Tables& tables, int first,
+  Matrix Residuals(const Tables& tables, Eigen::Index first,
                    const Matrix& histories) const;
-  void AddBlock(const Tables& tables, int first, const Matrix& histories,
-                Sums* sums) const;
+  void AddBlock(const Tables& tables, Eigen::Index first,
+                const Matrix& histories, Sums* sums) const;
   void Condense(const Tables& tables, const Sums& sums, int num_threads,
                 ByChannel* equations) const;
   // Whether the equations of all channels are of this point, whatever the

@@ -42,7 +42,7 @@ MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
 
 MultipleShooting::~MultipleShooting() = default;
 
-void MultipleShooting::SetSegments(int samples,
+void MultipleShooting::SetSegments(Eigen::Index samples,
                                    const std::vector<Matrix>& trajectories) {
   CHECK_EQ(trajectories.size(), records_.size())
       << "one trajectory per training record";
@@ -50,24 +50,24 @@ void MultipleShooting::SetSegments(int samples,
     CHECK_EQ(trajectories[r].cols(), records_[r]->grid().num_samples());
     CHECK_EQ(trajectories[r].rows(), problem_.dynamics->num_states());
   }
-  CutRecords(samples, [&trajectories](size_t r, int sample) {
+  CutRecords(samples, [&trajectories](size_t r, Eigen::Index sample) {
     return Vector(trajectories[r].col(sample));
   });
 }
 
-bool MultipleShooting::SetSegmentsAlong(int samples,
+bool MultipleShooting::SetSegmentsAlong(Eigen::Index samples,
                                         const TrajectoryOutlines& outlines) {
   CHECK_EQ(outlines.records.size(), records_.size())
       << "one outline per training record";
-  const auto find = [&](size_t r, int sample) {
-    const std::vector<int>& known = outlines.records[r].samples;
+  const auto find = [&](size_t r, Eigen::Index sample) {
+    const std::vector<Eigen::Index>& known = outlines.records[r].samples;
     const auto found = std::lower_bound(known.begin(), known.end() - 1, sample);
     return found != known.end() - 1 && *found == sample
                ? static_cast<int>(found - known.begin())
                : -1;
   };
   bool all_known = true;
-  CutRecords(samples, [&](size_t r, int sample) {
+  CutRecords(samples, [&](size_t r, Eigen::Index sample) {
     const int k = find(r, sample);
     all_known = all_known && k >= 0;
     return Vector(outlines.records[r].starts.col(std::max(0, k)));
@@ -79,22 +79,23 @@ bool MultipleShooting::SetSegmentsAlong(int samples,
   return true;
 }
 
-void MultipleShooting::SetSegmentsAtRest(int samples) {
-  CutRecords(samples, [this](size_t, int) {
+void MultipleShooting::SetSegmentsAtRest(Eigen::Index samples) {
+  CutRecords(samples, [this](size_t, Eigen::Index) {
     return Vector(Vector::Zero(problem_.dynamics->num_states()));
   });
 }
 
 void MultipleShooting::SetWholeRecords(const std::vector<Vector>& starts) {
   CHECK_EQ(starts.size(), records_.size()) << "one start per training record";
-  CutRecords(0, [&starts](size_t r, int) { return starts[r]; });
+  CutRecords(0, [&starts](size_t r, Eigen::Index) { return starts[r]; });
 }
 
 void MultipleShooting::CutRecords(
-    int samples, const std::function<Vector(size_t, int)>& state_at) {
+    Eigen::Index samples,
+    const std::function<Vector(size_t, Eigen::Index)>& state_at) {
   for (size_t r = 0; r < records_.size(); ++r) {
     starts_[r] = records_[r]->Cut(
-        samples, [&](int sample) { return state_at(r, sample); });
+        samples, [&](Eigen::Index sample) { return state_at(r, sample); });
   }
   linearized_starts_ = starts_;
   linearized_free_.resize(0);
@@ -312,7 +313,8 @@ bool MultipleShooting::KeepRows(bool keep) {
   for (const auto& record : records_) {
     bytes += static_cast<double>(sizeof(double)) *
              record->observation().num_channels() *
-             record->grid().num_samples() * layout_.num_free();
+             static_cast<double>(record->grid().num_samples()) *
+             layout_.num_free();
   }
   keep = keep && IsSingleShooting() && bytes < kMostBytes;
   if (keep && !keeps_rows_) is_linearized_ = false;
@@ -376,7 +378,8 @@ void MultipleShooting::RescaleMultipliers(double factor) {
   CostHasChanged();
 }
 
-bool MultipleShooting::RunPieces(size_t r, const std::vector<int>& samples,
+bool MultipleShooting::RunPieces(size_t r,
+                                 const std::vector<Eigen::Index>& samples,
                                  const Matrix& starts, Keep keep,
                                  const Take& take) {
   const ObservationMap nothing(*problem_.dynamics, {});
@@ -393,22 +396,23 @@ bool MultipleShooting::RunPieces(size_t r, const std::vector<int>& samples,
   return true;
 }
 
-bool MultipleShooting::RunRecord(size_t r, const std::vector<int>& samples,
+bool MultipleShooting::RunRecord(size_t r,
+                                 const std::vector<Eigen::Index>& samples,
                                  const Matrix& starts, Matrix* states) {
   const bool whole = samples.size() == 2;
   if (!whole) {
     states->resize(problem_.dynamics->num_states(),
                    records_[r]->grid().num_samples());
   }
-  return RunPieces(r, samples, starts, Keep::kAll,
-                   [&](int first, int count, Trajectory* piece) {
-                     if (whole) {
-                       *states = std::move(piece->states);
-                       return;
-                     }
-                     states->middleCols(first, count) =
-                         piece->states.leftCols(count);
-                   });
+  return RunPieces(
+      r, samples, starts, Keep::kAll,
+      [&](Eigen::Index first, Eigen::Index count, Trajectory* piece) {
+        if (whole) {
+          *states = std::move(piece->states);
+          return;
+        }
+        states->middleCols(first, count) = piece->states.leftCols(count);
+      });
 }
 
 bool MultipleShooting::Trajectories(const Vector& free,
@@ -447,8 +451,9 @@ bool MultipleShooting::Outline(const Vector& free,
     outline.starts = starts_[r];
     Vector squares = Vector::Zero(problem_.dynamics->num_states());
     if (!RunPieces(r, outline.samples, outline.starts, Keep::kMeanSquares,
-                   [&](int, int count, Trajectory* piece) {
-                     squares += piece->mean_squares * piece->num_samples();
+                   [&](Eigen::Index, Eigen::Index count, Trajectory* piece) {
+                     squares += piece->mean_squares *
+                                static_cast<double>(piece->num_samples());
                      // The next piece's first sample is this one's last.
                      if (count < piece->num_samples()) {
                        squares -= piece->states.col(0).cwiseAbs2();
@@ -457,7 +462,8 @@ bool MultipleShooting::Outline(const Vector& free,
       return false;
     }
     outline.mean_squares =
-        squares.cwiseMax(0.0) / records_[r]->grid().num_samples();
+        squares.cwiseMax(0.0) /
+        static_cast<double>(records_[r]->grid().num_samples());
   }
   return true;
 }
@@ -518,7 +524,7 @@ Matrix MultipleShooting::Information() const {
 }
 
 bool MultipleShooting::AddScores(const Vector& free,
-                                 const std::vector<int>& lengths,
+                                 const std::vector<Eigen::Index>& lengths,
                                  Matrix* products, double* count) {
   if (!PrepareDynamics(free)) return false;
   for (size_t r = 0; r < records_.size(); ++r) {
@@ -536,15 +542,15 @@ bool MultipleShooting::WeightedResiduals(const Vector& free, bool with_jacobian,
   if (with_jacobian) jacobians->clear();
   for (const auto& record : records_) {
     const int nc = record->observation().num_channels();
-    const int samples = record->grid().num_samples();
+    const Eigen::Index samples = record->grid().num_samples();
     residuals->push_back(Matrix::Zero(nc, samples));
     if (!with_jacobian) continue;
-    jacobians->push_back(Matrix::Zero(static_cast<Eigen::Index>(nc) * samples,
-                                      layout_.num_free()));
+    jacobians->push_back(Matrix::Zero(nc * samples, layout_.num_free()));
   }
   return VisitWeightedResiduals(
       free, with_jacobian,
-      [&](size_t r, int first, const Matrix& part, const Matrix& rows) {
+      [&](size_t r, Eigen::Index first, const Matrix& part,
+          const Matrix& rows) {
         (*residuals)[r].middleCols(first, part.cols()) = part;
         if (!with_jacobian) return;
         (*jacobians)[r].middleRows(first * part.rows(), part.size()) = rows;

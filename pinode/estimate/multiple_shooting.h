@@ -31,7 +31,7 @@ namespace pinode {
 struct Divergence {
   int record = -1;  // index into the problem's records
   int segment = -1;
-  int sample = -1;
+  Eigen::Index sample = -1;
   int state = -1;
   bool Happened() const { return record >= 0; }
 };
@@ -85,14 +85,15 @@ class MultipleShooting final : public CostPart {
   // one segment a record. Starts are taken from the trajectories given (states
   // at every sample of each record, num_states x samples). Multipliers are
   // reset to zero.
-  void SetSegments(int samples, const std::vector<Matrix>& trajectories);
+  void SetSegments(Eigen::Index samples,
+                   const std::vector<Matrix>& trajectories);
   // The same from trajectories of which an outline was kept, which are run
   // again where starts lie between those of the outline; false where they are
   // not finite.
-  [[nodiscard]] bool SetSegmentsAlong(int samples,
+  [[nodiscard]] bool SetSegmentsAlong(Eigen::Index samples,
                                       const TrajectoryOutlines& outlines);
   // All starts at rest.
-  void SetSegmentsAtRest(int samples);
+  void SetSegmentsAtRest(Eigen::Index samples);
   // One segment a record, from these starts.
   void SetWholeRecords(const std::vector<Vector>& starts);
   int num_segments(int train_record) const;
@@ -187,7 +188,7 @@ class MultipleShooting final : public CostPart {
   // The lower triangle of sum g g', g = J'r of each block of so many samples of
   // each training record, and how many blocks there are.
   [[nodiscard]] bool AddScores(const Vector& free,
-                               const std::vector<int>& lengths,
+                               const std::vector<Eigen::Index>& lengths,
                                Matrix* products, double* count);
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, beside mu.
@@ -202,15 +203,18 @@ class MultipleShooting final : public CostPart {
   // Runs pieces of a record, from each of `samples` to the next; `take` gets
   // the first sample of each, and how many are its own. False where one is not
   // finite.
-  using Take = std::function<void(int first, int count, Trajectory* piece)>;
-  [[nodiscard]] bool RunPieces(size_t record, const std::vector<int>& samples,
+  using Take = std::function<void(Eigen::Index first, Eigen::Index count,
+                                  Trajectory* piece)>;
+  [[nodiscard]] bool RunPieces(size_t record,
+                               const std::vector<Eigen::Index>& samples,
                                const Matrix& starts, Keep keep,
                                const Take& take);
-  [[nodiscard]] bool RunRecord(size_t record, const std::vector<int>& samples,
+  [[nodiscard]] bool RunRecord(size_t record,
+                               const std::vector<Eigen::Index>& samples,
                                const Matrix& starts, Matrix* states);
   // Cuts all records at what `state_at` says of a record and a sample.
-  void CutRecords(int samples,
-                  const std::function<Vector(size_t, int)>& state_at);
+  void CutRecords(Eigen::Index samples,
+                  const std::function<Vector(size_t, Eigen::Index)>& state_at);
   // Whether all of them are finite; where not, notes the first one.
   bool AllFinite(const ShootingRecord& record);
   void CostHasChanged() {

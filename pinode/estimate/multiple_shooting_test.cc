@@ -203,10 +203,10 @@ DenseSystem AssembleDense(const SmallFit& fit,
     const ObservationMap observation(dynamics, observations);
     const IntegrationGrid grid(*record.excitation, record.substeps);
     SegmentPropagator propagator(dynamics, DerivativeMethod::kJets);
-    const int last_sample = record.num_samples() - 1;
+    const Eigen::Index last_sample = record.num_samples() - 1;
     for (int k = 0; k < count; ++k) {
-      const int first = last_sample * k / count;
-      const int last = last_sample * (k + 1) / count;
+      const Eigen::Index first = last_sample * k / count;
+      const Eigen::Index last = last_sample * (k + 1) / count;
       SegmentTangents tangents;
       EXPECT_TRUE(propagator.Propagate(
           prepared, observation, grid, starts[r].col(k), first, last,
@@ -351,7 +351,7 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
       const ObservationMap observation(*fit.problem.dynamics,
                                        {record.channels[0].observation});
       for (int k = 0; k + 1 < count; ++k) {
-        const int last_sample = record.num_samples() - 1;
+        const Eigen::Index last_sample = record.num_samples() - 1;
         SegmentTangents tangents;
         ASSERT_TRUE(propagator.Propagate(
             prepared, observation, grid,

@@ -154,7 +154,8 @@ double NoiseLevels::ShareLeft(const Evidence& evidence) const {
   for (size_t t = 0; t < context_.train_records().size(); ++t) {
     const IdentificationRecord& record = context_.train_record(t);
     for (const MeasuredChannel& channel : record.channels) {
-      if (channel.fit) samples += CountPresent(channel.values);
+      if (channel.fit)
+        samples += static_cast<double>(CountPresent(channel.values));
     }
     // Closed gaps leave the first start alone.
     if (record.start == IdentificationRecord::Start::kFree) {
@@ -178,7 +179,8 @@ double NoiseLevels::ChannelShareLeft(size_t t, int c,
   }
   const double left =
       std::max(tuning.least_channel_left,
-               1.0 - leverage / std::max(1, CountPresent(channel.values)));
+               1.0 - leverage / static_cast<double>(std::max<Eigen::Index>(
+                                    1, CountPresent(channel.values))));
   IdentificationSummary& summary = context_.summary;
   if (left < tuning.followed && summary.followed_channel.empty()) {
     summary.followed_channel = channel.observation.name;
@@ -212,8 +214,10 @@ NoiseLevels::Change NoiseLevels::Update(const WeightedRows& rows,
       const double left = rows.jacobians.empty()
                               ? state->share_left
                               : ChannelShareLeft(t, c, leverages);
-      double mean_square =
-          rows.squares[t][c] / std::max(1, CountPresent(channel.values)) / left;
+      double mean_square = rows.squares[t][c] /
+                           static_cast<double>(std::max<Eigen::Index>(
+                               1, CountPresent(channel.values))) /
+                           left;
       if (networks) {
         mean_square *= AutocorrelationTime(rows.residuals[t].row(c));
       }

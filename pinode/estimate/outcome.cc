@@ -99,7 +99,8 @@ void ScoreRecords(const IdentificationProblem& problem,
     const Vector& sigmas = model->sigmas[r];
     RecordScore prior, score;
     Vector start;
-    int first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
+    Eigen::Index first =
+        FreeRunStart(problem, index, prior_parameters, sigmas, &start);
     ScoreRecord(problem, index, prior_parameters, start, first, &prior,
                 Keep::kChannels, options.num_threads);
     if (problem.records[r].role == IdentificationRecord::Role::kTrain) {

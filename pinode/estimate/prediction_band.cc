@@ -55,7 +55,8 @@ Matrix ParameterVariances(const IdentificationProblem& problem, int record,
   Matrix variances(score.prediction.rows(), score.prediction.cols());
   if (!shooting.VisitWeightedResiduals(
           layout.Free(parameters), true,
-          [&](size_t, int first, const Matrix& part, const Matrix& rows) {
+          [&](size_t, Eigen::Index first, const Matrix& part,
+              const Matrix& rows) {
             const Vector values = RowVariances(rows, covariance);
             variances.middleCols(first, part.cols()) = Eigen::Map<const Matrix>(
                 values.data(), part.rows(), part.cols());
@@ -91,15 +92,15 @@ Matrix StartRows(const IdentificationProblem& problem, int record,
 Matrix StartCovariance(const IdentificationRecord& data, const Matrix& rows,
                        const RecordScore& score) {
   const int nc = static_cast<int>(data.channels.size());
-  const int samples = data.role == IdentificationRecord::Role::kTrain
-                          ? data.num_samples()
-                          : score.first_scored_sample;
+  const Eigen::Index samples = data.role == IdentificationRecord::Role::kTrain
+                                   ? data.num_samples()
+                                   : score.first_scored_sample;
   Matrix information = Matrix::Identity(rows.cols(), rows.cols());
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
       const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
       if (!channel.fit || std::isnan(channel.values[i])) continue;
-      const RowVector row = rows.row(Eigen::Index{i} * nc + c);
+      const RowVector row = rows.row(i * nc + c);
       information.noalias() += row.transpose() * row;
     }
   }
@@ -144,15 +145,16 @@ double BandCoverage(const IdentificationRecord& record,
                     const RecordScore& score, int channel, double quantile) {
   if (score.deviations.size() == 0) return kNaN;
   const Vector& values = record.channels[static_cast<size_t>(channel)].values;
-  int count = 0;
-  int inside = 0;
+  Eigen::Index count = 0;
+  Eigen::Index inside = 0;
   for (Eigen::Index i = score.first_scored_sample; i < values.size(); ++i) {
     if (std::isnan(values[i])) continue;
     ++count;
     inside += std::abs(values[i] - score.prediction(channel, i)) <=
               quantile * score.deviations(channel, i);
   }
-  return count > 0 ? static_cast<double>(inside) / count : kNaN;
+  return count > 0 ? static_cast<double>(inside) / static_cast<double>(count)
+                   : kNaN;
 }
 
 }  // namespace pinode

@@ -18,7 +18,8 @@ Progress::Progress(const IdentificationOptions& options,
       summary_(summary),
       begin_(std::chrono::steady_clock::now()) {}
 
-void Progress::BeginStage(int stage, int num_stages, int segment_samples) {
+void Progress::BeginStage(int stage, int num_stages,
+                          Eigen::Index segment_samples) {
   stage_ = stage;
   num_stages_ = num_stages;
   segment_samples_ = segment_samples;

@@ -27,7 +27,7 @@ class Progress {
   Progress(const IdentificationOptions& options, ModelToKeep model_to_keep,
            IdentificationSummary* summary);
 
-  void BeginStage(int stage, int num_stages, int segment_samples);
+  void BeginStage(int stage, int num_stages, Eigen::Index segment_samples);
   void set_free_run_error(double error) { free_run_error_ = error; }
 
   // Notes an iteration (its number, cost, norms and radius filled in) and calls
@@ -45,7 +45,7 @@ class Progress {
   std::chrono::steady_clock::time_point begin_;
   int stage_ = 0;
   int num_stages_ = 0;
-  int segment_samples_ = 0;
+  Eigen::Index segment_samples_ = 0;
   double free_run_error_ = kInfinity;  // the newest one measured
   bool interrupted_ = false;
 };

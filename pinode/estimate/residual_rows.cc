@@ -11,15 +11,15 @@ namespace {
 // Channel by channel over all samples, derivatives like predictions.
 void FilterHistories(const ZeroPhaseFilter& filter, int num_channels,
                      Vector* prediction, Matrix* rows) {
-  const int samples = static_cast<int>(prediction->size()) / num_channels;
+  const Eigen::Index samples = prediction->size() / num_channels;
   Matrix history(samples, 1 + rows->cols());
   for (int c = 0; c < num_channels; ++c) {
-    for (int i = 0; i < samples; ++i) {
+    for (Eigen::Index i = 0; i < samples; ++i) {
       history(i, 0) = (*prediction)[i * num_channels + c];
       history.row(i).tail(rows->cols()) = rows->row(i * num_channels + c);
     }
     filter.Apply(&history);
-    for (int i = 0; i < samples; ++i) {
+    for (Eigen::Index i = 0; i < samples; ++i) {
       (*prediction)[i * num_channels + c] = history(i, 0);
       rows->row(i * num_channels + c) = history.row(i).tail(rows->cols());
     }
@@ -62,10 +62,11 @@ ResidualRows::ResidualRows(const IdentificationProblem& problem,
 
 void ResidualRows::Compute(const IdentificationRecord& record,
                            const Vector& sigmas, const Vector& parameters,
-                           int first, bool whole, SegmentColumns columns,
+                           Eigen::Index first, bool whole,
+                           SegmentColumns columns,
                            const SegmentTangents& tangents) {
   const int nc = static_cast<int>(tangents.channels.rows());
-  const int samples = static_cast<int>(tangents.channels.cols());
+  const Eigen::Index samples = tangents.channels.cols();
   const bool changes = ChangesRows(record, whole);
   if (changes) {
     AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
@@ -87,9 +88,9 @@ void ResidualRows::Compute(const IdentificationRecord& record,
   cost_ = 0.0;
   residuals_.resize(nc * samples);
   Vector weights(nc * samples);
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
-      const Eigen::Index row = Eigen::Index{i} * nc + c;
+      const Eigen::Index row = i * nc + c;
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
       const double value = channel.values[first + i];
       if (!channel.fit || !valid[static_cast<size_t>(row)] ||

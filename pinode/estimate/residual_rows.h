@@ -35,7 +35,7 @@ class ResidualRows {
   // the problem's; `sigmas`: one per channel. A filter needs the whole history:
   // it is applied where `whole` says that these are all samples of the record.
   void Compute(const IdentificationRecord& record, const Vector& sigmas,
-               const Vector& parameters, int first, bool whole,
+               const Vector& parameters, Eigen::Index first, bool whole,
                SegmentColumns columns, const SegmentTangents& tangents);
 
   // Half the sum of rho(r^2).

@@ -18,7 +18,7 @@ namespace {
 // Infinite errors, and what there is of the trajectory.
 void ScoreDivergence(const IdentificationRecord& data,
                      const Trajectory& trajectory, RecordScore* score) {
-  const int samples = data.num_samples();
+  const Eigen::Index samples = data.num_samples();
   score->prediction =
       Matrix::Constant(static_cast<int>(data.channels.size()), samples,
                        std::numeric_limits<double>::quiet_NaN());
@@ -62,8 +62,8 @@ bool ScoreSquares(const IdentificationRecord& data, const Vector& squares,
 
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
-                 int first_scored_sample, RecordScore* score, Keep keep,
-                 int num_threads) {
+                 Eigen::Index first_scored_sample, RecordScore* score,
+                 Keep keep, int num_threads) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   const StructuralDynamics& dynamics = *problem.dynamics;
@@ -80,7 +80,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
   Trajectory trajectory;
   const ObservationMap observation(dynamics, data.Observations());
   const int nc = observation.num_channels();
-  const int samples = data.num_samples();
+  const Eigen::Index samples = data.num_samples();
   // A model of another problem has no finite run here.
   const bool fits = parameters.size() == layout.num_parameters() &&
                     start.size() == dynamics.num_states();
@@ -119,26 +119,26 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     result.name = channel.observation.name;
     double sum = 0.0;
     double spread = 0.0;
-    int count = 0;
+    Eigen::Index count = 0;
     MemorylessPart memoryless;
     const double mean =
         MeanOfPresent(channel.values.tail(samples - first_scored_sample));
-    for (int i = first_scored_sample; i < samples; ++i) {
+    for (Eigen::Index i = first_scored_sample; i < samples; ++i) {
       const double y = channel.values[i];
-      if (std::isnan(y) ||
-          !valid[static_cast<size_t>(Eigen::Index{i} * nc + c)])
-        continue;
+      if (std::isnan(y) || !valid[static_cast<size_t>(i * nc + c)]) continue;
       const double residual = y - score->prediction(c, i);
       memoryless.Add(residual);
       sum += residual * residual;
       spread += (y - mean) * (y - mean);
       ++count;
     }
-    result.rmse = count > 0 ? std::sqrt(sum / count) : 0.0;
+    result.rmse = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
     result.nrmse = spread > 0.0 ? std::sqrt(sum / spread) : kInfinity;
     const double noise = memoryless.MeanSquare();
     result.noise_share =
-        noise > 0.0 && count > 0 ? std::min(1.0, noise * count / sum) : kNaN;
+        noise > 0.0 && count > 0
+            ? std::min(1.0, noise * static_cast<double>(count) / sum)
+            : kNaN;
   });
   score->nrmse = CombinedError(data, *score);
 }

@@ -21,7 +21,7 @@ namespace pinode {
 // squares where that is not kChannels.
 void ScoreRecord(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& start,
-                 int first_scored_sample, RecordScore* score,
+                 Eigen::Index first_scored_sample, RecordScore* score,
                  Keep keep = Keep::kAll, int num_threads = 1);
 
 // Root mean square over the training records of their errors, each run freely

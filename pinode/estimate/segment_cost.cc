@@ -1,5 +1,6 @@
 #include "pinode/estimate/segment_cost.h"
 
+#include <limits>
 #include <sstream>
 #include <vector>
 
@@ -21,9 +22,15 @@ bool ArePositive(const Vector& values, Eigen::Index count) {
          (values.array() > 0.0).all();
 }
 
-bool IsValidSegment(const IdentificationProblem& problem, int record, int first,
-                    int last, const SegmentCost::Options& options,
-                    std::string* error) {
+// At most: of all samples, and of the gap behind them.
+Eigen::Index NumResiduals(Eigen::Index intervals, Eigen::Index channels,
+                          Eigen::Index states) {
+  return (intervals + 1) * channels + states;
+}
+
+bool IsValidSegment(const IdentificationProblem& problem, int record,
+                    Eigen::Index first, Eigen::Index last,
+                    const SegmentCost::Options& options, std::string* error) {
   std::ostringstream message;
   const int num_records = static_cast<int>(problem.records.size());
   if (record < 0 || record >= num_records) {
@@ -34,7 +41,7 @@ bool IsValidSegment(const IdentificationProblem& problem, int record, int first,
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   message << "record '" << data.name << "': ";
-  const int samples = data.num_samples();
+  const Eigen::Index samples = data.num_samples();
   const Eigen::Index channels = static_cast<Eigen::Index>(data.channels.size());
   const int states = problem.dynamics->num_states();
   if (first < 0 || first >= last || last >= samples) {
@@ -50,6 +57,11 @@ bool IsValidSegment(const IdentificationProblem& problem, int record, int first,
             << " positive numbers, one per state";
   } else if (data.filter != nullptr && (first > 0 || last + 1 < samples)) {
     message << "a filter needs the whole record in one segment";
+  } else if (NumResiduals(last - first, channels, states) >
+             std::numeric_limits<int>::max()) {
+    message << "the residuals of a segment from sample " << first << " to "
+            << last << " are more than Ceres can count, expected at most "
+            << std::numeric_limits<int>::max();
   } else {
     return true;
   }
@@ -60,8 +72,8 @@ bool IsValidSegment(const IdentificationProblem& problem, int record, int first,
 }  // namespace
 
 std::unique_ptr<SegmentCost> SegmentCost::Create(
-    const IdentificationProblem& problem, int record, int first, int last,
-    const Options& options, std::string* error) {
+    const IdentificationProblem& problem, int record, Eigen::Index first,
+    Eigen::Index last, const Options& options, std::string* error) {
   if (!problem.IsValid(error) ||
       !IsValidSegment(problem, record, first, last, options, error)) {
     return nullptr;
@@ -80,7 +92,8 @@ std::unique_ptr<SegmentCost> SegmentCost::Create(
 }
 
 SegmentCost::SegmentCost(const IdentificationProblem& problem, int record,
-                         int first, int last, const Options& options)
+                         Eigen::Index first, Eigen::Index last,
+                         const Options& options)
     : problem_(problem),
       data_(problem.records[static_cast<size_t>(record)]),
       layout_(problem),
@@ -93,8 +106,8 @@ SegmentCost::SegmentCost(const IdentificationProblem& problem, int record,
       propagator_(*problem.dynamics, options.derivatives),
       rows_(problem, layout_, RobustLoss::kNone, 1.0) {
   const int ns = problem.dynamics->num_states();
-  const int observed = last - first + (HasGap() ? 0 : 1);
-  set_num_residuals(observed * observation_.num_channels() +
+  const Eigen::Index observed = last - first + (HasGap() ? 0 : 1);
+  set_num_residuals(static_cast<int>(observed) * observation_.num_channels() +
                     (HasGap() ? ns : 0));
   mutable_parameter_block_sizes()->push_back(ns);
   if (HasGap()) mutable_parameter_block_sizes()->push_back(ns);

@@ -57,8 +57,8 @@ class SegmentCost final : public ceres::CostFunction {
   // first < last < num_samples) or the options are not valid, or where the
   // record has a filter, which needs its whole history, and this is a part.
   static std::unique_ptr<SegmentCost> Create(
-      const IdentificationProblem& problem, int record, int first, int last,
-      const Options& options, std::string* error);
+      const IdentificationProblem& problem, int record, Eigen::Index first,
+      Eigen::Index last, const Options& options, std::string* error);
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
@@ -67,14 +67,14 @@ class SegmentCost final : public ceres::CostFunction {
   bool HasGap() const { return last_ + 1 < data_.num_samples(); }
 
  private:
-  SegmentCost(const IdentificationProblem& problem, int record, int first,
-              int last, const Options& options);
+  SegmentCost(const IdentificationProblem& problem, int record,
+              Eigen::Index first, Eigen::Index last, const Options& options);
 
   const IdentificationProblem& problem_;
   const IdentificationRecord& data_;
   const ParameterLayout layout_;
-  const int first_;
-  const int last_;
+  const Eigen::Index first_;
+  const Eigen::Index last_;
   const Vector sigmas_;
   const Vector gap_sigmas_;
   const IntegrationGrid grid_;

@@ -123,8 +123,8 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                                    Thread* thread, FreeEquations* sum) {
   ShootingRecord* record = records_[r].get();
   const int ns = problem_.dynamics->num_states();
-  const int first = record->first_sample(segment);
-  const int last = record->last_sample(segment);
+  const Eigen::Index first = record->first_sample(segment);
+  const Eigen::Index last = record->last_sample(segment);
   const bool with_start = record->HasFreeStarts();
   const SegmentColumns columns = ColumnsOf(*record, with_parameters);
   Thread::Work& work = thread->work(with_parameters);
@@ -188,7 +188,7 @@ bool SegmentSweep::BendRecord(size_t r, const Vector& start, const Vector& step,
                               Eigen::Ref<Vector> projected) {
   ShootingRecord& record = *records_[r];
   const SegmentRows& kept = record.kept_rows();
-  const int last = record.last_sample(0);
+  const Eigen::Index last = record.last_sample(0);
   Thread::Work& work = thread->work(false);
   if (!thread->propagator.Propagate(*prepared_, record.observation(),
                                     record.grid(), start, 0, last, true,
@@ -381,7 +381,7 @@ bool SegmentSweep::VisitWhole(size_t r, const Matrix& starts,
   const int nf = layout_.num_free();
   return linear_[r]->Visit(
       PointOf(r, starts, columns), num_threads,
-      [&](int first, const Matrix& residuals, const Matrix& rows) {
+      [&](Eigen::Index first, const Matrix& residuals, const Matrix& rows) {
         if (!HasStart(columns)) {
           visitor(r, first, residuals,
                   with_jacobian ? rows : Matrix(rows.rows(), 0));
@@ -418,8 +418,9 @@ bool SegmentSweep::MovedResiduals(size_t r, const Matrix& starts,
       ColumnsByFree(r) * step, static_cast<int>(threads_.size()), residuals);
 }
 
-bool SegmentSweep::AddScores(size_t r, const Matrix& starts, int length,
-                             Matrix* products, double* count) {
+bool SegmentSweep::AddScores(size_t r, const Matrix& starts,
+                             Eigen::Index length, Matrix* products,
+                             double* count) {
   return linear_[r]->AddScores(
       PointOf(r, starts, ColumnsOf(*records_[r], true)), ColumnsByFree(r),
       length, static_cast<int>(threads_.size()), products, count);
@@ -433,7 +434,7 @@ bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,
                        /*alone=*/true, &thread, nullptr)) {
     return false;
   }
-  const int ns = problem_.dynamics->num_states();
+  const Eigen::Index ns = problem_.dynamics->num_states();
   const int nc = record.observation().num_channels();
   const int nf = layout_.num_free();
   const ResidualRows& own = thread.work(with_jacobian).rows;

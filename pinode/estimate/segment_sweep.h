@@ -80,8 +80,8 @@ class SegmentSweep {
   // starts following as the record's start_sensitivity() says, (channels *
   // count) x num_free; no columns without `with_jacobian`.
   using Visitor =
-      std::function<void(size_t record, int first, const Matrix& residuals,
-                         const Matrix& jacobian)>;
+      std::function<void(size_t record, Eigen::Index first,
+                         const Matrix& residuals, const Matrix& jacobian)>;
   // All of a record, piece by piece, in this process; with several threads in
   // any order and several at a time. False where a trajectory is not finite.
   [[nodiscard]] bool Visit(size_t record, const Matrix& starts,
@@ -93,8 +93,9 @@ class SegmentSweep {
   bool IsByModes() const;
   [[nodiscard]] bool MovedResiduals(size_t record, const Matrix& starts,
                                     const Vector& step, Matrix* residuals);
-  [[nodiscard]] bool AddScores(size_t record, const Matrix& starts, int length,
-                               Matrix* products, double* count);
+  [[nodiscard]] bool AddScores(size_t record, const Matrix& starts,
+                               Eigen::Index length, Matrix* products,
+                               double* count);
 
   // Samples propagated so far, each times the tangents that went along.
   int64_t work() const { return work_; }

@@ -28,24 +28,25 @@ void CubicWeights(double u, double* weight, double* slope) {
 void DelayChannel(int channel, int channels, double delay, double dt,
                   int delay_column, Eigen::Ref<Vector> prediction, Matrix* rows,
                   std::vector<bool>* valid) {
-  const int samples = static_cast<int>(prediction.size() / channels);
+  const Eigen::Index samples = prediction.size() / channels;
   Vector before(samples);
   Matrix rows_before(samples, rows->cols());
-  for (int i = 0; i < samples; ++i) {
-    before[i] = prediction[Eigen::Index{i} * channels + channel];
-    rows_before.row(i) = rows->row(Eigen::Index{i} * channels + channel);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    before[i] = prediction[i * channels + channel];
+    rows_before.row(i) = rows->row(i * channels + channel);
   }
-  for (int i = 0; i < samples; ++i) {
-    const Eigen::Index row = Eigen::Index{i} * channels + channel;
-    const double position = i - delay / dt;
-    if (samples < 4 || position < -0.5 || position > samples - 0.5) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const Eigen::Index row = i * channels + channel;
+    const double position = static_cast<double>(i) - delay / dt;
+    if (samples < 4 || position < -0.5 ||
+        position > static_cast<double>(samples) - 0.5) {
       (*valid)[static_cast<size_t>(row)] = false;
       continue;
     }
-    const int first =
-        std::clamp(static_cast<int>(std::floor(position)) - 1, 0, samples - 4);
+    const auto first = std::clamp<Eigen::Index>(
+        static_cast<Eigen::Index>(std::floor(position)) - 1, 0, samples - 4);
     double weight[4], slope[4];
-    CubicWeights(position - first, weight, slope);
+    CubicWeights(position - static_cast<double>(first), weight, slope);
     double value = 0.0;
     double rate = 0.0;
     rows->row(row).setZero();
@@ -66,7 +67,7 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   Eigen::Ref<Vector> prediction, Matrix* rows,
                   std::vector<bool>* valid) {
   const int channels = static_cast<int>(record.channels.size());
-  const int samples = static_cast<int>(prediction.size() / channels);
+  const Eigen::Index samples = prediction.size() / channels;
   const int first_free = static_cast<int>(rows->cols()) - layout.num_free();
   // Column of a sensor parameter, -1 where fixed or not asked for.
   const auto column = [&](int sensor) {
@@ -85,8 +86,8 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
     }
     if (channel.gain >= 0) {
       const double gain = value(channel.gain);
-      for (int i = 0; i < samples; ++i) {
-        const Eigen::Index row = Eigen::Index{i} * channels + c;
+      for (Eigen::Index i = 0; i < samples; ++i) {
+        const Eigen::Index row = i * channels + c;
         rows->row(row) *= gain;
         if (column(channel.gain) >= 0) {
           (*rows)(row, column(channel.gain)) = prediction[row];
@@ -95,8 +96,8 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
       }
     }
     if (channel.offset >= 0) {
-      for (int i = 0; i < samples; ++i) {
-        const Eigen::Index row = Eigen::Index{i} * channels + c;
+      for (Eigen::Index i = 0; i < samples; ++i) {
+        const Eigen::Index row = i * channels + c;
         prediction[row] += value(channel.offset);
         if (column(channel.offset) >= 0) {
           (*rows)(row, column(channel.offset)) = 1.0;

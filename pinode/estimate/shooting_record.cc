@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/record_grid.h"
@@ -23,16 +24,15 @@ ShootingRecord::ShootingRecord(const IdentificationProblem& problem, int index,
       sigmas_(Vector::Ones(static_cast<int>(data_->channels.size()))),
       gaps_(num_states_, 1) {}
 
-Matrix ShootingRecord::Cut(int samples,
-                           const std::function<Vector(int sample)>& state_at) {
-  const int last = data_->num_samples() - 1;
-  const int count =
-      samples <= 0 ? 1 : std::max(1, (last + samples / 2) / samples);
+Matrix ShootingRecord::Cut(
+    Eigen::Index samples,
+    const std::function<Vector(Eigen::Index sample)>& state_at) {
+  const Eigen::Index last = data_->num_samples() - 1;
+  const auto count = static_cast<int>(std::clamp<Eigen::Index>(
+      samples <= 0 ? 1 : (last + samples / 2) / samples, 1,
+      std::numeric_limits<int>::max() - 1));
   boundaries_.clear();
-  for (int k = 0; k <= count; ++k) {
-    boundaries_.push_back(
-        static_cast<int>(static_cast<int64_t>(last) * k / count));
-  }
+  for (int k = 0; k <= count; ++k) boundaries_.push_back(last * k / count);
   Matrix starts(num_states_, count);
   for (int k = 0; k < count; ++k) starts.col(k) = state_at(first_sample(k));
   if (!start_is_free_) starts.col(0) = fixed_start_;
@@ -56,7 +56,7 @@ double ShootingRecord::Cost(double mu, const Matrix& starts) const {
 
 void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
                               Matrix* right) {
-  const int ns = num_states_;
+  const Eigen::Index ns = num_states_;
   const int segments = num_segments();
   BlockTridiagonal& system = *system_;
   system.SetZero();

@@ -34,7 +34,7 @@ struct SegmentResult {
   Vector start_gradient;
   Matrix cross;            // J_s' J_theta, num_states x num_free
   Matrix end_sensitivity;  // num_states x (num_states [+ num_free])
-  int failed_sample = -1;
+  Eigen::Index failed_sample = -1;
   int failed_state = -1;
 };
 
@@ -66,14 +66,15 @@ class ShootingRecord {
   // Segments of nearly equal length, about `samples` samples each, 0: one; and
   // their starts, num_states x segments, from what `state_at` says of a sample.
   // Multipliers are reset to zero.
-  Matrix Cut(int samples, const std::function<Vector(int sample)>& state_at);
+  Matrix Cut(Eigen::Index samples,
+             const std::function<Vector(Eigen::Index sample)>& state_at);
   int num_segments() const { return static_cast<int>(boundaries_.size()) - 1; }
   // First samples of the segments, then the record's last sample.
-  const std::vector<int>& boundaries() const { return boundaries_; }
-  int first_sample(int segment) const {
+  const std::vector<Eigen::Index>& boundaries() const { return boundaries_; }
+  Eigen::Index first_sample(int segment) const {
     return boundaries_[static_cast<size_t>(segment)];
   }
-  int last_sample(int segment) const {
+  Eigen::Index last_sample(int segment) const {
     return boundaries_[static_cast<size_t>(segment) + 1];
   }
   bool HasFreeStarts() const { return start_is_free_ || num_segments() > 1; }
@@ -132,7 +133,7 @@ class ShootingRecord {
   ObservationMap observation_;
   bool start_is_free_ = false;
   Vector fixed_start_;
-  std::vector<int> boundaries_;
+  std::vector<Eigen::Index> boundaries_;
   Vector sigmas_;
   GapPenalty gaps_;
   std::vector<SegmentResult> results_;

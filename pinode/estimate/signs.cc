@@ -25,7 +25,7 @@ constexpr double kWrongSign = -0.4;
 // Of the mean amplitude: what is less at a frequency is not told from nothing.
 constexpr double kSmallAmplitude = 1e-2;
 // A sign shows in so many samples, or in none.
-constexpr int kMostSamples = 1 << 17;
+constexpr Eigen::Index kMostSamples = 1 << 17;
 
 bool HasOpenSign(const Parameter& parameter) {
   return parameter.free && !parameter.HasPrior() && parameter.lower < 0.0 &&
@@ -245,11 +245,11 @@ class Responses {
 
   // The first of the samples that are looked at: of a long record those where
   // the channels move most.
-  int FirstSample(const IdentificationRecord& record) const {
-    const int samples = record.num_samples();
+  Eigen::Index FirstSample(const IdentificationRecord& record) const {
+    const Eigen::Index samples = record.num_samples();
     if (samples <= kMostSamples) return 0;
     // Squares of half a window at a time, each channel in its own unit.
-    constexpr int kHalf = kMostSamples / 2;
+    constexpr Eigen::Index kHalf = kMostSamples / 2;
     Vector squares = Vector::Zero(samples / kHalf);
     for (const MeasuredChannel& channel : record.channels) {
       Vector own = Vector::Zero(squares.size());
@@ -262,7 +262,7 @@ class Responses {
     Eigen::Index best = 0;
     (squares.head(squares.size() - 1) + squares.tail(squares.size() - 1))
         .maxCoeff(&best);
-    return static_cast<int>(best) * kHalf;
+    return best * kHalf;
   }
 
   bool RunRecord(const StructuralDynamics& linear,
@@ -270,8 +270,9 @@ class Responses {
     const IdentificationRecord& record =
         problem_.records[static_cast<size_t>(index)];
     const ObservationMap observation(linear, record.Observations());
-    const int first = FirstSample(record);
-    const int last = std::min(record.num_samples(), first + kMostSamples) - 1;
+    const Eigen::Index first = FirstSample(record);
+    const Eigen::Index last =
+        std::min(record.num_samples(), first + kMostSamples) - 1;
     std::vector<Matrix> histories;  // samples x channels
     for (int k = -1; k < static_cast<int>(open_scales_.size()); ++k) {
       const Excitation excitation = ExcitationBy(record, k);
@@ -293,7 +294,7 @@ class Responses {
   }
 
   // histories: from sample `first` on.
-  void See(int record, int channel, int first,
+  void See(int record, int channel, Eigen::Index first,
            const std::vector<Matrix>& histories) {
     SeenChannel seen;
     seen.record = record;

@@ -135,7 +135,8 @@ bool Solver::IsBelow(double residual, const Vector& free) const {
     const IdentificationRecord& record = context_.train_record(t);
     sum += (*squares)[t].cwiseQuotient(shooting.sigmas(t).cwiseAbs2()).sum();
     for (const MeasuredChannel& channel : record.channels) {
-      if (channel.fit) count += CountPresent(channel.values);
+      if (channel.fit)
+        count += static_cast<double>(CountPresent(channel.values));
     }
   }
   return sum < residual * residual * count;

@@ -115,8 +115,8 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
   return true;
 }
 
-bool Stage::Run(int samples, bool last, FitState* state, StageRecord* record,
-                bool* settled) {
+bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
+                StageRecord* record, bool* settled) {
   *settled = false;
   MultipleShooting& shooting = context_.objective.shooting();
   if (!shooting.SetSegmentsAlong(samples, state->trajectories)) {

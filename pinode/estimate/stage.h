@@ -29,7 +29,7 @@ class Stage {
   // record. *settled: it has converged, and what is between its rounds with it.
   // Fills *record but for whether it is rolled back. False, with the summary's
   // message, where no finite trajectory leaves from here.
-  [[nodiscard]] bool Run(int samples, bool last, FitState* state,
+  [[nodiscard]] bool Run(Eigen::Index samples, bool last, FitState* state,
                          StageRecord* record, bool* settled);
 
  private:

@@ -14,8 +14,8 @@ namespace pinode {
 // Length in samples of the first stage's segments: a quarter of the longest
 // period of the model before the identification, within the limits of
 // `tuning`.
-int FirstSegmentSamples(const IdentificationProblem& problem,
-                        const StageTuning& tuning);
+Eigen::Index FirstSegmentSamples(const IdentificationProblem& problem,
+                                 const StageTuning& tuning);
 
 // Segment lengths in samples, growing by a constant factor while they are
 // shorter than half of the longest training record; the last entry, 0, is a
@@ -23,9 +23,9 @@ int FirstSegmentSamples(const IdentificationProblem& problem,
 // does not lead to (H. G. Bock, "Numerical treatment of inverse problems in
 // chemical reaction kinetics", 1981). `has_networks`: the model lacks a part
 // that is to be learned, and begins with shorter ones.
-std::vector<int> StageLengths(const IdentificationProblem& problem,
-                              const IdentificationOptions& options,
-                              bool has_networks);
+std::vector<Eigen::Index> StageLengths(const IdentificationProblem& problem,
+                                       const IdentificationOptions& options,
+                                       bool has_networks);
 
 }  // namespace pinode
 

@@ -28,14 +28,27 @@ TEST(StageSchedule, GrowsFourfoldToTheWholeRecord) {
   const IdentificationProblem problem = ThreeDofs(600);
   IdentificationOptions options;
   EXPECT_EQ(StageLengths(problem, options, false),
-            (std::vector<int>{25, 100, 0}));
+            (std::vector<Eigen::Index>{25, 100, 0}));
   EXPECT_EQ(StageLengths(problem, options, true),
-            (std::vector<int>{10, 40, 160, 0}));
+            (std::vector<Eigen::Index>{10, 40, 160, 0}));
   options.segment_samples = 7;
   EXPECT_EQ(StageLengths(problem, options, true),
-            (std::vector<int>{7, 28, 112, 0}));
+            (std::vector<Eigen::Index>{7, 28, 112, 0}));
   options.shooting = IdentificationOptions::Shooting::kSingle;
-  EXPECT_EQ(StageLengths(problem, options, false), std::vector<int>{0});
+  EXPECT_EQ(StageLengths(problem, options, false),
+            std::vector<Eigen::Index>{0});
+}
+
+// Without inputs a record of more samples than an int can count takes no
+// memory.
+TEST(StageSchedule, GrowsToRecordsOfAnyLength) {
+  IdentificationProblem problem = ThreeDofs(600);
+  problem.records[0].excitation.emplace(0.0, 0.02, Matrix(0, 5000000000),
+                                        Interpolation::kLinear);
+  IdentificationOptions options;
+  options.segment_samples = 300000000;
+  EXPECT_EQ(StageLengths(problem, options, false),
+            (std::vector<Eigen::Index>{300000000, 1200000000, 0}));
 }
 
 }  // namespace

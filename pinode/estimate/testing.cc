@@ -105,14 +105,14 @@ std::shared_ptr<StructuralDynamics> MakeSmallNonlinear() {
 }
 
 IdentificationRecord MakeExcitedRecord(const StructuralDynamics& dynamics,
-                                       int samples, double step,
+                                       Eigen::Index samples, double step,
                                        Interpolation interpolation) {
   IdentificationRecord record;
   record.name = "shake";
   record.substeps = 1;
   Matrix inputs(dynamics.num_inputs(), samples);
-  for (int i = 0; i < samples; ++i) {
-    const double t = i * step;
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const double t = static_cast<double>(i) * step;
     for (int u = 0; u < inputs.rows(); ++u) {
       inputs(u, i) =
           0.7 * std::sin(3.1 * t + u) + 0.6 * std::sin(5.3 * t + 1.0) +
@@ -250,7 +250,8 @@ SmallFit::SmallFit(IdentificationRecord::Start start) {
 }
 
 std::unique_ptr<Objective> SmallFit::Shoot(
-    int segment_samples, const MultipleShooting::Options& options) const {
+    Eigen::Index segment_samples,
+    const MultipleShooting::Options& options) const {
   auto objective = std::make_unique<Objective>(problem, *layout, options);
   objective->shooting().SetSegments(segment_samples, states);
   objective->shooting().SetSigmas(sigmas);

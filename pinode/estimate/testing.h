@@ -37,7 +37,7 @@ std::shared_ptr<StructuralDynamics> MakeSmallNonlinear();
 // A record without channels: samples of several sines of about unit size for
 // every input, `step` apart.
 IdentificationRecord MakeExcitedRecord(
-    const StructuralDynamics& dynamics, int samples, double step,
+    const StructuralDynamics& dynamics, Eigen::Index samples, double step,
     Interpolation interpolation = Interpolation::kLinear);
 
 // One channel at DOF `dof`, its values still to come.
@@ -68,7 +68,8 @@ struct SmallFit {
 
   // All of its cost with scales, sigmas and decays set, cut into segments.
   std::unique_ptr<Objective> Shoot(
-      int segment_samples, const MultipleShooting::Options& options) const;
+      Eigen::Index segment_samples,
+      const MultipleShooting::Options& options) const;
 
   IdentificationProblem problem;
   std::unique_ptr<ParameterLayout> layout;

@@ -35,7 +35,7 @@ class TrajectoryCost final : public ceres::CostFunction {
     // Multiple shooting reaches solutions that a long free run does not lead
     // to; gaps between segments are then held, not closed: `gap_firmness` times
     // as firmly as the data hold the starts.
-    int segment_samples = 0;
+    Eigen::Index segment_samples = 0;
     double gap_firmness = 1e4;
     // Standard deviation of each channel, per training record; empty: as
     // given in the problem, or 5 % of the channel's spread.

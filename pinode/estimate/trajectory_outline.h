@@ -13,9 +13,10 @@ namespace pinode {
 // between can be had again: all of them would be most of the memory of a long
 // record.
 struct TrajectoryOutline {
-  std::vector<int> samples;  // first samples of the segments, then the last one
-  Matrix starts;             // num_states x segments
-  Vector mean_squares;       // of the states, over the record
+  std::vector<Eigen::Index>
+      samples;          // first samples of the segments, then the last one
+  Matrix starts;        // num_states x segments
+  Vector mean_squares;  // of the states, over the record
 };
 
 // Of all training records, at the free parameters.

@@ -190,7 +190,7 @@ void ExponentialStep::MovePoint(const Response& response, Stage stage,
 
 void ExponentialStep::EvaluateStages(
     const StructuralDynamics::Prepared& prepared, const IntegrationGrid& grid,
-    int interval, int substep, bool with_slopes, const Vector& state) {
+    Eigen::Index interval, int substep, bool with_slopes, const Vector& state) {
   const double time = grid.step_time(interval, substep);
   const double* begin = grid.AtNode(interval, substep, 0);
   const double* middle = grid.AtNode(interval, substep, 1);
@@ -236,16 +236,17 @@ void ExponentialStep::EndState(Vector* state) const {
 }
 
 void ExponentialStep::Advance(const StructuralDynamics::Prepared& prepared,
-                              const IntegrationGrid& grid, int interval,
-                              int substep, Vector* state) {
+                              const IntegrationGrid& grid,
+                              Eigen::Index interval, int substep,
+                              Vector* state) {
   EvaluateStages(prepared, grid, interval, substep, false, *state);
   EndState(state);
 }
 
 void ExponentialStep::RunBlock(const StructuralDynamics::Prepared& prepared,
-                               const IntegrationGrid& grid, int interval,
-                               int count, bool with_parameters,
-                               const Vector& state) {
+                               const IntegrationGrid& grid,
+                               Eigen::Index interval, Eigen::Index count,
+                               bool with_parameters, const Vector& state) {
   states_.resize(state.size(), count + 1);
   block_slopes_.resize(4 * static_cast<size_t>(count));
   for (size_t s = 0; s < 4; ++s) {
@@ -253,9 +254,9 @@ void ExponentialStep::RunBlock(const StructuralDynamics::Prepared& prepared,
   }
   Vector moved = state;
   states_.col(0) = moved;
-  for (int k = 0; k < count; ++k) {
+  for (Eigen::Index k = 0; k < count; ++k) {
     EvaluateStages(prepared, grid, interval + k / grid.substeps(),
-                   k % grid.substeps(), true, moved);
+                   static_cast<int>(k % grid.substeps()), true, moved);
     EndState(&moved);
     states_.col(k + 1) = moved;
     for (size_t s = 0; s < 4; ++s) {
@@ -281,7 +282,7 @@ void ExponentialStep::LinearizeResults(int stage, const Matrix& slopes,
   rates.rightCols(law_columns) += slopes.rightCols(law_columns);
 }
 
-void ExponentialStep::StepSensitivity(int k, bool with_parameters,
+void ExponentialStep::StepSensitivity(Eigen::Index k, bool with_parameters,
                                       Matrix* sensitivity) {
   const int ny = 2 * dynamics_.num_dofs();
   const int no = laws_.num_outputs();

@@ -49,22 +49,23 @@ class ExponentialStep {
 
   // Advances *state (num_states) by one step.
   void Advance(const StructuralDynamics::Prepared& prepared,
-               const IntegrationGrid& grid, int interval, int substep,
+               const IntegrationGrid& grid, Eigen::Index interval, int substep,
                Vector* state);
 
   // `count` steps from *state at the beginning of an interval; keeps what
   // sensitivities need of them. states() has the state before the first and
   // after each of them.
   void RunBlock(const StructuralDynamics::Prepared& prepared,
-                const IntegrationGrid& grid, int interval, int count,
-                bool with_parameters, const Vector& state);
+                const IntegrationGrid& grid, Eigen::Index interval,
+                Eigen::Index count, bool with_parameters, const Vector& state);
   const Matrix& states() const { return states_; }
 
   // Step k of the block for the sensitivities S = d h / d (start, theta) before
   // it, num_states x columns; `with_parameters`, as in the block: whether the
   // last num_tangent_columns of them are those of the parameters, which needs
   // to have been prepared.
-  void StepSensitivity(int k, bool with_parameters, Matrix* sensitivity);
+  void StepSensitivity(Eigen::Index k, bool with_parameters,
+                       Matrix* sensitivity);
 
  private:
   using RowMajorMatrix =
@@ -89,8 +90,8 @@ class ExponentialStep {
 
   // Fills arguments_ and results_, and slopes_ where they are asked for.
   void EvaluateStages(const StructuralDynamics::Prepared& prepared,
-                      const IntegrationGrid& grid, int interval, int substep,
-                      bool with_slopes, const Vector& state);
+                      const IntegrationGrid& grid, Eigen::Index interval,
+                      int substep, bool with_slopes, const Vector& state);
   void EvaluateLaws(const StructuralDynamics::Prepared& prepared, double time,
                     const double* input, bool with_slopes, int stage);
   // y and the inputs' parabola of an argument; `share` of the step.

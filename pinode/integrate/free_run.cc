@@ -28,7 +28,7 @@ class Stepper {
  public:
   Stepper(const StructuralDynamics& dynamics,
           const StructuralDynamics::Prepared& prepared,
-          const IntegrationGrid& grid, int samples)
+          const IntegrationGrid& grid, Eigen::Index samples)
       : dynamics_(dynamics),
         prepared_(prepared),
         grid_(grid),
@@ -36,7 +36,7 @@ class Stepper {
         scratch_(dynamics.num_states()) {
     if (dynamics.IsLinear() &&
         (grid.integrator() == Integrator::kExact ||
-         samples > kSamplesForAMap * dynamics.num_states())) {
+         samples > Eigen::Index{kSamplesForAMap} * dynamics.num_states())) {
       map_.emplace(dynamics, prepared, grid, false);
     }
     if (grid.integrator() == Integrator::kExponential) {
@@ -45,12 +45,12 @@ class Stepper {
     }
   }
 
-  void RateAtSample(int sample, const double* state, double* rate) {
+  void RateAtSample(Eigen::Index sample, const double* state, double* rate) {
     dynamics_.Rate(prepared_, grid_.time(sample), grid_.AtSample(sample), state,
                    rate, &stage_);
   }
 
-  void Advance(int interval, Vector* state) {
+  void Advance(Eigen::Index interval, Vector* state) {
     if (map_.has_value()) {
       next_.noalias() = map_->transition() * *state;
       grid_.GetNodes(interval, 1, &nodes_);
@@ -87,10 +87,10 @@ class Stepper {
 
 // Notes the first state that is not finite; what follows it is NaN.
 bool EndWhereNotFinite(Trajectory* trajectory) {
-  for (int i = 0; i < static_cast<int>(trajectory->states.cols()); ++i) {
+  for (Eigen::Index i = 0; i < trajectory->states.cols(); ++i) {
     trajectory->failed_state = FirstNotFinite(trajectory->states.col(i));
     if (trajectory->failed_state < 0) continue;
-    const int rest = trajectory->num_samples() - i;
+    const Eigen::Index rest = trajectory->num_samples() - i;
     trajectory->failed_sample = trajectory->first_sample + i;
     trajectory->states.rightCols(rest).setConstant(kNaN);
     trajectory->channels.rightCols(rest).setConstant(kNaN);
@@ -104,44 +104,47 @@ bool EndWhereNotFinite(Trajectory* trajectory) {
 bool RunByModes(const StructuralDynamics& dynamics,
                 const StructuralDynamics::Prepared& prepared,
                 const ObservationMap& observation, const IntegrationGrid& grid,
-                const Vector& start, int first, Keep keep, int num_threads,
-                Trajectory* trajectory) {
+                const Vector& start, Eigen::Index first, Keep keep,
+                int num_threads, Trajectory* trajectory) {
   ModalResponse response;
   if (!response.Prepare(dynamics, prepared, grid, false)) return false;
   ModalResponse::Contents contents;
   contents.with_start = !start.isZero(0.0);
   const Matrix states = response.States(contents, start);
   const Matrix values = response.Values(contents, observation, start);
-  const int samples = trajectory->num_samples();
+  const Eigen::Index samples = trajectory->num_samples();
   const HistoryPass pass(response, contents, grid, first, samples);
-  const int stride = std::max(1, samples / kSamplesForMeans);
+  const Eigen::Index stride =
+      std::max<Eigen::Index>(1, samples / kSamplesForMeans);
   Matrix squares =
       Matrix::Zero(keep == Keep::kMeanSquares ? states.cols() : 0,
                    keep == Keep::kMeanSquares ? pass.num_pieces() : 0);
-  pass.Visit(num_threads, [&](int, int begin, const Matrix& histories) {
-    const auto count = histories.cols();
-    trajectory->channels.middleCols(begin, count).noalias() =
-        values.transpose() * histories;
-    if (keep == Keep::kAll) {
-      trajectory->states.middleCols(begin, count).noalias() =
-          states.transpose() * histories;
-      return;
-    }
-    if (keep == Keep::kMeanSquares) {
-      const int next = (stride - begin % stride) % stride;
-      const Matrix some = histories(
-          Eigen::all, Eigen::seq(next, static_cast<int>(count) - 1, stride));
-      squares.col(HistoryPass::PieceOf(begin)) +=
-          (states.transpose() * some).rowwise().squaredNorm();
-    }
-    if (begin + count == samples) {
-      trajectory->states.noalias() =
-          states.transpose() * histories.rightCols(1);
-    }
-  });
+  pass.Visit(num_threads,
+             [&](int, Eigen::Index begin, const Matrix& histories) {
+               const auto count = histories.cols();
+               trajectory->channels.middleCols(begin, count).noalias() =
+                   values.transpose() * histories;
+               if (keep == Keep::kAll) {
+                 trajectory->states.middleCols(begin, count).noalias() =
+                     states.transpose() * histories;
+                 return;
+               }
+               if (keep == Keep::kMeanSquares) {
+                 const Eigen::Index next = (stride - begin % stride) % stride;
+                 const Matrix some =
+                     histories(Eigen::all, Eigen::seq(next, count - 1, stride));
+                 squares.col(HistoryPass::PieceOf(begin)) +=
+                     (states.transpose() * some).rowwise().squaredNorm();
+               }
+               if (begin + count == samples) {
+                 trajectory->states.noalias() =
+                     states.transpose() * histories.rightCols(1);
+               }
+             });
   if (keep == Keep::kMeanSquares) {
     trajectory->mean_squares =
-        squares.rowwise().sum() / ((samples + stride - 1) / stride);
+        squares.rowwise().sum() /
+        static_cast<double>((samples + stride - 1) / stride);
   }
   return true;
 }
@@ -151,14 +154,15 @@ bool RunByModes(const StructuralDynamics& dynamics,
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,
-             const Vector& start, int first_sample, int last_sample,
-             Trajectory* trajectory, Keep keep, int num_threads) {
+             const Vector& start, Eigen::Index first_sample,
+             Eigen::Index last_sample, Trajectory* trajectory, Keep keep,
+             int num_threads) {
   const int ns = dynamics.num_states();
   CHECK_EQ(start.size(), ns) << "the start needs one value per state";
   CHECK_LE(0, first_sample);
   CHECK_LE(first_sample, last_sample);
   CHECK_LE(last_sample, grid.num_intervals());
-  const int samples = last_sample - first_sample + 1;
+  const Eigen::Index samples = last_sample - first_sample + 1;
   trajectory->first_sample = first_sample;
   trajectory->failed_sample = -1;
   trajectory->failed_state = -1;
@@ -172,7 +176,7 @@ bool FreeRun(const StructuralDynamics& dynamics,
     return FreeRun(dynamics, prepared, observation, grid, start, first_sample,
                    last_sample, trajectory, Keep::kAll, num_threads);
   };
-  if (dynamics.IsLinear() && samples > kSamplesForModes * ns &&
+  if (dynamics.IsLinear() && samples > Eigen::Index{kSamplesForModes} * ns &&
       RunByModes(dynamics, prepared, observation, grid, start, first_sample,
                  keep, num_threads, trajectory)) {
     if (keep == Keep::kAll) return EndWhereNotFinite(trajectory);
@@ -185,16 +189,17 @@ bool FreeRun(const StructuralDynamics& dynamics,
   Vector state = start;
   Vector rate(ns);
   dynamics.Prescribe(grid.AtSample(first_sample), state.data());
-  for (int i = first_sample; i <= last_sample; ++i) {
+  for (Eigen::Index i = first_sample; i <= last_sample; ++i) {
     trajectory->failed_state = FirstNotFinite(state);
     if (trajectory->failed_state >= 0) {
       trajectory->failed_sample = i;
       return keep == Keep::kAll ? false : again();
     }
-    const int column = i - first_sample;
+    const Eigen::Index column = i - first_sample;
     trajectory->states.col(keep == Keep::kAll ? column : 0) = state;
     if (keep == Keep::kMeanSquares) {
-      trajectory->mean_squares += state.cwiseAbs2() / samples;
+      trajectory->mean_squares +=
+          state.cwiseAbs2() / static_cast<double>(samples);
     }
     stepper.RateAtSample(i, state.data(), rate.data());
     observation.Observe(state.data(), rate.data(), grid.AtSample(i),

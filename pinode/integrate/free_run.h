@@ -19,7 +19,7 @@ enum class Keep { kAll, kMeanSquares, kChannels };
 
 // States and channels at the samples [first, first + num_samples()).
 struct Trajectory {
-  int first_sample = 0;
+  Eigen::Index first_sample = 0;
   Matrix states;    // num_states x samples, or the last one alone
   Matrix channels;  // num_channels x samples
   // Of the states, where these are not kept: over the samples, of a linear run
@@ -27,11 +27,11 @@ struct Trajectory {
   Vector mean_squares;
   // Where a state stopped being finite: sample and index of the state; -1 if
   // nowhere.
-  int failed_sample = -1;
+  Eigen::Index failed_sample = -1;
   int failed_state = -1;
 
   bool IsFinite() const { return failed_sample < 0; }
-  int num_samples() const { return static_cast<int>(channels.cols()); }
+  Eigen::Index num_samples() const { return channels.cols(); }
 };
 
 // Integrates from `start` (num_states) at first_sample to last_sample, both
@@ -42,9 +42,9 @@ struct Trajectory {
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,
-             const Vector& start, int first_sample, int last_sample,
-             Trajectory* trajectory, Keep keep = Keep::kAll,
-             int num_threads = 1);
+             const Vector& start, Eigen::Index first_sample,
+             Eigen::Index last_sample, Trajectory* trajectory,
+             Keep keep = Keep::kAll, int num_threads = 1);
 
 }  // namespace pinode
 

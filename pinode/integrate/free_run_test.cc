@@ -171,7 +171,7 @@ TEST(FreeRun, LongRunsEndWhereTheyRunAway) {
   Trajectory trajectory;
   EXPECT_FALSE(FreeRun(dynamics, prepared, observation, grid, Vector::Ones(4),
                        0, 1999, &trajectory));
-  const int failed = trajectory.failed_sample;
+  const Eigen::Index failed = trajectory.failed_sample;
   ASSERT_GT(failed, 10);
   ASSERT_LT(failed, 1999);
   EXPECT_GE(trajectory.failed_state, 0);

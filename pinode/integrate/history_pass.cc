@@ -9,10 +9,10 @@ namespace pinode {
 namespace {
 
 // Samples whose histories are at hand at a time.
-constexpr int kBlockSamples = 128;
+constexpr Eigen::Index kBlockSamples = 128;
 // Blocks that are never parted between threads or ranks.
 constexpr int kBlocksOfAPiece = 16;
-constexpr int kPieceSamples = kBlockSamples * kBlocksOfAPiece;
+constexpr Eigen::Index kPieceSamples = kBlockSamples * kBlocksOfAPiece;
 
 // What finding a later state costs beside summing a piece.
 constexpr double kSkipShare = 0.08;
@@ -32,16 +32,21 @@ int FairBound(int begin, int end, int index, int count) {
 
 HistoryPass::HistoryPass(const ModalResponse& response,
                          const ModalResponse::Contents& contents,
-                         const IntegrationGrid& grid, int first, int count)
+                         const IntegrationGrid& grid, Eigen::Index first,
+                         Eigen::Index count)
     : response_(response),
       contents_(contents),
       grid_(grid),
       first_(first),
       count_(count) {}
 
-int HistoryPass::NumPieces(int samples) { return PieceOf(samples - 1) + 1; }
+int HistoryPass::NumPieces(Eigen::Index samples) {
+  return PieceOf(samples - 1) + 1;
+}
 
-int HistoryPass::PieceOf(int sample) { return sample / kPieceSamples; }
+int HistoryPass::PieceOf(Eigen::Index sample) {
+  return static_cast<int>(sample / kPieceSamples);
+}
 
 int HistoryPass::NumShares(int begin, int end, int num_threads) {
   return std::max(1, std::min(num_threads, end - begin));
@@ -50,16 +55,17 @@ int HistoryPass::NumShares(int begin, int end, int num_threads) {
 void HistoryPass::Visit(int begin, int end, int num_shares,
                         const Visitor& visitor) const {
   ParallelFor(num_shares, num_shares, [&](int share, int) {
-    const int from = FairBound(begin, end, share, num_shares) * kPieceSamples;
-    const int to = std::min(
+    const Eigen::Index from =
+        FairBound(begin, end, share, num_shares) * kPieceSamples;
+    const Eigen::Index to = std::min(
         count_, FairBound(begin, end, share + 1, num_shares) * kPieceSamples);
     ModalResponse::State state = response_.Begin(contents_);
-    for (int at = 0; from < to && at < from; at += kBlockSamples) {
+    for (Eigen::Index at = 0; from < to && at < from; at += kBlockSamples) {
       response_.Advance(contents_, grid_, first_ + at, kBlockSamples, &state,
                         nullptr);
     }
     Matrix histories;
-    for (int at = from; at < to; at += kBlockSamples) {
+    for (Eigen::Index at = from; at < to; at += kBlockSamples) {
       response_.Advance(contents_, grid_, first_ + at,
                         std::min(kBlockSamples, to - at), &state, &histories);
       visitor(share, at, histories);

@@ -23,17 +23,18 @@ class HistoryPass {
   // start of 1, at the first one. All must outlive the object.
   HistoryPass(const ModalResponse& response,
               const ModalResponse::Contents& contents,
-              const IntegrationGrid& grid, int first, int count);
+              const IntegrationGrid& grid, Eigen::Index first,
+              Eigen::Index count);
 
-  static int NumPieces(int samples);
+  static int NumPieces(Eigen::Index samples);
   // Of a sample, counted from that of the run.
-  static int PieceOf(int sample);
+  static int PieceOf(Eigen::Index sample);
   int num_pieces() const { return NumPieces(count_); }
 
   // R x a few consecutive samples, which begin `first` samples behind that of
   // the run, as ModalResponse::Advance has them. Of a share in their order.
-  using Visitor =
-      std::function<void(int share, int first, const Matrix& histories)>;
+  using Visitor = std::function<void(int share, Eigen::Index first,
+                                     const Matrix& histories)>;
   // Of pieces begin ... end - 1, shared by threads, each of which finds for
   // itself where its own begin. Their histories are the same bits, whoever has
   // them. Calls come from several threads at a time.
@@ -47,8 +48,8 @@ class HistoryPass {
   const ModalResponse& response_;
   const ModalResponse::Contents& contents_;
   const IntegrationGrid& grid_;
-  const int first_;
-  const int count_;
+  const Eigen::Index first_;
+  const Eigen::Index count_;
 };
 
 }  // namespace pinode

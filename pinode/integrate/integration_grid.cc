@@ -19,7 +19,7 @@ const char* IntegratorName(Integrator integrator) {
 }
 
 IntegrationGrid::IntegrationGrid(double start_time, double sampling_step,
-                                 int num_samples, int substeps)
+                                 Eigen::Index num_samples, int substeps)
     : start_time_(start_time),
       sampling_step_(sampling_step),
       num_samples_(num_samples),
@@ -56,11 +56,14 @@ IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps,
                       excitation.num_samples(), substeps) {
   integrator_ = integrator;
   if (excitation.periodic()) num_intervals_ = num_samples_;
+  // Without inputs there is nothing to look up.
+  const Eigen::Index looked_up =
+      excitation.num_inputs() > 0 ? num_intervals_ : 0;
   if (!excitation.periodic()) {
     at_samples_ = excitation.shared_samples();
   } else {
     Matrix at_samples(excitation.num_inputs(), num_intervals_ + 1);
-    for (int i = 0; i <= num_intervals_; ++i) {
+    for (Eigen::Index i = 0; i <= looked_up; ++i) {
       excitation.Evaluate(i, 0.0, at_samples.col(i).data());
     }
     at_samples_ = std::make_shared<const Matrix>(std::move(at_samples));
@@ -71,15 +74,14 @@ IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps,
       (held_ || excitation.interpolation() == Interpolation::kLinear)) {
     return;
   }
-  Matrix at_nodes(excitation.num_inputs(),
-                  Eigen::Index{3} * substeps * num_intervals_);
+  Matrix at_nodes(excitation.num_inputs(), 3 * substeps * num_intervals_);
   // One fraction of an interval after the other: see SincWeightsAt of
   // excitation.cc.
   for (int s = 0; s < substeps; ++s) {
     for (int node = 0; node < 3; ++node) {
       const double fraction = (s + 0.5 * node) / substeps;
-      for (int i = 0; i < num_intervals_; ++i) {
-        const Eigen::Index column = (Eigen::Index{i} * substeps + s) * 3 + node;
+      for (Eigen::Index i = 0; i < looked_up; ++i) {
+        const Eigen::Index column = (i * substeps + s) * 3 + node;
         excitation.Evaluate(i, fraction, at_nodes.col(column).data());
       }
     }
@@ -87,7 +89,7 @@ IntegrationGrid::IntegrationGrid(const Excitation& excitation, int substeps,
   at_nodes_ = std::make_shared<const Matrix>(std::move(at_nodes));
 }
 
-void IntegrationGrid::GetNodes(int first_interval, int count,
+void IntegrationGrid::GetNodes(Eigen::Index first_interval, Eigen::Index count,
                                Matrix* nodes) const {
   const Eigen::Index inputs = num_inputs();
   const Eigen::Index rows = 3 * substeps_ * inputs;

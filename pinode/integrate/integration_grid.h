@@ -43,48 +43,47 @@ class IntegrationGrid {
   static IntegrationGrid Exact(const Excitation& excitation);
 
   // Without inputs.
-  IntegrationGrid(double start_time, double sampling_step, int num_samples,
-                  int substeps);
+  IntegrationGrid(double start_time, double sampling_step,
+                  Eigen::Index num_samples, int substeps);
 
   Integrator integrator() const { return integrator_; }
-  int num_samples() const { return num_samples_; }
-  int num_intervals() const { return num_intervals_; }
+  Eigen::Index num_samples() const { return num_samples_; }
+  Eigen::Index num_intervals() const { return num_intervals_; }
   int substeps() const { return substeps_; }
   int num_inputs() const { return static_cast<int>(at_samples_->rows()); }
   double sampling_step() const { return sampling_step_; }
   double step() const { return sampling_step_ / substeps_; }
-  double time(int sample) const {
-    return start_time_ + sample * sampling_step_;
+  double time(Eigen::Index sample) const {
+    return start_time_ + static_cast<double>(sample) * sampling_step_;
   }
-  double step_time(int interval, int substep) const {
+  double step_time(Eigen::Index interval, int substep) const {
     return time(interval) + substep * step();
   }
 
   // Inputs (num_inputs values) that act from sample i on, i <= num_intervals():
   // a held input has already jumped.
-  const double* AtSample(int sample) const {
-    return at_samples_->data() +
-           static_cast<Eigen::Index>(sample) * at_samples_->rows();
+  const double* AtSample(Eigen::Index sample) const {
+    return at_samples_->data() + sample * at_samples_->rows();
   }
 
   // Inputs at the beginning (node 0), middle (1) and end (2) of one step; at
   // the end a held input has not jumped yet. Not of the exact solution.
-  const double* AtNode(int interval, int substep, int node) const {
-    const Eigen::Index column =
-        (static_cast<Eigen::Index>(interval) * substeps_ + substep) * 3 + node;
+  const double* AtNode(Eigen::Index interval, int substep, int node) const {
+    const Eigen::Index column = (interval * substeps_ + substep) * 3 + node;
     return at_nodes_->data() + column * at_nodes_->rows();
   }
 
   // The same at all nodes of `count` intervals, a column for each: substeps one
   // after the other, the nodes of each, the inputs at each.
-  void GetNodes(int first_interval, int count, Matrix* nodes) const;
+  void GetNodes(Eigen::Index first_interval, Eigen::Index count,
+                Matrix* nodes) const;
 
  private:
   Integrator integrator_ = Integrator::kRungeKutta;
   double start_time_ = 0.0;
   double sampling_step_ = 1.0;
-  int num_samples_ = 0;
-  int num_intervals_ = 0;
+  Eigen::Index num_samples_ = 0;
+  Eigen::Index num_intervals_ = 0;
   int substeps_ = 1;
   // inputs x (intervals + 1)
   std::shared_ptr<const Matrix> at_samples_ = std::make_shared<const Matrix>();

@@ -13,7 +13,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const StructuralDynamics::Prepared& prepared,
                        const ObservationMap& observation,
                        const IntegrationGrid& grid, const Vector& start,
-                       int first, int last, bool observe_last,
+                       Eigen::Index first, Eigen::Index last, bool observe_last,
                        SegmentColumns wanted, SegmentTangents* result) {
   constexpr int kWidth = WideJet::DIMENSION;
   const int ns = dynamics.num_states();
@@ -22,7 +22,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
   const int columns =
       by_start + (HasParameters(wanted) ? dynamics.num_tangent_columns() : 0);
   const int channels = observation.num_channels();
-  const int samples = last - first + (observe_last ? 1 : 0);
+  const Eigen::Index samples = last - first + (observe_last ? 1 : 0);
   result->failed_sample = -1;
   result->failed_state = -1;
   result->channels.resize(channels, samples);
@@ -49,7 +49,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
       }
     }
     dynamics.Prescribe(grid.AtSample(first), state.data());
-    for (int i = first; i <= last; ++i) {
+    for (Eigen::Index i = first; i <= last; ++i) {
       for (int k = 0; k < ns; ++k) {
         if (!(std::abs(state[k].a) < 1e100)) {
           result->failed_sample = i;
@@ -60,7 +60,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
       if (i < last || observe_last) {
         dynamics.Rate(prepared, grid.time(i), grid.AtSample(i), state.data(),
                       theta.data(), rate.data());
-        const int row = (i - first) * channels;
+        const Eigen::Index row = (i - first) * channels;
         for (int k = 0; k < ns; ++k) {
           value[k] = state[k].a;
           value_rate[k] = rate[k].a;

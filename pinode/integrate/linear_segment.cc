@@ -11,7 +11,7 @@ namespace {
 // Of the tables of derivatives, in numbers: 256 MiB.
 constexpr double kLargestTable = 32.0 * 1024.0 * 1024.0;
 // Samples whose forcing is one matrix product.
-constexpr int kBlock = 64;
+constexpr Eigen::Index kBlock = 64;
 
 using Inputs = Eigen::Map<const Matrix>;
 
@@ -39,17 +39,18 @@ void LinearSegment::UpdateMap(const StructuralDynamics::Prepared& prepared,
 }
 
 bool LinearSegment::Run(const IntegrationGrid& grid, const Vector& start,
-                        int first, int last, SegmentTangents* result) {
+                        Eigen::Index first, Eigen::Index last,
+                        SegmentTangents* result) {
   const int ns = dynamics_.num_states();
   states_.resize(ns, last - first + 1);
   states_.col(0) = start;
-  for (int begin = first; begin < last; begin += kBlock) {
-    const int count = std::min(kBlock, last - begin);
+  for (Eigen::Index begin = first; begin < last; begin += kBlock) {
+    const Eigen::Index count = std::min(kBlock, last - begin);
     grid.GetNodes(begin, count, &nodes_);
     states_.middleCols(begin - first + 1, count).noalias() =
         map_->forcing() * nodes_;
   }
-  for (int i = 0; i <= last - first; ++i) {
+  for (Eigen::Index i = 0; i <= last - first; ++i) {
     if (i > 0) {
       states_.col(i).noalias() += map_->transition() * states_.col(i - 1);
     }
@@ -62,8 +63,9 @@ bool LinearSegment::Run(const IntegrationGrid& grid, const Vector& start,
   return true;
 }
 
-void LinearSegment::UpdateForcing(const IntegrationGrid& grid, int first,
-                                  int begin, int count) {
+void LinearSegment::UpdateForcing(const IntegrationGrid& grid,
+                                  Eigen::Index first, Eigen::Index begin,
+                                  Eigen::Index count) {
   const int ns = dynamics_.num_states();
   const Matrix& table = map_->derivatives();
   forcing_.resize(table.rows(), count);
@@ -75,8 +77,8 @@ void LinearSegment::UpdateForcing(const IntegrationGrid& grid, int first,
 }
 
 void LinearSegment::UpdateDirect(const ObservationMap& observation,
-                                 const IntegrationGrid& grid, int first,
-                                 int samples) {
+                                 const IntegrationGrid& grid,
+                                 Eigen::Index first, Eigen::Index samples) {
   const int ns = dynamics_.num_states();
   const int ni = dynamics_.num_inputs();
   const Matrix& left = observation.rate_map();
@@ -96,15 +98,16 @@ void LinearSegment::UpdateDirect(const ObservationMap& observation,
 bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
                               const ObservationMap& observation,
                               const IntegrationGrid& grid, const Vector& start,
-                              int first, int last, bool observe_last,
-                              SegmentColumns columns, SegmentTangents* result) {
+                              Eigen::Index first, Eigen::Index last,
+                              bool observe_last, SegmentColumns columns,
+                              SegmentTangents* result) {
   const int ns = dynamics_.num_states();
   const int ni = dynamics_.num_inputs();
   const bool with_parameters = HasParameters(columns);
   const int np = with_parameters ? dynamics_.num_tangent_columns() : 0;
   const int by_start = HasStart(columns) ? ns : 0;
   const int channels = observation.num_channels();
-  const int samples = last - first + (observe_last ? 1 : 0);
+  const Eigen::Index samples = last - first + (observe_last ? 1 : 0);
   UpdateMap(prepared, grid, with_parameters);
   result->failed_sample = -1;
   if (!Run(grid, start, first, last, result)) return false;
@@ -113,7 +116,7 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   Matrix rates = map_->rate().leftCols(ns) * states_.leftCols(samples);
   rates.noalias() +=
       map_->rate().rightCols(ni) * Inputs(grid.AtSample(first), ni, samples);
-  for (int i = 0; i < samples; ++i) {
+  for (Eigen::Index i = 0; i < samples; ++i) {
     observation.Observe(states_.col(i).data(), rates.col(i).data(),
                         grid.AtSample(first + i),
                         result->channels.col(i).data());
@@ -132,13 +135,13 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   sensitivity_ = Matrix::Zero(ns, by_start + np);
   sensitivity_.leftCols(by_start).setIdentity();
   next_.resize(ns, by_start + np);
-  for (int begin = first; begin <= last; begin += kBlock) {
+  for (Eigen::Index begin = first; begin <= last; begin += kBlock) {
     // The last sample moves nothing.
-    const int count = std::min(kBlock, last - begin);
+    const Eigen::Index count = std::min(kBlock, last - begin);
     if (np > 0 && count > 0) UpdateForcing(grid, first, begin, count);
-    for (int i = begin; i <= std::min(begin + kBlock - 1, last); ++i) {
+    for (Eigen::Index i = begin; i <= std::min(begin + kBlock - 1, last); ++i) {
       if (i - first < samples) {
-        const int row = (i - first) * channels;
+        const Eigen::Index row = (i - first) * channels;
         result->jacobian.middleRows(row, channels).noalias() =
             state_jacobian * sensitivity_;
         for (int r = 0; r < (np > 0 ? num_rows : 0); ++r) {

@@ -30,23 +30,25 @@ class LinearSegment {
   // As SegmentPropagator::Propagate.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
-                 const Vector& start, int first, int last, bool observe_last,
-                 SegmentColumns columns, SegmentTangents* result);
+                 const Vector& start, Eigen::Index first, Eigen::Index last,
+                 bool observe_last, SegmentColumns columns,
+                 SegmentTangents* result);
 
  private:
   void UpdateMap(const StructuralDynamics::Prepared& prepared,
                  const IntegrationGrid& grid, bool with_parameters);
   // The states at the samples `first` to `last`; false where one is not finite.
-  bool Run(const IntegrationGrid& grid, const Vector& start, int first,
-           int last, SegmentTangents* result);
+  bool Run(const IntegrationGrid& grid, const Vector& start, Eigen::Index first,
+           Eigen::Index last, SegmentTangents* result);
   // What the parameters move the states of the samples behind `begin` by
   // within one interval, (num_states * parameters) x count.
-  void UpdateForcing(const IntegrationGrid& grid, int first, int begin,
-                     int count);
+  void UpdateForcing(const IntegrationGrid& grid, Eigen::Index first,
+                     Eigen::Index begin, Eigen::Index count);
   // Their direct effect on the channels of acceleration, (acceleration rows *
   // parameters) x samples.
   void UpdateDirect(const ObservationMap& observation,
-                    const IntegrationGrid& grid, int first, int samples);
+                    const IntegrationGrid& grid, Eigen::Index first,
+                    Eigen::Index samples);
 
   const StructuralDynamics& dynamics_;
   std::optional<LinearMap> map_;

@@ -105,13 +105,14 @@ ModalResponse::State ModalResponse::Begin(const Contents& contents) const {
 }
 
 void ModalResponse::Advance(const Contents& contents,
-                            const IntegrationGrid& grid, int first, int count,
-                            State* state, Matrix* histories) const {
+                            const IntegrationGrid& grid, Eigen::Index first,
+                            Eigen::Index count, State* state,
+                            Matrix* histories) const {
   const Eigen::Index kept = basis_.num_kept();
   const Eigen::Index rows = rows_per_source(contents);
-  const int steps = std::min(count, grid.num_intervals() - first);
+  const Eigen::Index steps = std::min(count, grid.num_intervals() - first);
   if (histories != nullptr) histories->resize(NumRows(contents), count);
-  const auto put = [&](int source, int i, const ComplexVector& z,
+  const auto put = [&](int source, Eigen::Index i, const ComplexVector& z,
                        const ComplexVector& p) {
     if (histories == nullptr) return;
     auto column = histories->col(i).segment(source * rows, rows);
@@ -126,7 +127,8 @@ void ModalResponse::Advance(const Contents& contents,
   ComplexMatrix forcing, forcing_slope;
   ComplexVector p;
   Matrix all_nodes;
-  if (num_inputs_ > 0) grid.GetNodes(first, std::max(0, steps), &all_nodes);
+  if (num_inputs_ > 0)
+    grid.GetNodes(first, std::max<Eigen::Index>(0, steps), &all_nodes);
   for (int source = 0; source < num_sources(contents); ++source) {
     const bool forced = source < num_inputs_;
     if (forced) {
@@ -144,7 +146,7 @@ void ModalResponse::Advance(const Contents& contents,
     }
     ComplexVector z = state->z.col(source);
     if (contents.with_slopes) p = state->p.col(source);
-    for (int i = 0; i < count; ++i) {
+    for (Eigen::Index i = 0; i < count; ++i) {
       put(source, i, z, p);
       if (i >= steps) break;
       if (contents.with_slopes) {

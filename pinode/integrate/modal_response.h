@@ -70,8 +70,9 @@ class ModalResponse {
   // state at sample `first`; leaves the state at sample first + count, or at
   // the grid's last sample where that is behind it. nullptr: the state alone,
   // which takes a fraction of the work.
-  void Advance(const Contents& contents, const IntegrationGrid& grid, int first,
-               int count, State* state, Matrix* histories) const;
+  void Advance(const Contents& contents, const IntegrationGrid& grid,
+               Eigen::Index first, Eigen::Index count, State* state,
+               Matrix* histories) const;
 
   // R x channels, the channels of a run from `start`: values' * histories.
   Matrix Values(const Contents& contents, const ObservationMap& observation,

@@ -1,7 +1,5 @@
 #include "pinode/integrate/parallel_segment.h"
 
-#include <cstdint>
-
 #include "pinode/base/parallel_for.h"
 #include "pinode/integrate/free_run.h"
 
@@ -25,8 +23,9 @@ ParallelSegment::ParallelSegment(const StructuralDynamics& dynamics,
   }
 }
 
-bool ParallelSegment::IsWorthwhile(const IntegrationGrid& grid, int first,
-                                   int last, SegmentColumns columns) const {
+bool ParallelSegment::IsWorthwhile(const IntegrationGrid& grid,
+                                   Eigen::Index first, Eigen::Index last,
+                                   SegmentColumns columns) const {
   // A linearisation costs as much as so many columns, a state alone a share of
   // it.
   constexpr double kLinearization = 10.0;
@@ -37,7 +36,7 @@ bool ParallelSegment::IsWorthwhile(const IntegrationGrid& grid, int first,
       method_ != DerivativeMethod::kTangents ||
       grid.integrator() == Integrator::kExact ||
       LinearSegment::Suits(dynamics_, grid.substeps()) ||
-      last - first < threads * kLeastSamples) {
+      last - first < Eigen::Index{threads} * kLeastSamples) {
     return false;
   }
   const double by_parameters =
@@ -53,8 +52,9 @@ bool ParallelSegment::IsWorthwhile(const IntegrationGrid& grid, int first,
 bool ParallelSegment::Propagate(const StructuralDynamics::Prepared& prepared,
                                 const ObservationMap& observation,
                                 const IntegrationGrid& grid,
-                                const Vector& start, int first, int last,
-                                bool observe_last, SegmentColumns columns,
+                                const Vector& start, Eigen::Index first,
+                                Eigen::Index last, bool observe_last,
+                                SegmentColumns columns,
                                 SegmentTangents* result) {
   Trajectory states;
   if (!FreeRun(dynamics_, prepared, observation, grid, start, first, last,
@@ -65,8 +65,7 @@ bool ParallelSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   }
   const int count = static_cast<int>(pieces_.size());
   const auto boundary = [&](int p) {
-    return first +
-           static_cast<int>(static_cast<int64_t>(last - first) * p / count);
+    return first + (last - first) * p / count;
   };
   ParallelFor(count, count, [&](int p, int /*thread*/) {
     Piece& piece = *pieces_[static_cast<size_t>(p)];
@@ -89,9 +88,9 @@ bool ParallelSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   return true;
 }
 
-void ParallelSegment::Chain(const ObservationMap& observation, int first,
-                            int samples, SegmentColumns columns,
-                            SegmentTangents* result) {
+void ParallelSegment::Chain(const ObservationMap& observation,
+                            Eigen::Index first, Eigen::Index samples,
+                            SegmentColumns columns, SegmentTangents* result) {
   const int ns = dynamics_.num_states();
   const int nc = observation.num_channels();
   const SegmentTangents& beginning = pieces_.front()->tangents;
@@ -110,17 +109,15 @@ void ParallelSegment::Chain(const ObservationMap& observation, int first,
   result->end_state = pieces_.back()->tangents.end_state;
   result->end_sensitivity = starts.back();
   result->channels.resize(nc, samples);
-  result->jacobian.resize(static_cast<Eigen::Index>(nc) * samples,
-                          beginning.jacobian.cols());
+  result->jacobian.resize(nc * samples, beginning.jacobian.cols());
   const int count = static_cast<int>(pieces_.size());
   ParallelFor(count, count, [&](int p, int /*thread*/) {
     const Piece& piece = *pieces_[static_cast<size_t>(p)];
     const SegmentTangents& own = piece.tangents;
     result->channels.middleCols(piece.first - first, own.channels.cols()) =
         own.channels;
-    auto rows = result->jacobian.middleRows(
-        static_cast<Eigen::Index>(piece.first - first) * nc,
-        own.jacobian.rows());
+    auto rows = result->jacobian.middleRows((piece.first - first) * nc,
+                                            own.jacobian.rows());
     if (p == 0) {
       rows = own.jacobian;
       return;

@@ -21,14 +21,15 @@ class ParallelSegment {
 
   // Whether threads would save time: long segments with derivatives, to which
   // those by the starts of pieces do not add too much.
-  bool IsWorthwhile(const IntegrationGrid& grid, int first, int last,
-                    SegmentColumns columns) const;
+  bool IsWorthwhile(const IntegrationGrid& grid, Eigen::Index first,
+                    Eigen::Index last, SegmentColumns columns) const;
 
   // As SegmentPropagator::Propagate.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
-                 const Vector& start, int first, int last, bool observe_last,
-                 SegmentColumns columns, SegmentTangents* result);
+                 const Vector& start, Eigen::Index first, Eigen::Index last,
+                 bool observe_last, SegmentColumns columns,
+                 SegmentTangents* result);
 
  private:
   struct Piece {
@@ -36,13 +37,14 @@ class ParallelSegment {
         : propagator(dynamics, method) {}
     SegmentPropagator propagator;
     SegmentTangents tangents;
-    int first = 0;
-    int last = 0;
+    Eigen::Index first = 0;
+    Eigen::Index last = 0;
     bool ok = false;
   };
 
-  void Chain(const ObservationMap& observation, int first, int samples,
-             SegmentColumns columns, SegmentTangents* result);
+  void Chain(const ObservationMap& observation, Eigen::Index first,
+             Eigen::Index samples, SegmentColumns columns,
+             SegmentTangents* result);
 
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;

@@ -11,7 +11,7 @@ namespace pinode {
 namespace {
 
 // Samples whose exponential steps are taken before their sensitivities.
-constexpr int kStepBlock = 32;
+constexpr Eigen::Index kStepBlock = 32;
 
 }  // namespace
 
@@ -33,8 +33,9 @@ SegmentPropagator::SegmentPropagator(const StructuralDynamics& dynamics,
 bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
                                   const ObservationMap& observation,
                                   const IntegrationGrid& grid,
-                                  const Vector& start, int first, int last,
-                                  bool observe_last, SegmentColumns columns,
+                                  const Vector& start, Eigen::Index first,
+                                  Eigen::Index last, bool observe_last,
+                                  SegmentColumns columns,
                                   SegmentTangents* result) {
   CHECK_LE(0, first);
   CHECK_LT(first, last);
@@ -72,15 +73,15 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
 bool SegmentPropagator::Run(const StructuralDynamics::Prepared& prepared,
                             const ObservationMap& observation,
                             const IntegrationGrid& grid, const Vector& start,
-                            int first, int last, bool observe_last,
-                            SegmentTangents* result) {
+                            Eigen::Index first, Eigen::Index last,
+                            bool observe_last, SegmentTangents* result) {
   Trajectory trajectory;
   const bool finite = FreeRun(dynamics_, prepared, observation, grid, start,
                               first, last, &trajectory, Keep::kChannels);
   result->failed_sample = trajectory.failed_sample;
   result->failed_state = trajectory.failed_state;
   if (!finite) return false;
-  const int samples = last - first + (observe_last ? 1 : 0);
+  const Eigen::Index samples = last - first + (observe_last ? 1 : 0);
   result->channels = trajectory.channels.leftCols(samples);
   result->jacobian.resize(result->channels.size(), 0);
   result->end_state = trajectory.states.rightCols(1);
@@ -91,14 +92,14 @@ bool SegmentPropagator::Run(const StructuralDynamics::Prepared& prepared,
 bool SegmentPropagator::PropagateTangents(
     const StructuralDynamics::Prepared& prepared,
     const ObservationMap& observation, const IntegrationGrid& grid,
-    const Vector& start, int first, int last, bool observe_last,
-    SegmentColumns columns, SegmentTangents* result) {
+    const Vector& start, Eigen::Index first, Eigen::Index last,
+    bool observe_last, SegmentColumns columns, SegmentTangents* result) {
   const int ns = dynamics_.num_states();
   const bool with_parameters = HasParameters(columns);
   const int np = with_parameters ? dynamics_.num_tangent_columns() : 0;
   const int by_start = HasStart(columns) ? ns : 0;
   const int channels = observation.num_channels();
-  const int samples = last - first + (observe_last ? 1 : 0);
+  const Eigen::Index samples = last - first + (observe_last ? 1 : 0);
   const bool exponentially = grid.integrator() == Integrator::kExponential;
   result->failed_sample = -1;
   result->failed_state = -1;
@@ -115,8 +116,9 @@ bool SegmentPropagator::PropagateTangents(
   sensitivity_.leftCols(by_start).setIdentity();
   dynamics_.Prescribe(grid.AtSample(first), state_.data());
   dynamics_.PrescribeSensitivity(&sensitivity_);
-  int block = first;  // the sample at which the last block of steps begins
-  for (int i = first; i <= last; ++i) {
+  Eigen::Index block =
+      first;  // the sample at which the last block of steps begins
+  for (Eigen::Index i = first; i <= last; ++i) {
     if (exponentially && sensitivity_.cols() > 0) {
       if (i > first) {
         state_ = exponential_->states().col((i - block) * grid.substeps());
@@ -136,7 +138,7 @@ bool SegmentPropagator::PropagateTangents(
     }
     const bool observed = i < last || observe_last;
     if (observed) {
-      const int row = (i - first) * channels;
+      const Eigen::Index row = (i - first) * channels;
       const auto& stage = step_.LinearizeAt(prepared, grid.time(i),
                                             grid.AtSample(i), state_.data());
       observation.Observe(state_.data(), stage.rate.data(), grid.AtSample(i),
@@ -150,7 +152,7 @@ bool SegmentPropagator::PropagateTangents(
         const std::vector<int>& rows = observation.acceleration_rows();
         for (size_t r = 0; r < rows.size(); ++r) {
           result->jacobian.row(row + rows[r]).tail(np) +=
-              direct_.row(static_cast<int>(r));
+              direct_.row(static_cast<Eigen::Index>(r));
         }
       }
     }

@@ -44,7 +44,7 @@ struct SegmentTangents {
   Vector end_state;        // num_states
   Matrix end_sensitivity;  // num_states x columns
   // First sample at whose end the state was not finite, and which state.
-  int failed_sample = -1;
+  Eigen::Index failed_sample = -1;
   int failed_state = -1;
 };
 
@@ -63,20 +63,22 @@ class SegmentPropagator {
   // false where a state is not finite.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
-                 const Vector& start, int first, int last, bool observe_last,
-                 SegmentColumns columns, SegmentTangents* result);
+                 const Vector& start, Eigen::Index first, Eigen::Index last,
+                 bool observe_last, SegmentColumns columns,
+                 SegmentTangents* result);
 
  private:
   // Values alone, by steps without derivatives.
   bool Run(const StructuralDynamics::Prepared& prepared,
            const ObservationMap& observation, const IntegrationGrid& grid,
-           const Vector& start, int first, int last, bool observe_last,
-           SegmentTangents* result);
+           const Vector& start, Eigen::Index first, Eigen::Index last,
+           bool observe_last, SegmentTangents* result);
   bool PropagateTangents(const StructuralDynamics::Prepared& prepared,
                          const ObservationMap& observation,
                          const IntegrationGrid& grid, const Vector& start,
-                         int first, int last, bool observe_last,
-                         SegmentColumns columns, SegmentTangents* result);
+                         Eigen::Index first, Eigen::Index last,
+                         bool observe_last, SegmentColumns columns,
+                         SegmentTangents* result);
 
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;
@@ -94,7 +96,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const StructuralDynamics::Prepared& prepared,
                        const ObservationMap& observation,
                        const IntegrationGrid& grid, const Vector& start,
-                       int first, int last, bool observe_last,
+                       Eigen::Index first, Eigen::Index last, bool observe_last,
                        SegmentColumns columns, SegmentTangents* result);
 
 }  // namespace pinode

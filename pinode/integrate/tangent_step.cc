@@ -51,9 +51,9 @@ void TangentStep::AddParameterTangents(
 }
 
 void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
-                       const IntegrationGrid& grid, int interval, int substep,
-                       bool linearized, bool with_parameters, Vector* state,
-                       Matrix* sensitivity) {
+                       const IntegrationGrid& grid, Eigen::Index interval,
+                       int substep, bool linearized, bool with_parameters,
+                       Vector* state, Matrix* sensitivity) {
   const int ns = dynamics_.num_states();
   const double dt = grid.step();
   const double time = grid.step_time(interval, substep);

@@ -43,7 +43,7 @@ class TangentStep {
   // `with_parameters`: whether the last columns of *sensitivity are those of
   // the parameters.
   void Step(const StructuralDynamics::Prepared& prepared,
-            const IntegrationGrid& grid, int interval, int substep,
+            const IntegrationGrid& grid, Eigen::Index interval, int substep,
             bool linearized, bool with_parameters, Vector* state,
             Matrix* sensitivity);
 

@@ -19,7 +19,7 @@ struct ModalSpectra {
   // What part of each channel's power in the band is that of the modes; in all
   // of it but for chance where they are all there is beside noise.
   Vector explained;
-  int num_segments = 0;  // that `measured` is the mean of
+  Eigen::Index num_segments = 0;  // that `measured` is the mean of
 };
 
 // Poles and their residues: with s_m the poles of the modes the correlation of

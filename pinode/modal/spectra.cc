@@ -17,7 +17,7 @@ constexpr Eigen::Index kSmallestSegment = 256;
 constexpr Eigen::Index kLargestSegment = 8192;
 constexpr Eigen::Index kSegmentsWanted = 32;
 
-Eigen::Index SegmentSamples(Eigen::Index samples, int wanted) {
+Eigen::Index SegmentSamples(Eigen::Index samples, Eigen::Index wanted) {
   if (wanted > 0) return std::min<Eigen::Index>(wanted, samples);
   Eigen::Index size = kSmallestSegment;
   while (2 * size <= std::min(kLargestSegment, samples / kSegmentsWanted)) {
@@ -28,8 +28,8 @@ Eigen::Index SegmentSamples(Eigen::Index samples, int wanted) {
 
 }  // namespace
 
-Spectra EstimateSpectra(const ResponseRecord& record, int segment_samples,
-                        int num_singular_values) {
+Spectra EstimateSpectra(const ResponseRecord& record,
+                        Eigen::Index segment_samples, int num_singular_values) {
   const Eigen::Index channels = record.num_channels();
   const Eigen::Index size =
       SegmentSamples(record.num_samples(), segment_samples);
@@ -71,8 +71,9 @@ Spectra EstimateSpectra(const ResponseRecord& record, int segment_samples,
     }
     ++spectra.num_segments;
   }
-  const double scale = 2.0 * record.sampling_step / window.squaredNorm() /
-                       std::max(1, spectra.num_segments);
+  const double scale =
+      2.0 * record.sampling_step / window.squaredNorm() /
+      static_cast<double>(std::max<Eigen::Index>(1, spectra.num_segments));
   const Eigen::Index wanted =
       std::min<Eigen::Index>(num_singular_values, channels);
   spectra.frequency_hz.resize(half);

@@ -19,14 +19,14 @@ struct Spectra {
   // L. Zhang, P. Andersen, Smart Mater. Struct. 10 (2001) 441).
   Matrix singular_values;
   // Segments of the record that they are means of (half over the next).
-  int num_segments = 0;
+  Eigen::Index num_segments = 0;
 };
 
 // Welch's method: Hann's window, segments of `segment_samples` (a power of two;
 // 0: the record's length by 32 at the most, 256 to 8192), means removed,
 // missing samples taken as the mean. At most `num_singular_values` of these.
-Spectra EstimateSpectra(const ResponseRecord& record, int segment_samples,
-                        int num_singular_values);
+Spectra EstimateSpectra(const ResponseRecord& record,
+                        Eigen::Index segment_samples, int num_singular_values);
 
 }  // namespace pinode
 

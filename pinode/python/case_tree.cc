@@ -81,7 +81,7 @@ Table TableOf(const py::dict& columns, const std::string& where,
     table.values.col(static_cast<Eigen::Index>(i)) = values[i];
   }
   table.line_numbers.resize(static_cast<size_t>(table.values.rows()));
-  std::iota(table.line_numbers.begin(), table.line_numbers.end(), 1);
+  std::iota(table.line_numbers.begin(), table.line_numbers.end(), int64_t{1});
   return table;
 }
 

@@ -1,6 +1,7 @@
 #include "pinode/record/array_table.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -161,7 +162,7 @@ bool ReadArrayTable(const std::string& path,
   result.values.conservativeResize(
       Eigen::NoChange, static_cast<Eigen::Index>(result.columns.size()));
   result.line_numbers.resize(static_cast<size_t>(result.values.rows()));
-  std::iota(result.line_numbers.begin(), result.line_numbers.end(), 1);
+  std::iota(result.line_numbers.begin(), result.line_numbers.end(), int64_t{1});
   *table = std::move(result);
   return true;
 }

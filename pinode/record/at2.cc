@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -51,7 +52,8 @@ bool ParseStep(std::string word, double* step) {
 enum class SizeLine { kAbsent, kBad, kGood };
 
 // The line that gives the number of points and the step.
-SizeLine ParseSizeLine(std::string_view line, int* num_points, double* step) {
+SizeLine ParseSizeLine(std::string_view line, int64_t* num_points,
+                       double* step) {
   const std::vector<std::string> words = Words(Upper(line), " \t,=:");
   const auto points = std::find(words.begin(), words.end(), "NPTS");
   const auto dt = std::find(words.begin(), words.end(), "DT");
@@ -115,7 +117,7 @@ class At2Parser {
     return false;
   }
   bool is_complete() const {
-    return static_cast<int>(values_.size()) == num_points_;
+    return static_cast<int64_t>(values_.size()) == num_points_;
   }
 
   bool TakeTitle(std::string_view line, std::string* error) {
@@ -169,10 +171,10 @@ class At2Parser {
 
   const std::string& path_;
   const size_t size_;
-  int line_number_ = 0;
+  int64_t line_number_ = 0;
   bool in_title_ = true;
   std::vector<std::string> title_;
-  int num_points_ = 0;
+  int64_t num_points_ = 0;
   double step_ = 0.0;
   std::vector<double> values_;
 };

@@ -123,7 +123,8 @@ void Excitation::AddSample(Eigen::Index sample, double weight,
   }
 }
 
-void Excitation::Evaluate(int interval, double fraction, double* inputs) const {
+void Excitation::Evaluate(Eigen::Index interval, double fraction,
+                          double* inputs) const {
   DCHECK_GE(interval, 0);
   DCHECK_GE(fraction, 0.0);
   DCHECK_LE(fraction, 1.0);

@@ -51,13 +51,15 @@ class Excitation {
 
   // Inputs at start_time + (interval + fraction) * step, 0 <= fraction <= 1,
   // into inputs[0 .. num_inputs()). Allocates nothing.
-  void Evaluate(int interval, double fraction, double* inputs) const;
+  void Evaluate(Eigen::Index interval, double fraction, double* inputs) const;
 
   int num_inputs() const { return static_cast<int>(samples_->rows()); }
-  int num_samples() const { return static_cast<int>(samples_->cols()); }
+  Eigen::Index num_samples() const { return samples_->cols(); }
   double start_time() const { return start_time_; }
   double step() const { return step_; }
-  double time(int sample) const { return start_time_ + sample * step_; }
+  double time(Eigen::Index sample) const {
+    return start_time_ + static_cast<double>(sample) * step_;
+  }
   Interpolation interpolation() const { return interpolation_; }
   bool periodic() const { return periodic_; }
   // How many samples on either side of an instant take part in its value.

@@ -23,7 +23,8 @@ Matrix Samples() {
   return samples;
 }
 
-Vector At(const Excitation& excitation, int interval, double fraction) {
+Vector At(const Excitation& excitation, Eigen::Index interval,
+          double fraction) {
   Vector inputs(excitation.num_inputs());
   excitation.Evaluate(interval, fraction, inputs.data());
   return inputs;
@@ -171,6 +172,23 @@ TEST(ExcitationTest, GapsAreRefused) {
   EXPECT_FALSE(IsCompleteExcitation(record, record.channels[0], &error));
   EXPECT_THAT(error, HasSubstr("record 'quake': the excitation 'ag' misses 2 "
                                "samples from 2.5 to 3 (and more in 1 further"));
+}
+
+// More intervals than an int can count.
+TEST(ExcitationTest, GoesOnForAnyNumberOfPeriods) {
+  const Eigen::Index late = Eigen::Index{6} * 1000000000;
+  for (const Interpolation interpolation :
+       {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic,
+        Interpolation::kBandLimited}) {
+    const Excitation excitation(0.0, 0.125, Samples(), interpolation, true);
+    for (int i = 0; i < 6; ++i) {
+      for (const double fraction : {0.0, 0.3, 1.0}) {
+        EXPECT_EQ(At(excitation, late + i, fraction),
+                  At(excitation, i, fraction));
+      }
+    }
+    EXPECT_EQ(excitation.time(late), 0.125 * 6e9);
+  }
 }
 
 }  // namespace

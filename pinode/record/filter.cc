@@ -188,7 +188,8 @@ double ZeroPhaseFilter::Gain(double frequency) const {
 // One pass over `size` samples of kLanes histories each, sample after sample
 // in memory; direction -1 runs from the last to the first.
 template <int kNumLanes>
-void ZeroPhaseFilter::Pass(double* work, int size, int direction) const {
+void ZeroPhaseFilter::Pass(double* work, Eigen::Index size,
+                           int direction) const {
   using Lanes = Eigen::Array<double, kNumLanes, 1>;
   double* const begin = direction > 0 ? work : work + (size - 1) * kNumLanes;
   const std::ptrdiff_t step = direction * kNumLanes;
@@ -197,7 +198,7 @@ void ZeroPhaseFilter::Pass(double* work, int size, int direction) const {
     Lanes state1 = section.state1 * first;
     Lanes state2 = section.state2 * first;
     double* sample = begin;
-    for (int i = 0; i < size; ++i, sample += step) {
+    for (Eigen::Index i = 0; i < size; ++i, sample += step) {
       Eigen::Map<Lanes> value(sample);
       const Lanes input = value;
       const Lanes output = section.b0 * input + state1;
@@ -209,45 +210,46 @@ void ZeroPhaseFilter::Pass(double* work, int size, int direction) const {
 }
 
 template <int kNumLanes>
-void ZeroPhaseFilter::Filter(double* columns, int num_samples,
-                             int stride) const {
-  const int padding = std::min(padding_, num_samples - 1);
-  const int size = num_samples + 2 * padding;
+void ZeroPhaseFilter::Filter(double* columns, Eigen::Index num_samples,
+                             Eigen::Index stride) const {
+  const Eigen::Index padding =
+      std::min<Eigen::Index>(padding_, num_samples - 1);
+  const Eigen::Index size = num_samples + 2 * padding;
   std::vector<double> work(static_cast<size_t>(size) * kNumLanes);
-  auto at = [&work](int sample, int lane) -> double& {
+  auto at = [&work](Eigen::Index sample, int lane) -> double& {
     return work[static_cast<size_t>(sample) * kNumLanes +
                 static_cast<size_t>(lane)];
   };
   for (int lane = 0; lane < kNumLanes; ++lane) {
-    const double* column = columns + static_cast<std::ptrdiff_t>(lane) * stride;
+    const double* column = columns + lane * stride;
     const double twice_first = 2.0 * column[0];
     const double twice_last = 2.0 * column[num_samples - 1];
-    for (int i = 0; i < padding; ++i) {
+    for (Eigen::Index i = 0; i < padding; ++i) {
       at(i, lane) = twice_first - column[padding - i];
       at(padding + num_samples + i, lane) =
           twice_last - column[num_samples - 2 - i];
     }
-    for (int i = 0; i < num_samples; ++i) at(padding + i, lane) = column[i];
+    for (Eigen::Index i = 0; i < num_samples; ++i)
+      at(padding + i, lane) = column[i];
   }
   Pass<kNumLanes>(work.data(), size, 1);
   Pass<kNumLanes>(work.data(), size, -1);
   for (int lane = 0; lane < kNumLanes; ++lane) {
-    double* column = columns + static_cast<std::ptrdiff_t>(lane) * stride;
-    for (int i = 0; i < num_samples; ++i) column[i] = at(padding + i, lane);
+    double* column = columns + lane * stride;
+    for (Eigen::Index i = 0; i < num_samples; ++i)
+      column[i] = at(padding + i, lane);
   }
 }
 
-void ZeroPhaseFilter::ApplyToColumns(double* columns, int num_samples,
-                                     int num_columns) const {
+void ZeroPhaseFilter::ApplyToColumns(double* columns, Eigen::Index num_samples,
+                                     Eigen::Index num_columns) const {
   if (num_samples == 0) return;
-  int j = 0;
+  Eigen::Index j = 0;
   for (; j + kLanes <= num_columns; j += kLanes) {
-    Filter<kLanes>(columns + static_cast<std::ptrdiff_t>(j) * num_samples,
-                   num_samples, num_samples);
+    Filter<kLanes>(columns + j * num_samples, num_samples, num_samples);
   }
   for (; j < num_columns; ++j) {
-    Filter<1>(columns + static_cast<std::ptrdiff_t>(j) * num_samples,
-              num_samples, num_samples);
+    Filter<1>(columns + j * num_samples, num_samples, num_samples);
   }
 }
 
@@ -256,7 +258,7 @@ void ZeroPhaseFilter::Apply(Vector* values) const {
   CHECK(values->allFinite())
       << "a filter spreads a missing sample over the whole history: fill the "
          "gaps first (FillMissing)";
-  ApplyToColumns(values->data(), static_cast<int>(values->size()), 1);
+  ApplyToColumns(values->data(), values->size(), 1);
 }
 
 void ZeroPhaseFilter::Apply(Matrix* columns) const {
@@ -264,8 +266,7 @@ void ZeroPhaseFilter::Apply(Matrix* columns) const {
   CHECK(columns->allFinite())
       << "a filter spreads a missing sample over the whole history: fill the "
          "gaps first (FillMissing)";
-  ApplyToColumns(columns->data(), static_cast<int>(columns->rows()),
-                 static_cast<int>(columns->cols()));
+  ApplyToColumns(columns->data(), columns->rows(), columns->cols());
 }
 
 }  // namespace pinode

@@ -70,10 +70,12 @@ class ZeroPhaseFilter {
   };
 
   template <int kNumLanes>
-  void Filter(double* columns, int num_samples, int stride) const;
+  void Filter(double* columns, Eigen::Index num_samples,
+              Eigen::Index stride) const;
   template <int kNumLanes>
-  void Pass(double* work, int size, int direction) const;
-  void ApplyToColumns(double* columns, int num_samples, int num_columns) const;
+  void Pass(double* work, Eigen::Index size, int direction) const;
+  void ApplyToColumns(double* columns, Eigen::Index num_samples,
+                      Eigen::Index num_columns) const;
 
   double sampling_step_;
   std::vector<Section> sections_;

@@ -18,7 +18,7 @@ constexpr double kSameTime = 1e-6;
 
 std::vector<Gap> FindGaps(const Vector& values) {
   std::vector<Gap> gaps;
-  for (int i = 0; i < values.size(); ++i) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
     if (!std::isnan(values[i])) continue;
     if (i > 0 && std::isnan(values[i - 1])) {
       ++gaps.back().size;
@@ -41,13 +41,14 @@ Vector FillMissing(const Vector& values) {
   CHECK_GT(CountPresent(values), 0) << "there is nothing to fill gaps with";
   Vector filled = values;
   for (const Gap& gap : FindGaps(values)) {
-    const int after = gap.first + gap.size;
+    const Eigen::Index after = gap.first + gap.size;
     const bool at_begin = gap.first == 0;
     const bool at_end = after == values.size();
     const double left = values[at_begin ? after : gap.first - 1];
     const double right = values[at_end ? gap.first - 1 : after];
-    for (int i = 0; i < gap.size; ++i) {
-      const double x = (i + 1.0) / (gap.size + 1.0);
+    for (Eigen::Index i = 0; i < gap.size; ++i) {
+      const double x =
+          static_cast<double>(i + 1) / static_cast<double>(gap.size + 1);
       filled[gap.first + i] = at_begin || at_end ? (at_begin ? right : left)
                                                  : (1.0 - x) * left + x * right;
     }
@@ -58,7 +59,7 @@ Vector FillMissing(const Vector& values) {
 void CopyMissing(const Vector& pattern, Vector* values) {
   CHECK(values != nullptr);
   CHECK_EQ(pattern.size(), values->size());
-  for (int i = 0; i < pattern.size(); ++i) {
+  for (Eigen::Index i = 0; i < pattern.size(); ++i) {
     if (std::isnan(pattern[i])) (*values)[i] = pattern[i];
   }
 }
@@ -83,7 +84,7 @@ bool SelectWindow(const Record& record, double from, double to, Record* window,
   CHECK(window != nullptr);
   CHECK(error != nullptr);
   const double step = record.sampling_step;
-  const int num_samples = record.num_samples();
+  const Eigen::Index num_samples = record.num_samples();
   const double end_time = record.time(num_samples - 1);
   const std::string what = "record '" + record.name + "': window [" +
                            FormatNumber(from, 10) + ", " +
@@ -100,12 +101,12 @@ bool SelectWindow(const Record& record, double from, double to, Record* window,
              FormatNumber(end_time, 10);
     return false;
   }
-  const int first =
-      std::max(0, static_cast<int>(std::ceil((from - record.start_time) / step -
-                                             kSameTime)));
-  const int last = std::min(num_samples - 1,
-                            static_cast<int>(std::floor(
-                                (to - record.start_time) / step + kSameTime)));
+  const auto first = std::max<Eigen::Index>(
+      0, static_cast<Eigen::Index>(
+             std::ceil((from - record.start_time) / step - kSameTime)));
+  const Eigen::Index last = std::min(
+      num_samples - 1, static_cast<Eigen::Index>(std::floor(
+                           (to - record.start_time) / step + kSameTime)));
   if (last <= first) {
     *error = what + "holds fewer than two samples (the step is " +
              FormatNumber(step, 6) + ")";

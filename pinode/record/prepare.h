@@ -15,8 +15,8 @@ namespace pinode {
 
 // A run of missing samples, first .. first + size - 1.
 struct Gap {
-  int first = 0;
-  int size = 0;
+  Eigen::Index first = 0;
+  Eigen::Index size = 0;
 };
 std::vector<Gap> FindGaps(const Vector& values);
 

@@ -25,13 +25,17 @@ struct Record {
   std::vector<Channel> channels;
 
   // Samples of every channel; 0 without channels.
-  int num_samples() const {
-    return channels.empty() ? 0 : static_cast<int>(channels[0].values.size());
+  Eigen::Index num_samples() const {
+    return channels.empty() ? 0 : channels[0].values.size();
   }
-  double time(int sample) const { return start_time + sample * sampling_step; }
+  double time(Eigen::Index sample) const {
+    return start_time + static_cast<double>(sample) * sampling_step;
+  }
   // From the first sample to the last.
   double duration() const {
-    return channels.empty() ? 0.0 : (num_samples() - 1) * sampling_step;
+    return channels.empty()
+               ? 0.0
+               : static_cast<double>(num_samples() - 1) * sampling_step;
   }
   // Null if no channel has that name.
   const Channel* FindChannel(const std::string& channel_name) const;

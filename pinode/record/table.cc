@@ -60,7 +60,7 @@ class CsvRows {
 
   const std::vector<std::string>& cells() const { return cells_; }
   // The line on which the current row begins.
-  int line_number() const { return first_line_; }
+  int64_t line_number() const { return first_line_; }
 
   static bool IsNoRow(std::string_view line) {
     const std::string_view stripped = StripBlanks(line);
@@ -93,8 +93,8 @@ class CsvRows {
   std::string_view text_;
   csv_parser parser_;
   size_t position_ = 0;
-  int line_number_ = 0;
-  int first_line_ = 0;
+  int64_t line_number_ = 0;
+  int64_t first_line_ = 0;
   bool row_ended_ = false;
   std::vector<std::string> cells_;
 };
@@ -166,7 +166,7 @@ std::string BadCellMessage(const std::string& cell) {
 }
 
 // Where each wanted column is in the header.
-bool LocateColumns(const std::vector<std::string>& header, int header_line,
+bool LocateColumns(const std::vector<std::string>& header, int64_t header_line,
                    const std::vector<std::string>& wanted,
                    const std::string& path, std::vector<std::string>* columns,
                    std::vector<size_t>* positions, std::string* error) {
@@ -246,7 +246,7 @@ bool ParseCsvTable(std::string text, const std::string& path,
     header.emplace_back(StripBlanks(cell));
     if (!ParseDouble(header.back(), &number)) all_numbers = false;
   }
-  const int header_line = rows.line_number();
+  const int64_t header_line = rows.line_number();
   if (all_numbers) {
     *error = path + ":" + std::to_string(header_line) +
              ": the first line holds numbers, expected the columns' names "

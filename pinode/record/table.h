@@ -3,6 +3,7 @@
 #ifndef PINODE_RECORD_TABLE_H_
 #define PINODE_RECORD_TABLE_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,9 @@ struct Table {
   // rows x columns; NaN where the cell is empty.
   Matrix values;
   // Per row, the line of the file on which it begins (from 1).
-  std::vector<int> line_numbers;
+  std::vector<int64_t> line_numbers;
 
-  int num_rows() const { return static_cast<int>(values.rows()); }
+  Eigen::Index num_rows() const { return values.rows(); }
   // Position in `columns`, or -1.
   int FindColumn(const std::string& name) const;
 };

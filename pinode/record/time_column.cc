@@ -18,11 +18,11 @@ constexpr double kMostMissingPerRow = 10.0;
 constexpr double kIrregularGap = 2.5;
 constexpr size_t kMostGapRemarks = 10;
 
-std::string Line(const Table& table, int row) {
+std::string Line(const Table& table, Eigen::Index row) {
   return std::to_string(table.line_numbers[static_cast<size_t>(row)]);
 }
 
-std::string Where(const Table& table, int row) {
+std::string Where(const Table& table, Eigen::Index row) {
   return table.path + ":" + Line(table, row) + ": ";
 }
 
@@ -41,7 +41,7 @@ bool SelectRows(const Table& table, int column, const std::string& unit,
                 const Vector& times, TimeGrid* grid, std::string* error) {
   const std::string& name = table.columns[static_cast<size_t>(column)];
   std::vector<std::string> dropped;
-  for (int i = 0; i < table.num_rows(); ++i) {
+  for (Eigen::Index i = 0; i < table.num_rows(); ++i) {
     if (std::isnan(times[i])) {
       *error = Where(table, i) + "column '" + name +
                "': the time is missing (NaN or an empty cell)";
@@ -182,14 +182,14 @@ double SimplestStep(const std::vector<double>& times,
 
 void RemarkOnGaps(const Table& table, const std::string& unit, TimeGrid* grid) {
   size_t num_gaps = 0;
-  int num_missing = 0;
-  int i = 0;
+  Eigen::Index num_missing = 0;
+  Eigen::Index i = 0;
   while (i < grid->num_samples()) {
     if (grid->positions[static_cast<size_t>(i)] >= 0) {
       ++i;
       continue;
     }
-    const int first = i;
+    const Eigen::Index first = i;
     while (i < grid->num_samples() &&
            grid->positions[static_cast<size_t>(i)] < 0) {
       ++i;
@@ -204,10 +204,12 @@ void RemarkOnGaps(const Table& table, const std::string& unit, TimeGrid* grid) {
     grid->remarks.push_back(
         std::to_string(i - first) +
         (i - first == 1 ? " sample is missing" : " samples are missing") +
-        " from " + Time(grid->start_time + first * grid->step) + " to " +
-        Time(grid->start_time + (i - 1) * grid->step) + " " + unit +
-        " (between lines " + Line(table, grid->rows[after - 1]) + " and " +
-        Line(table, grid->rows[after]) + ")");
+        " from " +
+        Time(grid->start_time + static_cast<double>(first) * grid->step) +
+        " to " +
+        Time(grid->start_time + static_cast<double>(i - 1) * grid->step) + " " +
+        unit + " (between lines " + Line(table, grid->rows[after - 1]) +
+        " and " + Line(table, grid->rows[after]) + ")");
   }
   if (num_gaps > kMostGapRemarks) {
     grid->remarks.push_back("in all " + std::to_string(num_missing) +
@@ -244,12 +246,12 @@ bool LayIrregularGrid(const Table& table, const std::vector<double>& times,
   grid->step = median;
   grid->irregular_times = times;
   size_t row = 0;
-  for (int i = 0; i <= static_cast<int>(last); ++i) {
-    const double time = times.front() + i * median;
+  for (Eigen::Index i = 0; i <= static_cast<Eigen::Index>(last); ++i) {
+    const double time = times.front() + static_cast<double>(i) * median;
     while (row + 1 < times.size() && times[row + 1] <= time) ++row;
     const bool gap = row + 1 < times.size() && times[row] != time &&
                      times[row + 1] - times[row] > kIrregularGap * median;
-    grid->positions.push_back(gap ? -1 : static_cast<int>(row));
+    grid->positions.push_back(gap ? -1 : static_cast<Eigen::Index>(row));
   }
   grid->remarks.push_back(
       "sampling is irregular: interpolated to the median rate of " +
@@ -277,7 +279,7 @@ bool FindTimeGrid(const Table& table, const std::string& time_column,
     return false;
   }
   std::vector<double> times;
-  for (const int row : result.rows) times.push_back(all_times[row]);
+  for (const Eigen::Index row : result.rows) times.push_back(all_times[row]);
   std::vector<double> differences;
   for (size_t i = 1; i < times.size(); ++i) {
     differences.push_back(times[i] - times[i - 1]);
@@ -341,7 +343,8 @@ bool FindTimeGrid(const Table& table, const std::string& time_column,
   result.step = step;
   result.positions.assign(static_cast<size_t>(counts.back()) + 1, -1);
   for (size_t i = 0; i < counts.size(); ++i) {
-    result.positions[static_cast<size_t>(counts[i])] = static_cast<int>(i);
+    result.positions[static_cast<size_t>(counts[i])] =
+        static_cast<Eigen::Index>(i);
   }
   if (jitter > 1e-6) {
     result.remarks.push_back(
@@ -370,7 +373,7 @@ bool TimeGridFromStep(const Table& table, double step, TimeGrid* grid,
   }
   TimeGrid result;
   result.step = step;
-  for (int i = 0; i < table.num_rows(); ++i) {
+  for (Eigen::Index i = 0; i < table.num_rows(); ++i) {
     result.rows.push_back(i);
     result.positions.push_back(i);
   }
@@ -382,8 +385,8 @@ Vector OnTimeGrid(const Table& table, int column, const TimeGrid& grid) {
   CHECK_GE(column, 0);
   CHECK_LT(column, table.values.cols());
   const auto values = table.values.col(column);
-  const int num_rows = static_cast<int>(grid.rows.size());
-  auto value = [&](int position) {
+  const Eigen::Index num_rows = static_cast<Eigen::Index>(grid.rows.size());
+  auto value = [&](Eigen::Index position) {
     return position < 0 || position >= num_rows
                ? std::numeric_limits<double>::quiet_NaN()
                : values[grid.rows[static_cast<size_t>(position)]];
@@ -391,18 +394,18 @@ Vector OnTimeGrid(const Table& table, int column, const TimeGrid& grid) {
 
   Vector result(grid.num_samples());
   if (grid.irregular_times.empty()) {
-    for (int i = 0; i < grid.num_samples(); ++i) {
+    for (Eigen::Index i = 0; i < grid.num_samples(); ++i) {
       result[i] = value(grid.positions[static_cast<size_t>(i)]);
     }
     return result;
   }
 
-  auto time = [&grid](int position) {
+  auto time = [&grid](Eigen::Index position) {
     return grid.irregular_times[static_cast<size_t>(position)];
   };
   // Slope at a row of the parabola through it and its neighbours, NaN if one
   // of the three is missing.
-  auto slope = [&](int k) {
+  auto slope = [&](Eigen::Index k) {
     if (k < 1 || k + 1 >= num_rows) {
       return std::numeric_limits<double>::quiet_NaN();
     }
@@ -412,9 +415,9 @@ Vector OnTimeGrid(const Table& table, int column, const TimeGrid& grid) {
     const double slope_after = (value(k + 1) - value(k)) / after;
     return (after * slope_before + before * slope_after) / (before + after);
   };
-  for (int i = 0; i < grid.num_samples(); ++i) {
-    const int k = grid.positions[static_cast<size_t>(i)];
-    const double t = grid.start_time + i * grid.step;
+  for (Eigen::Index i = 0; i < grid.num_samples(); ++i) {
+    const Eigen::Index k = grid.positions[static_cast<size_t>(i)];
+    const double t = grid.start_time + static_cast<double>(i) * grid.step;
     if (k < 0 || k + 1 >= num_rows || t == time(k)) {
       result[i] = value(k);
       continue;

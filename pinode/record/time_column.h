@@ -30,11 +30,11 @@ struct TimeGrid {
   double step = 0.0;
 
   // Rows of the table that count, in order (repeated ones are left out).
-  std::vector<int> rows;
+  std::vector<Eigen::Index> rows;
   // Per sample of the grid, a position in `rows`, or -1 where no row is. On an
   // irregular grid: the last row at or before the sample; between it and the
   // next one is interpolated.
-  std::vector<int> positions;
+  std::vector<Eigen::Index> positions;
   // Times of `rows` where they are irregular; empty on a regular grid.
   std::vector<double> irregular_times;
 
@@ -42,7 +42,9 @@ struct TimeGrid {
   // each: rate found, jitter, rows dropped, samples missing.
   std::vector<std::string> remarks;
 
-  int num_samples() const { return static_cast<int>(positions.size()); }
+  Eigen::Index num_samples() const {
+    return static_cast<Eigen::Index>(positions.size());
+  }
 };
 
 // Finds the uniform grid behind a table's time column. The step is fitted to

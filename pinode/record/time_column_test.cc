@@ -206,7 +206,7 @@ TEST(TimeColumnTest, InterpolatesIrregularRowsOnRequest) {
   EXPECT_THAT(grid.remarks[0], HasSubstr("sampling is irregular"));
   const Vector values = OnTimeGrid(table, 1, grid);
   const double last_time =
-      grid.start_time + (grid.num_samples() - 1) * grid.step;
+      grid.start_time + static_cast<double>(grid.num_samples() - 1) * grid.step;
   EXPECT_LE(last_time, times.back());
   EXPECT_GT(last_time, times.back() - grid.step);
   int missing = 0;

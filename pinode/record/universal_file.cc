@@ -195,7 +195,7 @@ bool ReadUniversalTable(const std::string& path,
   }
   result.line_numbers.resize(static_cast<size_t>(first->size()));
   for (size_t i = 0; i < result.line_numbers.size(); ++i) {
-    result.line_numbers[i] = static_cast<int>(i) + 1;
+    result.line_numbers[i] = static_cast<int64_t>(i) + 1;
   }
   *table = std::move(result);
   return true;

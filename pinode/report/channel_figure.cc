@@ -17,8 +17,8 @@ constexpr int kCloseUpBuckets = 200;
 // Samples [first, first + count) around the largest fluctuation: some six
 // periods of the first mode.
 void StrongestPart(const ReportInput& input, const Vector& values, double step,
-                   int* first, int* count) {
-  const int size = static_cast<int>(values.size());
+                   Eigen::Index* first, Eigen::Index* count) {
+  const Eigen::Index size = values.size();
   double mean = 0.0, present = 0.0;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
@@ -26,24 +26,25 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
     present += 1.0;
   }
   mean = present > 0.0 ? mean / present : 0.0;
-  int peak = 0;
+  Eigen::Index peak = 0;
   double largest = -1.0;
-  for (int i = 0; i < size; ++i) {
+  for (Eigen::Index i = 0; i < size; ++i) {
     if (std::abs(values(i) - mean) > largest) {
       largest = std::abs(values(i) - mean);
       peak = i;
     }
   }
-  double wanted = size / 8.0;
+  double wanted = static_cast<double>(size) / 8.0;
   const std::vector<ModePair>& modes = input.prior.modes;
   // Both in the model's time.
   const double frequency = modes.empty() ? 0.0 : modes[0].updated_frequency;
   if (frequency > 0.0) wanted = 6.0 / (frequency * step);
-  *count = static_cast<int>(std::clamp(wanted, std::min(60.0, 1.0 * size),
-                                       std::max(60.0, size / 3.0)));
+  *count = static_cast<Eigen::Index>(
+      std::clamp(wanted, std::min(60.0, static_cast<double>(size)),
+                 std::max(60.0, static_cast<double>(size) / 3.0)));
   *count = std::min(*count, size);
   // A free decay is seen best after its peak.
-  *first = std::clamp(peak - *count / 3, 0, size - *count);
+  *first = std::clamp<Eigen::Index>(peak - *count / 3, 0, size - *count);
 }
 
 // Of measurements about a prediction, in its standard deviations.
@@ -92,7 +93,9 @@ class ChannelPlot {
   bool HasSigma() const { return std::isfinite(sigma_) && sigma_ > 0.0; }
 
  private:
-  double Time(int sample) const { return record_.excitation->time(sample); }
+  double Time(Eigen::Index sample) const {
+    return record_.excitation->time(sample);
+  }
 
   // Above.
   void DrawWhole() {
@@ -110,7 +113,7 @@ class ChannelPlot {
     script_.Line(Range("x", Time(0), Time(num_samples_ - 1)));
     const std::vector<std::string> curves =
         AddCurves(0, num_samples_, kHistoryBuckets, true);
-    const int scored = score_.first_scored_sample;
+    const Eigen::Index scored = score_.first_scored_sample;
     if (scored > 0 && scored < num_samples_) {
       const std::string at = ScriptNumber(Time(scored));
       script_.Line("set arrow 1 from " + at + ", graph 0 to " + at +
@@ -125,7 +128,7 @@ class ChannelPlot {
 
   // Below on the left.
   void DrawStrongestPart() {
-    int first, count;
+    Eigen::Index first, count;
     StrongestPart(input_, measured_.values, record_.sampling_step(), &first,
                   &count);
     script_.Line("unset key");
@@ -177,8 +180,8 @@ class ChannelPlot {
   }
 
   // Prior first, so that it lies below what matters more.
-  std::vector<std::string> AddCurves(int from, int size, int buckets,
-                                     bool titles) {
+  std::vector<std::string> AddCurves(Eigen::Index from, Eigen::Index size,
+                                     int buckets, bool titles) {
     std::vector<std::string> curves;
     const auto add = [&](const HistoryRef& values, const char* style,
                          const char* title) {
@@ -206,7 +209,7 @@ class ChannelPlot {
   const RecordScore& score_;
   const MeasuredChannel& measured_;
   const std::string unit_;
-  const int num_samples_;
+  const Eigen::Index num_samples_;
   const HistoryRef updated_;
   std::optional<HistoryRef> prior_;
   Vector half_band_;  // empty: not known

@@ -12,7 +12,7 @@ struct Course {
   std::vector<double> accepted_x, accepted_y, rejected_x, rejected_y;
   Interval costs;
   std::vector<double> ends;
-  std::vector<int> lengths;  // longest segments, samples
+  std::vector<Eigen::Index> lengths;  // longest segments, samples
   // Per cent at the end of stages.
   std::vector<double> error_x, error_y;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include "pinode/base/logging.h"
@@ -22,13 +21,13 @@ Polyline Decimate(const Abscissa& x, const HistoryRef& y, int num_buckets) {
   // longer than twice the usual distance between its values.
   const double longest_distance =
       2.0 * static_cast<double>(y.size()) / static_cast<double>(present);
-  int last = -1;  // last sample taken
-  const auto take = [&](int i) {
+  Eigen::Index last = -1;  // last sample taken
+  const auto take = [&](Eigen::Index i) {
     if (i <= last) return;
-    int previous = last;
-    for (int k = last + 1; k <= i && last >= 0; ++k) {
+    Eigen::Index previous = last;
+    for (Eigen::Index k = last + 1; k <= i && last >= 0; ++k) {
       if (!std::isfinite(y(k))) continue;
-      if (k - previous > longest_distance) {
+      if (static_cast<double>(k - previous) > longest_distance) {
         line.x.push_back(x(previous + 1));
         line.y.push_back(std::numeric_limits<double>::quiet_NaN());
         break;
@@ -40,15 +39,15 @@ Polyline Decimate(const Abscissa& x, const HistoryRef& y, int num_buckets) {
     line.y.push_back(y(i));
   };
 
-  const int64_t size = y.size();
-  const int64_t buckets =
-      size <= int64_t{2} * num_buckets ? size : int64_t{num_buckets};
-  int final_sample = -1;
-  for (int64_t bucket = 0; bucket < buckets; ++bucket) {
-    const int begin = static_cast<int>(bucket * size / buckets);
-    const int end = static_cast<int>((bucket + 1) * size / buckets);
-    int lowest = -1, highest = -1;
-    for (int i = begin; i < end; ++i) {
+  const Eigen::Index size = y.size();
+  const Eigen::Index buckets =
+      size <= Eigen::Index{2} * num_buckets ? size : num_buckets;
+  Eigen::Index final_sample = -1;
+  for (Eigen::Index bucket = 0; bucket < buckets; ++bucket) {
+    const Eigen::Index begin = bucket * size / buckets;
+    const Eigen::Index end = (bucket + 1) * size / buckets;
+    Eigen::Index lowest = -1, highest = -1;
+    for (Eigen::Index i = begin; i < end; ++i) {
       if (!std::isfinite(y(i))) continue;
       if (lowest < 0 || y(i) < y(lowest)) lowest = i;
       if (highest < 0 || y(i) > y(highest)) highest = i;
@@ -56,7 +55,7 @@ Polyline Decimate(const Abscissa& x, const HistoryRef& y, int num_buckets) {
     }
     if (lowest < 0) continue;
     if (last < 0) {
-      for (int i = begin; i < end && last < 0; ++i) {
+      for (Eigen::Index i = begin; i < end && last < 0; ++i) {
         if (std::isfinite(y(i))) take(i);
       }
     }
@@ -77,7 +76,9 @@ Polyline DecimateHistory(const HistoryRef& x, const HistoryRef& y,
 
 Polyline DecimateHistory(double first, double step, const HistoryRef& y,
                          int num_buckets) {
-  return Decimate([=](int i) { return first + i * step; }, y, num_buckets);
+  return Decimate(
+      [=](Eigen::Index i) { return first + static_cast<double>(i) * step; }, y,
+      num_buckets);
 }
 
 }  // namespace pinode

@@ -30,7 +30,7 @@ std::string SourceOf(const DiscoveredEquation& equation) {
 Figure MakeEquationFigure(const DiscoveredEquation& equation,
                           const UnitSystem& units, int number) {
   Figure figure;
-  const int samples = static_cast<int>(equation.sample_outputs.size());
+  const Eigen::Index samples = equation.sample_outputs.size();
   EquationValues values;
   std::string error;
   if (!EvaluateAtSamples(equation, &values, &error) ||
@@ -59,7 +59,7 @@ Figure MakeEquationFigure(const DiscoveredEquation& equation,
       GnuplotString(AxisLabel(equation.output, EquationUnit(equation, units))));
   // Two dots a sample and panel.
   const int most = kMaxDots / (2 * panels);
-  const int stride = (samples + most - 1) / most;
+  const Eigen::Index stride = (samples + most - 1) / most;
   for (int k = 0; k < panels; ++k) {
     const size_t feature = features[static_cast<size_t>(k)];
     const Vector& part = values.parts[feature];
@@ -67,7 +67,7 @@ Figure MakeEquationFigure(const DiscoveredEquation& equation,
         equation.sample_features.col(static_cast<Eigen::Index>(feature));
     // What depends on other features alone would scatter the dots of a sum.
     std::vector<double> x, regressed, said;
-    for (int i = 0; i < samples; i += stride) {
+    for (Eigen::Index i = 0; i < samples; i += stride) {
       x.push_back(at[i]);
       said.push_back(part[i]);
       regressed.push_back(equation.sample_outputs[i] -

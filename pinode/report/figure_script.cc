@@ -96,11 +96,11 @@ std::string RecordWithRole(const ReportInput& input, int record) {
 
 std::string Band(const Vector& times, const Vector& lower, const Vector& upper,
                  const std::string& title, FigureScript* script) {
-  const int size = static_cast<int>(times.size());
-  const int stride = (size + kHistoryBuckets - 1) / kHistoryBuckets;
+  const Eigen::Index size = times.size();
+  const Eigen::Index stride = (size + kHistoryBuckets - 1) / kHistoryBuckets;
   std::vector<std::vector<double>> band(3);
-  for (int i = 0; i < size; i += stride) {
-    const int width = std::min(stride, size - i);
+  for (Eigen::Index i = 0; i < size; i += stride) {
+    const Eigen::Index width = std::min(stride, size - i);
     band[0].push_back(times.segment(i, width).mean());
     band[1].push_back(lower.segment(i, width).minCoeff());
     band[2].push_back(upper.segment(i, width).maxCoeff());

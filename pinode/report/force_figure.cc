@@ -14,22 +14,24 @@ constexpr int kFewSamples = 50;
 // Where a force acts: the middle nine tenths of its energy with as much again
 // on both sides, or, of one that goes on for most of the record, an eighth of
 // the record around its peak.
-void LargestPart(const Vector& force, int* first, int* count) {
-  const int size = static_cast<int>(force.size());
+void LargestPart(const Vector& force, Eigen::Index* first,
+                 Eigen::Index* count) {
+  const Eigen::Index size = force.size();
   const double energy = force.squaredNorm();
-  int from = 0, to = size - 1, peak = 0;
+  Eigen::Index from = 0, to = size - 1, peak = 0;
   double sum = 0.0;
-  for (int i = 0; i < size; ++i) {
+  for (Eigen::Index i = 0; i < size; ++i) {
     if (std::abs(force[i]) > std::abs(force[peak])) peak = i;
     if (sum < 0.05 * energy) from = i;
     if (sum < 0.95 * energy) to = i;
     sum += force[i] * force[i];
   }
-  const int length = to - from + 1;
+  const Eigen::Index length = to - from + 1;
   const bool short_one = length < size / 3;
-  *count = std::min(size, std::max(short_one ? 3 * length : size / 8, 40));
-  const int middle = short_one ? (from + to) / 2 : peak;
-  *first = std::clamp(middle - *count / 2, 0, size - *count);
+  *count = std::min(
+      size, std::max<Eigen::Index>(short_one ? 3 * length : size / 8, 40));
+  const Eigen::Index middle = short_one ? (from + to) / 2 : peak;
+  *first = std::clamp<Eigen::Index>(middle - *count / 2, 0, size - *count);
 }
 
 // What is known of the force; nullptr: nothing.
@@ -68,10 +70,10 @@ class ForcePlot {
   }
 
   std::string Draw() {
-    int first, part;
+    Eigen::Index first, part;
     LargestPart(estimate_.value, &first, &part);
     script_.Line("set key at screen 0.985,0.985");
-    Plot(0, static_cast<int>(estimate_.value.size()), true);
+    Plot(0, estimate_.value.size(), true);
     script_.Line("unset key");
     Plot(first, part, false);
     script_.Line("unset multiplot");
@@ -82,7 +84,7 @@ class ForcePlot {
   bool has_dots() const { return has_dots_; }
 
  private:
-  void Plot(int from, int size, bool titles) {
+  void Plot(Eigen::Index from, Eigen::Index size, bool titles) {
     const Vector times = estimate_.times.segment(from, size);
     script_.Line(Range("x", times[0], times[size - 1]));
     std::vector<std::string> curves;

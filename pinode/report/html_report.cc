@@ -75,7 +75,9 @@ TextTable MakeDataTable(const ReportInput& input) {
     table.AddRow(
         {record.name, std::to_string(record.num_samples()),
          FormatNumber(record.sampling_step(), 6),
-         ReadableNumber((record.num_samples() - 1) * record.sampling_step(), 4),
+         ReadableNumber(static_cast<double>(record.num_samples() - 1) *
+                            record.sampling_step(),
+                        4),
          IntegrationText(*input.problem->dynamics, record),
          excitation.num_inputs() == 0
              ? "none"

@@ -20,19 +20,19 @@ bool DependsOnRate(const RestoringForceLoop& loop) {
 
 // The samples of a loop that are drawn.
 struct LoopPart {
-  int first = 0;
-  int count = 0;
+  Eigen::Index first = 0;
+  Eigen::Index count = 0;
 };
 
 // As many as a figure can show, with the largest deformation in their middle.
 LoopPart PartToDraw(const RestoringForceLoop& loop) {
-  const int samples = static_cast<int>(loop.force.size());
+  const Eigen::Index samples = loop.force.size();
   LoopPart part;
-  part.count = std::min(samples, kMaxLoopSamples);
+  part.count = std::min<Eigen::Index>(samples, kMaxLoopSamples);
   Eigen::Index peak;
   loop.deformation.cwiseAbs().maxCoeff(&peak);
-  part.first = std::clamp(static_cast<int>(peak) - part.count / 2, 0,
-                          samples - part.count);
+  part.first =
+      std::clamp<Eigen::Index>(peak - part.count / 2, 0, samples - part.count);
   return part;
 }
 

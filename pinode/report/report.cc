@@ -50,8 +50,8 @@ std::string Instability(const ReportInput& input) {
   const double growth = values.real().maxCoeff(&fastest);
   double longest = 0.0;
   for (const IdentificationRecord& record : input.problem->records) {
-    longest = std::max(longest,
-                       (record.num_samples() - 1) * record.excitation->step());
+    longest = std::max(longest, static_cast<double>(record.num_samples() - 1) *
+                                    record.excitation->step());
   }
   // Less than e-fold over a record makes no run infinite; rounding makes rigid
   // bodies grow a little.

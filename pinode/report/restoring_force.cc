@@ -12,7 +12,7 @@ namespace {
 
 // Value of a feature at one sample.
 double FeatureAt(const Feature& feature, const Excitation& excitation,
-                 const Matrix& states, int num_dofs, int sample) {
+                 const Matrix& states, int num_dofs, Eigen::Index sample) {
   const auto at = [&](int dof, int offset) {
     return dof == Feature::kGround ? 0.0 : states(offset + dof, sample);
   };
@@ -66,12 +66,12 @@ class LoopMaker {
         *input_.problem->records[static_cast<size_t>(record)].excitation;
     const Matrix& states =
         input_.summary->records[static_cast<size_t>(record)].states;
-    const int samples = static_cast<int>(states.cols());
+    const Eigen::Index samples = states.cols();
     Matrix values(features.size(), samples);
     Matrix outputs(term.outputs->cols(), samples);
     Vector time(samples);
     Vector result(term.outputs->cols());
-    for (int i = 0; i < samples; ++i) {
+    for (Eigen::Index i = 0; i < samples; ++i) {
       for (size_t f = 0; f < features.size(); ++f) {
         values(f, i) =
             FeatureAt(features[f], excitation, states, dynamics_.num_dofs(), i);
@@ -151,7 +151,7 @@ class LoopMaker {
         continue;
       }
       double lowest = 0.0, highest = 0.0;
-      for (int i = 0; i < states.cols(); ++i) {
+      for (Eigen::Index i = 0; i < states.cols(); ++i) {
         const double value =
             FeatureAt(feature, excitation, states, dynamics_.num_dofs(), i);
         lowest = i == 0 ? value : std::min(lowest, value);

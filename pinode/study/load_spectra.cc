@@ -20,8 +20,10 @@ bool IsBetter(const IdentificationSummary& one,
   const auto least = [](const IdentificationSummary& summary) {
     std::pair<double, double> worst{1.0, 0.0};
     for (const AmbientScore& score : summary.ambient) {
-      worst = std::min(worst, {score.probability,
-                               -score.chi_square / score.degrees_of_freedom});
+      worst = std::min(
+          worst,
+          {score.probability,
+           -score.chi_square / static_cast<double>(score.degrees_of_freedom)});
     }
     return worst;
   };

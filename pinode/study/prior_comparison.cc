@@ -19,7 +19,7 @@ Matrix PriorPrediction(const IdentificationProblem& problem, int r,
   const Vector sigmas =
       has_sigmas ? model.sigmas[index] : Vector::Ones(num_channels);
   Vector start;
-  const int first = FreeRunStart(problem, r, prior, sigmas, &start);
+  const Eigen::Index first = FreeRunStart(problem, r, prior, sigmas, &start);
   RecordScore score;
   ScoreRecord(problem, r, prior, start, first, &score, Keep::kChannels);
   return score.finite ? std::move(score.prediction) : Matrix();

@@ -119,8 +119,8 @@ class RecordLinearizer {
               options_.num_threads, nullptr, &equations)) {
         return false;
       }
-      information->rms[static_cast<Eigen::Index>(first) + c] =
-          std::sqrt(2.0 * equations.cost / record.num_samples());
+      information->rms[static_cast<Eigen::Index>(first) + c] = std::sqrt(
+          2.0 * equations.cost / static_cast<double>(record.num_samples()));
       products.push_back(std::move(equations.hessian));
     }
     std::move(products.begin(), products.end(),

@@ -322,9 +322,11 @@ bool CutRecord(double duration, IdentificationRecord* record,
   const auto samples =
       static_cast<Eigen::Index>(std::floor(duration / step + 1e-6)) + 1;
   if (samples < 2 || samples > record->num_samples()) {
-    *error = "a duration of " + FormatNumber(duration, 6) + " of record '" +
-             record->name + "', expected one from " + FormatNumber(step, 6) +
-             " to " + FormatNumber(step * (record->num_samples() - 1), 6);
+    *error =
+        "a duration of " + FormatNumber(duration, 6) + " of record '" +
+        record->name + "', expected one from " + FormatNumber(step, 6) +
+        " to " +
+        FormatNumber(step * static_cast<double>(record->num_samples() - 1), 6);
     return false;
   }
   const Excitation& whole = *record->excitation;

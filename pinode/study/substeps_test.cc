@@ -58,7 +58,7 @@ double TrueError(const StructuralDynamics& dynamics,
                       IntegrationGrid(*record.excitation, 64 * substeps),
                       record.known_start, 0, record.num_samples() - 1, &fine));
   return std::sqrt((coarse.channels - fine.channels).squaredNorm() /
-                   record.num_samples());
+                   static_cast<double>(record.num_samples()));
 }
 
 TEST(SubstepsTest, ErrorIsBelowATenthOfSigmaAndNoFinerThanNeeded) {

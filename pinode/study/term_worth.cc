@@ -30,8 +30,8 @@ const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
   return nullptr;
 }
 
-int NumFittedValues(const IdentificationProblem& problem) {
-  int count = 0;
+Eigen::Index NumFittedValues(const IdentificationProblem& problem) {
+  Eigen::Index count = 0;
   for (const IdentificationRecord& record : problem.records) {
     if (record.role != IdentificationRecord::Role::kTrain) continue;
     for (const MeasuredChannel& channel : record.channels) {

@@ -23,7 +23,7 @@ const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
                                       const std::string& name);
 
 // Values of the training records that are fitted.
-int NumFittedValues(const IdentificationProblem& problem);
+Eigen::Index NumFittedValues(const IdentificationProblem& problem);
 
 // Twice the negative log-likelihood of the training records, but for what does
 // not depend on the model:

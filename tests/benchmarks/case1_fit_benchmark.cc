@@ -181,7 +181,8 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
   Watch watch(problem);
   Vector x = layout.Free(layout.InitialValues());
   const std::vector<int> train = TrainRecords(problem);
-  const int segment_samples = FirstSegmentSamples(problem, StageTuning());
+  const auto segment_samples =
+      static_cast<int>(FirstSegmentSamples(problem, StageTuning()));
   std::vector<IntegrationGrid> grids;
   std::vector<Chain> chains;
   std::vector<Matrix> starts;
@@ -199,7 +200,7 @@ FitTimes FitPlainly(const IdentificationProblem& problem,
                         architecture, &grids.back());
     const Matrix measured = MeasuredStates(record);
     const std::vector<int> boundaries =
-        CutSegments(record.num_samples(), segment_samples);
+        CutSegments(static_cast<int>(record.num_samples()), segment_samples);
     Matrix& segment_starts = starts.emplace_back(
         Chain::kStates, static_cast<int>(boundaries.size()) - 1);
     for (int k = 0; k < segment_starts.cols(); ++k) {

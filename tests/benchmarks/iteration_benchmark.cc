@@ -209,7 +209,8 @@ class Fit {
   // Of the plain way.
   double num_residuals() const {
     return static_cast<double>(Chain::kStates) *
-               (record().num_samples() + num_segments() - 1) +
+               static_cast<double>(record().num_samples() + num_segments() -
+                                   1) +
            Chain::kParameters;
   }
   double num_unknowns() const {

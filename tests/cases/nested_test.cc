@@ -24,7 +24,7 @@ double Objective(const CaseRun& run) {
       if (!record.channels[c].fit) continue;
       const double error =
           run.summary.records[r].channels[c].rmse / record.channels[c].sigma;
-      sum += error * error * record.num_samples();
+      sum += error * error * static_cast<double>(record.num_samples());
     }
   }
   return sum;

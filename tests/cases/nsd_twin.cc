@@ -47,9 +47,9 @@ bool ReadMotion(const std::string& path, double scale, Vector* ground,
                 std::string* error) {
   Table table;
   if (!ReadCsvTable(path, {"t_s", "acc_g"}, &table, error)) return false;
-  const int rows = table.num_rows();
+  const Eigen::Index rows = table.num_rows();
   ground->setZero(std::lround(kSeconds * kRateHz) + 1);
-  int row = 0;
+  Eigen::Index row = 0;
   for (Eigen::Index i = 0; i < ground->size(); ++i) {
     const double t = static_cast<double>(i) / kRateHz;
     while (row + 1 < rows && table.values(row + 1, 0) <= t) ++row;
