@@ -140,6 +140,14 @@ TEST(Ranks, FitTogether) {
     EXPECT_EQ(one.summary.num_starts_at_best, alone.summary.num_starts_at_best);
     EXPECT_EQ(one.model.parameters, found[0].model.parameters);
     EXPECT_LT((one.model.parameters - alone.model.parameters).norm(), 1e-9);
+    const RecordScore& score = one.summary.records[0];
+    EXPECT_EQ(score.nrmse, found[0].summary.records[0].nrmse);
+    EXPECT_NEAR(score.channels[0].band_coverage,
+                alone.summary.records[0].channels[0].band_coverage, 1e-12);
+    // Histories are those of the first rank.
+    const bool first = &one == &found[0];
+    EXPECT_EQ(score.prediction.cols(), first ? 200 : 0);
+    EXPECT_EQ(score.deviations.cols(), first ? 200 : 0);
     ASSERT_EQ(one.profiles.size(), alone.profiles.size());
     for (size_t p = 0; p < one.profiles.size(); ++p) {
       EXPECT_EQ(one.profiles[p].name, alone.profiles[p].name);

@@ -84,8 +84,8 @@ struct IdentificationOptions {
   int num_threads = 1;
 
   // Ranks that solve the problem together, each of which calls Identify with
-  // the same problem and options and has the same outcome; nullptr: a single
-  // process.
+  // the same problem and options and has the same outcome, of which the first
+  // one alone keeps the histories (RecordScore); nullptr: a single process.
   Communicator* communicator = nullptr;
 
   // For studies; what a user needs is an option above.

@@ -50,7 +50,9 @@ struct RecordScore {
   double prior_nrmse = 0.0;
   std::vector<ChannelScore> channels;
   Vector start;  // num_states
-  Matrix prediction;  // channels x samples, of the sensors as they are
+  // channels x samples, of the sensors as they are; of several ranks' fit on
+  // the first one alone, as `deviations`.
+  Matrix prediction;
   // num_states x samples; empty without IdentificationOptions::keep_states.
   Matrix states;
   Vector state_mean_squares;  // over all samples

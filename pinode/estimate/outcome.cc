@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/communicator.h"
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
@@ -123,6 +124,11 @@ void ScoreRecords(const IdentificationProblem& problem,
   }
 }
 
+// Nobody asks the other ranks for what is channels x samples.
+bool KeepsHistories(const IdentificationOptions& options) {
+  return CommunicatorOrSingle(options.communicator).rank() == 0;
+}
+
 // What measurements have to be expected about the predictions, and how many of
 // them are there.
 void BandPredictions(const IdentificationProblem& problem,
@@ -156,6 +162,7 @@ void BandPredictions(const IdentificationProblem& problem,
       score.channels[c].band_coverage = BandCoverage(
           problem.records[r], score, static_cast<int>(c), covariance.quantile);
     }
+    if (!KeepsHistories(options)) score.deviations.resize(0, 0);
   }
 }
 
@@ -295,6 +302,10 @@ void ReportOutcome(const IdentificationProblem& problem,
                 &certainty.known, &certainty.covariance, summary);
   }
   BandPredictions(problem, options, certainty, *model, summary);
+  // The noise of hold-outs needed those of all records.
+  for (RecordScore& score : summary->records) {
+    if (!KeepsHistories(options)) score.prediction.resize(0, 0);
+  }
   ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);
   summary->forces = EstimateForces(
