@@ -43,7 +43,7 @@ constexpr std::array<Published, 10> kPublished = {
      {12.1663, 0.0027, 0.0019, 0.0001},
      {12.5979, 0.0004, 0.0020, 0.0002}}};
 
-class LaboratoryFrameTest : public ::testing::Test {
+class LaboratoryFrameFigures : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* folder = std::getenv("PINODE_MEASURED_DATA");
@@ -183,7 +183,7 @@ class LaboratoryFrameTest : public ::testing::Test {
 // Each set-up alone against the other program's run on it, the set-ups merged
 // against what is published, and their shapes against those of the runs. In
 // one test, as finding the modes takes the time.
-TEST_F(LaboratoryFrameTest, TenPublishedModesByDefault) {
+TEST_F(LaboratoryFrameFigures, TenPublishedModesByDefault) {
   std::vector<SetupModes> setups;
   std::vector<Reference> references;
   for (const char* number : {"01", "02", "04"}) {
