@@ -148,13 +148,20 @@ class ModeReader {
     if (!RefuseKeys({"residual_weight"},
                     "'frequency_weight' and 'shape_weight'") ||
         (form_ == ModalForm::kMac &&
-         !RefuseKeys({"shape_sigma", "shape_covariance"}, "'shape_weight'")) ||
+         !RefuseKeys(
+             {"shape_sigma", "shape_covariance", "frequency_shape_covariance"},
+             "'shape_weight'")) ||
         !ReadWeight("frequency", hz_, &mode_->frequency_sigma,
                     &mode_->frequency_weight)) {
       return false;
     }
     if (mode_->HasShape() && table_.Has("shape_covariance")) {
       return ReadCovariance();
+    }
+    if (table_.Has("frequency_shape_covariance")) {
+      return table_.Fail("frequency_shape_covariance",
+                         "'frequency_shape_covariance' without "
+                         "'shape_covariance'");
     }
     if (mode_->HasShape()) {
       return ReadWeight("shape", 1.0, &mode_->shape_sigma,
@@ -174,15 +181,31 @@ class ModeReader {
     if (!RefuseKeys({"shape_sigma", "shape_weight"}, "'shape_covariance'")) {
       return false;
     }
-    return ReadMatrixKey(
-        table_, "shape_covariance", "the covariance of the shape",
-        static_cast<int>(mode_->shape.size()), &mode_->shape_covariance);
+    const int count = static_cast<int>(mode_->shape.size());
+    return ReadMatrixKey(table_, "shape_covariance",
+                         "the covariance of the shape", count,
+                         &mode_->shape_covariance) &&
+           ReadFrequencyShapeCovariance(count);
+  }
+
+  // Of the frequency in Hz with the entries, in their order.
+  bool ReadFrequencyShapeCovariance(int count) {
+    const char* key = "frequency_shape_covariance";
+    if (!table_.Has(key)) return true;
+    if (!table_.Has("frequency_sigma")) {
+      return table_.Fail(
+          key, std::string("'") + key + "' without 'frequency_sigma'");
+    }
+    mode_->frequency_shape_covariance =
+        hz_ * ToVector(table_.Numbers(key, count, "entry of the shape"));
+    return table_.errors()->ok();
   }
 
   bool ReadResidualWeight() {
-    if (!RefuseKeys({"frequency_sigma", "frequency_weight", "shape_sigma",
-                     "shape_weight", "shape_covariance"},
-                    "'residual_weight'")) {
+    if (!RefuseKeys(
+            {"frequency_sigma", "frequency_weight", "shape_sigma",
+             "shape_weight", "shape_covariance", "frequency_shape_covariance"},
+            "'residual_weight'")) {
       return false;
     }
     if (beside_records_ && !table_.Has("residual_weight")) {
@@ -275,7 +298,7 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
     if (!table.AllowKeys({"name", "frequency", "frequency_sigma",
                           "frequency_weight", "shape", "shape_row",
                           "shape_sigma", "shape_weight", "shape_covariance",
-                          "residual_weight"})) {
+                          "frequency_shape_covariance", "residual_weight"})) {
       return false;
     }
     MeasuredMode mode;

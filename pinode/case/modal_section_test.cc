@@ -80,6 +80,34 @@ TEST(ModalSection, CovarianceOfAShapeIsItsSigma) {
   EXPECT_THAT(singular.error, HasSubstr("positive definite"));
 }
 
+// What frequency and shape have in common, in Hz and the shape's unit.
+TEST(ModalSection, CovarianceOfFrequencyAndShape) {
+  const std::string shape = "shape_covariance = [[4e-4, 0], [0, 4e-4]]\n";
+  const auto read = [&shape](const std::string& shared) {
+    return ReadText(Replaced(Modes(), "shape_sigma = 0.02", shape + shared));
+  };
+  const ReadResult good = read("frequency_shape_covariance = [1e-4, -2e-5]");
+  ASSERT_TRUE(good.ok) << good.error;
+  EXPECT_THAT(good.c.problem.modal.modes[0].frequency_shape_covariance,
+              ElementsAre(1e-4, -2e-5));
+  EXPECT_THAT(read("frequency_shape_covariance = [1e-4]").error,
+              HasSubstr("entry of the shape"));
+  EXPECT_THAT(read("frequency_shape_covariance = [3e-4, 0]").error,
+              HasSubstr("more than their own allow"));
+  EXPECT_THAT(
+      ReadText(Replaced(Modes(), "shape_sigma = 0.02",
+                        "shape_sigma = 0.02\n"
+                        "frequency_shape_covariance = [1e-4, 0]"))
+          .error,
+      HasSubstr("'frequency_shape_covariance' without 'shape_covariance'"));
+  EXPECT_THAT(ReadText(Replaced(Replaced(Modes(), "frequency_sigma = 0.01\n",
+                                         "frequency_weight = 50\n"),
+                                "shape_sigma = 0.02",
+                                shape + "frequency_shape_covariance = [0, 0]"))
+                  .error,
+              HasSubstr("without 'frequency_sigma'"));
+}
+
 TEST(ModalSection, StandsWithoutARecord) {
   const ReadResult result = ReadText(Modes());
   ASSERT_TRUE(result.ok) << result.error;

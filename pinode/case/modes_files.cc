@@ -37,6 +37,7 @@ struct RealShape {
   std::vector<Eigen::Index> rows;  // of the mode's shape
   Vector values;                   // largest entry 1
   Matrix covariance;
+  Vector with_frequency;  // covariance of the frequency and each entry
 };
 
 // Turned by the angle that leaves the least in the imaginary parts, scaled, and
@@ -65,11 +66,13 @@ RealShape MakeReal(const IdentifiedMode& mode) {
   const double scale = parts[largest];
   real.values = parts / scale;
   real.covariance = slopes * covariance * slopes.transpose() / (scale * scale);
+  real.with_frequency = slopes * covariance.col(0) / scale;
   const double share = std::min(
       1.0, static_cast<double>(count + 1) /
                (static_cast<double>(count + 1) + mode.degrees_of_freedom));
   const Vector variances = real.covariance.diagonal();
   real.covariance *= 1.0 - share;
+  real.with_frequency *= 1.0 - share;
   // The largest entry of the mode, 1 by definition, has none.
   const double floor = 1e-6 * std::max(variances.maxCoeff(), 1e-12);
   real.covariance.diagonal() = variances.cwiseMax(floor);
@@ -210,6 +213,11 @@ std::string ModesAsToml(const ModesResult& result) {
       rows.push_back("  [" + Join(row, ", ") + "]");
     }
     text += "shape_covariance = [\n" + Join(rows, ",\n") + "]\n";
+    std::vector<std::string> shared;
+    for (const double value : shape.with_frequency) {
+      shared.push_back(number(value));
+    }
+    text += "frequency_shape_covariance = [" + Join(shared, ", ") + "]\n";
   }
   return text;
 }

@@ -27,9 +27,10 @@ struct ModesResult {
 std::string ModesAsJson(const ModesResult& result);
 
 // [[mode]] entries for a case: frequencies with sigmas, shapes (turned so that
-// they are as real as they can be) with the covariance of their entries. The
-// windows that it comes from are few, entries many: correlations are shrunk by
-// their share, so that it is positive definite.
+// they are as real as they can be) with the covariance of their entries and of
+// these with the frequency. The windows that it comes from are few, entries
+// many: correlations are shrunk by their share, so that it is positive
+// definite.
 std::string ModesAsToml(const ModesResult& result);
 
 // Data set 55, complex modes in displacements. Where shapes at the nodes of a

@@ -1,6 +1,7 @@
 #include "pinode/case/modes_section.h"
 
 #include <cmath>
+#include <complex>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,6 +13,7 @@
 #include "pinode/base/matlab_writer.h"
 #include "pinode/case/modes_files.h"
 #include "pinode/case/testing.h"
+#include "pinode/modal/stabilisation.h"
 #include "pinode/modal/testing.h"
 #include "pinode/record/universal_file.h"
 #include "pinode/study/structure_picture.h"
@@ -275,6 +277,21 @@ between = ["ground", "u1"]
   // Largest one, as real as it can be.
   EXPECT_EQ(first.shape.cwiseAbs().maxCoeff(), 1.0);
   EXPECT_GT(first.shape_covariance(0, 0), 0.0);
+  // With the frequency as the identification has it, turned, over the largest
+  // entry, and shrunk as the shape's own covariance is.
+  const IdentifiedMode& source = result.merged.modes[0].mode;
+  const std::complex<double> turn = TurnToReal(source.shape);
+  const double scale = (turn * source.shape[1]).real();
+  const double share = 3.0 / (3.0 + source.degrees_of_freedom);
+  ASSERT_EQ(first.shape[1], 1.0);
+  ASSERT_EQ(first.frequency_shape_covariance.size(), 2);
+  const double shared = (1.0 - share) *
+                        (turn.real() * source.covariance(0, 2) -
+                         turn.imag() * source.covariance(0, 4)) /
+                        scale;
+  EXPECT_NEAR(first.frequency_shape_covariance[0], shared,
+              1e-8 * std::abs(shared));
+  EXPECT_NE(shared, 0.0);
 
   ASSERT_TRUE(ReadTextFile(folder_.Path("modes.json"), &text, &error));
   const auto json = nlohmann::json::parse(text);

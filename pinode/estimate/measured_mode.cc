@@ -59,6 +59,28 @@ Likeness Compare(const ModalData& data, const Vector& eigenvalues,
   return likeness;
 }
 
+// Empty: what the frequency has in common with the shape goes with the spread
+// of both.
+std::string WhyNoFrequencyShapeCovariance(const MeasuredMode& mode) {
+  const Vector& shared = mode.frequency_shape_covariance;
+  if (shared.size() == 0) return "";
+  if (!(mode.frequency_sigma > 0.0) || mode.shape_covariance.size() == 0) {
+    return "the covariance of frequency and shape needs the sigma of the "
+           "frequency and the covariance of the shape";
+  }
+  if (shared.size() != mode.shape.size() || !shared.allFinite()) {
+    return "the covariance of frequency and shape needs one finite value per "
+           "entry of the shape";
+  }
+  const Vector share = shared / mode.frequency_sigma;
+  if (!IsCovariance(mode.shape_covariance - share * share.transpose(),
+                    mode.shape.size())) {
+    return "the covariance of frequency and shape is more than their own "
+           "allow: all three together must be positive definite";
+  }
+  return "";
+}
+
 }  // namespace
 
 const char* ModalFormName(ModalForm form) {
@@ -148,6 +170,11 @@ bool ModalData::IsValid(int num_dofs, std::string* error) const {
       *error = where +
                "the covariance of its shape must be symmetric and positive "
                "definite, with a row and a column for each entry";
+      return false;
+    }
+    const std::string shared = WhyNoFrequencyShapeCovariance(mode);
+    if (!shared.empty()) {
+      *error = where + shared;
       return false;
     }
     if (!dynamic && dofs.size() < 2) {

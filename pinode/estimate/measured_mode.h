@@ -49,6 +49,9 @@ struct MeasuredMode {
   // In place of both: the covariance of the entries of `shape`, as a modal
   // identification gives it; empty: not given.
   Matrix shape_covariance;
+  // Beside both sigma of the frequency and covariance of the shape: that of the
+  // frequency with each entry of `shape`; empty: they have nothing in common.
+  Vector frequency_shape_covariance;
   // Of kDynamicResidual, in place of all of these: one over the force per
   // largest entry of the shape.
   double residual_weight = 1.0;
@@ -75,6 +78,7 @@ struct ModalData {
   bool HasSigmasOfAll() const;
 
   // Positive frequencies and weights, no sigma that the form has no use for,
+  // covariances that are positive definite, that of frequency and shape too,
   // DOFs that exist, each once, shapes that are not zero and say something (two
   // DOFs; one for kDynamicResidual, which cannot do without), no more modes
   // than DOFs. On failure names the mode.

@@ -190,6 +190,23 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
          d->modes[0] = testing::MakeMeasuredMode(1.0);
        },
        "needs its shape"},
+      {[](ModalData* d) {
+         d->modes[0].frequency_shape_covariance = Vector::Zero(2);
+         d->modes[0].shape_covariance = Matrix::Identity(2, 2);
+       },
+       "needs the sigma of the frequency"},
+      {[](ModalData* d) {
+         d->modes[0].frequency_shape_covariance = Vector::Zero(3);
+         d->modes[0].shape_covariance = Matrix::Identity(2, 2);
+         d->modes[0].frequency_sigma = 1.0;
+       },
+       "one finite value per entry"},
+      {[](ModalData* d) {
+         d->modes[0].frequency_shape_covariance = Vector::Constant(2, 0.8);
+         d->modes[0].shape_covariance = Matrix::Identity(2, 2);
+         d->modes[0].frequency_sigma = 1.0;
+       },
+       "more than their own allow"},
   };
   ModalData good;
   good.modes = {testing::MakeMeasuredMode(1.0, {0, 2}, {1.0, 0.5})};

@@ -88,6 +88,13 @@ bool DifferentiateMode(const UndampedModes& modes, int j,
   return true;
 }
 
+// Of x over its entry `largest`, without that one.
+Matrix RatioSlopes(const Vector& x, const Matrix& slopes, int largest) {
+  const Vector scaled = x / x[largest];
+  return WithoutRow((slopes - scaled * slopes.row(largest)) / x[largest],
+                    largest);
+}
+
 // W (1 - c) / c of the model's shape x and the measured y of unit norm. With
 // the tangent of the angle between them 1 / c = sqrt(1 + t^2); 1 - c itself
 // would be lost in rounding.
@@ -103,16 +110,25 @@ double MacResidual(const MeasuredMode& mode, const Vector& y, const Vector& x,
   return mode.shape_weight * tangent_square / (1.0 + secant);
 }
 
-// The entries of a shape over its largest one: L^-1 of their covariance L L'.
-Matrix RatioWeights(const MeasuredMode& mode, Eigen::Index largest) {
+// The entries of a shape over its largest one, given the frequency. With S the
+// covariance of these ratios and c that with the frequency of deviation s, they
+// have, for an error s of the frequency, the mean *by_frequency = c / s and the
+// covariance S - c c' / s^2 = L L' around it; L^-1 is returned.
+Matrix RatioWeights(const MeasuredMode& mode, Eigen::Index largest,
+                    Vector* by_frequency) {
   const Eigen::Index count = mode.shape.size();
   const double scale = mode.shape[largest];
   Matrix slopes = Matrix::Identity(count, count) / scale;
   slopes.col(largest) -= mode.shape / (scale * scale);
   Matrix kept(count - 1, count);
   kept << slopes.topRows(largest), slopes.bottomRows(count - 1 - largest);
-  const Eigen::LLT<Matrix> factor(kept * mode.shape_covariance *
-                                  kept.transpose());
+  Matrix covariance = kept * mode.shape_covariance * kept.transpose();
+  if (mode.frequency_shape_covariance.size() > 0) {
+    *by_frequency =
+        kept * mode.frequency_shape_covariance / mode.frequency_sigma;
+    covariance -= *by_frequency * by_frequency->transpose();
+  }
+  const Eigen::LLT<Matrix> factor(covariance);
   return factor.matrixL().solve(Matrix::Identity(count - 1, count - 1));
 }
 
@@ -171,7 +187,8 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
           }
           shape.weight_root *= std::abs(scale) / mode.shape_sigma;
         } else if (mode.shape_covariance.size() > 0) {
-          shape.weight_root = RatioWeights(mode, shape.largest);
+          shape.weight_root =
+              RatioWeights(mode, shape.largest, &shape.by_frequency);
         }
       }
     }
@@ -320,16 +337,20 @@ bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
       set_rows(row, by_column);
       ++row;
     } else {
-      const int count = static_cast<int>(x.size()) - 1;
-      const Vector scaled = x / x[shape.largest];
-      residuals->segment(row, count) =
-          shape.weight_root * WithoutRow(scaled - shape.values, shape.largest);
-      const Matrix scaled_slopes =
-          (slopes.shape - scaled * slopes.shape.row(shape.largest)) /
-          x[shape.largest];
-      set_rows(row,
-               shape.weight_root * WithoutRow(scaled_slopes, shape.largest));
-      row += count;
+      const Eigen::Index count = x.size() - 1;
+      Vector off =
+          WithoutRow(x / x[shape.largest] - shape.values, shape.largest);
+      Matrix off_slopes = RatioSlopes(x, slopes.shape, shape.largest);
+      if (shape.by_frequency.size() > 0) {
+        // The residual of the frequency is measured less modelled, over its
+        // deviation; that of the shape the other way round.
+        off += shape.by_frequency * (*residuals)[row - 1];
+        off_slopes -=
+            shape.by_frequency * (weight / measured * slopes.eigenvalue);
+      }
+      residuals->segment(row, count) = shape.weight_root * off;
+      set_rows(row, shape.weight_root * off_slopes);
+      row += static_cast<int>(count);
     }
   }
   return true;

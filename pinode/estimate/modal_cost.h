@@ -85,6 +85,9 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
     Vector values;       // of unit norm (MAC), else one at `largest`
     int largest = 0;     // position in `dofs`
     Matrix weight_root;  // kEigenvectorDifference
+    // What the shape's error is expected to be, before weight_root, for one
+    // residual of the frequency; empty: nothing.
+    Vector by_frequency;
     std::vector<int> unmeasured;
   };
 

@@ -124,6 +124,10 @@ TEST_P(ModalCostForms, DerivativesMatchRiddersDifferences) {
       setup.problem.modal.modes[0].frequency_sigma = 0.01;
       if (GetParam() == ModalForm::kEigenvectorDifference) {
         setup.problem.modal.modes[2].shape_sigma = 0.05;
+        setup.problem.modal.modes[0].shape_covariance =
+            1e-4 * Matrix::Identity(3, 3);
+        setup.problem.modal.modes[0].frequency_shape_covariance =
+            (Vector(3) << 4e-5, -2e-5, 1e-5).finished();
       }
     }
     const Vector free = setup.InitialFree();
@@ -276,6 +280,54 @@ TEST(ModalCost, SigmasMakeAllowanceForTheScale) {
       (mode.shape - scale * x).squaredNorm() / (noise * noise);
   EXPECT_GT(expected, 0.1);
   EXPECT_NEAR(found, expected, 1e-3 * expected);
+}
+
+// Frequency and shape whose errors go together: the residuals are worth what
+// the inverse of the whole covariance, that of the frequency and all ratios,
+// makes of the errors.
+TEST(ModalCost, FrequencyAndShapeAreWeighedTogether) {
+  ModalSetup setup(MakeSixDofs());
+  const StructuralModel model = setup.problem.dynamics->CorrectedModel(
+      setup.problem.dynamics->Parameters());
+  ModalProperties modes;
+  std::string error;
+  ASSERT_TRUE(
+      ComputeModes(model.mass, model.damping, model.stiffness, &modes, &error));
+  // Three entries, the second the largest, and errors so small that those of
+  // the eigenvalue are those of the frequency.
+  const std::vector<int> dofs = {1, 5, 3};
+  constexpr double kSmall = 1e-6;
+  const Matrix root = testing::Gaussian(7).Draw(16).reshaped(4, 4);
+  const Matrix joint = kSmall * kSmall * (root * root.transpose());
+  const Vector errors = kSmall * testing::Gaussian(8).Draw(4);
+  const Vector x = modes.mode_shapes(dofs, 0) / modes.mode_shapes(5, 0);
+  MeasuredMode mode =
+      testing::MakeMeasuredMode(modes.frequency_hz[0] + errors[0], {}, {});
+  mode.dofs = dofs;
+  mode.shape = x + errors.tail(3);
+  mode.frequency_sigma = std::sqrt(joint(0, 0));
+  mode.shape_covariance = joint.bottomRightCorner(3, 3);
+  mode.frequency_shape_covariance = joint.col(0).tail(3);
+  setup.problem.modal.modes = {mode};
+  ASSERT_TRUE(setup.problem.modal.IsValid(6, &error)) << error;
+
+  Matrix slopes = Matrix::Zero(3, 4);
+  slopes(0, 0) = 1.0;
+  slopes.row(1) << 0.0, 1.0, -x[0], 0.0;
+  slopes.row(2) << 0.0, 0.0, -x[2], 1.0;
+  const Vector off = slopes * errors;
+  const Matrix covariance = slopes * joint * slopes.transpose();
+  const double expected = off.dot(covariance.inverse() * off);
+  const Vector free = setup.InitialFree();
+  const double together = setup.Residuals(free).squaredNorm();
+  EXPECT_NEAR(together, expected, 1e-4 * expected);
+
+  // Apart, they are worth something else; with nothing in common, exactly that.
+  setup.problem.modal.modes[0].frequency_shape_covariance = Vector::Zero(3);
+  const Vector uncorrelated = setup.Residuals(free);
+  setup.problem.modal.modes[0].frequency_shape_covariance = Vector();
+  EXPECT_EQ(setup.Residuals(free), uncorrelated);
+  EXPECT_GT(std::abs(uncorrelated.squaredNorm() / expected - 1.0), 0.05);
 }
 
 TEST(ModalCost, WeighsFrequenciesByTheirSigma) {

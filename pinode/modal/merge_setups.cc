@@ -221,7 +221,8 @@ class Merger {
       between[q] =
           std::sqrt(off.squaredNorm() / static_cast<double>(count - 1));
     }
-    // What belongs to the base's own numbers is scaled along.
+    // Where set-ups differ by more than their deviations, what they share with
+    // the shape grows along.
     for (int q = 0; q < 2; ++q) {
       const double old = std::sqrt(merged.covariance(q, q));
       merged.covariance.row(q) *= sigmas[q] / old;
@@ -239,6 +240,21 @@ class Merger {
     merged.frequency_upper95 = means[0] + t * sigmas[0];
     merged.damping_lower95 = std::max(0.0, means[1] - t * sigmas[1]);
     merged.damping_upper95 = means[1] + t * sigmas[1];
+  }
+
+  // What each set-up has of the mean frequency and the mean damping ratio, see
+  // CombineNumbers.
+  Matrix SharesOfNumbers(const std::vector<int>& members,
+                         const std::vector<size_t>& seen) const {
+    if (seen.size() == 1) return Matrix::Ones(2, 1);
+    Matrix shares(2, static_cast<Eigen::Index>(seen.size()));
+    for (size_t i = 0; i < seen.size(); ++i) {
+      const IdentifiedMode& m = mode(seen[i], members[seen[i]]);
+      shares.col(static_cast<Eigen::Index>(i))
+          << 1.0 / std::pow(m.frequency_sigma, 2),
+          1.0 / std::pow(m.damping_sigma, 2);
+    }
+    return shares.array().colwise() / shares.rowwise().sum().array();
   }
 
   // The mean shape over all places of the shapes of the set-ups, which stand
@@ -307,7 +323,7 @@ class Merger {
         Parts(MeanShape(members, seen, base, entries), &largest);
     const Eigen::Index places = parts.size() / 2;
     Matrix covariance = Matrix::Zero(2 + parts.size(), 2 + parts.size());
-    covariance.topLeftCorner(2, 2) = merged->covariance.topLeftCorner(2, 2);
+    const Matrix shares = SharesOfNumbers(members, seen);
     constexpr double kStep = 1e-6;
     for (size_t i = 0; i < seen.size(); ++i) {
       const IdentifiedMode& m = mode(seen[i], members[seen[i]]);
@@ -320,10 +336,9 @@ class Merger {
             (Parts(MeanShape(members, seen, base, moved), &largest) - parts) /
             kStep;
       }
-      if (seen[i] == base) slopes.topLeftCorner(2, 2).setIdentity();
-      Matrix part = slopes * m.covariance * slopes.transpose();
-      part.topLeftCorner(2, 2).setZero();
-      covariance += part;
+      slopes.topLeftCorner(2, 2) =
+          shares.col(static_cast<Eigen::Index>(i)).asDiagonal();
+      covariance += slopes * m.covariance * slopes.transpose();
     }
     merged->shape.resize(places);
     merged->shape.real() = parts.head(places);

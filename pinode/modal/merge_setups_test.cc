@@ -1,5 +1,6 @@
 #include "pinode/modal/merge_setups.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "gmock/gmock.h"
@@ -64,6 +65,21 @@ TEST(MergeSetupsTest, TiesShapesTogetherAtReferences) {
                   4.0 * found.mode.shape_sigma_real[i] + 1e-12)
           << "mode " << m << ", place " << i;
     }
+  }
+  // What is said of frequency, damping and shape together can be so.
+  for (const MergedMode& found : merged.modes) {
+    const Matrix& covariance = found.mode.covariance;
+    EXPECT_NEAR(std::sqrt(covariance(0, 0)), found.mode.frequency_sigma,
+                1e-9 * found.mode.frequency_sigma);
+    EXPECT_NEAR(std::sqrt(covariance(1, 1)), found.mode.damping_sigma,
+                1e-9 * found.mode.damping_sigma);
+    const Vector scales =
+        covariance.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
+    const Matrix correlation =
+        scales.asDiagonal() * covariance * scales.asDiagonal();
+    EXPECT_GT(
+        Eigen::SelfAdjointEigenSolver<Matrix>(correlation).eigenvalues()[0],
+        -1e-6);
   }
   // Three records know a frequency better than one.
   EXPECT_LT(merged.modes[2].mode.frequency_sigma,

@@ -159,6 +159,9 @@ void Add(const ModalData& modal, Hash* hash) {
     for (const int dof : mode.dofs) hash->Add(static_cast<std::int64_t>(dof));
     hash->Add(Matrix(mode.shape));
     if (mode.shape_covariance.size() > 0) hash->Add(mode.shape_covariance);
+    if (mode.frequency_shape_covariance.size() > 0) {
+      hash->Add(Matrix(mode.frequency_shape_covariance));
+    }
   }
 }
 
