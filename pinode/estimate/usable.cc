@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "pinode/base/strings.h"
 #include "pinode/estimate/score.h"
@@ -19,6 +21,13 @@ constexpr double kMostLeftByNetwork = 0.1;
 // the training records', it belongs to another structure or the model is wrong.
 constexpr double kMostHoldoutError = 0.5;
 constexpr double kMostHoldoutGrowth = 3.0;
+
+// A group whose standard deviation is more than this, in units of one or of its
+// value, is not told; as in WithUnseenGroups. One that loads hide is known all
+// the same where its interval is as narrow as this on either side: by priors,
+// or because a long record has enough in the little that is left.
+constexpr double kMostGroupSigma = 10.0;
+constexpr double kNarrowInterval = 0.2;
 
 // How far a measured mode may be from the one that it is held against: the
 // logarithm of the ratio of frequencies, and the MAC.
@@ -118,6 +127,50 @@ std::string WhyFrequenciesAreWorse(const IdentificationSummary& summary) {
          "place or direction, or standard deviations that are too small";
 }
 
+// Of each group that ambient records see: the largest part of what one of them
+// would say of it that unknown loads leave.
+std::map<std::string, double> InformationLeft(
+    const IdentificationSummary& summary) {
+  std::map<std::string, double> left;
+  for (const AmbientScore& score : summary.ambient) {
+    for (size_t g = 0; g < score.groups.size(); ++g) {
+      double& most = left[score.groups[g]];
+      most =
+          std::max(most, score.information_left[static_cast<Eigen::Index>(g)]);
+    }
+  }
+  return left;
+}
+
+// Empty where a group is told: a combination that no group follows from may be
+// a mode that a fit has put where the loads have a peak.
+std::string WhyNoGroupIsTold(const IdentificationSummary& summary) {
+  const std::map<std::string, double> left = InformationLeft(summary);
+  // Without a covariance others say why.
+  if (left.empty() || summary.covariance.size() == 0) return "";
+  size_t narrow = 0;
+  std::vector<std::string> names;
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    const auto group = left.find(estimate.name);
+    if (group == left.end()) continue;
+    const double size = std::max(1.0, std::abs(estimate.value));
+    if (group->second >= kLeastInformationLeft &&
+        estimate.sigma <= kMostGroupSigma * size) {
+      return "";
+    }
+    if (!estimate.at_bound &&
+        estimate.upper95 - estimate.value <= kNarrowInterval * size) {
+      ++narrow;
+    }
+    names.push_back("'" + estimate.name + "'");
+  }
+  if (names.empty() || 2 * narrow > names.size()) return "";
+  return "none of " + Join(names, ", ") +
+         " can be told: the unmeasured loads explain the ambient records as "
+         "well as they do; fewer knots or loads, more sensors, or a band that "
+         "modes of the structure are in";
+}
+
 // Of a fit to ambient records alone: empty where one of them tells something of
 // the structure that the loads could not have done as well.
 std::string WhyLoadsExplainAll(const IdentificationSummary& summary) {
@@ -127,7 +180,9 @@ std::string WhyLoadsExplainAll(const IdentificationSummary& summary) {
   }
   std::ostringstream reason;
   for (const AmbientScore& score : summary.ambient) {
-    if (score.most_information_left >= kLeastInformationLeft) return "";
+    if (score.most_information_left >= kLeastInformationLeft) {
+      return WhyNoGroupIsTold(summary);
+    }
     if (!reason.str().empty()) continue;
     reason << "the unmeasured loads of ambient record '" << score.name
            << "' explain all that it shows: with them unknown at most "

@@ -178,5 +178,67 @@ TEST(Usable, HoldoutsMayBeAsBadAsTrainingRecords) {
   EXPECT_TRUE(summary.usable);
 }
 
+// Two groups, of which one record says this.
+IdentificationSummary AmbientSummary(double left, double half_width) {
+  IdentificationSummary summary;
+  summary.termination = Termination::kConverged;
+  summary.message = "converged";
+  AmbientScore score;
+  score.name = "wind";
+  score.groups = {"k1", "k2"};
+  score.information_left = Vector::Constant(2, left);
+  score.most_information_left = 0.9;
+  summary.ambient = {score};
+  for (const std::string& name : score.groups) {
+    ParameterEstimate group;
+    group.name = name;
+    group.value = 0.3;
+    group.sigma = 0.5 * half_width;
+    group.lower95 = group.value - half_width;
+    group.upper95 = group.value + half_width;
+    group.free = true;
+    summary.parameters.push_back(group);
+  }
+  summary.covariance = Matrix::Identity(2, 2);
+  return summary;
+}
+
+// A combination of groups that looks well told is not enough.
+TEST(Usable, AGroupHasToBeTold) {
+  const auto usable = [](IdentificationSummary summary) {
+    JudgeUsable(GapTuning(), &summary);
+    return summary.usable;
+  };
+  EXPECT_TRUE(usable(AmbientSummary(0.5, 1.0)));
+  EXPECT_THAT(Judged(AmbientSummary(0.001, 1.0)),
+              HasSubstr("none of 'k1', 'k2' can be told"));
+  // One is enough; not where it is not known.
+  IdentificationSummary one = AmbientSummary(0.001, 1.0);
+  one.ambient[0].information_left[1] = 0.02;
+  EXPECT_TRUE(usable(one));
+  one.parameters[1].sigma = 30.0;
+  EXPECT_FALSE(usable(one));
+  // A second record tells what the first hides.
+  IdentificationSummary two = AmbientSummary(0.001, 1.0);
+  two.ambient.push_back(AmbientSummary(0.5, 1.0).ambient[0]);
+  EXPECT_TRUE(usable(two));
+  // Hidden, and known by something else; at a bound it is the bound.
+  IdentificationSummary known = AmbientSummary(0.001, 0.1);
+  EXPECT_TRUE(usable(known));
+  known.parameters[0].at_bound = true;
+  EXPECT_FALSE(usable(known));
+  // Large numbers in their own unit are known to a part of themselves.
+  IdentificationSummary large = AmbientSummary(0.001, 1e4);
+  for (ParameterEstimate& group : large.parameters) {
+    group.value = 1e6;
+    group.upper95 = group.value + 1e4;
+  }
+  EXPECT_TRUE(usable(large));
+  // Records and modes have verdicts of their own.
+  IdentificationSummary beside = AmbientSummary(0.001, 1.0);
+  beside.records = GoodSummary().records;
+  EXPECT_TRUE(usable(beside));
+}
+
 }  // namespace
 }  // namespace pinode
