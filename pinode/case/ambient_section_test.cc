@@ -7,6 +7,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/temporary_folder_testing.h"
 #include "pinode/case/testing.h"
+#include "pinode/record/universal_file.h"
 
 namespace pinode {
 namespace {
@@ -110,6 +111,57 @@ TEST_F(AmbientSectionTest, LoadsLikeThoseOfAccelerations) {
   EXPECT_THAT(Error("proportional_to_mass = [\"y\"]"), HasSubstr("'y'"));
   EXPECT_THAT(Error("band_hz = [6.0, 0.5]"),
               HasSubstr("two frequencies, the first positive and smaller"));
+}
+
+// Two histories, 1:x and 2:x.
+UniversalFile UniversalWind(double step, int samples) {
+  UniversalFile file;
+  for (int c = 1; c <= 2; ++c) {
+    UniversalFunction history;
+    history.response_node = c;
+    history.response_direction = 1;
+    history.abscissa_step = step;
+    history.abscissa_axis.type = 17;
+    history.ordinate_axis.type = 12;
+    history.values.resize(samples);
+    for (int i = 0; i < samples; ++i) {
+      history.values[i] = std::sin(0.7 * c * i) + std::sin(0.31 * i * i) / 3.0;
+    }
+    file.functions.push_back(history);
+  }
+  return file;
+}
+
+// Loggers of differing rates, each with a universal file: binary and text say
+// what they were made of, and each record has its own rate.
+TEST_F(AmbientSectionTest, UniversalFilesOfDifferingRates) {
+  const UniversalFile files[] = {UniversalWind(0.02, 1500),
+                                 UniversalWind(0.05, 800)};
+  folder_.Write("fast.uff",
+                FormatUniversalFile(files[0], UniversalEncoding::kBinary));
+  folder_.Write("slow.uff",
+                FormatUniversalFile(files[1], UniversalEncoding::kText));
+  std::string text = Replaced(AmbientCase(""), "\"a1\"", "\"1:x\"");
+  text = Replaced(text, "\"a2\"", "\"2:x\"");
+  text = Replaced(text, "sampling_rate_hz = 20", "time = \"t\"");
+  std::string second = text.substr(text.find("[[record]]"));
+  // Its name, then its file.
+  text = Replaced(Replaced(text, "wind", "fast"), "wind.csv", "fast.uff");
+  second = Replaced(Replaced(second, "wind", "slow"), "wind.csv", "slow.uff");
+  const Case c = ReadOrFail(folder_.Write("case.toml", text + second));
+  ASSERT_EQ(c.problem.ambient.size(), 2u);
+  for (size_t r = 0; r < 2; ++r) {
+    const AmbientRecord& wind = c.problem.ambient[r];
+    EXPECT_EQ(wind.name, r == 0 ? "fast" : "slow");
+    EXPECT_NEAR(wind.sampling_step, r == 0 ? 0.02 : 0.05, 1e-12);
+    for (size_t channel = 0; channel < 2; ++channel) {
+      // But for rounding: samples are where even times are.
+      const Vector off =
+          wind.samples.row(static_cast<Eigen::Index>(channel)).transpose() -
+          files[r].functions[channel].values.real();
+      EXPECT_LT(off.cwiseAbs().maxCoeff(), 1e-12) << wind.name;
+    }
+  }
 }
 
 }  // namespace
