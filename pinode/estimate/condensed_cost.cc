@@ -17,7 +17,7 @@ bool CondensedCost::EvaluateWithJacobian(const Vector& free, double* residuals,
                                          double* jacobian) const {
   const Eigen::Index n = free.size();
   if (!part_->Linearize(free, &system_) ||
-      !SquareRoot(system_.hessian, &root_)) {
+      !NearestSquareRoot(system_.hessian, &root_)) {
     return false;
   }
   Vector projected = system_.gradient;

@@ -119,7 +119,13 @@ bool Fit::RunStage(Eigen::Index samples, bool last) {
   Stage stage(context_, &solver_, &reweighting_, &progress_);
   if (!stage.Run(samples, last, &current_, &record, &settled)) return false;
   if (last) converged_ = settled;
-  record.rolled_back = IsWorseThanBest(current_);
+  // Where no run stays finite, what the segments gave stands. One that is so
+  // many times what was measured does not: the record ended before the numbers.
+  constexpr double kBlownUp = 1e6;
+  const bool blown_up = last && !summary_.stages.empty() &&
+                        !context_.HasNetworks() &&
+                        !(current_.free_run_error < kBlownUp);
+  record.rolled_back = blown_up || IsWorseThanBest(current_);
   summary_.stages.push_back(record);
   if (record.rolled_back) {
     current_ = best_;

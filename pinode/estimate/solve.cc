@@ -217,6 +217,11 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   if (ceres_summary.termination_type == ceres::FAILURE &&
       ceres_summary.iterations.size() <= 1) {
     summary.message = objective.Failure();
+    if (summary.message.empty()) {
+      summary.message =
+          "the equations of a step cannot be solved: residuals or derivatives "
+          "are too large for numbers";
+    }
     return false;
   }
   if (bends) scaled = bent->PointOf(scaled);

@@ -42,5 +42,28 @@ TEST(SquareRoot, StandsSingularMatrices) {
       Matrix::Constant(2, 2, std::numeric_limits<double>::infinity()), &root));
 }
 
+// The negative direction goes, the others stay: (1, 1) / sqrt(2) of eigenvalue
+// 3, and a third parameter in other units.
+TEST(SquareRoot, OfTheNearestMatrixWithoutNegativeEigenvalues) {
+  Matrix indefinite = Matrix::Identity(3, 3);
+  indefinite(0, 1) = indefinite(1, 0) = 2.0;
+  indefinite(2, 2) = 1e12;
+  Matrix root;
+  ASSERT_TRUE(NearestSquareRoot(indefinite, &root));
+  EXPECT_TRUE(root.isUpperTriangular());
+  const Matrix product = root.transpose() * root;
+  EXPECT_NEAR(product(2, 2), 1e12, 1.0);
+  EXPECT_LT((product.topLeftCorner(2, 2) - Matrix::Constant(2, 2, 1.5)).norm(),
+            1e-12);
+  // A diagonal that rounding has turned over.
+  const Matrix turned = Eigen::Vector2d(4.0, -1e-9).asDiagonal();
+  ASSERT_TRUE(NearestSquareRoot(turned, &root));
+  EXPECT_NEAR(root(0, 0), 2.0, 1e-12);
+  EXPECT_LT(std::abs(root(1, 1)), 1e-6);
+  EXPECT_FALSE(NearestSquareRoot(-Matrix::Identity(2, 2), &root));
+  EXPECT_FALSE(NearestSquareRoot(
+      Matrix::Constant(2, 2, std::numeric_limits<double>::infinity()), &root));
+}
+
 }  // namespace
 }  // namespace pinode
