@@ -126,6 +126,7 @@ void MultiplySmall(int rows, int inner, int cols, const double* a,
 
 void MultiplySmall(int rows, int inner, int cols, const double* a,
                    const double* b, double* c, Eigen::Index stride) {
+  if (cols == 0) return;  // nothing may have no address
   if (rows == 1) {
     // Dot products: with one row there is nothing else to vectorise.
     const Eigen::Map<const Vector> row(a, inner);

@@ -56,7 +56,7 @@ TEST(SquareRoot, OfTheNearestMatrixWithoutNegativeEigenvalues) {
   EXPECT_LT((product.topLeftCorner(2, 2) - Matrix::Constant(2, 2, 1.5)).norm(),
             1e-12);
   // A diagonal that rounding has turned over.
-  const Matrix turned = Eigen::Vector2d(4.0, -1e-9).asDiagonal();
+  const Matrix turned = Eigen::Vector2d(4.0, -0.5).asDiagonal();
   ASSERT_TRUE(NearestSquareRoot(turned, &root));
   EXPECT_NEAR(root(0, 0), 2.0, 1e-12);
   EXPECT_LT(std::abs(root(1, 1)), 1e-6);
