@@ -23,6 +23,7 @@
 #include "apps/ranks.h"
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
+#include "pinode/base/free_memory.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/baseline_folder.h"
 #include "pinode/case/case_file.h"
@@ -173,6 +174,7 @@ int main(int argc, char** argv) {
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
     return CannotWrite(error, folder);
   }
+  ReturnFreeMemory();
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   if (judgement.judged) report.damage = &result;

@@ -19,6 +19,7 @@
 #include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
+#include "pinode/base/free_memory.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_picture.h"
@@ -130,6 +131,7 @@ int main(int argc, char** argv) {
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
     return CannotWrite(error, folder);
   }
+  ReturnFreeMemory();
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   const std::optional<StructurePicture> picture =

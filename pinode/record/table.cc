@@ -267,6 +267,7 @@ bool ParseCsvTable(std::string text, const std::string& path,
                              (text.back() == '\n' ? 0 : 1);
   result.values.resize(lines - header_line,
                        static_cast<Eigen::Index>(positions.size()));
+  result.line_numbers.reserve(static_cast<size_t>(result.values.rows()));
   Eigen::Index row = 0;
   while (rows.Next(&malformed)) {
     const std::string where =
