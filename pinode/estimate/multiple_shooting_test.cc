@@ -377,6 +377,8 @@ INSTANTIATE_TEST_SUITE_P(
         ShootingSetting{"Rest", Start::kRest, 7, RobustLoss::kNone},
         ShootingSetting{"Known", Start::kKnown, 9, RobustLoss::kNone},
         ShootingSetting{"Free", Start::kFree, 7, RobustLoss::kNone},
+        // So many gaps that they are added in several parts.
+        ShootingSetting{"FreeShort", Start::kFree, 1, RobustLoss::kNone},
         ShootingSetting{"FreeSingle", Start::kFree, 0, RobustLoss::kNone},
         ShootingSetting{"RestSingle", Start::kRest, 0, RobustLoss::kNone}),
     [](const auto& setting) { return setting.param.name; });

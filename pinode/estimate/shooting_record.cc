@@ -103,7 +103,7 @@ void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
 void ShootingRecord::AddGaps(double mu, const Matrix& starts,
                              FreeEquations* equations) {
   // A few gaps at a time: each alone would read and write all of the sum.
-  constexpr int kRows = 256;
+  constexpr int kRows = 128;
   const int at_once = std::max(1, kRows / num_states_);
   const Vector weight = std::sqrt(mu) * scales().cwiseInverse();
   const Eigen::Index nf = equations->gradient.size();
