@@ -137,6 +137,7 @@ int main(int argc, char** argv) {
 
   // 2. The new state.
   const FitWatch watch = ConsoleWatch(FLAGS_progress);
+  KeepFreedMemory();
   ResultFolder folder;
   IdentificationSummary summary;
   IdentifiedModel model;
@@ -169,12 +170,11 @@ int main(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
-  // Before the report's run of the model before, which takes as much memory as
-  // a record.
+  ReturnFreedMemory();
+  // Before the report, whose runs of the model before take memory of their own.
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
     return CannotWrite(error, folder);
   }
-  ReturnFreeMemory();
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   if (judgement.judged) report.damage = &result;

@@ -25,6 +25,7 @@
 #include "apps/program.h"
 #include "apps/progress_line.h"
 #include "apps/ranks.h"
+#include "pinode/base/free_memory.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_picture.h"
@@ -159,6 +160,7 @@ bool RefitTerms(const Case& c, const IdentifiedModel& model,
   DiscoveryOptions discover = c.discover;
   IdentificationOptions options = c.options;
   RefitWatch watch(checkpoint);
+  KeepFreedMemory();
   watch.Watch(&discover, &options);
   const bool refitted =
       RefitEquations(c.problem, model, equations, discover, options,

@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
   IdentificationSummary summary;
   IdentifiedModel model;
   const FitWatch watch = ConsoleWatch(FLAGS_progress);
+  KeepFreedMemory();
   if (!FitCase(folder, nullptr, watch, &c, &summary, &model, &error)) {
     return Refuse(error);
   }
@@ -126,12 +127,11 @@ int main(int argc, char** argv) {
           .count();
   std::string deck_error;
   const bool has_deck = WriteDeck(c, model, folder, &summary, &deck_error);
-  // Before the report's run of the model before, which takes as much memory as
-  // a record.
+  ReturnFreedMemory();
+  // Before the report, whose runs of the model before take memory of their own.
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
     return CannotWrite(error, folder);
   }
-  ReturnFreeMemory();
   ReportInput report = MakeReportInput(
       c.problem, summary, model, {c.path, CommandLine(argc, argv), seconds});
   const std::optional<StructurePicture> picture =

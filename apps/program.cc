@@ -1,9 +1,6 @@
 #include "apps/program.h"
 
 #include <gflags/gflags.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <csignal>
 #include <cstdio>
@@ -15,6 +12,7 @@
 #include <system_error>
 
 #include "apps/help_text.h"
+#include "pinode/base/free_memory.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 
@@ -53,15 +51,6 @@ void OnInterrupt(int signal) {
   std::abort();
 }
 
-// Matrices of some megabytes come and go with every iteration: kept, their
-// pages need not be asked for again, which is a tenth of a network's time.
-void KeepMemory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-#endif
-}
-
 // The name of the flag in "--name", "--name=value" or "--noname"; sets *value
 // and *has_value.
 std::string FlagName(const std::string& argument, std::string* value,
@@ -81,7 +70,7 @@ std::string FlagName(const std::string& argument, std::string* value,
 bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
   *status = kExitBadInput;
   std::set_terminate(OnTerminate);
-  KeepMemory();
+  ReturnFreedMemory();
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.size() < 2 || argument[0] != '-') {

@@ -249,9 +249,9 @@ class CaseReader {
       c_.problem.records[r].integrator = sections_[r].integrator;
     }
     // Fine enough for sensors wherever they are put.
-    std::vector<std::vector<MeasuredChannel>> own;
+    std::vector<size_t> own;
     for (IdentificationRecord& record : c_.problem.records) {
-      own.push_back(record.channels);
+      own.push_back(record.channels.size());
       for (int i = 0; planning_ && i < dynamics_->num_dofs(); ++i) {
         MeasuredChannel channel;
         channel.observation.name =
@@ -267,7 +267,7 @@ class CaseReader {
     const bool chosen =
         SetSubsteps(&c_.problem, &c_.substeps, &failed, &message);
     for (size_t r = 0; r < own.size(); ++r) {
-      c_.problem.records[r].channels = std::move(own[r]);
+      c_.problem.records[r].channels.resize(own[r]);
     }
     return chosen || sections_[static_cast<size_t>(failed)].table.Fail(
                          "substeps", message);

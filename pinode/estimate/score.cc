@@ -58,6 +58,44 @@ bool ScoreSquares(const IdentificationRecord& data, const Vector& squares,
   return score->finite;
 }
 
+// Turns what ideal sensors would show, channels x samples, into what those of
+// the record do. False of an entry where a delayed sensor has none.
+std::vector<bool> ShowBySensors(const ParameterLayout& layout,
+                                const Vector& parameters,
+                                const IdentificationRecord& record,
+                                Matrix* shown) {
+  Matrix no_rows(shown->size(), 0);
+  std::vector<bool> valid(static_cast<size_t>(shown->size()), true);
+  ApplySensors(layout, parameters, record, false,
+               Eigen::Map<Vector>(shown->data(), shown->size()), &no_rows,
+               &valid);
+  if (record.filter != nullptr) {
+    Matrix history = shown->transpose();
+    record.filter->Apply(&history);
+    *shown = history.transpose();
+  }
+  return valid;
+}
+
+// Of the record what some of its sensors need to show a run, and nothing that
+// they measured. How it is integrated is not among it.
+IdentificationRecord WithSensors(const IdentificationRecord& record,
+                                 const std::vector<int>& channels) {
+  IdentificationRecord result;
+  result.excitation = record.excitation;
+  result.filter = record.filter;
+  for (const int c : channels) {
+    const MeasuredChannel& channel = record.channels.at(static_cast<size_t>(c));
+    MeasuredChannel sensor;
+    sensor.observation = channel.observation;
+    sensor.gain = channel.gain;
+    sensor.offset = channel.offset;
+    sensor.delay = channel.delay;
+    result.channels.push_back(std::move(sensor));
+  }
+  return result;
+}
+
 }  // namespace
 
 void ScoreRecord(const IdentificationProblem& problem, int record,
@@ -102,17 +140,8 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     score->state_mean_squares = std::move(trajectory.mean_squares);
   }
   score->prediction = std::move(trajectory.channels);
-  Matrix no_rows(score->prediction.size(), 0);
-  std::vector<bool> valid(static_cast<size_t>(score->prediction.size()), true);
-  ApplySensors(
-      layout, parameters, data, false,
-      Eigen::Map<Vector>(score->prediction.data(), score->prediction.size()),
-      &no_rows, &valid);
-  if (data.filter != nullptr) {
-    Matrix history = score->prediction.transpose();
-    data.filter->Apply(&history);
-    score->prediction = history.transpose();
-  }
+  const std::vector<bool> valid =
+      ShowBySensors(layout, parameters, data, &score->prediction);
   ParallelFor(nc, num_threads, [&](int c, int) {
     const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
     ChannelScore& result = score->channels[static_cast<size_t>(c)];
@@ -141,6 +170,35 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
             : kNaN;
   });
   score->nrmse = CombinedError(data, *score);
+}
+
+Matrix PredictChannels(const IdentificationProblem& problem, int record,
+                       const std::vector<int>& channels,
+                       const Vector& parameters, const Vector& start,
+                       int num_threads) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const ParameterLayout layout(problem);
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  if (channels.empty() || parameters.size() != layout.num_parameters() ||
+      start.size() != dynamics.num_states() ||
+      !dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
+                        &error)) {
+    return Matrix();
+  }
+  const IdentificationRecord& whole =
+      problem.records.at(static_cast<size_t>(record));
+  const IdentificationRecord data = WithSensors(whole, channels);
+  const ObservationMap observation(dynamics, data.Observations());
+  const IntegrationGrid grid = GridOf(dynamics, whole);
+  Trajectory trajectory;
+  if (!FreeRun(dynamics, prepared, observation, grid, start, 0,
+               data.num_samples() - 1, &trajectory, Keep::kChannels,
+               num_threads)) {
+    return Matrix();
+  }
+  ShowBySensors(layout, parameters, data, &trajectory.channels);
+  return std::move(trajectory.channels);
 }
 
 double FreeRunError(const IdentificationProblem& problem,

@@ -24,6 +24,14 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                  Eigen::Index first_scored_sample, RecordScore* score,
                  Keep keep = Keep::kAll, int num_threads = 1);
 
+// What some of the record's sensors, `channels`, show in the run that
+// ScoreRecord makes of it: channels.size() x samples, in their order. Empty
+// where the run is not finite.
+Matrix PredictChannels(const IdentificationProblem& problem, int record,
+                       const std::vector<int>& channels,
+                       const Vector& parameters, const Vector& start,
+                       int num_threads = 1);
+
 // Root mean square over the training records of their errors, each run freely
 // from its first start in `shooting`; infinite where one is not finite, 0 where
 // there is none. What the fit itself is judged by on the way. Where records are

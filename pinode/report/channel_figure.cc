@@ -53,7 +53,8 @@ constexpr double kBandDeviations = 1.96;
 // The three panels of a channel that has been run.
 class ChannelPlot {
  public:
-  ChannelPlot(const ReportInput& input, int record, int channel)
+  ChannelPlot(const ReportInput& input, int record, int channel,
+              const HistoryRef& prior)
       : input_(input),
         record_(input.problem->records.at(static_cast<size_t>(record))),
         score_(input.summary->records.at(static_cast<size_t>(record))),
@@ -64,12 +65,7 @@ class ChannelPlot {
         script_(
             "channel_" + std::to_string(record) + "_" + std::to_string(channel),
             900, 400) {
-    const std::vector<Matrix>& priors = input.prior.predictions;
-    const size_t r = static_cast<size_t>(record);
-    if (r < priors.size() && priors[r].rows() > channel &&
-        priors[r].cols() == num_samples_) {
-      prior_.emplace(priors[r].row(channel).transpose());
-    }
+    if (prior.size() == num_samples_) prior_.emplace(prior);
     if (channel < static_cast<int>(score_.channels.size())) {
       sigma_ = score_.channels[static_cast<size_t>(channel)].sigma;
     }
@@ -219,7 +215,8 @@ class ChannelPlot {
 
 }  // namespace
 
-Figure MakeChannelFigure(const ReportInput& input, int record, int channel) {
+Figure MakeChannelFigure(const ReportInput& input, int record, int channel,
+                         const HistoryRef& prior) {
   Figure figure;
   const size_t r = static_cast<size_t>(record);
   const IdentificationRecord& data = input.problem->records.at(r);
@@ -233,7 +230,7 @@ Figure MakeChannelFigure(const ReportInput& input, int record, int channel) {
   }
   figure.id =
       "channel_" + std::to_string(record) + "_" + std::to_string(channel);
-  ChannelPlot plot(input, record, channel);
+  ChannelPlot plot(input, record, channel, prior);
   figure.script = plot.Draw();
 
   figure.caption = name + " in " + RecordWithRole(input, record);

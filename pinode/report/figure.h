@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pinode/discover/discovery.h"
+#include "pinode/report/decimate.h"
 #include "pinode/report/gnuplot.h"
 #include "pinode/report/report.h"
 #include "pinode/report/restoring_force.h"
@@ -33,8 +34,10 @@ struct Figure {
 
 // A measured channel with its free runs: the whole record, the strongest few
 // periods, and the residual of the updated model with plus and minus two sigma.
-// Empty where the summary holds no prediction of it.
-Figure MakeChannelFigure(const ReportInput& input, int record, int channel);
+// `prior`: the run of the model before, where there is one. Empty where the
+// summary holds no prediction of it.
+Figure MakeChannelFigure(const ReportInput& input, int record, int channel,
+                         const HistoryRef& prior = Vector());
 
 // Force against deformation and, where the law is not a mere spring, against
 // the rate;

@@ -48,6 +48,10 @@ class FigureTest : public ::testing::Test {
     return svg;
   }
 
+  Vector Prior(int record, int channel) {
+    return example_->input.run_prior(record, {channel}).row(0);
+  }
+
   std::unique_ptr<testing::ReportExample> example_;
 };
 
@@ -96,7 +100,7 @@ TEST_F(FigureTest, OneThatCannotBeDrawnTakesNoOtherWithIt) {
 }
 
 TEST_F(FigureTest, ShowsAChannelWithLabelsAndLegend) {
-  const Figure figure = MakeChannelFigure(example_->input, 1, 2);
+  const Figure figure = MakeChannelFigure(example_->input, 1, 2, Prior(1, 2));
   const std::string svg = Draw(figure);
   for (const char* text : {"a3, m/s\u00b2", "time, s", "residual, m/s\u00b2",
                            "measured", "updated model", "prior model"}) {
@@ -108,12 +112,10 @@ TEST_F(FigureTest, ShowsAChannelWithLabelsAndLegend) {
 
 TEST_F(FigureTest, DrawsAChannelThatThePriorAndTheUpdatedModelMiss) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  example_->input.prior.predictions[0] *= 1e30;
   example_->summary.records[0].prediction.rightCols(1500).setConstant(nan);
   example_->problem.records[0].channels[0].values.head(200).setConstant(nan);
-  Draw(MakeChannelFigure(example_->input, 0, 0));
+  Draw(MakeChannelFigure(example_->input, 0, 0, 1e30 * Prior(0, 0)));
   example_->summary.records[0].prediction.setConstant(nan);
-  example_->input.prior.predictions.clear();
   Draw(MakeChannelFigure(example_->input, 0, 0));
   example_->problem.records[0].channels[0].values.setZero();
   Draw(MakeChannelFigure(example_->input, 0, 0));
@@ -155,9 +157,7 @@ TEST_F(FigureTest, StaysSmallForLongRecords) {
   record.channels[0].values = values;
   example_->summary.records[0].prediction =
       Matrix(values.transpose()).replicate(3, 1) * 0.9;
-  example_->input.prior.predictions[0] =
-      Matrix(values.transpose()).replicate(3, 1) * 1.2;
-  Draw(MakeChannelFigure(example_->input, 0, 0));
+  Draw(MakeChannelFigure(example_->input, 0, 0, 1.2 * values));
 }
 
 TEST_F(FigureTest, ShowsLoopsOfLawsAndNetworks) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
@@ -232,7 +233,11 @@ ReportInput MakeReportInput(const IdentificationProblem& problem,
   input.problem = &problem;
   input.summary = &summary;
   input.model = &model;
-  input.prior = CompareWithPrior(problem, summary, model);
+  input.prior = CompareWithPrior(problem, model);
+  const auto runs = std::make_shared<PriorRuns>(problem, model);
+  input.run_prior = [runs](int record, const std::vector<int>& channels) {
+    return runs->Run(record, channels);
+  };
   input.origin = origin;
   input.version = PinodeVersion();
   return input;

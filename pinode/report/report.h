@@ -3,6 +3,7 @@
 #ifndef PINODE_REPORT_REPORT_H_
 #define PINODE_REPORT_REPORT_H_
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ struct ReportInput {
   const IdentificationSummary* summary = nullptr;
   const IdentifiedModel* model = nullptr;
   PriorComparison prior;
+  // Runs of the model before: of some channels of a record, channels x samples,
+  // empty where they are not finite. nullptr: nobody knows it.
+  std::function<Matrix(int record, const std::vector<int>& channels)> run_prior;
   // In place of networks; nullptr: there was no discovery.
   const std::vector<DiscoveredEquation>* equations = nullptr;
   // What has changed since healthy records; nullptr: nobody asked.

@@ -19,6 +19,9 @@ using Role = IdentificationRecord::Role;
 // that several can run beside each other, however many threads there are.
 constexpr size_t kFiguresARun = 12;
 
+// Of the model before, values of its sensors that are kept at a time.
+constexpr Eigen::Index kNumbersARun = 4000000;
+
 // Indices of the records' channels to be drawn, those with the largest errors
 // if there are too many, in the record's order.
 std::vector<int> ChannelsToDraw(const RecordScore& score, int count,
@@ -90,13 +93,39 @@ class Planner {
           summary_.records[r], count, options_.max_channels_per_record);
       ReportFigures::History history;
       history.record = static_cast<int>(r);
-      for (const int channel : channels) {
-        AddTo(MakeChannelFigure(input_, history.record, channel),
-              &history.figures);
-      }
+      AddHistories(channels, &history);
       if (history.figures.empty()) continue;
       history.num_left_out = count - static_cast<int>(channels.size());
       figures_.histories.push_back(std::move(history));
+    }
+  }
+
+  // A few channels at a time: the model before is run for the figures alone,
+  // and a long record takes much of the memory already.
+  void AddHistories(const std::vector<int>& channels,
+                    ReportFigures::History* history) {
+    const Eigen::Index samples =
+        input_.problem->records.at(static_cast<size_t>(history->record))
+            .num_samples();
+    const size_t most = static_cast<size_t>(std::max<Eigen::Index>(
+        kNumbersARun / std::max<Eigen::Index>(samples, 1), 1));
+    for (size_t first = 0; first < channels.size(); first += most) {
+      const auto begin = channels.begin() + static_cast<std::ptrdiff_t>(first);
+      const std::vector<int> some(
+          begin, begin + static_cast<std::ptrdiff_t>(
+                             std::min(most, channels.size() - first)));
+      Matrix prior;
+      if (input_.run_prior != nullptr) {
+        prior = input_.run_prior(history->record, some);
+      }
+      for (size_t i = 0; i < some.size(); ++i) {
+        AddTo(prior.size() == 0
+                  ? MakeChannelFigure(input_, history->record, some[i])
+                  : MakeChannelFigure(
+                        input_, history->record, some[i],
+                        prior.row(static_cast<Eigen::Index>(i)).transpose()),
+              &history->figures);
+      }
     }
   }
 

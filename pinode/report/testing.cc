@@ -202,7 +202,7 @@ void AddRecord(const std::string& name, IdentificationRecord::Role role,
   }
   example->problem.records.push_back(record);
   example->summary.records.push_back(score);
-  example->input.prior.predictions.push_back(prior.channels);
+  example->priors.push_back(prior.channels);
 }
 
 void AddEstimates(const Vector& identified, ReportExample* example) {
@@ -327,6 +327,15 @@ std::unique_ptr<ReportExample> MakeReportExample() {
   example->model.parameters = identified;
 
   ReportInput& input = example->input;
+  const std::vector<Matrix>& priors = example->priors;
+  input.run_prior = [&priors](int record, const std::vector<int>& channels) {
+    const Matrix& all = priors.at(static_cast<size_t>(record));
+    Matrix some(static_cast<Eigen::Index>(channels.size()), all.cols());
+    for (size_t i = 0; i < channels.size(); ++i) {
+      some.row(static_cast<Eigen::Index>(i)) = all.row(channels[i]);
+    }
+    return some;
+  };
   ProblemDescription& description = example->problem.description;
   description.title = "Three-storey frame, identified from two earthquakes";
   input.origin.case_path = "data/three_storey/three_storey.toml";

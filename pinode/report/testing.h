@@ -16,6 +16,8 @@ struct ReportExample {
   IdentificationProblem problem;
   IdentificationSummary summary;
   IdentifiedModel model;
+  // By record, channels x samples: what input.run_prior gives.
+  std::vector<Matrix> priors;
   ReportInput input;
 };
 

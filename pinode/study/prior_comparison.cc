@@ -7,40 +7,14 @@
 #include "pinode/estimate/score.h"
 
 namespace pinode {
-namespace {
-
-Matrix PriorPrediction(const IdentificationProblem& problem, int r,
-                       const Vector& prior, const IdentifiedModel& model) {
-  const size_t index = static_cast<size_t>(r);
-  const int num_channels =
-      static_cast<int>(problem.records[index].channels.size());
-  const bool has_sigmas =
-      index < model.sigmas.size() && model.sigmas[index].size() == num_channels;
-  const Vector sigmas =
-      has_sigmas ? model.sigmas[index] : Vector::Ones(num_channels);
-  Vector start;
-  const Eigen::Index first = FreeRunStart(problem, r, prior, sigmas, &start);
-  RecordScore score;
-  ScoreRecord(problem, r, prior, start, first, &score, Keep::kChannels);
-  return score.finite ? std::move(score.prediction) : Matrix();
-}
-
-}  // namespace
 
 PriorComparison CompareWithPrior(const IdentificationProblem& problem,
-                                 const IdentificationSummary& summary,
                                  const IdentifiedModel& model) {
   PriorComparison result;
   if (!problem.IsValid(&result.why_no_modes)) return result;
   const ParameterLayout layout(problem);
-  const Vector prior = layout.InitialValues();
-  result.predictions.resize(problem.records.size());
-  for (size_t r = 0; r < problem.records.size(); ++r) {
-    if (r >= summary.records.size()) continue;
-    result.predictions[r] =
-        PriorPrediction(problem, static_cast<int>(r), prior, model);
-  }
   if (model.parameters.size() != layout.num_parameters()) return result;
+  const Vector prior = layout.InitialValues();
   const StructuralDynamics& dynamics = *problem.dynamics;
   std::vector<ModePair> modes;
   if (CompareModes(
@@ -50,6 +24,34 @@ PriorComparison CompareWithPrior(const IdentificationProblem& problem,
     result.modes = std::move(modes);
   }
   return result;
+}
+
+PriorRuns::PriorRuns(const IdentificationProblem& problem,
+                     const IdentifiedModel& model)
+    : problem_(problem), model_(model) {
+  std::string error;
+  valid_ = problem.IsValid(&error);
+  if (valid_) prior_ = ParameterLayout(problem).InitialValues();
+}
+
+Matrix PriorRuns::Run(int record, const std::vector<int>& channels) {
+  if (!valid_) return Matrix();
+  return PredictChannels(problem_, record, channels, prior_, StartOf(record));
+}
+
+const Vector& PriorRuns::StartOf(int record) {
+  const auto known = starts_.find(record);
+  if (known != starts_.end()) return known->second;
+  const auto r = static_cast<size_t>(record);
+  const auto num_channels =
+      static_cast<Eigen::Index>(problem_.records.at(r).channels.size());
+  const bool has_sigmas =
+      r < model_.sigmas.size() && model_.sigmas[r].size() == num_channels;
+  const Vector sigmas =
+      has_sigmas ? model_.sigmas[r] : Vector::Ones(num_channels);
+  Vector start;
+  FreeRunStart(problem_, record, prior_, sigmas, &start);
+  return starts_.emplace(record, std::move(start)).first->second;
 }
 
 }  // namespace pinode
