@@ -104,7 +104,7 @@ TEST(AmbientCostTest, FindsStoreysUnderColouredWind) {
 // alone leaves so little open that two modes must have their damping exactly;
 // and what the transfer function turns within a spectral line is more than good
 // sensors would hide.
-TEST(AmbientCostTest, FindsStoreysOnAMovingBase) {
+TEST(AmbientCostFigures, FindsStoreysOnAMovingBase) {
   const TestChain chain = RayleighChain(2);
   for (const double noise : {0.02, 0.01, 0.003}) {
     IdentificationProblem problem = ProblemOfChain(
@@ -143,7 +143,7 @@ TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
 
 // One logger at 50 Hz and one at 25 Hz, at other times: each with its own
 // lines, and what they say together is more than either says alone.
-TEST(AmbientCostTest, RecordsOfDifferingRates) {
+TEST(AmbientCostFigures, RecordsOfDifferingRates) {
   const TestChain chain = RayleighChain(3);
   IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.05, RecordOfChain(chain, 300.0, 6, 0.5));

@@ -86,7 +86,7 @@ IdentificationProblem PulseProblem(const std::vector<Pulse>& truth,
   return problem;
 }
 
-TEST(PulseScan, FindsAPulseFarFromWhereItBegins) {
+TEST(PulseScanFigures, FindsAPulseFarFromWhereItBegins) {
   const Pulse truth = {2.317, 0.06, 30.0};
   for (const double start : {0.0, 1.0, 3.5}) {
     const IdentificationProblem problem =

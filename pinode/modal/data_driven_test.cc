@@ -42,7 +42,7 @@ TEST(DataDrivenTest, SpansWhatTheProjectionSpans) {
   EXPECT_LT((own - projected).norm(), 0.02 * projected.norm());
 }
 
-TEST(DataDrivenTest, FindsTheModesOfAChain) {
+TEST(DataDrivenFigures, FindsTheModesOfAChain) {
   const TestChain chain(3, 4000.0);
   const ResponseRecord record = SimulateChain(chain, 0.01, 60000, 7);
   ModeIdentificationOptions options;

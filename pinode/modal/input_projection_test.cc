@@ -58,7 +58,7 @@ TEST(InputProjectionTest, ExactWithoutNoise) {
 
 // Ground motion with a peak of its own, which the response alone would show as
 // a mode, and wind that nobody measured.
-TEST(InputProjectionTest, TheInputHasNoModes) {
+TEST(InputProjectionFigures, TheInputHasNoModes) {
   const TestChain chain(3, 4000.0);
   TestExcitation excitation;
   excitation.base = true;

@@ -47,7 +47,7 @@ TEST(RingDownTest, ExactWithoutNoise) {
   EXPECT_EQ(exact, 3);
 }
 
-TEST(RingDownTest, FindsTheModesAndNoOther) {
+TEST(RingDownFigures, FindsTheModesAndNoOther) {
   const TestChain chain(4, 6000.0);
   const ModesOfRecord result =
       DecayModes(SimulateRingDown(chain, 0.01, 3000, 2, 0.1));

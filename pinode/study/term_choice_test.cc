@@ -210,7 +210,9 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInColouredNoise) {
   }
 }
 
-TEST_F(TermChoiceTest, LeavesOutElementsThatAreNotThere) {
+using TermChoiceFigures = TermChoiceTest;
+
+TEST_F(TermChoiceFigures, LeavesOutElementsThatAreNotThere) {
   Make(WithTwinNoise(TwinDisplacement(4.0, 0.0), 21, 0.0), true);
   const TermFit fit = Choose();
   EXPECT_THAT(Kept(fit.summary.choice), ElementsAre("nl.x[u]^3"));
