@@ -4,11 +4,13 @@
 // Sample runs:
 //   pinode_check --case=data/three_storey/three_storey.toml
 //   pinode_check --case=data/three_storey/three_storey.toml --plan=2
+//   pinode_check --case=data/three_storey/three_storey.toml --output_dir=out
 
 #include <gflags/gflags.h>
 
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,18 +18,26 @@
 #include "apps/ranks.h"
 #include "apps/sensor_planning.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/case_check.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/check_files.h"
 #include "pinode/case/finite_element_section.h"
-#include "pinode/estimate/assessment.h"
-#include "pinode/estimate/modal_cost.h"
+#include "pinode/case/matlab_results.h"
+#include "pinode/case/plan_files.h"
+#include "pinode/case/result_folder.h"
 #include "pinode/record/excitation.h"
-#include "pinode/structure/modal_analysis.h"
 
 DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
 DEFINE_int32(plan, 0,
              "plan this many sensors: those that tell most about the groups, "
              "of the places that [plan] names or all; responses need not have "
              "been measured");
+DEFINE_string(output_dir, "",
+              "folder for what is printed, as tables, matrices and JSON; must "
+              "not exist without --overwrite; none: nothing is written");
+DEFINE_bool(overwrite, false, "replace an existing output folder");
+DEFINE_bool(mat, false,
+            "write results.mat too, with all of these, for MATLAB and Octave");
 
 namespace pinode {
 namespace {
@@ -92,25 +102,18 @@ void PrintFiniteElementModel(const Case& c) {
   std::printf("\n");
 }
 
-void PrintModel(const Case& c) {
+void PrintModel(const Case& c, const CaseCheck& check) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   std::printf("Model: %d DOFs, %d states, units %s, %s, %s\n",
               dynamics.num_dofs(), dynamics.num_states(),
               c.problem.description.units.force.c_str(),
               c.problem.description.units.length.c_str(),
               c.problem.description.units.time.c_str());
-  const StructuralModel model = dynamics.HeldModel(dynamics.Parameters());
-  if (model.num_dofs() == 0) {
-    std::printf("No modes: the motion of every DOF is prescribed\n");
+  if (!check.no_modes.empty()) {
+    std::printf("No modes: %s\n", check.no_modes.c_str());
     return;
   }
-  ModalProperties modes;
-  std::string error;
-  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
-                    &error)) {
-    std::printf("No modes: %s\n", error.c_str());
-    return;
-  }
+  const ModalProperties& modes = check.modes;
   const double to_hz = c.problem.description.HzPerModelFrequency();
   std::printf("\nMode      Hz   damping %%   expected Hz   error %%\n");
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
@@ -219,31 +222,19 @@ void PrintCandidates(const Case& c) {
   std::printf("\n");
 }
 
-void PrintMeasuredModes(const Case& c) {
-  const StructuralDynamics dynamics =
-      AveragedDynamics(c.problem.modal, *c.problem.dynamics);
-  const std::vector<bool> in_use =
-      ModesInUse(c.problem.modal, *c.problem.dynamics);
-  std::vector<ModeMatch> matches;
-  std::string error;
-  if (c.problem.modal.empty() ||
-      !MatchModes(OnlyModes(c.problem.modal, in_use),
-                  dynamics.CorrectedModel(dynamics.Parameters()), &matches,
-                  &error)) {
-    return;
-  }
+void PrintMeasuredModes(const Case& c, const CaseCheck& check) {
+  if (check.mode_in_use.empty()) return;
   const double to_hz = c.problem.description.HzPerModelFrequency();
   std::printf("\nMeasured modes, form %s\n",
               ModalFormName(c.problem.modal.form));
-  size_t next = 0;
-  for (size_t i = 0; i < in_use.size(); ++i) {
+  for (size_t i = 0; i < check.mode_in_use.size(); ++i) {
     const MeasuredMode& mode = c.problem.modal.modes[i];
     std::printf("  %s: %.5g Hz, ", mode.name.c_str(), to_hz * mode.frequency);
-    if (!in_use[i]) {
+    if (!check.mode_in_use[i]) {
       std::printf("like no mode of the model; a fit does not use it\n");
       continue;
     }
-    const ModeMatch& match = matches[next++];
+    const ModeMatch& match = check.mode_match[i];
     std::printf("model's mode %d %.5g Hz (%+.2f %%)", match.mode + 1,
                 to_hz * match.frequency,
                 100.0 * (match.frequency / mode.frequency - 1.0));
@@ -254,13 +245,12 @@ void PrintMeasuredModes(const Case& c) {
   }
 }
 
-bool PrintAssessment(const Case& c) {
-  ProblemAssessment assessment;
-  std::string error;
-  if (!AssessProblem(c.problem, c.options, &assessment, &error)) {
-    std::printf("\nNot assessed: %s\n", error.c_str());
-    return false;
+void PrintAssessment(const CaseCheck& check) {
+  if (!check.ok()) {
+    std::printf("\nNot assessed: %s\n", check.not_assessed.c_str());
+    return;
   }
+  const ProblemAssessment& assessment = check.assessment;
   std::printf(
       "\nSizes: %d free parameters, %td residuals, %d unknown start states\n",
       assessment.num_free, assessment.num_residuals, assessment.num_starts);
@@ -287,7 +277,57 @@ bool PrintAssessment(const Case& c) {
   if (assessment.undetermined.empty()) {
     std::printf("\nEvery named parameter is determined by the data.\n");
   }
-  return true;
+}
+
+void Print(const Case& c, const CaseCheck& check) {
+  if (!c.problem.description.title.empty()) {
+    std::printf("%s\n\n", c.problem.description.title.c_str());
+  }
+  PrintFiniteElementModel(c);
+  PrintModel(c, check);
+  if (!c.problem.records.empty()) PrintRecords(c);
+  PrintAmbientRecords(c);
+  PrintCandidates(c);
+  PrintMeasuredModes(c, check);
+  for (const std::string& remark : c.problem.description.remarks) {
+    std::printf("  %s\n", remark.c_str());
+  }
+  if (check.has_measurements) PrintAssessment(check);
+}
+
+bool CheckFlags(std::string* error) {
+  if (FLAGS_case.empty()) {
+    *error = "--case=FILE is missing; see --help";
+  } else if (FLAGS_plan < 0) {
+    *error = "--plan is negative, expected sensors";
+  } else if (FLAGS_output_dir.empty()) {
+    if (!FLAGS_mat && !FLAGS_overwrite) return true;
+    *error = std::string(FLAGS_mat ? "--mat" : "--overwrite") +
+             " goes with --output_dir only";
+  } else {
+    return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+  }
+  return false;
+}
+
+// Leaves behind, where that is asked for, what `write` writes to a folder.
+// Returns `status`, or what the program is to exit with where that fails.
+int WriteFolder(int status,
+                const std::function<bool(const std::string& folder,
+                                         std::string* error)>& write) {
+  if (FLAGS_output_dir.empty()) return status;
+  ResultFolder folder;
+  std::string error;
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
+    return Refuse(error);
+  }
+  if (!write(folder.working_path(), &error) ||
+      (FLAGS_mat && !WriteMatlabResults(folder.working_path(), &error)) ||
+      !folder.Commit(&error)) {
+    return CannotWrite(error, folder);
+  }
+  std::printf("Results: %s\n", folder.final_path().c_str());
+  return status;
 }
 
 }  // namespace
@@ -297,7 +337,7 @@ int main(int argc, char** argv) {
   using namespace pinode;
   int status;
   if (!ParseFlags(argc, argv,
-                  "pinode_check --case=FILE\n\n"
+                  "pinode_check --case=FILE [--output_dir=FOLDER]\n\n"
                   "Reads a case and all it names, fits nothing, and prints "
                   "modes, steps, sizes and\nwhat the sensors cannot see; with "
                   "--plan where to put sensors.",
@@ -307,33 +347,26 @@ int main(int argc, char** argv) {
   if (NumLaunchedRanks() > 1) {
     return Refuse("pinode_check runs in one process, expected no launcher");
   }
-  if (FLAGS_case.empty()) return Refuse("--case=FILE is missing; see --help");
-  if (FLAGS_plan < 0) return Refuse("--plan is negative, expected sensors");
   Case c;
   std::string error;
+  if (!CheckFlags(&error)) return Refuse(error);
   if (FLAGS_plan > 0) {
-    PlannedSensors planned;
-    if (!PlanForCase(FLAGS_case, FLAGS_plan, &planned, &error)) {
+    CasePlan planned;
+    if (!PlanForCase(FLAGS_case, FLAGS_plan, &c, &planned, &error)) {
       return Refuse(error);
     }
-    std::printf("%s", planned.text.c_str());
-    return planned.all_determined ? kExitDone : kExitNotUsable;
+    std::printf("%s", CasePlanText(c, planned).c_str());
+    return WriteFolder(
+        planned.plan.undetermined_by_plan.empty() ? kExitDone : kExitNotUsable,
+        [&](const std::string& folder, std::string* failure) {
+          return WritePlanFiles(c, planned, folder, failure);
+        });
   }
   if (!ReadCaseForCheck(FLAGS_case, &c, &error)) return Refuse(error);
-  if (!c.problem.description.title.empty())
-    std::printf("%s\n\n", c.problem.description.title.c_str());
-  PrintFiniteElementModel(c);
-  PrintModel(c);
-  if (!c.problem.records.empty()) PrintRecords(c);
-  PrintAmbientRecords(c);
-  PrintCandidates(c);
-  PrintMeasuredModes(c);
-  for (const std::string& remark : c.problem.description.remarks) {
-    std::printf("  %s\n", remark.c_str());
-  }
-  if (c.problem.records.empty() && c.problem.modal.empty() &&
-      c.problem.ambient.empty()) {
-    return kExitDone;
-  }
-  return PrintAssessment(c) ? kExitDone : kExitNotUsable;
+  const CaseCheck check = CheckCase(c);
+  Print(c, check);
+  return WriteFolder(check.ok() ? kExitDone : kExitNotUsable,
+                     [&](const std::string& folder, std::string* failure) {
+                       return WriteCheckFiles(c, check, folder, failure);
+                     });
 }

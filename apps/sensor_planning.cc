@@ -3,7 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/case/case_file.h"
 #include "pinode/report/plan_text.h"
 #include "pinode/study/sensor_plan.h"
 
@@ -21,10 +20,9 @@ bool Plan(Case* c, int num_sensors, SensorPlan* plan, std::string* error) {
 }
 
 // Of each place at which the force could act, the sensors that suit it.
-bool AddExcitations(const Case& own, int num_sensors, std::string* text,
-                    std::string* error) {
-  if (own.plan.excite.empty()) return true;
-  std::vector<PlannedExcitation> excitations;
+bool PlanExcitations(const Case& own, int num_sensors,
+                     std::vector<PlannedExcitation>* excitations,
+                     std::string* error) {
   for (const std::string& dof : own.plan.excite) {
     Case moved;
     PlannedExcitation planned;
@@ -33,41 +31,45 @@ bool AddExcitations(const Case& own, int num_sensors, std::string* text,
         !Plan(&moved, num_sensors, &planned.plan, error)) {
       return false;
     }
-    excitations.push_back(std::move(planned));
+    excitations->push_back(std::move(planned));
   }
-  *text += "\nWith the first force of each record alone, and sensors for it\n" +
-           ExcitationsText(own.plan.options, std::move(excitations));
   return true;
 }
 
 }  // namespace
 
-bool PlanForCase(const std::string& case_path, int num_sensors,
-                 PlannedSensors* planned, std::string* error) {
-  Case c;
-  SensorPlan plan;
-  if (!ReadCaseForPlanning(case_path, "", &c, error) ||
-      !Plan(&c, num_sensors, &plan, error)) {
+bool PlanForCase(const std::string& case_path, int num_sensors, Case* c,
+                 CasePlan* planned, std::string* error) {
+  if (!ReadCaseForPlanning(case_path, "", c, error) ||
+      !Plan(c, num_sensors, &planned->plan, error)) {
     return false;
   }
-  std::string& text = planned->text;
+  if (!c->plan.durations.empty() &&
+      !PlanDurations(c->problem, c->options, c->plan.own, c->plan.candidates,
+                     c->plan.options, planned->plan, c->plan.durations,
+                     &planned->durations, error)) {
+    *error = c->path + ": " + *error;
+    return false;
+  }
+  return PlanExcitations(*c, num_sensors, &planned->excitations, error);
+}
+
+std::string CasePlanText(const Case& c, const CasePlan& planned) {
+  std::string text;
   if (!c.problem.description.title.empty()) {
     text += c.problem.description.title + "\n\n";
   }
-  text += PlanText(c.problem, c.plan.candidates, c.plan.options, plan);
-  if (!c.plan.durations.empty()) {
-    std::vector<PlannedDuration> durations;
-    if (!PlanDurations(c.problem, c.options, c.plan.own, c.plan.candidates,
-                       c.plan.options, plan, c.plan.durations, &durations,
-                       error)) {
-      *error = c.path + ": " + *error;
-      return false;
-    }
-    text +=
-        "\nWith the planned sensors\n" + DurationsText(c.problem, durations);
+  text += PlanText(c.problem, c.plan.candidates, c.plan.options, planned.plan);
+  if (!planned.durations.empty()) {
+    text += "\nWith the planned sensors\n" +
+            DurationsText(c.problem, planned.durations);
   }
-  planned->all_determined = plan.undetermined_by_plan.empty();
-  return AddExcitations(c, num_sensors, &text, error);
+  if (!planned.excitations.empty()) {
+    text +=
+        "\nWith the first force of each record alone, and sensors for it\n" +
+        ExcitationsText(c.plan.options, planned.excitations);
+  }
+  return text;
 }
 
 }  // namespace pinode

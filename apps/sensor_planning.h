@@ -5,18 +5,19 @@
 
 #include <string>
 
+#include "pinode/case/case_file.h"
+#include "pinode/case/plan_files.h"
+
 namespace pinode {
 
-struct PlannedSensors {
-  std::string text;
-  // Whether the planned sensors determine every named parameter.
-  bool all_determined = false;
-};
-
-// Reads the case and all it names, plans, and says so. False, with one line in
-// *error, where something is wrong with the case.
+// Reads the case and all it names, and plans: sensors, and what the case asks
+// of durations and of places for the force. False, with one line in *error,
+// where something is wrong with the case.
 [[nodiscard]] bool PlanForCase(const std::string& case_path, int num_sensors,
-                               PlannedSensors* planned, std::string* error);
+                               Case* c, CasePlan* planned, std::string* error);
+
+// What a person is told of it.
+std::string CasePlanText(const Case& c, const CasePlan& planned);
 
 }  // namespace pinode
 

@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 constexpr char kCheckpoint[] = "checkpoint.json";
 constexpr char kPartial[] = ".partial-";
 // A folder with one of these is one of ours.
-constexpr const char* kMarkers[] = {"result.json",   "discover.json",
-                                    "modes.json",    "damage.json",
-                                    "simulate.json", kCheckpoint};
+constexpr const char* kMarkers[] = {
+    "result.json",   "discover.json", "modes.json", "damage.json",
+    "simulate.json", "check.json",    "plan.json",  kCheckpoint};
 
 // Absolute, without links, dots and a slash at the end.
 fs::path Canonical(const std::string& path) {

@@ -22,12 +22,6 @@ std::string PlanText(const IdentificationProblem& problem,
 std::string DurationsText(const IdentificationProblem& problem,
                           const std::vector<PlannedDuration>& durations);
 
-// Plans for a force at one DOF each.
-struct PlannedExcitation {
-  std::string dof;
-  SensorPlan plan;
-};
-
 // One line for each, the best by the criterion first; sensors in the order of
 // `candidates` there.
 std::string ExcitationsText(const SensorPlanOptions& options,

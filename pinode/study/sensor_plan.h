@@ -72,6 +72,12 @@ struct SensorPlan {
                                const SensorPlanOptions& plan_options,
                                SensorPlan* plan, std::string* error);
 
+// A plan for a force at one DOF.
+struct PlannedExcitation {
+  std::string dof;
+  SensorPlan plan;
+};
+
 // What chosen sensors reach with the first part of each training record alone.
 struct PlannedDuration {
   double duration = 0.0;  // model time

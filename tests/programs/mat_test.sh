@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# MATLAB files in and out of the programs that write results; SciPy reads what
-# they write.
+# MATLAB files in and out of every program; SciPy reads what they write, and
+# finds there what stands in the other files of the folder.
 #
 #   tests/programs/mat_test.sh PROGRAM_DIR
 set -euo pipefail
@@ -11,6 +11,7 @@ data=$(cd -- "$here/../../data/three_storey" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 cp -- "$data"/*.toml "$data"/*.csv "$scratch"
+cp -r -- "$data/../quarter_car" "$data/../three_storey_ambient" "$scratch"
 cd -- "$scratch"
 
 tested=pinode_update
@@ -66,6 +67,41 @@ Run 0 pinode_update --case=three_storey.toml --output_dir=A --progress=false
 Run 0 pinode_update --case=from_mat.toml --output_dir=B --progress=false --mat
 [[ ! -e A/results.mat ]] || Fail "no results.mat without --mat"
 Run 0 pinode_simulate --case=three_storey.toml --output_dir=S --mat
+Run 0 pinode_check --case=from_mat.toml --output_dir=C --mat
+cp stdout checked
+Run 0 pinode_check --case=from_mat.toml --plan=2 --output_dir=P --mat
+cp stdout planned
+tested=pinode_check
+Refused "exists" --case=from_mat.toml --output_dir=C
+Refused "--mat goes with --output_dir" --case=from_mat.toml --mat
+Refused "--overwrite goes with --output_dir" --case=from_mat.toml --overwrite
+Run 0 pinode_check --case=from_mat.toml --output_dir=C --mat --overwrite
+
+# Motion of a car, and of a building in the wind, from .mat as well.
+/usr/bin/python3 - <<'END'
+import numpy as np
+import scipy.io
+
+for path, zipped in (("quarter_car/drive", ""), ("three_storey_ambient/wind", ".gz")):
+    table = np.genfromtxt(path + ".csv" + zipped, delimiter=",", names=True)
+    scipy.io.savemat(path + ".mat", {"rec": {name: table[name] for name in table.dtype.names}})
+END
+sed '/"drive.csv"/,/^\[\[record\]\]/{
+  s/"drive.csv"/"drive.mat"/
+  s/^\( *\(time\|column\) *= \)"\([a-z]*\)"$/\1"rec.\3"/
+}' quarter_car/quarter_car.toml >quarter_car/mat.toml
+sed 's/"wind.csv.gz"/"wind.mat"/; s/= "\(a[123]\)"/= "rec.\1"/' \
+  three_storey_ambient/three_storey_ambient.toml >three_storey_ambient/mat.toml
+for folder in quarter_car three_storey_ambient; do
+  grep -q '"rec\.' $folder/mat.toml || Fail "the case of $folder names fields"
+done
+Run 0 pinode_discover --case=quarter_car/quarter_car.toml --output_dir=Q \
+  --progress=false
+Run 0 pinode_discover --case=quarter_car/mat.toml --output_dir=R \
+  --progress=false --mat
+Run 0 pinode_modes --case=three_storey_ambient/three_storey_ambient.toml \
+  --output_dir=V
+Run 0 pinode_modes --case=three_storey_ambient/mat.toml --output_dir=W --mat
 Run 0 pinode_damage --baseline=B --case=three_storey.toml --output_dir=D \
   --progress=false --mat
 
@@ -73,9 +109,12 @@ Run 0 pinode_damage --baseline=B --case=three_storey.toml --output_dir=D \
 /usr/bin/python3 - <<'END'
 import csv
 import json
+import pathlib
+import re
 
 import numpy as np
 import scipy.io
+import scipy.linalg
 
 
 def table(path):
@@ -98,10 +137,84 @@ for name, cells in prediction.items():
     assert np.array_equal(field, numbers, equal_nan=True), name
 assert "checkpoint_json" not in mat
 
-response = scipy.io.loadmat("S/results.mat", simplify_cells=True)["response_train"]
-assert np.array_equal(response["a3"], np.array(table("S/response_train.csv")["a3"], float))
-damage = scipy.io.loadmat("D/results.mat", simplify_cells=True)
-assert json.loads(damage["damage_json"])["verdict"] == "no_damage", damage["damage_json"]
+
+def texts(cells):
+    """SciPy reads an empty text as an empty array."""
+    return [cell if isinstance(cell, str) else "" for cell in np.atleast_1d(cells)]
+
+
+def same_as_files(folder):
+    """Reads results.mat of a folder back, and compares it with each of the others."""
+    mat = scipy.io.loadmat(f"{folder}/results.mat", simplify_cells=True)
+    compared = 0
+    for path in pathlib.Path(folder).iterdir():
+        name = path.stem
+        if path.suffix == ".csv":
+            for column, cells in table(path).items():
+                field = np.atleast_1d(mat[name][re.sub(r"\W", "_", column)])
+                if field.dtype == object or field.dtype.kind == "U":
+                    assert texts(field) == cells, (path, column)
+                else:
+                    numbers = np.array([cell or "nan" for cell in cells], float)
+                    assert np.array_equal(field, numbers, equal_nan=True), (path, column)
+        elif path.suffix == ".mtx":
+            matrix = scipy.io.mmread(path)
+            full = matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
+            assert np.array_equal(np.atleast_2d(mat[name]), full), path
+        elif path.suffix == ".json" and name != "checkpoint":
+            assert json.loads(mat[name + "_json"]) == json.loads(path.read_text()), path
+        else:
+            continue
+        compared += 1
+    assert compared >= 2, folder
+    return mat
+
+
+response = same_as_files("S")["response_train"]
+assert len(response["a3"]) == len(table("S/response_train.csv")["t"])
+assert json.loads(same_as_files("D")["damage_json"])["verdict"] == "no_damage"
+
+# The model before the fit: what eig makes of its matrices is what the table has.
+check = same_as_files("C")
+w2, shapes = scipy.linalg.eigh(check["K"], check["M"])
+assert np.allclose(check["modes"]["frequency_hz"], np.sqrt(w2) / (2 * np.pi), rtol=1e-12)
+assert np.allclose(np.abs(shapes.T @ check["M"] @ check["mode_shapes"]), np.eye(3), atol=1e-9)
+modal_damping = np.diag(check["mode_shapes"].T @ check["C"] @ check["mode_shapes"])
+assert np.allclose(check["modes"]["damping_ratio"], modal_damping / (2 * np.sqrt(w2)), rtol=1e-6)
+said = pathlib.Path("checked").read_text()
+for hz in check["modes"]["frequency_hz"]:
+    assert f"{hz:.4g}" in said, hz
+about = json.loads(check["check_json"])
+assert about["schema"] == "pinode-check-1" and about["assessed"], about["message"]
+assert about["dofs"] == ["u1", "u2", "u3"]
+assert [r["name"] for r in about["records"]] == ["train", "holdout"]
+for name, sigma in zip(check["expected"]["name"], check["expected"]["sigma"]):
+    assert f"{1.96 * sigma:.2g}" in said, name
+
+plan = same_as_files("P")
+about = json.loads(plan["plan_json"])
+assert about["all_determined"] and about["targets"] == ["k1", "k2", "k3"]
+said = pathlib.Path("planned").read_text()
+assert len(plan["sensors"]["name"]) == 2
+for sensor in plan["sensors"]["name"]:
+    assert f"  {sensor} " in said, sensor
+# More sensors, more that they tell; all places tell most.
+assert plan["sensors"]["typical"][1] < plan["sensors"]["typical"][0]
+assert np.all(plan["deviations"]["all"] <= plan["deviations"]["planned"] * (1 + 1e-9))
+
+# Equations and modes of what SciPy wrote are those of the same numbers as CSV.
+found = same_as_files("R")
+of_csv = json.load(open("Q/discover.json"))
+of_mat = json.loads(found["discover_json"])
+assert of_mat == of_csv and of_mat["equations"][0]["terms"], of_mat
+assert texts(found["equations"]["lines"]) == open("R/equations.txt").read().splitlines()
+assert np.array_equal(found["M"], np.diag([290.0, 40.0]))
+
+modes = same_as_files("W")
+of_csv = table("V/modes.csv")
+assert len(modes["modes"]["frequency_hz"]) == 3
+for name in ("frequency_hz", "damping_ratio", "u3_real"):
+    assert np.array_equal(modes["modes"][name], np.array(of_csv[name], float)), name
 END
 
 # A disk that is full stands as a limit to the size of a file, whose signal is
