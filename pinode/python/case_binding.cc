@@ -5,9 +5,12 @@
 #include <string>
 #include <utility>
 
+#include "pinode/case/case_check.h"
+#include "pinode/case/check_files.h"
+#include "pinode/case/matlab_results.h"
 #include "pinode/case/result_files.h"
+#include "pinode/case/result_folder.h"
 #include "pinode/case/toml_value.h"
-#include "pinode/estimate/assessment.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/python/case_tree.h"
 #include "pinode/python/convert.h"
@@ -192,27 +195,39 @@ py::list Steps(const CaseHandle& handle) {
   return list;
 }
 
-py::dict Check(const CaseHandle& handle) {
+// With `output`, a folder as pinode_check leaves it.
+py::dict Check(const CaseHandle& handle, const std::string& output,
+               bool overwrite, bool mat) {
   const IdentificationProblem& problem = handle.c.problem;
-  py::dict result;
-  result["steps"] = Steps(handle);
-  result["remarks"] = problem.description.remarks;
-  if (problem.records.empty() && problem.modal.empty() &&
-      problem.ambient.empty()) {
-    return result;
-  }
-  CheckFit(handle);
-  ProblemAssessment assessment;
+  const bool has_measurements = !problem.records.empty() ||
+                                !problem.modal.empty() ||
+                                !problem.ambient.empty();
+  if (has_measurements) CheckFit(handle);
+  CaseCheck check;
+  ResultFolder folder;
   std::string error;
   bool ok = false;
   {
     py::gil_scoped_release release;
-    ok = AssessProblem(problem, handle.c.options, &assessment, &error);
+    ok = output.empty() ||
+         folder.Open(output, overwrite, /*resume=*/false, &error);
+    if (ok) check = CheckCase(handle.c);
+    ok = ok &&
+         (output.empty() ||
+          (WriteCheckFiles(handle.c, check, folder.working_path(), &error) &&
+           (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
+           folder.Commit(&error)));
   }
-  if (!ok) {
-    result["not_assessed"] = error;
+  Require(ok, error);
+  py::dict result;
+  result["steps"] = Steps(handle);
+  result["remarks"] = problem.description.remarks;
+  if (!has_measurements) return result;
+  if (!check.ok()) {
+    result["not_assessed"] = check.not_assessed;
     return result;
   }
+  const ProblemAssessment& assessment = check.assessment;
   result["num_free"] = assessment.num_free;
   result["num_residuals"] = assessment.num_residuals;
   result["num_starts"] = assessment.num_starts;
@@ -304,7 +319,8 @@ void BindCase(py::module_* module) {
       .def("records", &Records)
       .def("measured", &Measured, py::arg("record"))
       .def("modes", &Modes)
-      .def("check", &Check);
+      .def("check", &Check, py::arg("output") = "",
+           py::arg("overwrite") = false, py::arg("mat") = false);
 }
 
 }  // namespace pinode::python

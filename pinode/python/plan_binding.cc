@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "pinode/base/units.h"
+#include "pinode/case/matlab_results.h"
+#include "pinode/case/plan_files.h"
 #include "pinode/case/plan_section.h"
+#include "pinode/case/result_folder.h"
 #include "pinode/estimate/problem_description.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
@@ -62,16 +65,20 @@ py::dict Deviations(const SensorPlan& plan) {
 }
 
 // The case is read again, for its [plan]; with `force_at` not empty the first
-// force of each record acts at that DOF, and no other load does.
+// force of each record acts at that DOF, and no other load does. With `output`,
+// a folder as pinode_check --plan leaves it, but for excitations.
 py::dict PlanCase(const CaseHandle& handle, int num_sensors,
-                  const std::string& force_at) {
+                  const std::string& force_at, const std::string& output,
+                  bool overwrite, bool mat) {
   if (num_sensors < 1) {
     throw Error("num_sensors is " + std::to_string(num_sensors) +
                 ", expected at least 1");
   }
   Case c;
-  SensorPlan plan;
-  std::vector<PlannedDuration> durations;
+  CasePlan planned;
+  SensorPlan& plan = planned.plan;
+  std::vector<PlannedDuration>& durations = planned.durations;
+  ResultFolder folder;
   std::string error;
   bool ok = false;
   {
@@ -88,6 +95,12 @@ py::dict PlanCase(const CaseHandle& handle, int num_sensors,
             PlanDurations(c.problem, c.options, c.plan.own, c.plan.candidates,
                           c.plan.options, plan, c.plan.durations, &durations,
                           &error));
+    }
+    if (ok && !output.empty()) {
+      ok = folder.Open(output, overwrite, /*resume=*/false, &error) &&
+           WritePlanFiles(c, planned, folder.working_path(), &error) &&
+           (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
+           folder.Commit(&error);
     }
   }
   Require(ok, error);
@@ -123,7 +136,9 @@ py::dict PlanCase(const CaseHandle& handle, int num_sensors,
 
 void BindPlan(py::module_* module) {
   module->def("plan_sensors", &PlanCase, py::arg("case"),
-              py::arg("num_sensors"), py::arg("force_at") = "");
+              py::arg("num_sensors"), py::arg("force_at") = "",
+              py::arg("output") = "", py::arg("overwrite") = false,
+              py::arg("mat") = false);
 }
 
 }  // namespace pinode::python

@@ -185,16 +185,25 @@ class Case:
 
     # What can be done with it.
 
-    def check(self) -> "Check":
+    def check(
+        self,
+        *,
+        output: str | os.PathLike[str] = "",
+        overwrite: bool = False,
+        mat: bool = False,
+    ) -> "Check":
         """What an identification could find, without one: a dictionary.
 
         expected: deviation of each free parameter, from the noise given or 5 %.
         undetermined: what the sensors and the loads cannot see; remarks, sizes,
         and the integration steps of each record.
+
+        output: a folder with that and the model, its modes and matrices, as
+            `pinode_check` writes it; `mat`: with results.mat.
         """
         from .forecast import Check
 
-        return Check(self._handle.check())
+        return Check(self._handle.check(os.fspath(output), overwrite, mat))
 
     def simulate(
         self,
@@ -218,7 +227,15 @@ class Case:
         }
         return Simulation(_pinode.simulate(self._handle, **wanted), self, wanted)
 
-    def plan_sensors(self, num_sensors: int, *, force_at: str = "") -> "SensorPlan":
+    def plan_sensors(
+        self,
+        num_sensors: int,
+        *,
+        force_at: str = "",
+        output: str | os.PathLike[str] = "",
+        overwrite: bool = False,
+        mat: bool = False,
+    ) -> "SensorPlan":
         """The sensors that tell most about the groups, for the loads of the
         training records; nothing need have been measured, nothing is fitted.
 
@@ -227,10 +244,14 @@ class Case:
         force_at: a DOF; the first force of each record acts there, and no other
             load does: where to hit. The DOFs of `excite` of that table are tried
             as well (SensorPlan.by_force_at).
+        output: a folder with the plan as `pinode_check --plan` writes it, but for
+            other places of the force; `mat`: with results.mat.
         """
         from .forecast import SensorPlan
 
-        plan = _pinode.plan_sensors(self._handle, num_sensors, force_at)
+        plan = _pinode.plan_sensors(
+            self._handle, num_sensors, force_at, os.fspath(output), overwrite, mat
+        )
         places = () if force_at else plan["excite"]
         return SensorPlan(
             plan,

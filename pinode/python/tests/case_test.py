@@ -1,5 +1,6 @@
 """Cases from arrays and from files."""
 
+import json
 import os
 import pathlib
 import pickle
@@ -193,6 +194,22 @@ def test_check_says_what_is_not_seen(healthy):
     twice = healthy.replace(groups=conftest.groups() + [
         pinode.Group("same", frame_testing.STOREYS[0])])
     assert any("same" in u for u in twice.check()["undetermined"])
+
+
+def test_a_check_writes_a_folder(healthy, tmp_path):
+    check = healthy.check(output=tmp_path / "c", mat=True)
+    found = json.loads((tmp_path / "c" / "check.json").read_text())
+    assert found["dofs"] == ["u1", "u2", "u3"] and found["free_parameters"] == 3
+    assert {e["name"]: e["sigma"] for e in found["expected"]} == pytest.approx(
+        {e["name"]: e["sigma"] for e in check["expected"]})
+    assert [m["frequency_hz"] for m in found["modes"]] == pytest.approx(
+        list(healthy.natural_modes()["frequencies_hz"]))
+    mat = scipy.io.loadmat(tmp_path / "c" / "results.mat", simplify_cells=True)
+    assert np.array_equal(mat["K"], frame_testing.STIFFNESS)
+    with pytest.raises(pinode.Error, match="exists and is not empty"):
+        healthy.check(output=tmp_path / "c")
+    healthy.check(output=tmp_path / "c", overwrite=True)
+    assert not (tmp_path / "c" / "results.mat").exists()
 
 
 @pytest.mark.parametrize("change, message", [

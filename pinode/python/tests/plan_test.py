@@ -1,6 +1,7 @@
 """Planning of sensors, against the same by differences in NumPy."""
 
 import itertools
+import json
 import pickle
 
 import conftest
@@ -39,6 +40,19 @@ def by_differences():
         change = 1e-5 * np.eye(3)[j]
         columns.append((response(change) - response(-change)) / 2e-5)
     return np.transpose(columns, (1, 2, 0))  # floors x samples x groups
+
+
+def test_a_plan_writes_a_folder(tmp_path):
+    plan = planned().plan_sensors(2, output=tmp_path / "p")
+    found = json.loads((tmp_path / "p" / "plan.json").read_text())
+    assert [s["name"] for s in found["sensors"]] == plan.names
+    assert found["all_determined"] and found["criterion"] == "determinant"
+    lines = (tmp_path / "p" / "deviations.csv").read_text().splitlines()
+    assert lines[0] == "name,unit,initial,own,planned,all"
+    name, unit, initial, own, reached, _ = lines[1].split(",")
+    assert (name, unit, own) == ("k1", "1", "") and float(initial) == 0.0
+    assert float(reached) == pytest.approx(plan.deviations["k1"]["planned"])
+    assert not (tmp_path / "p" / "durations.csv").exists()
 
 
 def test_a_plan_is_the_best_of_all_pairs():
