@@ -32,6 +32,7 @@
 #include "pinode/report/restoring_force.h"
 #include "pinode/report/structure_view.h"
 #include "pinode/study/checkpoint.h"
+#include "pinode/study/prior_comparison.h"
 
 namespace pinode::python {
 namespace {
@@ -178,6 +179,23 @@ py::dict RecordOf(const std::shared_ptr<Fit>& fit, const std::string& name) {
   return result;
 }
 
+// By record and channel the free run of the model before the fit; none of a
+// record where that is not finite.
+py::dict Before(const Fit& fit) {
+  PriorComparison prior;
+  {
+    py::gil_scoped_release release;
+    prior = CompareWithPrior(fit.c.problem, fit.summary, fit.model);
+  }
+  py::dict result;
+  for (size_t r = 0; r < prior.predictions.size(); ++r) {
+    const IdentificationRecord& record = fit.c.problem.records[r];
+    result[py::str(record.name)] =
+        RowsByChannel(record, prior.predictions[r], false);
+  }
+  return result;
+}
+
 py::dict Matrices(const Fit& fit) {
   StructuralDynamics dynamics = *fit.c.problem.dynamics;
   if (fit.model.parameters.size() >= dynamics.num_parameters()) {
@@ -193,18 +211,34 @@ py::dict Matrices(const Fit& fit) {
   return result;
 }
 
+// What the case says of a force, in the model's unit; none: it does not.
+const ForceTruth* TruthOf(const Fit& fit, const std::string& name) {
+  for (const ForceTruth& truth : fit.c.problem.description.force_truths) {
+    if (truth.name == name && truth.times.size() > 0) return &truth;
+  }
+  return nullptr;
+}
+
 py::list Forces(const Fit& fit) {
   py::list list;
   for (const ForceEstimate& force : fit.summary.forces) {
-    const double factor =
-        fit.c.problem.records[static_cast<size_t>(force.record)]
-            .description.time_factor;
+    const IdentificationRecord& record =
+        fit.c.problem.records[static_cast<size_t>(force.record)];
+    const double factor = record.description.time_factor;
     py::dict entry;
     entry["name"] = force.name;
+    entry["record"] = record.name;
+    entry["unit"] = fit.c.problem.description.units.force;
     entry["time"] = FromVector(force.times / factor);
     entry["force"] = FromVector(force.value);
     entry["lower95"] = FromVector(force.lower95);
     entry["upper95"] = FromVector(force.upper95);
+    if (const ForceTruth* truth = TruthOf(fit, force.name)) {
+      py::dict known;
+      known["time"] = FromVector(truth->times / factor);
+      known["force"] = FromVector(truth->values);
+      entry["truth"] = std::move(known);
+    }
     list.append(std::move(entry));
   }
   return list;
@@ -255,6 +289,13 @@ py::list Loops(const Fit& fit) {
     entry["deformation"] = FromVector(loop.deformation);
     entry["rate"] = FromVector(loop.rate);
     entry["force"] = FromVector(loop.force);
+    if (loop.known != nullptr) {
+      py::dict known;
+      known["name"] = loop.known->name;
+      known["deformation"] = FromVector(loop.known->deformation);
+      known["force"] = FromVector(loop.known->force);
+      entry["known"] = std::move(known);
+    }
     list.append(std::move(entry));
   }
   return list;
@@ -411,6 +452,7 @@ void BindFit(py::module_* module) {
            [](const Fit& fit) { return ConsoleReport(ReportOf(fit)); })
       .def("parameters", &ParametersOf)
       .def("record", &RecordOf, py::arg("name"))
+      .def("before", &Before)
       .def("matrices", &Matrices)
       .def("forces", &Forces)
       .def("profiles", &Profiles)

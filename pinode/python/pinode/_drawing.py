@@ -17,6 +17,7 @@ BLUE, GREY, MARK = "#0072B2", "0.6", "#D55E00"
 MEASURED: Mapping[str, Any] = {"color": "0.67", "lw": 2.4}
 UPDATED: Mapping[str, Any] = {"color": BLUE, "lw": 1.0}
 PRIOR: Mapping[str, Any] = {"color": "#E69F00", "lw": 1.0, "ls": "--"}
+TRUE: Mapping[str, Any] = {"color": "0.2", "lw": 1.0, "ls": ":"}
 FAINT: Mapping[str, Any] = {"color": GREY, "lw": 0.8}
 BAND: Mapping[str, Any] = {"color": BLUE, "alpha": 0.2, "lw": 0}
 

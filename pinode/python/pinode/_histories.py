@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._drawing import BLUE, FAINT, MARK, MEASURED, PRIOR, UPDATED, band, blank, label, panels
+from ._drawing import BLUE, FAINT, MARK, MEASURED, PRIOR, TRUE, UPDATED, band, blank, label, panels
 from ._mode_shapes import SECONDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .result import RecordResult
-
 # Their loop says everything: there is no force over the rate.
 _SPRINGS = ("cubic", "quadratic_stiffness", "bilinear", "bouc_wen", "backlash_friction")
 _MOST_LOOP_SAMPLES = 2000
+# Of a known force: fewer in a panel are drawn as dots.
+_FEW_SAMPLES = 50
 
 
 def prediction(
@@ -25,8 +25,8 @@ def prediction(
     """Of the `most` channels of a record (the first unless named) that are
     predicted worst: measured, and the free run of the model with its 95 % band;
     the strongest part of it; and what the model leaves, with plus and minus two
-    sigma of the noise. The free run of the model before the fit is beside them
-    where the start of the record is known."""
+    sigma of the noise. The free run of the model before the fit is beside them,
+    unless it does not stay finite."""
     result = outcome.record(record)
     if not result.predicted or len(result.time) < 2:
         return None
@@ -34,7 +34,7 @@ def prediction(
         record = next(iter(outcome.records))
     score = outcome.records[record]
     channels = {c["name"]: c for c in score["channels"]}
-    before = prior_run(outcome, record, result)
+    before = outcome.before(record)
     unit = time_units(outcome)[record]
 
     def error(name: str) -> float:
@@ -81,29 +81,6 @@ def prediction(
         if row == 0:
             whole.legend(loc="upper right", ncols=4, fontsize="small")
     return figure
-
-
-def prior_run(
-    outcome: Any, record: str, result: "RecordResult"
-) -> "dict[str, np.ndarray]":
-    """By channel the free run of the model before the fit, in the units of the
-    record's file. Empty where a simulation is not that run: where the scores,
-    whose run finds a start that nobody knows, have another error of it."""
-    before = outcome._before[record]
-    score = outcome.records[record]
-    if not before["finite"]:
-        return {}
-    scored = slice(score["first_scored_sample"], None)
-    for channel in score["channels"]:
-        measured = result.measured[channel["name"]][scored]
-        left = measured - before["channels"][channel["name"]][scored]
-        nrmse = np.sqrt(np.nansum(left**2) / max(np.nansum(
-            (measured - np.nanmean(measured)) ** 2), 1e-300))
-        if channel["prior_nrmse"] is None or not np.isclose(
-            nrmse, channel["prior_nrmse"], rtol=1e-6
-        ):
-            return {}
-    return before["channels"]
 
 
 def time_units(outcome: Any) -> "dict[str, str]":
@@ -158,28 +135,42 @@ def _strongest_part(
 
 
 def forces(outcome: Any) -> "Figure | None":
-    """Unknown forces with their 95 % bands: all of each, and where it is largest."""
+    """Unknown forces with their 95 % bands, beside the truth where the case gives
+    one: all of each, and where it is largest."""
     found = {name: force for name, force in outcome.forces.items()
              if len(force["force"]) > 1 and np.isfinite(force["force"]).all()}
     if not found:
         return None
-    about = {f["name"]: f for f in outcome.json["forces"]}
     units = time_units(outcome)
     figure, axes = panels(2 * len(found), 2, width=9.0, height=2.8)
     for number, (name, force) in enumerate(found.items()):
-        record = about[name]["record"]
-        for ax, where in zip(axes[2 * number:],
-                             (slice(None), _largest_part(force["force"]))):
+        record, truth = force["record"], force.get("truth")
+        whole, part = axes[2 * number : 2 * number + 2]
+        for ax, where in ((whole, slice(None)), (part, _largest_part(force["force"]))):
             time, low, high = (force[k][where] for k in ("time", "lower95", "upper95"))
             band(ax, time, low, high, label="95 % band")
+            if truth is not None:
+                _draw_truth(ax, truth, time, as_dots=ax is part)
             ax.plot(time, force["force"][where], label="identified", **UPDATED)
             ax.set_xlabel(label("time", units[record]))
-            ax.margins(x=0.0)
-        axes[2 * number].set_ylabel(label(name, about[name]["unit"]))
-        axes[2 * number].set_title(f"in {record}", loc="left")
-        if number == 0:
-            axes[0].legend(fontsize="small")
+            ax.set_xlim(time[0], time[-1])
+        whole.set_ylabel(label(name, force["unit"]))
+        whole.set_title(f"in {record}", loc="left")
+        whole.legend(fontsize="small")
     return figure
+
+
+def _draw_truth(
+    ax: Any, truth: "dict[str, np.ndarray]", time: np.ndarray, as_dots: bool
+) -> None:
+    """Between few samples a blow is not what a straight line makes of it: of a part
+    that has few of them these are dots."""
+    shown = (truth["time"] >= time[0]) & (truth["time"] <= time[-1])
+    if as_dots and shown.sum() < _FEW_SAMPLES:
+        ax.plot(truth["time"][shown], truth["force"][shown], "o", ms=3, color=TRUE["color"],
+                label="truth")
+    else:
+        ax.plot(truth["time"], truth["force"], label="truth", **TRUE)
 
 
 def _largest_part(force: np.ndarray) -> slice:
@@ -201,7 +192,8 @@ def _largest_part(force: np.ndarray) -> slice:
 def loops(outcome: Any) -> "Figure | None":
     """Forces of elements, libraries and networks over their deformation and,
     where the law is not a mere spring, over its rate; of a long record the part
-    around the largest deformation."""
+    around the largest deformation. What is known of a force is beside it, as far
+    as the structure went."""
     curves = [c for c in outcome.loops
               if len(c["force"]) > 1 and np.isfinite(c["force"]).all()]
     if not curves:
@@ -220,7 +212,16 @@ def loops(outcome: Any) -> "Figure | None":
             if over == "rate" and not _has_rate(loop):
                 ax.remove()
                 continue
-            ax.plot(loop[over][where], loop["force"][where], color=BLUE, lw=0.8)
+            known = loop.get("known") if over == "deformation" else None
+            if known is not None:
+                low, high = loop[over].min(), loop[over].max()
+                margin = 0.05 * (high - low)
+                ax.plot(known["deformation"], known["force"], label=known["name"], **MEASURED)
+                ax.set_xlim(low - margin, high + margin)
+            ax.plot(loop[over][where], loop["force"][where], color=BLUE, lw=0.8,
+                    label="identified")
+            if known is not None:
+                ax.legend(fontsize="small")
             ax.set_xlabel(label(loop[f"{over}_name"], loop[f"{over}_unit"]))
             ax.set_ylabel(label(what, loop["force_unit"]))
             ax.locator_params(axis="x", nbins=5)

@@ -39,7 +39,8 @@ def frame(outcome: Any, what: str) -> "pandas.DataFrame":
         "modelled").
     mode_shapes: indexed by DOF, columns (mode from 1, "initial" | "updated").
     Any other name is that of a record: indexed by time, columns (channel,
-        "measured" | "predicted" | "deviation").
+        "measured" | "predicted" | "deviation" | "before"); the last is the free
+        run of the model before the fit.
 
     What a result has none of is a frame without rows.
     """
@@ -215,11 +216,13 @@ def _mode_shapes(outcome: Any, pandas: Any) -> Any:
 def _record(outcome: Any, name: str, pandas: Any) -> Any:
     record = outcome.record(name)
     columns = {}
+    before = outcome.before(name)
     for channel, values in record.measured.items():
         missing = np.full(len(record.time), np.nan)
         columns[channel, "measured"] = values
         columns[channel, "predicted"] = record.predicted.get(channel, missing)
         columns[channel, "deviation"] = record.deviation.get(channel, missing)
+        columns[channel, "before"] = before.get(channel, missing)
     return pandas.DataFrame(columns, index=pandas.Index(record.time, name="time"))
 
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from .forecast import Simulation
-
 
 class Parameter(NamedTuple):
     """A named parameter: in the model's units, with its 95 % interval.
@@ -187,9 +185,21 @@ class _Outcome:
         return {r["name"]: r for r in self.json["records"]}
 
     @functools.cached_property
-    def _before(self) -> "Simulation":
-        """The model before the fit under the loads of the records."""
-        return self.case.simulate(noise_percent=0.0)
+    def _before(self) -> dict[str, dict[str, np.ndarray]]:
+        return self._handle.before()
+
+    def before(self, record: str | None = None) -> dict[str, np.ndarray]:
+        """By channel the free run of the model before the fit, with which
+        prior_nrmse compares, in the units of the record's file. Of a record whose
+        start is free it begins where that model's run fits best. Empty where it
+        does not stay finite."""
+        if record is None:
+            record = next(iter(self.records), "")
+        if not isinstance(record, str):
+            raise Error(f"record is a value of type {type(record).__name__}, expected a name")
+        if record not in self._before:
+            raise Error(f"there is no record '{record}' in the result")
+        return self._before[record]
 
     @property
     def modes(self) -> list[dict[str, Any]]:
@@ -212,7 +222,8 @@ class _Outcome:
 
     @property
     def forces(self) -> dict[str, dict[str, Any]]:
-        """Unknown forces by name: time, force, lower95, upper95."""
+        """Unknown forces by name: record, unit (of the force), time, force, lower95,
+        upper95; and `truth`, its time and force, where the case gives one."""
         return {f["name"]: f for f in self._handle.forces()}
 
     @property
@@ -223,7 +234,8 @@ class _Outcome:
     @property
     def loops(self) -> list[dict[str, Any]]:
         """What elements, libraries and networks did along the predicted states:
-        term, deformation, rate, force, time, with their units."""
+        term, deformation, rate, force, time, with their units; and `known`, name,
+        deformation and force of a reference curve of the term."""
         return self._handle.loops()
 
     @property

@@ -67,6 +67,7 @@ def test_histories(with_holdout):
         6.0 / with_holdout.modes[0]["updated_hz"], abs=0.1)
     assert np.abs(values).max() == np.abs(record.measured["a1"]).max()
     # The model before, as the scores have its error.
+    assert np.array_equal(curve(whole, "model before")[1], with_holdout.before("train")["a1"])
     before = curve(whole, "model before")[1]
     left = record.measured["a1"] - before
     assert left.std() / record.measured["a1"].std() == pytest.approx(
@@ -87,14 +88,38 @@ def test_the_worst_channels_of_many(with_holdout):
     assert len(figure.axes) == 3 and figure.axes[0].get_ylabel().startswith(worst)
 
 
-def test_no_run_before_where_nobody_knows_its_start(healthy):
+def nrmse(measured, predicted):
+    return np.linalg.norm(measured - predicted) / np.linalg.norm(measured - measured.mean())
+
+
+def test_the_run_before_of_a_free_start(healthy):
+    """Begins where the model before fits best, as the run has that the scores compare
+    with."""
     ground, floors = frame_testing.measure()
+    step = frame_testing.STEP
+    # In the middle of the motion: at rest nothing would be found.
     free = pinode.Record(
-        "healthy", step=frame_testing.STEP, ground={"x": ground}, interpolation="cubic",
-        start="free", channels=pinode.channels("a", floors, "absolute_acceleration"))
+        "healthy", step=step, ground={"x": ground[500:]}, interpolation="cubic",
+        start="free", channels=pinode.channels("a", floors[500:], "absolute_acceleration"))
     fit = healthy.replace(records=[free]).identify()
-    assert _histories.prior_run(fit, "healthy", fit.record("healthy")) == {}
-    labels = [line.get_label() for line in figures.prediction(fit).axes[0].get_lines()]
+    before = fit.before()
+    assert set(before) == {"a1", "a2", "a3"}
+    record = fit.record()
+    for channel in fit.records["healthy"]["channels"]:
+        name = channel["name"]
+        assert nrmse(record.measured[name], before[name]) == pytest.approx(
+            channel["prior_nrmse"], rel=1e-9)
+        from_rest = fit.case.simulate(noise_percent=0.0)["healthy"]["channels"][name]
+        assert nrmse(record.measured[name], from_rest) > channel["prior_nrmse"]
+    assert np.array_equal(
+        curve(figures.prediction(fit).axes[0], "model before")[1], before["a1"])
+    with pytest.raises(pinode.Error, match="no record 'other'"):
+        fit.before("other")
+
+
+def test_no_run_before_that_does_not_stay_finite(with_holdout, monkeypatch):
+    monkeypatch.setitem(with_holdout.__dict__, "_before", {"train": {}, "holdout": {}})
+    labels = [line.get_label() for line in figures.prediction(with_holdout).axes[0].get_lines()]
     assert "model" in labels and "model before" not in labels
 
 
@@ -217,16 +242,52 @@ def test_equations_circle_what_was_chosen(network):
 
 
 def test_forces_and_where_they_are_largest():
-    fit = pinode.read_case(DATA / "three_storey_force" / "impact.toml").identify()
+    case = pinode.read_case(DATA / "three_storey_force" / "impact.toml")
+    fit = case.identify()
     force = fit.forces["blow"]
+    assert force["record"] == "impact" and force["unit"] == "N"
     whole, part = figures.forces(fit).axes
-    assert np.array_equal(whole.get_lines()[0].get_ydata(), force["force"])
+    assert np.array_equal(curve(whole, "identified")[1], force["force"])
     assert whole.get_ylabel() == "blow (N)" and "impact" in whole.get_title(loc="left")
-    time, values = part.get_lines()[0].get_data()
+    time, values = curve(part, "identified")
     assert values.max() == force["force"].max() and time[-1] - time[0] < 0.2
     assert whole.collections and part.collections
+    # Beside it what really acted: of a short part its samples as dots.
+    columns = np.genfromtxt(DATA / "three_storey_force" / "impact.csv", delimiter=",", names=True)
+    assert np.array_equal(force["truth"]["force"], columns["F"])
+    assert np.allclose(curve(whole, "truth"), (columns["t"], columns["F"]), atol=1e-12)
+    (dots,) = [line for line in part.get_lines() if line.get_label() == "truth"]
+    inside = (columns["t"] >= time[0]) & (columns["t"] <= time[-1])
+    assert dots.get_marker() == "o" and np.array_equal(dots.get_ydata(), columns["F"][inside])
+    tree = case.to_dict()
+    del tree["unknown_force"][0]["truth"]
+    unknown = types.SimpleNamespace(
+        forces={"blow": {k: v for k, v in force.items() if k != "truth"}}, case=fit.case)
+    labels = [line.get_label() for line in figures.forces(unknown).axes[0].get_lines()]
+    assert labels == ["identified"]
+    assert "truth" not in pinode.Case.from_dict(tree, path=case.path).identify(
+        callback=lambda state: state["iteration"] < 1).forces["blow"]
     assert _histories._largest_part(np.zeros(100)) == slice(0, 40)
     assert _histories._largest_part(np.ones(800)) == slice(0, 100)
+
+
+def test_loops_beside_what_is_known():
+    fit = pinode.read_case(DATA / "nsd" / "phase2_element.toml").identify()
+    (loop,) = [loop for loop in fit.loops if "known" in loop]
+    table = fit.case.to_dict()["reference_curve"][0]
+    assert loop["known"]["name"] == table["name"]
+    (ax,) = [ax for ax in figures.loops(fit).axes if ax.get_legend() is not None]
+    known, force = curve(ax, table["name"]), curve(ax, "identified")[1]
+    assert np.array_equal(known, (loop["known"]["deformation"], loop["known"]["force"]))
+    assert len(ax.get_legend().get_texts()) == 2
+    low, high = loop["deformation"].min(), loop["deformation"].max()
+    assert ax.get_xlim() == pytest.approx(
+        (low - 0.05 * (high - low), high + 0.05 * (high - low)))
+    # What was found is the curve, up to a tenth of its range.
+    at = np.argsort(known[0])
+    expected = np.interp(loop["deformation"], known[0][at], known[1][at])
+    assert np.abs(loop["force"] - expected).max() < 0.1 * np.ptp(force)
+    assert ax.get_lines()[0].get_label() == table["name"]
 
 
 def test_profiles_beside_the_parabola(healthy):

@@ -23,6 +23,7 @@ def test_of_a_fit(baseline):
     assert frame.loc["k1", "value"] == baseline["k1"]
     record = baseline.to_pandas("healthy")
     assert record["a1", "measured"].shape == (1500,) and record.index.name == "time"
+    assert np.array_equal(record["a2", "before"], baseline.before()["a2"])
     for key in ("measured", "predicted", "deviation"):
         assert np.array_equal(record["a2", key],
                               getattr(baseline.record("healthy"), key)["a2"])

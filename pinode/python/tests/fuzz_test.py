@@ -359,6 +359,7 @@ def test_functions_of_anything(fit, data):
         lambda v: case.plan_sensors(1, force_at=v),
         lambda v: case.measured(v),
         lambda v: fit.record(v),
+        lambda v: fit.before(v),
         lambda v: fit.to_pandas(v),
         lambda v: fit[v],
         lambda v: pinode.identify_modes(v, step=0.1),
