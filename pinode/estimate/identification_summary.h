@@ -127,6 +127,7 @@ struct IdentificationSummary {
   std::vector<ParameterEstimate> parameters;  // named ones
   // Of the problem's modes, in its order; empty where a model has none.
   std::vector<ModeScore> modes;
+  int num_model_modes = 0;            // of which these could be
   std::vector<AmbientScore> ambient;  // of each ambient record
   // Half the sum of squares of the modal residuals, before and after.
   double initial_modal_cost = 0.0;

@@ -109,11 +109,6 @@ bool ModalData::HasSigmasOfAll() const {
 }
 
 bool ModalData::IsValid(int num_dofs, std::string* error) const {
-  if (static_cast<int>(modes.size()) > num_dofs) {
-    *error = std::to_string(modes.size()) + " modes were measured, the model " +
-             "has " + std::to_string(num_dofs);
-    return false;
-  }
   const bool dynamic = form == ModalForm::kDynamicResidual;
   for (const MeasuredMode& mode : modes) {
     const std::string where = "mode '" + mode.name + "': ";
@@ -211,7 +206,9 @@ std::vector<bool> HavePartners(const ModalData& data, const Vector& eigenvalues,
   std::transform(partners.begin(), partners.end(), have.begin(),
                  [count](int partner) { return partner < count; });
   if (std::find(have.begin(), have.end(), true) == have.end()) {
-    have.assign(data.modes.size(), true);
+    partners = MaximumProfitAssignment(likeness.Profit(0.0));
+    std::transform(partners.begin(), partners.end(), have.begin(),
+                   [](int partner) { return partner >= 0; });
   }
   return have;
 }
@@ -221,7 +218,10 @@ std::vector<bool> HavePartners(const ModalData& data,
   UndampedModes modes;
   std::string ignored;
   if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, &ignored)) {
-    return std::vector<bool>(data.modes.size(), true);
+    std::vector<bool> first(data.modes.size(), false);
+    const auto most = static_cast<size_t>(model.num_dofs());
+    std::fill_n(first.begin(), std::min(first.size(), most), true);
+    return first;
   }
   return HavePartners(data, modes.eigenvalues, modes.shapes);
 }

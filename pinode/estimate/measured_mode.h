@@ -80,8 +80,8 @@ struct ModalData {
   // Positive frequencies and weights, no sigma that the form has no use for,
   // covariances that are positive definite, that of frequency and shape too,
   // DOFs that exist, each once, shapes that are not zero and say something (two
-  // DOFs; one for kDynamicResidual, which cannot do without), no more modes
-  // than DOFs. On failure names the mode.
+  // DOFs; one for kDynamicResidual, which cannot do without). There may be more
+  // modes than DOFs: not all HavePartners then. On failure names the mode.
   [[nodiscard]] bool IsValid(int num_dofs, std::string* error) const;
 };
 
@@ -96,20 +96,23 @@ struct ModeMatch {
 // MatchModes takes it for, frequencies being compared but for one common factor
 // (the median over the pairs: a model may be too stiff as a whole); a measured
 // mode that is worth less than kLeastPairProfit to every mode of the model that
-// the others leave over has none. All have one where none would.
+// the others leave over has none. All have one where none would, or, of more
+// than the model has modes, those that are worth most.
 constexpr double kLeastPairProfit = 0.3;
 std::vector<bool> HavePartners(const ModalData& data, const Vector& eigenvalues,
                                const Matrix& shapes);
 
-// The same of a model's M and K; all have one where it has no modes.
+// The same of a model's M and K; where it has no modes as many of the first
+// have one as it has DOFs.
 std::vector<bool> HavePartners(const ModalData& data,
                                const StructuralModel& model);
 
 // Those of the modes that are marked.
 ModalData OnlyModes(const ModalData& data, const std::vector<bool>& kept);
 
-// For each mode of `data` (valid) its partner among the model's, given by its
-// w^2 (ascending) and shapes (num_dofs x modes), one to one. The sum of
+// For each mode of `data` (valid, no more than the model has) its partner among
+// the model's, given by its w^2 (ascending) and shapes (num_dofs x modes), one
+// to one. The sum of
 //
 //   MAC - 1/2 (ln (w / (2 pi f)))^2
 //

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -148,13 +149,34 @@ TEST(HavePartners, UpToACommonFactor) {
             (std::vector<bool>{true, true, true, true, false}));
 }
 
+// Without shapes, frequencies decide; of nothing alike the nearest are kept, as
+// many as the model has modes.
+TEST(HavePartners, OfMoreModesThanTheModelHas) {
+  const Vector eigenvalues = Eigenvalues({1.0, 2.0});
+  const Matrix shapes = Matrix::Identity(2, 2);
+  ModalData data;
+  for (const double frequency : {0.4, 1.02, 1.97, 3.3}) {
+    data.modes.push_back(testing::MakeMeasuredMode(frequency));
+  }
+  EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
+            (std::vector<bool>{false, true, true, false}));
+  for (MeasuredMode& mode : data.modes) mode.frequency *= 1e4;
+  const std::vector<bool> kept = HavePartners(data, eigenvalues, shapes);
+  EXPECT_EQ(std::count(kept.begin(), kept.end(), true), 2);
+  EXPECT_EQ(MatchModes(OnlyModes(data, kept), eigenvalues, shapes).size(), 2u);
+
+  StructuralModel massless = testing::MakeChain(2, 1.0, 0.0);
+  massless.mass(0, 0) = 0.0;
+  EXPECT_EQ(HavePartners(data, massless),
+            (std::vector<bool>{true, true, false, false}));
+}
+
 TEST(ModalData, RefusesWhatMakesNoSense) {
   struct Bad {
     std::function<void(ModalData*)> spoil;
     const char* message;
   };
   const std::vector<Bad> cases = {
-      {[](ModalData* d) { d->modes.resize(4, d->modes[0]); }, "4 modes"},
       {[](ModalData* d) { d->modes[0].frequency = 0.0; }, "frequency"},
       {[](ModalData* d) { d->modes[0].frequency = kNaN; }, "frequency"},
       {[](ModalData* d) { d->modes[0].frequency_weight = 0.0; }, "weights"},

@@ -36,6 +36,7 @@ void ScoreModes(const IdentificationProblem& problem,
           &updated, &error)) {
     return;
   }
+  summary->num_model_modes = dynamics.num_dofs();
   size_t next = 0;
   for (size_t i = 0; i < problem.modal.modes.size(); ++i) {
     const MeasuredMode& mode = problem.modal.modes[i];

@@ -74,9 +74,13 @@ std::string WhyModesAreLost(const IdentificationSummary& summary) {
   const auto used =
       std::count_if(summary.modes.begin(), summary.modes.end(),
                     [](const ModeScore& mode) { return mode.InUse(); });
-  if (2 * used < static_cast<std::ptrdiff_t>(summary.modes.size())) {
-    return "of " + std::to_string(summary.modes.size()) +
-           " measured modes only " + std::to_string(used) +
+  const auto measured = static_cast<std::ptrdiff_t>(summary.modes.size());
+  // No more could be.
+  const auto possible =
+      std::min<std::ptrdiff_t>(measured, summary.num_model_modes);
+  if (2 * used < possible) {
+    return "of " + std::to_string(measured) + " measured modes only " +
+           std::to_string(used) +
            " are like any of the model before: wrong units, places or signs of "
            "sensors, or another structure";
   }

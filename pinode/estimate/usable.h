@@ -14,10 +14,10 @@ namespace pinode {
 // the model before and hold-out records not worse, and whose modes lose energy
 // unless bounds allow otherwise, whose modes are still like the measured ones
 // that they are held against (35 % in frequency, a MAC of a half), at least
-// half of them being like any, and none of whose
-// frequencies is far off that was met before; where modes stand alone, what
-// meets them better. A summary that has failed or was interrupted says why
-// already.
+// half of them (or of the model's, where that has fewer) being like any, and
+// none of whose frequencies is far off that was met before; where modes stand
+// alone, what meets them better. A summary that has failed or was interrupted
+// says why already.
 void JudgeUsable(const GapTuning& tuning, IdentificationSummary* summary);
 
 }  // namespace pinode

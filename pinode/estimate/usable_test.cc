@@ -127,10 +127,21 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   mode.frequency = 2.0;
   mode.initial = {0, 3.0, 0.9};
   summary.modes = {mode};
+  summary.num_model_modes = 2;
   JudgeUsable(GapTuning(), &summary);
   EXPECT_FALSE(summary.usable);
   EXPECT_THAT(summary.message,
               HasSubstr("of 1 measured modes only 0 are like any"));
+  summary.modes.resize(5, mode);
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("of 5 measured modes only 0 are like any"));
+  summary.modes[3].updated = {1, 2.0, 1.0};
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "of two that could be";
+  summary.num_model_modes = 3;
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("of 5 measured modes only 1 are like any"));
+  summary.modes = {mode};
   summary.modes.push_back(mode);
   summary.modes[1].updated = {1, 2.0, 1.0};
   JudgeUsable(GapTuning(), &summary);
