@@ -32,6 +32,7 @@ constexpr const char* kBehindMaterials[] = {"*MATERIAL",
                                             "*TRUSS SECTION",
                                             "*SPRING",
                                             "*MASS",
+                                            "*NONSTRUCTURAL MASS",
                                             "*BOUNDARY",
                                             "*NSET",
                                             "*ELSET",
@@ -58,6 +59,10 @@ bool IsAmong(const char* const (&names)[N], const std::string& name) {
 
 // Elements of these keywords have no mass.
 constexpr const char* kWithoutMass[] = {"*SPRING", "*DASHPOT", "*GAP"};
+
+// Masses by element set. What is spread over a set is so in proportion to its
+// own mass or volume, which factors on all of it leave as it is.
+constexpr const char* kMasses[] = {"*MASS", "*NONSTRUCTURAL MASS"};
 
 constexpr size_t kLongestDeckName = 80;
 
@@ -91,7 +96,7 @@ class PropertyDeck {
       if (keyword.name == "*MATERIAL") {
         if (!AddMaterial(b)) return false;
       } else if (section || keyword.name == "*SPRING" ||
-                 keyword.name == "*MASS") {
+                 IsAmong(kMasses, keyword.name)) {
         AddOwner(b, section);
       }
       NoteSprings(keyword);
@@ -275,7 +280,7 @@ class PropertyDeck {
   // Of its stiffness or mass; none where it has no such part.
   std::vector<size_t> BlocksOf(const Owner& owner, bool mass) const {
     if (owner.material.empty()) {
-      const bool is_mass = blocks_[owner.block].keyword.name == "*MASS";
+      const bool is_mass = IsAmong(kMasses, blocks_[owner.block].keyword.name);
       return is_mass == mass ? std::vector<size_t>{owner.block}
                              : std::vector<size_t>();
     }
@@ -412,9 +417,9 @@ class PropertyDeck {
     for (DeckBlock& block : *blocks) {
       const std::string& name = block.keyword.name;
       const double factor =
-          name == "*ELASTIC" || name == "*SPRING" ? factors.first
-          : name == "*DENSITY" || name == "*MASS" ? factors.second
-                                                  : 1.0;
+          name == "*ELASTIC" || name == "*SPRING"        ? factors.first
+          : name == "*DENSITY" || IsAmong(kMasses, name) ? factors.second
+                                                         : 1.0;
       if (factor == 1.0) continue;
       std::vector<DeckNumber> numbers;
       if (!NumbersOf(block, &numbers)) return false;

@@ -15,7 +15,7 @@ struct DeckProperty {
   std::string set;  // elements that have it
   // Moduli of *ELASTIC (no Poisson's ratios), constants or forces of *SPRING.
   std::vector<double> stiffness;
-  // *DENSITY, *MASS.
+  // *DENSITY, *MASS, *NONSTRUCTURAL MASS.
   std::vector<double> mass;
 };
 
@@ -26,9 +26,9 @@ struct DeckFactor {
   double factor = 1.0;
 };
 
-// Of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION with MATERIAL, *SPRING
-// and *MASS, in the deck's order. False, with `file:line: what, and what was
-// expected`.
+// Of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION with MATERIAL,
+// *SPRING, *MASS and *NONSTRUCTURAL MASS, in the deck's order. False, with
+// `file:line: what, and what was expected`.
 [[nodiscard]] bool ReadDeckProperties(const std::string& path,
                                       const std::string& content,
                                       std::vector<DeckProperty>* properties,

@@ -337,6 +337,56 @@ TEST(DeckPropertiesTest, MassesThatAreNotIsotropicAreRefused) {
               ElementsAre(240.0));
 }
 
+// Of Abaqus: paving and cladding, in total or by size.
+TEST(DeckPropertiesTest, NonstructuralMassesAreMassesOfTheirSets) {
+  const std::string deck =
+      DeckWith("*STEP\n",
+               "*NONSTRUCTURAL MASS, ELSET=deck, UNITS=TOTAL MASS\n900.\n"
+               "*Nonstructural Mass,Units=Mass Per "
+               "Volume,Elset=all_steel\n12.5\n*STEP\n");
+  const std::vector<DeckProperty> properties = PropertiesOrFail(deck);
+  ASSERT_EQ(properties.size(), 9u);
+  EXPECT_EQ(properties[7].set, "deck");
+  EXPECT_THAT(properties[7].mass, ElementsAre(900.0));
+  EXPECT_THAT(properties[7].stiffness, ElementsAre());
+  EXPECT_THAT(properties[8].mass, ElementsAre(12.5));
+
+  // With the density of the same elements; a factor of stiffness leaves it.
+  const std::vector<DeckProperty> scaled = PropertiesOrFail(
+      ScaledOrFail({{"deck", true, 2.0}, {"deck", false, 3.0}}, deck));
+  EXPECT_THAT(scaled[3].mass, ElementsAre(900.0));
+  EXPECT_THAT(scaled[7].mass, ElementsAre(1800.0));
+  EXPECT_THAT(scaled[8].mass, ElementsAre(12.5));
+  // What goes over the set's edge cannot be told apart.
+  EXPECT_THAT(ScalingErrorOf({{"low", true, 2.0}}, deck),
+              HasSubstr("'all_steel' has elements outside"));
+  EXPECT_THAT(
+      PropertiesOrFail(ScaledOrFail({{"all_steel", true, 2.0}}, deck))[8].mass,
+      ElementsAre(25.0));
+  // Of elements without a density it is all that they have.
+  std::string without = deck;
+  const std::string density = "*DENSITY\n450\n";
+  without.erase(without.find(density), density.size());
+  const std::vector<DeckProperty> light =
+      PropertiesOrFail(ScaledOrFail({{"deck", true, 2.0}}, without));
+  EXPECT_THAT(light[3].mass, ElementsAre());
+  EXPECT_THAT(light[7].mass, ElementsAre(1800.0));
+}
+
+// A material that sections share is copied in front of one.
+TEST(DeckPropertiesTest, NonstructuralMassesMayStandBehindMaterials) {
+  const std::string deck =
+      DeckWith("*MATERIAL,NAME=WOOD",
+               "*NONSTRUCTURAL MASS,ELSET=mid,UNITS=MASS PER VOLUME\n5.\n"
+               "*MATERIAL,NAME=WOOD");
+  const std::vector<DeckProperty> scaled =
+      PropertiesOrFail(ScaledOrFail({{"low", false, 2.0}}, deck));
+  EXPECT_THAT(scaled[0].mass, ElementsAre(5.0));
+  EXPECT_EQ(scaled[1].set, "low");
+  EXPECT_THAT(scaled[1].stiffness, ElementsAre(4.2e11, 4.0e11));
+  EXPECT_THAT(scaled[2].stiffness, ElementsAre(2.1e11, 2.0e11));
+}
+
 // Constants at two temperatures, of whole numbers.
 TEST(DeckPropertiesTest, ConstantsOfSpringsAreNoDirections) {
   const std::string deck =
