@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,6 +12,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/base/measured_data_testing.h"
 #include "pinode/modal/identify_modes.h"
 #include "pinode/modal/merge_setups.h"
 #include "pinode/modal/stabilisation.h"
@@ -46,15 +45,8 @@ constexpr std::array<Published, 10> kPublished = {
 class LaboratoryFrameFigures : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* folder = std::getenv("PINODE_MEASURED_DATA");
-    folder_ = (folder != nullptr
-                   ? std::string(folder)
-                   : std::string(PINODE_SOURCE_DIR) + "/../shared/data") +
-              "/ambient";
-    if (!std::filesystem::exists(folder_)) {
-      GTEST_SKIP() << "no measured data; set PINODE_MEASURED_DATA to the "
-                      "folder that holds ambient/";
-    }
+    PINODE_FIND_MEASURED_DATA(folder, "ambient");
+    folder_ = folder;
   }
 
   // Modes that another program found in a set-up (order 50 of covariance-driven

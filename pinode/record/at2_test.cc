@@ -5,7 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "pinode/record/measured_data.inc"
+#include "pinode/base/measured_data_testing.h"
 #include "pinode/record/table.h"
 
 namespace pinode {

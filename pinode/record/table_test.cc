@@ -8,7 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "pinode/record/measured_data.inc"
+#include "pinode/base/measured_data_testing.h"
 
 namespace pinode {
 namespace {

@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/measured_data_testing.h"
 #include "pinode/record/universal_file.h"
 #include "pinode/record/universal_testing.h"
 
@@ -22,15 +22,8 @@ using ::testing::HasSubstr;
 class MeasuredUniversalFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* folder = std::getenv("PINODE_MEASURED_DATA");
-    folder_ = (folder != nullptr
-                   ? std::string(folder)
-                   : std::string(PINODE_SOURCE_DIR) + "/../shared/data") +
-              "/uff";
-    if (!std::filesystem::exists(folder_)) {
-      GTEST_SKIP() << "no measured data; set PINODE_MEASURED_DATA to the "
-                      "folder that holds uff/";
-    }
+    PINODE_FIND_MEASURED_DATA(folder, "uff");
+    folder_ = folder;
   }
 
   static double Real(const nlohmann::json& value) {

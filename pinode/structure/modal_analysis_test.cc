@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -11,6 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/base/measured_data_testing.h"
 #include "pinode/structure/damping.h"
 #include "pinode/structure/matrix_io.h"
 #include "pinode/structure/structural_model.h"
@@ -358,15 +358,8 @@ TEST(PairModes, LeavesSomeWithoutPartner) {
 class MeasuredMatricesTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* folder = std::getenv("PINODE_MEASURED_DATA");
-    folder_ = (folder != nullptr ? std::filesystem::path(folder)
-                                 : std::filesystem::path(PINODE_SOURCE_DIR) /
-                                       ".." / "shared" / "data") /
-              "matrices";
-    if (!std::filesystem::exists(folder_)) {
-      GTEST_SKIP() << "no measured data; set PINODE_MEASURED_DATA to the "
-                      "folder that holds 'matrices'";
-    }
+    PINODE_FIND_MEASURED_DATA(folder, "matrices");
+    folder_ = folder;
     std::ifstream(folder_ / "reference_eigenvalues.json") >> reference_;
   }
 

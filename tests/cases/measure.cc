@@ -1,12 +1,11 @@
 #include "tests/cases/measure.h"
 
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "gtest/gtest.h"
 #include "pinode/base/figure_testing.h"
+#include "pinode/base/measured_data_testing.h"
 #include "pinode/estimate/identify.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/study/baseline.h"
@@ -106,12 +105,7 @@ double Truth(const std::string& path, const std::string& pointer) {
   return truth.at(nlohmann::json::json_pointer(pointer)).get<double>();
 }
 
-std::string MeasuredData() {
-  const char* variable = std::getenv("PINODE_MEASURED_DATA");
-  const std::string folder =
-      variable != nullptr ? variable : FromRoot("../shared/data");
-  return std::filesystem::is_directory(folder) ? folder : "";
-}
+std::string MeasuredData() { return FindMeasuredData(""); }
 
 void SeedNetworks(uint64_t seed, Case* c) {
   auto dynamics = std::make_shared<StructuralDynamics>(*c->problem.dynamics);
