@@ -11,6 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/temporary_folder_testing.h"
+#include "pinode/structure/finite_element_files_testing.h"
 #include "pinode/structure/matrix_market.h"
 #include "pinode/structure/sparse_modes.h"
 
@@ -22,58 +23,6 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 namespace fs = std::filesystem;
-
-// A file that tests/generators/matrix_files.py wrote.
-std::string Sample(const std::string& name) {
-  return std::string(PINODE_SOURCE_DIR) + "/tests/fuzz/corpus/" + name;
-}
-
-// The model of all samples.
-Matrix ExpectedStiffness() {
-  Matrix stiffness(4, 4);
-  stiffness << 4, -2, 0, 0, -2, 5, -1.5, 0, 0, -1.5, 3, -1, 0, 0, -1, 1;
-  return 1e6 * stiffness;
-}
-
-Matrix ExpectedMass() {
-  Matrix mass = Matrix::Zero(4, 4);
-  mass.topLeftCorner(2, 2) << 2.0, 0.5, 0.5, 2.0;
-  mass(3, 3) = 1.0;
-  return mass;
-}
-
-FiniteElementFiles Files(const MatrixSource& mass,
-                         const MatrixSource& stiffness,
-                         const std::string& dof_names = "") {
-  FiniteElementFiles files;
-  files.mass = mass;
-  files.stiffness = stiffness;
-  files.dof_names = dof_names;
-  return files;
-}
-
-FiniteElementFiles OneFile(const std::string& path, bool damped) {
-  FiniteElementFiles files = Files({path, ""}, {path, ""});
-  if (damped) files.damping = {path, ""};
-  return files;
-}
-
-FiniteElementModel ReadOrFail(const FiniteElementFiles& files) {
-  FiniteElementModel model;
-  std::string error;
-  EXPECT_TRUE(ReadFiniteElementModel(files, &model, &error)) << error;
-  return model;
-}
-
-std::string ErrorOf(const FiniteElementFiles& files) {
-  FiniteElementModel model;
-  model.dof_names = {"untouched"};
-  std::string error;
-  EXPECT_FALSE(ReadFiniteElementModel(files, &model, &error));
-  EXPECT_THAT(model.dof_names, ElementsAre("untouched"));
-  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-  return error;
-}
 
 struct SampleModel {
   const char* name;
@@ -87,41 +36,76 @@ void PrintTo(const SampleModel& sample, std::ostream* stream) {
 
 std::vector<SampleModel> SampleModels() {
   const auto mm = [](const std::string& name) {
-    return MatrixSource{Sample("matrix_market/" + name), ""};
+    return MatrixSource{FiniteElementFilesTest::Sample("matrix_market/" + name),
+                        ""};
   };
   std::vector<SampleModel> models = {
-      {"MatrixMarket", Files(mm("M.mtx"), mm("K.mtx")), false},
-      {"MatrixMarketGeneral", Files(mm("M.mtx"), mm("K_general.mtx")), false},
+      {"MatrixMarket", FiniteElementFilesTest::Files(mm("M.mtx"), mm("K.mtx")),
+       false},
+      {"MatrixMarketGeneral",
+       FiniteElementFilesTest::Files(mm("M.mtx"), mm("K_general.mtx")), false},
       {"MatrixMarketArrayWithNames",
-       Files(mm("M.mtx"), mm("K_array.mtx"), Sample("calculix/beam.dof")),
+       FiniteElementFilesTest::Files(
+           mm("M.mtx"), mm("K_array.mtx"),
+           FiniteElementFilesTest::Sample("calculix/beam.dof")),
        true},
       {"CalculiX",
-       Files({Sample("calculix/beam.mas"), ""},
-             {Sample("calculix/beam.sti"), ""}),
+       FiniteElementFilesTest::Files(
+           {FiniteElementFilesTest::Sample("calculix/beam.mas"), ""},
+           {FiniteElementFilesTest::Sample("calculix/beam.sti"), ""}),
        true},
       {"Abaqus",
-       Files({Sample("abaqus/beam_MASS2.mtx"), ""},
-             {Sample("abaqus/beam_STIF2.mtx"), ""}),
+       FiniteElementFilesTest::Files(
+           {FiniteElementFilesTest::Sample("abaqus/beam_MASS2.mtx"), ""},
+           {FiniteElementFilesTest::Sample("abaqus/beam_STIF2.mtx"), ""}),
        true},
       {"AbaqusFull",
-       Files({Sample("abaqus/beam_MASS2.mtx"), ""},
-             {Sample("abaqus/beam_full_STIF2.mtx"), ""}),
+       FiniteElementFilesTest::Files(
+           {FiniteElementFilesTest::Sample("abaqus/beam_MASS2.mtx"), ""},
+           {FiniteElementFilesTest::Sample("abaqus/beam_full_STIF2.mtx"), ""}),
        true},
-      {"MatSparse", OneFile(Sample("mat/sparse.mat"), true), true},
-      {"MatCompressed", OneFile(Sample("mat/compressed.mat"), true), true},
-      {"MatFullAndPairs", OneFile(Sample("mat/full.mat"), false), true},
-      {"MatCharacterRows", OneFile(Sample("mat/char.mat"), false), true},
-      {"NpzFull", OneFile(Sample("npz/full.npz"), true), true},
-      {"NpzTypesAndPairs", OneFile(Sample("npz/types.npz"), false), true},
-      {"NpzParts", OneFile(Sample("npz/parts.npz"), false), true},
+      {"MatSparse",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("mat/sparse.mat"), true),
+       true},
+      {"MatCompressed",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("mat/compressed.mat"), true),
+       true},
+      {"MatFullAndPairs",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("mat/full.mat"), false),
+       true},
+      {"MatCharacterRows",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("mat/char.mat"), false),
+       true},
+      {"NpzFull",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("npz/full.npz"), true),
+       true},
+      {"NpzTypesAndPairs",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("npz/types.npz"), false),
+       true},
+      {"NpzParts",
+       FiniteElementFilesTest::OneFile(
+           FiniteElementFilesTest::Sample("npz/parts.npz"), false),
+       true},
       {"NpzCsr",
-       Files({Sample("npz/M_csr.npz"), ""}, {Sample("npz/K_csr.npz"), ""}),
+       FiniteElementFilesTest::Files(
+           {FiniteElementFilesTest::Sample("npz/M_csr.npz"), ""},
+           {FiniteElementFilesTest::Sample("npz/K_csr.npz"), ""}),
        false},
       {"NpzCsc",
-       Files({Sample("npz/M_csr.npz"), ""}, {Sample("npz/K_csc.npz"), ""}),
+       FiniteElementFilesTest::Files(
+           {FiniteElementFilesTest::Sample("npz/M_csr.npz"), ""},
+           {FiniteElementFilesTest::Sample("npz/K_csc.npz"), ""}),
        false},
       {"NpzCoo",
-       Files({Sample("npz/full.npz"), "m"}, {Sample("npz/K_coo.npz"), ""}),
+       FiniteElementFilesTest::Files(
+           {FiniteElementFilesTest::Sample("npz/full.npz"), "m"},
+           {FiniteElementFilesTest::Sample("npz/K_coo.npz"), ""}),
        true}};
   static const char* const kOp4[] = {
       "ascii_dense",      "ascii_sparse",     "ascii_bigmat",
@@ -132,14 +116,18 @@ std::vector<SampleModel> SampleModels() {
       "little_32_marker", "little_64_marker", "big_32_marker",
       "big_64_marker"};
   for (const char* name : kOp4) {
-    models.push_back(
-        {name, OneFile(Sample("op4/" + std::string(name) + ".op4"), true),
-         false});
+    models.push_back({name,
+                      FiniteElementFilesTest::OneFile(
+                          FiniteElementFilesTest::Sample(
+                              "op4/" + std::string(name) + ".op4"),
+                          true),
+                      false});
   }
   return models;
 }
 
-class SampleModelTest : public ::testing::TestWithParam<SampleModel> {};
+class SampleModelTest : public FiniteElementFilesTest,
+                        public ::testing::WithParamInterface<SampleModel> {};
 
 TEST_P(SampleModelTest, IsReadAndComesBackFromMatrixMarket) {
   const SampleModel& sample = GetParam();
@@ -196,7 +184,7 @@ TEST(WriteSparseMatrixMarket, KeepsStatedZeros) {
   EXPECT_EQ(Matrix(back), Matrix(matrix));
 }
 
-TEST(ReadFiniteElementModel, SinglePrecisionOp4) {
+TEST_F(FiniteElementFilesTest, SinglePrecisionOp4) {
   for (const char* name : {"op4/single.op4", "op4/single_64.op4"}) {
     const FiniteElementModel model = ReadOrFail(
         Files({Sample(name), ""}, {Sample("op4/ascii_dense.op4"), "KGG"}));
@@ -205,7 +193,7 @@ TEST(ReadFiniteElementModel, SinglePrecisionOp4) {
 }
 
 // A word of 64 bits holds four characters of a name and four blanks.
-TEST(ReadFiniteElementModel, LongNamesOfOp4WithLongWords) {
+TEST_F(FiniteElementFilesTest, LongNamesOfOp4WithLongWords) {
   for (const char* name : {"op4/little_64_names.op4", "op4/big_64_names.op4"}) {
     const std::string path = Sample(name);
     ASSERT_THAT(FileContent(path), HasSubstr("MGGE    XT      "));
@@ -219,7 +207,7 @@ TEST(ReadFiniteElementModel, LongNamesOfOp4WithLongWords) {
 }
 
 // MATLAB's version 7.3 is HDF5; matio writes it as MATLAB does.
-TEST(ReadFiniteElementModel, Mat73) {
+TEST_F(FiniteElementFilesTest, Mat73) {
   TemporaryFolder folder;
   const std::string path = folder.Path("model.mat");
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT73);
@@ -264,7 +252,7 @@ TEST(ReadFiniteElementModel, Mat73) {
 }
 
 // Structures, cells and text beside the matrices are nobody's business.
-TEST(ReadFiniteElementModel, MatrixInAWholeMatlabWorkspace) {
+TEST_F(FiniteElementFilesTest, MatrixInAWholeMatlabWorkspace) {
   const FiniteElementModel model =
       ReadOrFail(OneFile(Sample("mat/workspace.mat"), false));
   EXPECT_EQ(Matrix(model.stiffness), ExpectedStiffness());
@@ -274,7 +262,7 @@ TEST(ReadFiniteElementModel, MatrixInAWholeMatlabWorkspace) {
 }
 
 // For each of them matio would allocate what the dimensions say.
-TEST(ReadFiniteElementModel, MatlabFilesThatPromiseTooMuchAreRefused) {
+TEST_F(FiniteElementFilesTest, MatlabFilesThatPromiseTooMuchAreRefused) {
   EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_allocation.mat"), false)),
               HasSubstr("an element of at most 4 bytes has more"));
   EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_types.mat"), false)),
@@ -304,7 +292,7 @@ TEST(ReadFiniteElementModel, MatlabFilesThatPromiseTooMuchAreRefused) {
 }
 
 // The frame of data/: compressed exports, internal DOFs, a singular M.
-TEST(ReadFiniteElementModel, CompressedCalculixFrame) {
+TEST_F(FiniteElementFilesTest, CompressedCalculixFrame) {
   const std::string folder = std::string(PINODE_SOURCE_DIR) + "/data/frame/";
   const FiniteElementModel model = ReadOrFail(
       Files({folder + "frame.mas.gz", ""}, {folder + "frame.sti.gz", ""}));
@@ -323,7 +311,7 @@ TEST(ReadFiniteElementModel, CompressedCalculixFrame) {
   EXPECT_TRUE(CheckExpectedFrequencies(modes, hertz, 1e-6, &error)) << error;
 }
 
-TEST(ReadFiniteElementModel, CompressedContainersAreRefused) {
+TEST_F(FiniteElementFilesTest, CompressedContainersAreRefused) {
   TemporaryFolder folder;
   const std::string path = folder.Write("model.npz.gz", "");
   FiniteElementModel model;
@@ -333,7 +321,7 @@ TEST(ReadFiniteElementModel, CompressedContainersAreRefused) {
   EXPECT_THAT(error, HasSubstr("of compressed files only text"));
 }
 
-TEST(ReadFiniteElementModel, CalculixWithoutDofFileCountsIndices) {
+TEST_F(FiniteElementFilesTest, CalculixWithoutDofFileCountsIndices) {
   TemporaryFolder folder;
   const std::string stiffness =
       folder.Write("a.sti", FileContent(Sample("calculix/beam.sti")));
@@ -346,7 +334,7 @@ TEST(ReadFiniteElementModel, CalculixWithoutDofFileCountsIndices) {
   EXPECT_THAT(model.notes[0], HasSubstr("4 is the largest index"));
 }
 
-TEST(ReadFiniteElementModel, RepeatedNamesAreNumbered) {
+TEST_F(FiniteElementFilesTest, RepeatedNamesAreNumbered) {
   TemporaryFolder folder;
   const FiniteElementModel model = ReadOrFail(Files(
       {Sample("calculix/beam.mas"), ""}, {Sample("calculix/beam.sti"), ""},
@@ -356,7 +344,7 @@ TEST(ReadFiniteElementModel, RepeatedNamesAreNumbered) {
                                        HasSubstr("without mass (2.1#2)")));
 }
 
-TEST(ReadFiniteElementModel, RefusesFilesThatDoNotFitEachOther) {
+TEST_F(FiniteElementFilesTest, RefusesFilesThatDoNotFitEachOther) {
   TemporaryFolder folder;
   const MatrixSource mass = {Sample("calculix/beam.mas"), ""};
   const MatrixSource stiffness = {Sample("calculix/beam.sti"), ""};
@@ -398,7 +386,7 @@ TEST(ReadFiniteElementModel, RefusesFilesThatDoNotFitEachOther) {
       HasSubstr("M is not symmetric"));
 }
 
-TEST(ReadFiniteElementModel, FindsMatricesByName) {
+TEST_F(FiniteElementFilesTest, FindsMatricesByName) {
   const std::string op4 = Sample("op4/ascii_dense.op4");
   const std::string npz = Sample("npz/full.npz");
   FiniteElementFiles files = Files({op4, "mgg"}, {op4, "KGG"});
@@ -414,7 +402,7 @@ TEST(ReadFiniteElementModel, FindsMatricesByName) {
 }
 
 // A file of superelements has several matrices of one name.
-TEST(ReadFiniteElementModel, FindsMatricesByTheirOccurrence) {
+TEST_F(FiniteElementFilesTest, FindsMatricesByTheirOccurrence) {
   TemporaryFolder folder;
   const std::string first = FileContent(Sample("op4/ascii_dense.op4"));
   // In the second the stiffness ends with another number.
@@ -434,346 +422,6 @@ TEST(ReadFiniteElementModel, FindsMatricesByTheirOccurrence) {
   EXPECT_EQ(Matrix(ReadOrFail(files).stiffness), other);
   files.stiffness.occurrence = 3;
   EXPECT_THAT(ErrorOf(files), HasSubstr("occurrence = 3 is beyond that"));
-}
-
-// What is wrong with a text, by format.
-struct BadText {
-  const char* name;
-  // Takes the place of the stiffness.
-  const char* file;
-  const char* content;
-  int line;
-  const char* message;
-};
-
-void PrintTo(const BadText& bad, std::ostream* stream) { *stream << bad.name; }
-
-class BadTextTest : public ::testing::TestWithParam<BadText> {};
-
-TEST_P(BadTextTest, IsRefusedWithFileAndLine) {
-  const BadText& bad = GetParam();
-  TemporaryFolder folder;
-  const std::string path = folder.Write(bad.file, bad.content);
-  const bool abaqus = fs::path(path).extension() == ".mtx";
-  const std::string error = ErrorOf(Files(
-      {Sample(abaqus ? "abaqus/beam_MASS2.mtx" : "calculix/beam.mas"), ""},
-      {path, ""}));
-  EXPECT_THAT(error, StartsWith(path + ":" + std::to_string(bad.line) + ": "));
-  EXPECT_THAT(error, HasSubstr("expected"));
-  EXPECT_THAT(error, HasSubstr(bad.message));
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    CalculiX, BadTextTest,
-    ::testing::ValuesIn(std::vector<BadText>{
-        BadText{"Empty", "a.sti", "", 1, "no entries"},
-        BadText{"TwoWords", "a.sti", "1 1 1\n2 2\n", 2, "'2 2'"},
-        BadText{"Text", "a.sti", "1 1 1\n2 2 x\n", 2, "'x'"},
-        BadText{"Infinite", "a.sti", "1 1 inf\n", 1, "finite"},
-        BadText{"IndexZero", "a.sti", "1 0 1\n", 1, "(1, 0)"},
-        BadText{"HugeIndex", "a.sti", "1 1 1\n2000000000 1 1\n", 2, "2000000"},
-        BadText{"BeyondIntegers", "a.sti", "99999999999 1 1\n", 1, "row"},
-        BadText{"Duplicate", "a.sti", "1 1 1\n2 2 1\n1 1 1\n", 3,
-                "(1, 1) or its mirror image was given before"},
-        BadText{"DuplicateOfFull", "a.sti",
-                "1 1 1\n1 2 1\n2 1 1\n2 2 3\n1 2 1\n", 5, "(1, 2) was given"},
-        BadText{"HalfATriangle", "a.sti",
-                "1 1 1\n1 2 1\n2 1 1\n1 3 1\n2 2 1\n3 3 1\n", 4,
-                "(1, 3) has no mirror image"}}),
-    [](const auto& test) { return test.param.name; });
-
-INSTANTIATE_TEST_SUITE_P(
-    Abaqus, BadTextTest,
-    ::testing::ValuesIn(std::vector<BadText>{
-        BadText{"Empty", "a.mtx", "** nothing\n", 1, "no entries"},
-        BadText{"FourFields", "a.mtx", "1,1,1,5.0\n", 1, "node, direction"},
-        BadText{"Text", "a.mtx", "1,1,1,1,1.0\n1,1,2,1,x\n", 2, "'x'"},
-        BadText{"Direction", "a.mtx", "1,-1,1,1,1.0\n", 1, "direction"},
-        BadText{"Duplicate", "a.mtx", "1,1,1,1,1.0\n1,1,1,1,1.0\n", 2,
-                "given before"},
-        BadText{"HalfATriangle", "a.mtx",
-                "1,1,1,1,9.\n2,1,1,1,1.\n1,1,2,1,1.\n2,1,2,1,9.\n"
-                "3,1,1,1,1.\n3,1,3,1,9.\n",
-                5, "no mirror image"}}),
-    [](const auto& test) { return test.param.name; });
-
-// Every prefix of a file is refused or gives the whole model (where the end
-// holds nothing that matters); never a crash, never a different model.
-TEST(ReadFiniteElementModel, TruncatedFilesAreRefused) {
-  TemporaryFolder folder;
-  struct Truncated {
-    const char* name;
-    bool damped;
-    // Bytes at the end that may be missing: what ends the last matrix of an
-    // OP4 file, a variable behind those that are asked for.
-    size_t spare;
-  };
-  for (const Truncated& sample :
-       std::vector<Truncated>{{"op4/ascii_dense.op4", true, 60},
-                              {"op4/ascii_sparse.op4", true, 60},
-                              {"op4/little_32_bigmat.op4", true, 0},
-                              {"op4/big_64_dense.op4", true, 0},
-                              {"op4/little_64_sparse.op4", true, 0},
-                              {"op4/little_64_marker.op4", true, 0},
-                              {"op4/big_32_marker.op4", true, 0},
-                              {"mat/sparse.mat", true, 0},
-                              {"mat/compressed.mat", true, 61},
-                              {"npz/full.npz", true, 0},
-                              {"npz/types.npz", false, 0}}) {
-    SCOPED_TRACE(sample.name);
-    const std::string content = FileContent(Sample(sample.name));
-    const std::string path =
-        folder.Path("cut" + fs::path(sample.name).extension().string());
-    ASSERT_GT(content.size(), sample.spare);
-    int refused = 0;
-    int tried = 0;
-    for (size_t size = 0; size < content.size(); size += 7) {
-      std::ofstream(path, std::ios::binary) << content.substr(0, size);
-      FiniteElementModel model;
-      std::string error;
-      ++tried;
-      if (!ReadFiniteElementModel(OneFile(path, sample.damped), &model,
-                                  &error)) {
-        EXPECT_THAT(error, StartsWith(path));
-        ++refused;
-        continue;
-      }
-      EXPECT_EQ(Matrix(model.stiffness), ExpectedStiffness());
-      EXPECT_EQ(Matrix(model.mass), ExpectedMass());
-      EXPECT_GE(size + sample.spare, content.size()) << "a cut file was read";
-    }
-    EXPECT_GT(refused, tried / 2);
-  }
-}
-
-std::string Replaced(std::string content, const std::string& from,
-                     const std::string& to) {
-  const size_t at = content.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return content.replace(at, from.size(), to);
-}
-
-TEST(ReadFiniteElementModel, BadOp4IsRefused) {
-  TemporaryFolder folder;
-  const std::string sparse = FileContent(Sample("op4/ascii_sparse.op4"));
-  const std::string big = FileContent(Sample("op4/ascii_bigmat.op4"));
-  const std::string dense = FileContent(Sample("op4/ascii_dense.op4"));
-  const auto error_of = [&folder](const std::string& content) {
-    return ErrorOf(OneFile(folder.Write("a.op4", content), false));
-  };
-  EXPECT_THAT(error_of(""), HasSubstr("a.op4:1: the file is empty"));
-  EXPECT_THAT(error_of("solid\n"), HasSubstr("a.op4:1: the line is 'solid'"));
-  EXPECT_THAT(error_of(std::string("\x01\xff\xfe\x00\x12", 5)),
-              HasSubstr("24 or 48"));
-  // Sizes.
-  EXPECT_THAT(error_of(Replaced(dense, "       4       4       6",
-                                "99999999       4       6")),
-              HasSubstr("a.op4:1: matrix 'mgg' is 4 x 99999999"));
-  EXPECT_THAT(error_of(Replaced(dense, "       4       4       6",
-                                "       4       0       6")),
-              HasSubstr("0 x 4"));
-  EXPECT_THAT(
-      error_of(Replaced(dense, "       6       2MGG", "       6       7MGG")),
-      HasSubstr("type 7"));
-  EXPECT_THAT(error_of(Replaced(dense, "1P,3E23.16", "(3E23.16")),
-              HasSubstr("format"));
-  // More numbers than rows; a row outside; a string longer than its column.
-  EXPECT_THAT(error_of(Replaced(dense, "       1       1       2",
-                                "       1       1       9")),
-              HasSubstr("a.op4:2: 9 numbers from row 1 of column 1"));
-  EXPECT_THAT(error_of(Replaced(sparse, "327681", "327689")),
-              HasSubstr("a.op4:3: 2 numbers from row 9"));
-  EXPECT_THAT(error_of(Replaced(sparse, "327681", "655361")),
-              HasSubstr("at most 5 words"));
-  EXPECT_THAT(error_of(Replaced(sparse, "327681", "   -10")),
-              HasSubstr("at most 5 words"));
-  EXPECT_THAT(
-      error_of(Replaced(big, "       5       1\n", "       5       0\n")),
-      HasSubstr("from row 0"));
-  // A column twice, a matrix twice, words for numbers.
-  EXPECT_THAT(error_of(Replaced(dense, "       2       1       2",
-                                "       1       1       2")),
-              HasSubstr("(1, 1) of 'mgg' was given before"));
-  EXPECT_THAT(error_of(Replaced(dense, "2.0000000000000000E+00",
-                                "2.000000000000000 E+00")),
-              HasSubstr("a.op4:3: entry (1, 1)"));
-  // Complex, and a form that is no square.
-  EXPECT_THAT(
-      error_of(Replaced(dense, "       6       2MGG", "       8       2MGG")),
-      HasSubstr("form is 8"));
-}
-
-TEST(ReadFiniteElementModel, BadBinaryOp4IsRefused) {
-  TemporaryFolder folder;
-  const std::string content = FileContent(Sample("op4/little_32_sparse.op4"));
-  const auto error_with_byte = [&](size_t at, char value) {
-    std::string changed = content;
-    changed[at] = value;
-    return ErrorOf(OneFile(folder.Write("a.op4", changed), false));
-  };
-  // Bytes 4 to 7: columns; 8 to 11: rows; 28: the record's length again.
-  EXPECT_THAT(error_with_byte(7, 0x7f), HasSubstr("rows and columns"));
-  EXPECT_THAT(error_with_byte(11, '\x80'), HasSubstr("rows"));
-  EXPECT_THAT(error_with_byte(28, 25), HasSubstr("24 was expected as before"));
-  // The first column's record: length, column, 0, words, string header.
-  EXPECT_THAT(error_with_byte(35, 0x7f), HasSubstr("is the file whole"));
-  EXPECT_THAT(error_with_byte(44, 100), HasSubstr("at most 5 words"));
-  EXPECT_THAT(error_with_byte(48, 9), HasSubstr("from row 9"));
-  EXPECT_THAT(error_with_byte(50, 100), HasSubstr("header of a string"));
-}
-
-// The same where lengths, integers and names take 8 bytes a word.
-TEST(ReadFiniteElementModel, BadLongBinaryOp4IsRefused) {
-  TemporaryFolder folder;
-  const auto error_with_byte = [&folder](const char* sample, size_t at,
-                                         char value) {
-    std::string changed = FileContent(Sample(sample));
-    changed[at] = value;
-    return ErrorOf(OneFile(folder.Write("a.op4", changed), false));
-  };
-  // Lengths of 4 bytes: columns from 4, rows from 12, the length again at 52;
-  // then length, column, 0, words (from 76), header of a string, numbers.
-  const char* const short_marker = "op4/little_64_sparse.op4";
-  EXPECT_THAT(error_with_byte(short_marker, 11, 0x7f),
-              HasSubstr("rows and columns"));
-  EXPECT_THAT(error_with_byte(short_marker, 19, '\x80'), HasSubstr("rows"));
-  EXPECT_THAT(error_with_byte(short_marker, 52, 49),
-              HasSubstr("48 was expected as before"));
-  EXPECT_THAT(error_with_byte(short_marker, 83, '\x80'),
-              HasSubstr("at most 3 words"));
-  EXPECT_THAT(error_with_byte(short_marker, 84, 9), HasSubstr("from row 9"));
-  EXPECT_THAT(error_with_byte(short_marker, 91, '\x80'),
-              HasSubstr("header of a string"));
-  // Lengths of 8 bytes: columns from 8, the length again at 56, the next one
-  // at 64.
-  const char* const long_marker = "op4/little_64_marker.op4";
-  EXPECT_THAT(error_with_byte(long_marker, 63, 1),
-              HasSubstr("48 was expected as before"));
-  EXPECT_THAT(error_with_byte(long_marker, 71, 0x7f),
-              HasSubstr("is the file whole"));
-  EXPECT_THAT(error_with_byte(long_marker, 71, '\x80'),
-              HasSubstr("is the file whole"));
-}
-
-TEST(ReadFiniteElementModel, BadNpzIsRefused) {
-  TemporaryFolder folder;
-  EXPECT_THAT(ErrorOf(OneFile(folder.Write("a.npz", "PK"), false)),
-              HasSubstr("NumPy archive"));
-  EXPECT_THAT(ErrorOf(OneFile(Sample("npz/types.npz"), true)),
-              HasSubstr("usual name of the damping matrix"));
-  // An absurd shape in the header of the first array, stored uncompressed.
-  const std::string content = FileContent(Sample("npz/full.npz"));
-  for (const char* shape : {"(4, 5)", "(9, 4)", "(4, x)", "[4, 4]"}) {
-    SCOPED_TRACE(shape);
-    // The checksum of the archive notices, or the header does.
-    EXPECT_THAT(
-        ErrorOf(OneFile(
-            folder.Write("a.npz", Replaced(content, "(4, 4)", shape)), false)),
-        HasSubstr("a.npz: array "));
-  }
-}
-
-// Pairs of matrices from public collections, with eigenvalues computed by
-// another program.
-class MeasuredModelsTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const char* folder = std::getenv("PINODE_MEASURED_DATA");
-    folder_ = (folder != nullptr
-                   ? fs::path(folder)
-                   : fs::path(PINODE_SOURCE_DIR) / ".." / "shared" / "data") /
-              "matrices";
-    if (!fs::exists(folder_)) {
-      GTEST_SKIP() << "no measured data; set PINODE_MEASURED_DATA to the "
-                      "folder that holds 'matrices'";
-    }
-  }
-
-  MatrixSource Source(const std::string& name) const {
-    return {(folder_ / name).string(), ""};
-  }
-
-  fs::path folder_;
-};
-
-TEST_F(MeasuredModelsTest, LowestEigenvaluesAgreeWithTheReference) {
-  nlohmann::json reference;
-  std::ifstream(folder_ / "reference_eigenvalues.json") >> reference;
-  for (const auto& [stiffness, mass, massless] :
-       {std::tuple("bcsstk01", "bcsstm01", 24),
-        std::tuple("bcsstk02", "bcsstm02", 0),
-        std::tuple("lunda", "lundb", 0)}) {
-    const std::string key = std::string(stiffness) + "/" + mass;
-    SCOPED_TRACE(key);
-    const FiniteElementModel model =
-        ReadOrFail(Files(Source(std::string(mass) + ".mtx"),
-                         Source(std::string(stiffness) + ".mtx")));
-    EXPECT_EQ(FindSpecialDofs(model).massless.size(),
-              static_cast<size_t>(massless));
-    SparseModes modes;
-    std::string error;
-    ASSERT_TRUE(
-        ComputeLowestModes(model.mass, model.stiffness, 10, &modes, &error))
-        << error;
-    const auto expected =
-        reference.at(key).at("lowest_eigenvalues").get<std::vector<double>>();
-    ASSERT_EQ(expected.size(), 10u);
-    double worst = 0.0;
-    for (Eigen::Index i = 0; i < 10; ++i) {
-      const double wanted = expected[static_cast<size_t>(i)];
-      EXPECT_NEAR(modes.eigenvalues[i], wanted, 1e-6 * wanted);
-      worst = std::max(worst, std::abs(modes.eigenvalues[i] / wanted - 1.0));
-    }
-    RecordProperty(key, std::to_string(worst));
-    std::printf("%s: worst relative difference %.2g\n", key.c_str(), worst);
-  }
-}
-
-TEST_F(MeasuredModelsTest, AllModesOfBcsstk01) {
-  const FiniteElementModel model =
-      ReadOrFail(Files(Source("bcsstm01.mtx"), Source("bcsstk01.mtx")));
-  SparseModes modes;
-  std::string error;
-  ASSERT_TRUE(
-      ComputeLowestModes(model.mass, model.stiffness, 48, &modes, &error))
-      << error;
-  EXPECT_EQ(modes.eigenvalues.size(), 24);
-  EXPECT_THAT(modes.notes, ElementsAre(HasSubstr("24 modes, 48 were asked")));
-}
-
-TEST_F(MeasuredModelsTest, CalculixCantilever) {
-  const FiniteElementModel model = ReadOrFail(Files(
-      Source("ccx_cantilever/cantm.mas"), Source("ccx_cantilever/cantm.sti")));
-  ASSERT_EQ(model.num_dofs(), 288);
-  EXPECT_EQ(model.dof_names[0], "2.1");
-  EXPECT_EQ(model.dof_names[287], "104.3");
-  EXPECT_THAT(model.notes, ElementsAre());
-  SparseModes modes;
-  std::string error;
-  ASSERT_TRUE(
-      ComputeLowestModes(model.mass, model.stiffness, 10, &modes, &error))
-      << error;
-  // The table of eigenvalues in CalculiX's own output, seven digits.
-  std::ifstream output(folder_ / "ccx_cantilever" / "cant.dat");
-  std::string line;
-  double worst = 0.0;
-  int compared = 0;
-  while (compared < 10 && std::getline(output, line)) {
-    std::istringstream words(line);
-    int mode = 0;
-    double eigenvalue = 0.0;
-    if (!(words >> mode >> eigenvalue) || mode != compared + 1) continue;
-    const double found = modes.eigenvalues[compared];
-    EXPECT_NEAR(found, eigenvalue, 1e-6 * eigenvalue) << "mode " << mode;
-    worst = std::max(worst, std::abs(found / eigenvalue - 1.0));
-    ++compared;
-  }
-  EXPECT_EQ(compared, 10);
-  std::printf("CalculiX cantilever: worst relative difference %.2g\n", worst);
-  EXPECT_TRUE(CheckExpectedFrequencies(
-      modes, {17.0420, 42.2637, 108.090, 263.467, 309.589, 559.969}, 1e-5,
-      &error))
-      << error;
 }
 
 }  // namespace
