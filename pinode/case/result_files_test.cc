@@ -9,11 +9,11 @@
 #include "gtest/gtest.h"
 #include "pinode/case/case_result.h"
 #include "pinode/case/checkpoint_file.h"
+#include "pinode/case/fitted_case_testing.h"
 #include "pinode/case/testing.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
-#include "pinode/study/folded_matrices.h"
 
 namespace pinode {
 namespace {
@@ -22,86 +22,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-// The small case with one term of every kind, and a summary made by hand.
-struct Fixture {
-  Fixture() {
-    folder.Write("quake.csv", SmallRecord());
-    std::string text = SmallCase();
-    text = Replaced(text, "lower = -0.9",
-                    "lower = -0.9\nupper = 2.0\nprior_mean = 0.1\n"
-                    "prior_sigma = 0.5");
-    const size_t at = text.find("[[record]]");
-    text.insert(at, R"([[group]]
-name = "m2"
-adds_to = "mass"
-between = ["ground", "u2"]
-[[group]]
-name = "ageing"
-adds_to = "stiffness"
-between = ["u1", "u2"]
-follows = {time = "linear"}
-[[element]]
-name = "spring"
-type = "cubic"
-between = ["u1", "u2"]
-parameters.k3 = {initial = 1.0, prior_sigma = 2.0}
-[[network]]
-name = "nn"
-inputs = ["x[u1]", "x[u2]", "v[u2]"]
-input_scale = [0.5, 2.0, 4.0]
-outputs = ["u2"]
-layers = [3]
-gauge = "off"
-)");
-    text = Replaced(text, "unit = \"mm\"",
-                    "unit = \"mm\"\n  sign = -1\n  offset = {initial = 1.5, "
-                    "free = true}");
-    std::string error;
-    EXPECT_TRUE(ReadCase(folder.Write("case.toml", text), &c, &error)) << error;
-
-    model.parameters = ParameterLayout(c.problem).InitialValues();
-    for (Eigen::Index i = 0; i < model.parameters.size(); ++i) {
-      model.parameters[i] += 0.1 + 0.01 * std::sin(static_cast<double>(i));
-    }
-    model.sigmas = {Vector::Constant(2, 0.01)};
-    model.starts = {Vector::Zero(4)};
-    model.decays = Vector::Constant(1, 2.0);
-
-    summary.termination = Termination::kConverged;
-    summary.message = "done";
-    summary.usable = true;
-    RecordScore score;
-    score.name = "quake";
-    score.finite = true;
-    score.start = Vector::LinSpaced(4, 1.0, 4.0);
-    score.prediction = Matrix::Constant(2, 200, 0.002);
-    score.channels.resize(2);
-    score.channels[0].name = "a1";
-    score.channels[0].rmse = 9.80665;
-    score.channels[0].nrmse = 0.5;
-    score.channels[1].name = "d2";
-    score.channels[1].nrmse = std::nan("");
-    summary.records = {score};
-    ParameterEstimate estimate;
-    estimate.name = "k1";
-    estimate.unit = "1";
-    estimate.value = model.parameters[0];
-    estimate.sigma = 0.01;
-    estimate.free = true;
-    summary.parameters = {estimate};
-    summary.covariance_names = {"k1"};
-    summary.covariance = Matrix::Constant(1, 1, 1e-4);
-    summary.iterations.resize(3);
-    summary.final_cost = 1.25;
-  }
-
-  TemporaryFolder folder;
-  Case c;
-  IdentificationSummary summary;
-  IdentifiedModel model;
-};
-
-std::string WriteAll(const Fixture& f, const std::string& name) {
+std::string WriteAll(const FittedCase& f, const std::string& name) {
   ResultFolder out;
   std::string error;
   EXPECT_TRUE(out.Open(f.folder.Path(name), false, false, &error)) << error;
@@ -118,7 +39,7 @@ Matrix ReadMatrixOrFail(const std::string& path) {
 }
 
 TEST(ResultFilesTest, EverythingIsThere) {
-  const Fixture f;
+  const FittedCase f;
   const std::string out = WriteAll(f, "out");
   for (const char* name :
        {"result.json", "parameters.csv", "covariance.csv", "history.csv",
@@ -165,7 +86,7 @@ TEST(ResultFilesTest, EverythingIsThere) {
 }
 
 TEST(ResultFilesTest, ProfilesHaveTheirPointsAndTheirEnds) {
-  Fixture f;
+  FittedCase f;
   EXPECT_FALSE(fs::exists(fs::path(WriteAll(f, "none")) / "profiles.csv"));
   ParameterProfile profile;
   profile.name = "k1";
@@ -185,7 +106,7 @@ TEST(ResultFilesTest, ProfilesHaveTheirPointsAndTheirEnds) {
 }
 
 TEST(ResultFilesTest, ForcesHaveTheirHistoryAndTheirSize) {
-  Fixture f;
+  FittedCase f;
   ForceEstimate force;
   force.name = "blow";
   force.record = 0;
@@ -220,7 +141,7 @@ TEST(ResultFilesTest, ForcesHaveTheirHistoryAndTheirSize) {
 
 // The model case is the same structure, and counts nothing twice.
 TEST(ResultFilesTest, ModelCaseReadsBack) {
-  const Fixture f;
+  const FittedCase f;
   const std::string out = WriteAll(f, "deep/er/out");
   Case read;
   std::string error;
@@ -271,7 +192,7 @@ TEST(ResultFilesTest, ModelCaseReadsBack) {
   EXPECT_LT((rates[0] - rates[1]).norm(), 1e-12 * rates[0].norm());
 
   // And once more, from the model case itself.
-  Fixture again;
+  FittedCase again;
   again.c = read;
   again.model.parameters = ParameterLayout(read.problem).InitialValues();
   const std::string second = WriteAll(again, "second");
@@ -282,7 +203,7 @@ TEST(ResultFilesTest, ModelCaseReadsBack) {
 
 // The same files from a problem that no case file has described.
 TEST(ResultFilesTest, NeedNoCaseFile) {
-  const Fixture f;
+  const FittedCase f;
   IdentificationProblem problem = f.c.problem;
   problem.description = ProblemDescription();
   IdentificationRecord& record = problem.records[0];
@@ -319,7 +240,7 @@ TEST(ResultFilesTest, NeedNoCaseFile) {
 }
 
 TEST(ResultFilesTest, OfAnotherProblemAreRefused) {
-  const Fixture f;
+  const FittedCase f;
   const std::string out = f.folder.Path("refused");
   std::string error;
   const auto refused = [&](const IdentificationProblem& problem,
@@ -351,7 +272,7 @@ TEST(ResultFilesTest, OfAnotherProblemAreRefused) {
 
 // More unknowns than data have no covariance, and a result nevertheless.
 TEST(ResultFilesTest, WithoutACovariance) {
-  Fixture f;
+  FittedCase f;
   f.summary.covariance.resize(0, 0);
   WriteAll(f, "out");
   EXPECT_EQ(f.folder.Read("out/covariance.csv"), "name,k1\n");
@@ -359,7 +280,7 @@ TEST(ResultFilesTest, WithoutACovariance) {
 
 // A fit that never began is written as such.
 TEST(ResultFilesTest, FailedFit) {
-  Fixture f;
+  FittedCase f;
   f.summary = IdentificationSummary();
   f.model = IdentifiedModel();
   WriteAll(f, "out");
@@ -396,183 +317,6 @@ TEST(SimulationSummaryTest, ReadsBack) {
   EXPECT_FALSE(WriteSimulationSummary(folder.Path("no/such/simulate.json"),
                                       summary, &error));
   EXPECT_THAT(error, HasSubstr("simulate.json"));
-}
-
-TEST(FoldedMatricesTest, AreTheJacobianOfALinearNetwork) {
-  for (const auto acts_as :
-       {NetworkTerm::ActsAs::kAcceleration, NetworkTerm::ActsAs::kForce}) {
-    const Matrix mass = Vector(Eigen::Vector2d(2.0, 1.0)).asDiagonal();
-    const Matrix stiffness =
-        (Matrix(2, 2) << 300.0, -100.0, -100.0, 100.0).finished();
-    StructuralDynamics dynamics(
-        MakeStructuralModel(mass, 0.01 * stiffness, stiffness), {});
-    NetworkArchitecture architecture;
-    architecture.num_inputs = 3;
-    architecture.num_outputs = 1;
-    architecture.input_scale = Vector(Eigen::Vector3d(0.5, 2.0, 4.0));
-    NetworkTerm term;
-    term.name = "nn";
-    term.network = std::make_shared<Network>(architecture);
-    term.features = {Feature::Displacement(0), Feature::Deformation(0, 1),
-                     Feature::Velocity(1)};
-    term.outputs = Vector(Eigen::Vector2d(0.0, 1.0));
-    term.output_names = {"u2"};
-    term.acts_as = acts_as;
-    term.weights.name = "nn";
-    for (int i = 0; i < architecture.NumWeights(); ++i) {
-      Parameter weight;
-      weight.name = "w";
-      weight.value = 0.3 + 0.1 * i;
-      term.weights.parameters.push_back(weight);
-    }
-    std::string error;
-    ASSERT_TRUE(dynamics.AddNetwork(term, &error)) << error;
-    const Vector theta = dynamics.Parameters();
-    const FoldedMatrices folded = FoldNetworks(dynamics, theta);
-    EXPECT_TRUE(folded.any);
-    EXPECT_TRUE(folded.complete);
-    StructuralDynamics::Prepared prepared;
-    ASSERT_TRUE(dynamics.Prepare(theta, &prepared, &error)) << error;
-    auto stage = dynamics.MakeLinearization();
-    const Vector state = Vector::Constant(4, 0.3);
-    dynamics.Linearize(prepared, 0.0, nullptr, state.data(), &stage);
-    EXPECT_LT((-mass * stage.jacobian.bottomLeftCorner(2, 2) - folded.stiffness)
-                  .norm(),
-              1e-10);
-    EXPECT_LT((-mass * stage.jacobian.bottomRightCorner(2, 2) - folded.damping)
-                  .norm(),
-              1e-10);
-    EXPECT_GT((folded.stiffness - stiffness).norm(), 0.1);
-  }
-}
-
-Checkpoint WrittenAndRead(const Fixture& f, const Checkpoint& checkpoint) {
-  const std::string path = f.folder.Path("checkpoint.json");
-  std::string error;
-  EXPECT_TRUE(
-      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error))
-      << error;
-  Checkpoint read;
-  EXPECT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
-  return read;
-}
-
-TEST(CheckpointTest, RoundTrip) {
-  const Fixture f;
-  Checkpoint checkpoint;
-  checkpoint.iteration = 12;
-  checkpoint.cost = 1.0 / 3.0;
-  checkpoint.model = f.model;
-  checkpoint.model.resume_stage = 3;
-  Checkpoint read = WrittenAndRead(f, checkpoint);
-  EXPECT_EQ(read.iteration, 12);
-  EXPECT_EQ(read.model.resume_stage, 3);
-  EXPECT_EQ(read.cost, 1.0 / 3.0);
-  EXPECT_EQ(read.model.parameters, f.model.parameters);
-  ASSERT_EQ(read.model.sigmas.size(), 1u);
-  EXPECT_EQ(read.model.sigmas[0], f.model.sigmas[0]);
-  EXPECT_EQ(read.model.starts[0], f.model.starts[0]);
-  EXPECT_EQ(read.model.decays, f.model.decays);
-}
-
-TEST(CheckpointTest, KeepsProfiles) {
-  const Fixture f;
-  Checkpoint checkpoint;
-  checkpoint.model = f.model;
-  ParameterProfile profile;
-  profile.name = "k1";
-  profile.unit = "N/m";
-  profile.estimate = 1.0 / 3.0;
-  profile.points = {{0.25, 4.5}, {1.0 / 3.0, 0.0}};
-  profile.lower95 = 0.1;
-  profile.linear_upper95 = 0.7;
-  profile.threshold95 = 3.84;
-  profile.determination = Determination::kOneSided;
-  profile.combinations = {"k1 * c1"};
-  profile.unsettled = true;
-  profile.linearizations = 7;
-  checkpoint.profiles = {profile, ParameterProfile()};
-  Checkpoint read = WrittenAndRead(f, checkpoint);
-  ASSERT_EQ(read.profiles.size(), 2u);
-  const ParameterProfile& again = read.profiles[0];
-  EXPECT_EQ(again.name, "k1");
-  EXPECT_EQ(again.unit, "N/m");
-  EXPECT_EQ(again.estimate, 1.0 / 3.0);
-  ASSERT_EQ(again.points.size(), 2u);
-  EXPECT_EQ(again.points[0].ratio, 4.5);
-  EXPECT_EQ(again.lower95, 0.1);
-  EXPECT_EQ(again.upper95, kInfinity);
-  EXPECT_EQ(again.linear_lower95, -kInfinity);
-  EXPECT_EQ(again.linear_upper95, 0.7);
-  EXPECT_EQ(again.threshold95, 3.84);
-  EXPECT_EQ(again.determination, Determination::kOneSided);
-  EXPECT_EQ(again.combinations, profile.combinations);
-  EXPECT_TRUE(again.unsettled);
-  EXPECT_FALSE(again.found_lower);
-  EXPECT_EQ(again.linearizations, 7);
-
-  const std::string text = f.folder.Read("checkpoint.json");
-  std::string error;
-  EXPECT_FALSE(
-      ReadCheckpoint(f.folder.Write("checkpoint.json",
-                                    Replaced(text, "one-sided", "sideways")),
-                     f.c.problem, &read, &error));
-  EXPECT_THAT(error, HasSubstr("than expected"));
-}
-
-TEST(CheckpointTest, OfAnotherCaseIsRefused) {
-  const Fixture f;
-  const std::string path = f.folder.Path("checkpoint.json");
-  std::string error;
-  Checkpoint checkpoint;
-  checkpoint.model = f.model;
-  ASSERT_TRUE(
-      WriteCheckpoint(path, ProblemHash(f.c.problem), checkpoint, &error));
-  Checkpoint read;
-  Fixture changed;
-  changed.c.problem.records[0].channels[0].values[7] += 1e-9;
-  EXPECT_FALSE(ReadCheckpoint(path, changed.c.problem, &read, &error));
-  EXPECT_THAT(error, HasSubstr("belongs to another case"));
-  EXPECT_EQ(read.model.parameters.size(), 0);
-  for (const char* text : {"", "{}", "{\"schema\": 1}", "[1, 2"}) {
-    f.folder.Write("checkpoint.json", text);
-    EXPECT_FALSE(ReadCheckpoint(path, f.c.problem, &read, &error)) << text;
-    EXPECT_THAT(error, HasSubstr("is not a checkpoint"));
-  }
-  EXPECT_FALSE(ReadCheckpoint(path + "x", f.c.problem, &read, &error));
-}
-
-TEST(CheckpointTest, WriterIsThrottled) {
-  const Fixture f;
-  const std::string path = f.folder.Path("checkpoint.json");
-  CheckpointWriter writer(ProblemHash(f.c.problem), path,
-                          std::chrono::hours(1));
-  IdentificationProgress progress;
-  IdentifiedModel model = f.model;
-  progress.model = &model;
-  std::string error;
-  ASSERT_TRUE(writer.Update(progress, &error)) << error;
-  model.parameters[0] += 1.0;
-  ASSERT_TRUE(writer.Update(progress, &error)) << error;
-  Checkpoint read;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
-  EXPECT_EQ(read.model.parameters[0], f.model.parameters[0]);
-
-  CheckpointWriter eager(ProblemHash(f.c.problem), path,
-                         std::chrono::milliseconds(0));
-  ASSERT_TRUE(eager.Update(progress, &error));
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
-  EXPECT_EQ(read.model.parameters[0], model.parameters[0]);
-  EXPECT_TRUE(read.profiles.empty());
-
-  // What a fit goes on from is not lost while it runs.
-  ParameterProfile profile;
-  profile.name = "k1";
-  eager.set_profiles({profile});
-  ASSERT_TRUE(eager.Update(progress, &error)) << error;
-  ASSERT_TRUE(ReadCheckpoint(path, f.c.problem, &read, &error)) << error;
-  ASSERT_EQ(read.profiles.size(), 1u);
-  EXPECT_EQ(read.profiles[0].name, "k1");
 }
 
 }  // namespace
