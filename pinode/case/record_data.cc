@@ -2,30 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
-#include "pinode/base/strings.h"
+#include "pinode/case/record_files.h"
 #include "pinode/case/unknown_force_section.h"
-#include "pinode/record/array_table.h"
-#include "pinode/record/at2.h"
 #include "pinode/record/prepare.h"
 #include "pinode/record/resample.h"
-#include "pinode/record/time_column.h"
+#include "pinode/record/sampled_calculus.h"
 
 namespace pinode {
 namespace {
 
-// Beyond these somebody has mistyped, and would wait for days.
+// Beyond this somebody has mistyped, and would wait for days.
 constexpr double kMostResampled = 100.0;  // times the record's own rate
-constexpr double kMostSamples = 1e8;
 
 // Whether all values that are present are the same.
 bool IsConstant(const Vector& values) {
@@ -39,23 +33,6 @@ bool IsConstant(const Vector& values) {
   return lowest == highest;
 }
 
-// One file on its own grid.
-struct SourceFile {
-  double start_time = 0.0;
-  double step = 0.0;
-  Eigen::Index num_samples = 0;
-  Vector motion;  // of an AT2
-  Table table;    // of any other
-  TimeGrid grid;
-
-  // As it is.
-  Vector Column(const std::string& name) const {
-    return table.columns.empty()
-               ? motion
-               : OnTimeGrid(table, table.FindColumn(name), grid);
-  }
-};
-
 class RecordDataReader {
  public:
   RecordDataReader(const RecordSection& section, const UnitSystem& units,
@@ -63,10 +40,10 @@ class RecordDataReader {
                    IdentificationRecord* record)
       : section_(section),
         table_(section.table),
-        units_(units),
         dynamics_(dynamics),
         simulation_(simulation),
-        record_(record) {}
+        record_(record),
+        files_(section, units, &record->description.remarks) {}
 
   bool Read() {
     record_->description.time_unit = section_.time_unit;
@@ -81,222 +58,20 @@ class RecordDataReader {
       record_->known_start.segment(dynamics_.num_dofs(), dynamics_.num_dofs()) =
           section_.start_v;
     }
-    return ReadFiles() && CollectSignals() && ResampleAll() &&
+    return files_.Read(simulation_) && CollectSignals() && ResampleAll() &&
            AddGroundDisplacements() && AddPrescribedDerivatives() &&
            CutWindow() && MakeExcitation() && MakeChannels() && ApplyFilter() &&
            SetNoise();
   }
 
  private:
-  bool ReadFiles() {
-    std::map<std::string, std::vector<std::string>> wanted;
-    if (!section_.file.empty()) wanted[section_.file];
-    for (const InputSection& input : section_.inputs) {
-      if (input.value.has_value()) continue;
-      wanted[input.signal.file].push_back(input.signal.column);
-    }
-    for (const ChannelSection& channel : section_.channels) {
-      if (simulation_) continue;
-      wanted[channel.signal.file].push_back(channel.signal.column);
-    }
-    for (const auto& [path, columns] : wanted) {
-      if (!ReadFile(path, columns)) return false;
-    }
-    if (section_.file.empty()) {
-      base_step_ = section_.sampling_step;
-      const double steps = std::floor(section_.duration / base_step_ + 1e-6);
-      if (!(steps < kMostSamples)) {
-        return table_.Fail("duration",
-                           "'duration' holds 1e8 samples or more, expected "
-                           "fewer");
-      }
-      num_samples_ = 1 + static_cast<Eigen::Index>(steps);
-      if (num_samples_ < 2) {
-        return table_.Fail("duration",
-                           "'duration' holds fewer than two "
-                           "samples, expected more");
-      }
-      return true;
-    }
-    const SourceFile& base = files_.at(section_.file);
-    base_start_ = base.start_time;
-    base_step_ = base.step;
-    num_samples_ = base.num_samples;
-    return true;
-  }
-
-  bool ReadFile(const std::string& path, std::vector<std::string> columns) {
-    SourceFile file;
-    std::string error;
-    if (IsAt2File(path)) {
-      At2Motion motion;
-      if (!ReadAt2(path, &motion, &error)) {
-        return table_.errors()->FailAsIs(error);
-      }
-      double second = 1.0;
-      if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
-        return table_.Fail("file", error);
-      }
-      file.step = motion.sampling_step * second;
-      file.num_samples = motion.acceleration.size();
-      file.motion = std::move(motion.acceleration);
-      if (file.num_samples < 2) {
-        return table_.errors()->FailAsIs(
-            path + ": has fewer than two samples, expected a time history");
-      }
-      files_.emplace(path, std::move(file));
-      return true;
-    }
-    if (!section_.time_column.empty()) {
-      columns.insert(columns.begin(), section_.time_column);
-    }
-    Table& table = file.table;
-    const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
-    const auto array = arrays.find(path);
-    if (!(array != arrays.end()
-              ? SelectColumns(array->second, columns, &table, &error)
-              : ReadTable(path, columns, &table, &error))) {
-      return table_.errors()->FailAsIs(error);
-    }
-    TimeGrid& grid = file.grid;
-    TimeColumnOptions options;
-    options.factor = section_.time_factor;
-    options.unit = units_.time;
-    options.interpolate_irregular = section_.resampling_step > 0.0;
-    const bool found =
-        section_.time_column.empty()
-            ? TimeGridFromStep(table, section_.sampling_step, &grid, &error)
-            : FindTimeGrid(table, section_.time_column, options, &grid, &error);
-    if (!found) return table_.errors()->FailAsIs(error);
-    for (const std::string& remark : grid.remarks) {
-      record_->description.remarks.push_back(
-          (path == section_.file
-               ? std::string()
-               : std::filesystem::path(path).filename().string() + ": ") +
-          remark);
-    }
-    file.start_time = grid.start_time;
-    file.step = grid.step;
-    file.num_samples = grid.num_samples();
-    files_.emplace(path, std::move(file));
-    return true;
-  }
-
-  // A thermometer is read now and then, and what it measures is slow: straight
-  // lines between readings, and before the first and behind the last one for as
-  // long as there is between two.
-  void FillReadings(const std::string& label, Vector* values) {
-    const Eigen::Index present = CountPresent(*values);
-    const std::vector<Gap> gaps = FindGaps(*values);
-    if (present < 2 || gaps.empty()) return;
-    Eigen::Index longest = 1;
-    const Eigen::Index size = values->size();
-    const auto at_an_end = [size](const Gap& gap) {
-      return gap.first == 0 || gap.first + gap.size == size;
-    };
-    for (const Gap& gap : gaps) {
-      if (!at_an_end(gap)) longest = std::max(longest, gap.size);
-    }
-    const Vector filled = FillMissing(*values);
-    for (const Gap& gap : gaps) {
-      if (at_an_end(gap) && gap.size > longest) continue;
-      values->segment(gap.first, gap.size) =
-          filled.segment(gap.first, gap.size);
-    }
-    record_->description.remarks.push_back(
-        label + ": " + std::to_string(present) + " of " + std::to_string(size) +
-        " samples are there, the others on straight lines between them.");
-  }
-
-  // In model units, on the grid of the record's file.
-  bool AddSignal(const SignalSection& signal, bool is_input,
-                 bool is_covariate = false) {
-    const SourceFile& file = files_.at(signal.file);
-    Channel channel;
-    channel.name = signal.label;
-    channel.unit = signal.unit;
-    channel.values = file.Column(signal.column);
-    std::string error;
-    if (!ConvertChannel(signal.dimension, units_, signal.sign, &channel,
-                        &error)) {
-      return signal.table.Fail("unit", error);
-    }
-    channel.values *= signal.scale;
-    if (CountPresent(channel.values) == 0) {
-      return table_.errors()->FailAsIs(signal.file + ": column '" +
-                                       signal.column +
-                                       "' holds no number, expected a time "
-                                       "history");
-    }
-    if (signal.remove_offset) {
-      const double mean = RemoveOffset(&channel.values);
-      record_->description.remarks.push_back(
-          signal.label + ": mean " + FormatNumber(mean / signal.factor, 4) +
-          " " + signal.unit + " subtracted.");
-    }
-    if (is_covariate) FillReadings(signal.label, &channel.values);
-    if (!Align(signal, file, is_input, &channel.values)) return false;
-    merged_.channels.push_back(std::move(channel));
-    return true;
-  }
-
-  // From the grid of `file` to that of the record's file.
-  bool Align(const SignalSection& signal, const SourceFile& file, bool is_input,
-             Vector* values) {
-    if (signal.file == section_.file) return true;
-    if (std::abs(file.step - base_step_) > 1e-9 * base_step_) {
-      if (!(static_cast<double>(file.num_samples) * (file.step / base_step_) <
-            kMostSamples)) {
-        return signal.table.Fail("file",
-                                 "at the record's rate it has 1e8 samples or "
-                                 "more, expected a record that is sampled less "
-                                 "often");
-      }
-      *values = Resample(*values, file.step, base_step_);
-      record_->description.remarks.push_back(
-          signal.label + ": resampled from a step of " +
-          FormatNumber(file.step, 6) + " to " + FormatNumber(base_step_, 6) +
-          " " + units_.time + ".");
-    }
-    const double offset = (base_start_ - file.start_time) / base_step_;
-    const double shift = std::round(offset);
-    if (std::abs(offset - shift) > 1e-3) {
-      return signal.table.Fail("file", "its samples lie between those of '" +
-                                           section_.file +
-                                           "', expected the same times");
-    }
-    Vector aligned = Vector::Constant(num_samples_, kNaN);
-    Eigen::Index missing = 0;
-    for (Eigen::Index i = 0; i < num_samples_; ++i) {
-      const double source = shift + static_cast<double>(i);
-      if (source < 0.0 || source >= static_cast<double>(values->size())) {
-        ++missing;
-        continue;
-      }
-      aligned[i] = (*values)[static_cast<Eigen::Index>(source)];
-    }
-    if (missing == num_samples_) {
-      return signal.table.Fail(
-          "file", "it has no sample in common with '" + section_.file + "'");
-    }
-    // Whether an excitation is complete is asked within the window only.
-    if (missing > 0 && !is_input) {
-      record_->description.remarks.push_back(signal.label +
-                                             ": does not cover the record.");
-    }
-    *values = std::move(aligned);
-    return true;
-  }
-
   bool CollectSignals() {
     merged_.name = section_.name;
-    merged_.start_time = base_start_;
-    merged_.sampling_step = base_step_;
+    merged_.start_time = files_.start_time();
+    merged_.sampling_step = files_.step();
     for (const InputSection& input : section_.inputs) {
       if (input.value.has_value()) {
-        merged_.channels.push_back(
-            {input.signal.label, "1",
-             Vector::Constant(num_samples_, *input.value)});
+        AddConstant(input.signal.label, *input.value);
       } else if (!AddSignal(input.signal, /*is_input=*/true,
                             input.spec.kind == InputSpec::Kind::kCovariate)) {
         return false;
@@ -304,17 +79,30 @@ class RecordDataReader {
     }
     for (const ChannelSection& channel : section_.channels) {
       if (simulation_) {
-        merged_.channels.push_back(
-            {channel.signal.label, "1", Vector::Constant(num_samples_, kNaN)});
-      } else if (!AddSignal(channel.signal, false)) {
+        AddConstant(channel.signal.label, kNaN);
+      } else if (!AddSignal(channel.signal, /*is_input=*/false,
+                            /*is_covariate=*/false)) {
         return false;
       }
     }
-    files_.clear();
+    files_.Clear();
     std::string error;
     if (!merged_.IsValid(&error)) {
       return table_.errors()->Fail(table_.line(), error);
     }
+    return true;
+  }
+
+  void AddConstant(const std::string& label, double value) {
+    merged_.channels.push_back(
+        {label, "1", Vector::Constant(files_.num_samples(), value)});
+  }
+
+  bool AddSignal(const SignalSection& signal, bool is_input,
+                 bool is_covariate) {
+    Channel channel;
+    if (!files_.Signal(signal, is_input, is_covariate, &channel)) return false;
+    merged_.channels.push_back(std::move(channel));
     return true;
   }
 
@@ -540,79 +328,15 @@ class RecordDataReader {
 
   const RecordSection& section_;
   const TomlTable& table_;
-  const UnitSystem& units_;
   const StructuralDynamics& dynamics_;
   const bool simulation_;
   IdentificationRecord* record_;
 
-  std::map<std::string, SourceFile> files_;
-  double base_start_ = 0.0;
-  double base_step_ = 0.0;
-  Eigen::Index num_samples_ = 0;
+  RecordFiles files_;
   Record merged_;
 };
 
 }  // namespace
-
-Vector Differentiate(const Vector& values, double step) {
-  const Eigen::Index n = values.size();
-  Vector derivative(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    // Differences of the fourth order, of the second beside the ends.
-    const Eigen::Index room = std::min(i, n - 1 - i);
-    if (room >= 2) {
-      derivative[i] = (8.0 * (values[i + 1] - values[i - 1]) -
-                       (values[i + 2] - values[i - 2])) /
-                      (12.0 * step);
-    } else if (room == 1) {
-      derivative[i] = (values[i + 1] - values[i - 1]) / (2.0 * step);
-    } else if (n == 1) {
-      derivative[i] = 0.0;
-    } else if (n == 2) {
-      derivative[i] = (values[1] - values[0]) / step;
-    } else {
-      const Eigen::Index inward = i == 0 ? 1 : -1;
-      derivative[i] = static_cast<double>(inward) *
-                      (4.0 * values[i + inward] - 3.0 * values[i] -
-                       values[i + 2 * inward]) /
-                      (2.0 * step);
-    }
-  }
-  return derivative;
-}
-
-Vector IntegrateTwice(const Vector& acceleration, double step,
-                      Interpolation interpolation) {
-  const Eigen::Index n = acceleration.size();
-  Vector displacement = Vector::Zero(n);
-  double velocity = 0.0;
-  const auto at = [&](Eigen::Index i) {
-    return acceleration[std::min(std::max<Eigen::Index>(i, 0), n - 1)];
-  };
-  for (Eigen::Index i = 0; i + 1 < n; ++i) {
-    // In an interval a(s) = c0 + c1 s + c2 s^2 + c3 s^3, s from 0 to 1.
-    const double a = at(i);
-    const double b = at(i + 1);
-    double c0 = a;
-    double c1 = 0.0;
-    double c2 = 0.0;
-    double c3 = 0.0;
-    if (interpolation == Interpolation::kLinear) {
-      c1 = b - a;
-    } else if (interpolation != Interpolation::kHeld) {
-      const double slope_a = 0.5 * (b - at(i - 1));
-      const double slope_b = 0.5 * (at(i + 2) - a);
-      c1 = slope_a;
-      c2 = 3.0 * (b - a) - 2.0 * slope_a - slope_b;
-      c3 = 2.0 * (a - b) + slope_a + slope_b;
-    }
-    displacement[i + 1] =
-        displacement[i] + step * velocity +
-        step * step * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0 + c3 / 20.0);
-    velocity += step * (c0 + c1 / 2.0 + c2 / 3.0 + c3 / 4.0);
-  }
-  return displacement;
-}
 
 bool ReadRecordData(const RecordSection& section, const UnitSystem& units,
                     const StructuralDynamics& dynamics, bool simulation,

@@ -29,16 +29,6 @@ namespace pinode {
                                   bool simulation,
                                   IdentificationRecord* record);
 
-// d values / dt at the samples: central differences of the fourth order, of the
-// second at the ends.
-Vector Differentiate(const Vector& values, double step);
-
-// Displacement of the ground at the samples, at rest before the first: the
-// exact double integral of the acceleration as `interpolation` has it between
-// samples.
-Vector IntegrateTwice(const Vector& acceleration, double step,
-                      Interpolation interpolation);
-
 }  // namespace pinode
 
 #endif  // PINODE_CASE_RECORD_DATA_H_
