@@ -23,21 +23,18 @@ from . import _checked, _pinode
 from ._pinode import Error, __version__
 from .case import Case, read_case
 from .forecast import Check, SensorPlan, Simulation
+from .measurements import Channel, Mode, Record, channels
 from .modes import IdentifiedModes, identify_modes
 from .parts import (
-    Channel,
     Element,
     FiniteElementModel,
     Group,
     Library,
-    Mode,
     Model,
     Network,
-    Record,
     ShearBuilding,
     Unknown,
     UnknownForce,
-    channels,
 )
 from .result import (
     Damage,

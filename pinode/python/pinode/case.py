@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _html, _pinode
 from ._pinode import Error
-from .parts import Record
+from .measurements import Record
 from .progress import watched
 
 if TYPE_CHECKING:

@@ -1,4 +1,5 @@
-"""The parts of a case: what a case file has as tables.
+"""The parts of a case that make its model and what is unknown in it, as a case file
+has them; records and modes are in `measurements`.
 
 Each is a dictionary with the keys of `pinode/case/README.md`; further keys of
 that page may be given by name. None counts as absent. What does not fit is
@@ -7,34 +8,13 @@ refused when the parts become a `Case`.
 
 from __future__ import annotations
 
-import numbers
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ._pinode import Error
-
-ArrayLike = Any  # of numbers: a NumPy array, or what becomes one
-
-
-class Part(dict):
-    """A table of a case."""
-
-    def __init__(self, **keys: Any) -> None:
-        super().__init__((k, v) for k, v in keys.items() if v is not None)
-
-    def __repr__(self) -> str:
-        words = []
-        for key, value in self.items():
-            shape = getattr(value, "shape", None)
-            if shape is not None and shape != ():
-                text = "array of " + " x ".join(str(n) for n in shape)
-            else:
-                text = repr(value)
-            words.append(f"{key}={text if len(text) < 60 else '...'}")
-        return f"{type(self).__name__}({', '.join(words)})"
+from ._part import ArrayLike, Part, as_list, as_matrix, as_strings
 
 
 class Model(Part):
@@ -63,10 +43,10 @@ class Model(Part):
             shape = np.shape(mass) if not hasattr(mass, "tocsc") else mass.shape
             dofs = [f"u{i + 1}" for i in range(shape[0] if shape else 0)]
         super().__init__(
-            dofs=_strings(dofs),
-            mass=_matrix(mass),
-            stiffness=_matrix(stiffness),
-            damping=_matrix(damping),
+            dofs=as_strings(dofs),
+            mass=as_matrix(mass),
+            stiffness=as_matrix(stiffness),
+            damping=as_matrix(damping),
             influence=influence,
             **keys,
         )
@@ -91,12 +71,12 @@ class ShearBuilding(Part):
     ) -> None:
         super().__init__(
             shear_building=Part(
-                masses=_list(masses),
-                stiffnesses=_list(stiffnesses),
-                dampers=_list(dampers),
+                masses=as_list(masses),
+                stiffnesses=as_list(stiffnesses),
+                dampers=as_list(dampers),
             ),
             damping=damping,
-            dofs=_strings(dofs),
+            dofs=as_strings(dofs),
             **keys,
         )
 
@@ -127,13 +107,13 @@ class FiniteElementModel(Part):
     ) -> None:
         super().__init__(
             finite_element=Part(
-                mass=_matrix(mass),
-                stiffness=_matrix(stiffness),
-                damping=_matrix(exported_damping),
-                dofs=dofs if isinstance(dofs, str) else _strings(dofs),
-                remove_dofs=_strings(remove_dofs),
+                mass=as_matrix(mass),
+                stiffness=as_matrix(stiffness),
+                damping=as_matrix(exported_damping),
+                dofs=dofs if isinstance(dofs, str) else as_strings(dofs),
+                remove_dofs=as_strings(remove_dofs),
                 ground_directions=ground_directions,
-                expected_frequencies=_list(expected_frequencies),
+                expected_frequencies=as_list(expected_frequencies),
             ),
             reduction=reduction,
             damping=damping,
@@ -198,11 +178,11 @@ class Group(Part):
         super().__init__(
             name=name,
             adds_to=adds_to,
-            matrix=_matrix(matrix),
-            between=_strings(between),
+            matrix=as_matrix(matrix),
+            between=as_strings(between),
             storey=storey,
             scale=scale,
-            changed_export=_matrix(changed_export),
+            changed_export=as_matrix(changed_export),
             factor=factor,
             initial=initial,
             lower=lower,
@@ -236,7 +216,7 @@ class Element(Part):
             name=name,
             type=type,
             file=None if file is None else os.fspath(file),
-            between=_strings(between),
+            between=as_strings(between),
             parameters=dict(parameters) if parameters is not None else None,
             optional=optional,
             **keys,
@@ -265,7 +245,7 @@ class Library(Part):
     ) -> None:
         super().__init__(
             name=name,
-            inputs=_strings(inputs),
+            inputs=as_strings(inputs),
             output=output,
             terms=list(terms),
             acts_as=acts_as,
@@ -295,9 +275,9 @@ class Network(Part):
     ) -> None:
         super().__init__(
             name=name,
-            inputs=_strings(inputs),
-            outputs=_strings(outputs),
-            layers=_list(layers),
+            inputs=as_strings(inputs),
+            outputs=as_strings(outputs),
+            layers=as_list(layers),
             activation=activation,
             acts_as=acts_as,
             seed=seed,
@@ -331,302 +311,9 @@ class UnknownForce(Part):
             dof=dof,
             shape=shape,
             record=record,
-            window=_list(window),
+            window=as_list(window),
             knot_spacing=knot_spacing,
             scale=scale,
             parameters=parameters,
             **keys,
         )
-
-
-class Channel(Part):
-    """A measured response.
-
-    values: one a sample, NaN where missing; or the name of a column of the
-        record's file; None in a case that is simulated.
-    quantity: "displacement", "velocity", "acceleration" (relative to the
-        ground), "absolute_acceleration", "absolute_displacement", "strain".
-    dof: where; or `combination`, {dof: weight}.
-    unit: of the values; the model's own for arrays unless given.
-    sigma: standard deviation of its noise, in `unit`; estimated unless given.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        values: ArrayLike | str | None = None,
-        quantity: str = "absolute_acceleration",
-        *,
-        dof: str | None = None,
-        combination: Mapping[str, float] | None = None,
-        unit: str | None = None,
-        sigma: float | None = None,
-        sigma_percent: float | None = None,
-        fit: bool | None = None,
-        **keys: Any,
-    ) -> None:
-        super().__init__(
-            name=name,
-            values=values,
-            quantity=quantity,
-            dof=dof,
-            combination=combination,
-            unit=unit,
-            sigma=sigma,
-            sigma_percent=sigma_percent,
-            fit=fit,
-            **keys,
-        )
-
-
-def channels(
-    prefix: str,
-    values: ArrayLike,
-    quantity: str,
-    *,
-    dofs: Sequence[str] | None = None,
-    **keys: Any,
-) -> list[Channel]:
-    """A channel for each column of `values`, samples x channels.
-
-    They are called prefix + "1", ... and are at u1, u2, ... unless `dofs` names
-    others. Further keys are those of Channel.
-    """
-    array = np.asarray(values)
-    if array.ndim != 2:
-        raise Error(
-            f"channels '{prefix}': values of {array.ndim} dimensions, expected "
-            "two: samples x channels"
-        )
-    if dofs is None:
-        dofs = [f"u{i + 1}" for i in range(array.shape[1])]
-    if len(dofs) != array.shape[1]:
-        raise Error(
-            f"channels '{prefix}': {array.shape[1]} columns and {len(dofs)} "
-            "DOFs, expected one for each"
-        )
-    return [
-        Channel(f"{prefix}{i + 1}", array[:, i], quantity, dof=dof, **keys)
-        for i, dof in enumerate(dofs)
-    ]
-
-
-class Record(Part):
-    """What was measured at one go, on a uniform grid of samples.
-
-    step: seconds between samples; or `sampling_rate_hz`, or `time`: an array of
-        times in seconds, or the column of the file that has them.
-    channels: the responses.
-    ground: {direction: accelerations}; force, motion: {dof: values};
-        covariate: {name: values}. In place of the values may stand the name of
-        a column of the file, or a dictionary with `values` (or `column`) and
-        further keys such as `unit`; of a covariate one number as well.
-    interpolation: of these between samples: "held", "linear", "cubic" or
-        "band_limited". Needed where there are any.
-    start: "rest", "free", or {"x": [...], "v": [...]}.
-    role: "train" or "holdout".
-    file: a CSV file or another; or a dictionary of columns, or a pandas frame.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        channels: Sequence[Channel | Mapping[str, Any]],
-        step: float | None = None,
-        sampling_rate_hz: float | None = None,
-        time: ArrayLike | str | None = None,
-        ground: Mapping[str, Any] | None = None,
-        force: Mapping[str, Any] | None = None,
-        motion: Mapping[str, Any] | None = None,
-        covariate: Mapping[str, Any] | None = None,
-        interpolation: str | None = None,
-        start: str | Mapping[str, ArrayLike] | None = None,
-        role: str | None = None,
-        file: Any = None,
-        **keys: Any,
-    ) -> None:
-        columns = _Columns(name, file)
-        if step is not None:
-            if sampling_rate_hz is not None:
-                raise Error(
-                    f"record '{name}': 'step' beside 'sampling_rate_hz', "
-                    "expected one of the two"
-                )
-            sampling_rate_hz = _rate(name, step)
-        if time is not None and not isinstance(time, str):
-            time = columns.add("t", time)
-        signals: dict[str, list[dict[str, Any]]] = {}
-        for key, place, given in (
-            ("ground", "direction", ground),
-            ("force", "dof", force),
-            ("motion", "dof", motion),
-            ("covariate", "name", covariate),
-        ):
-            if given is None:
-                continue
-            if not isinstance(given, Mapping):
-                raise Error(
-                    f"record '{name}': '{key}' is a value of type "
-                    f"{type(given).__name__}, expected {{{place}: values}}"
-                )
-            signals[key] = [
-                columns.signal(value, f"{key}_{at}", {place: at})
-                for at, value in given.items()
-            ]
-        tables = [_channel_table(name, columns, channel) for channel in channels]
-        super().__init__(
-            name=name,
-            file=columns.file(),
-            time=time,
-            sampling_rate_hz=sampling_rate_hz,
-            interpolation=interpolation,
-            start=start,
-            role=role,
-            channel=tables or None,
-            **signals,
-            **keys,
-        )
-
-    @property
-    def is_for_simulation(self) -> bool:
-        """Whether it has a channel without values."""
-        return any("column" not in c and "file" not in c for c in self.get("channel", ()))
-
-
-class Mode(Part):
-    """A measured mode.
-
-    frequency_hz: with `frequency_sigma` (Hz) where there are records too.
-    shape: {dof: value}, or an array and the `dofs` of its entries.
-    """
-
-    def __init__(
-        self,
-        frequency_hz: float,
-        *,
-        frequency_sigma: float | None = None,
-        shape: Mapping[str, float] | ArrayLike | None = None,
-        dofs: Sequence[str] | None = None,
-        shape_sigma: float | None = None,
-        name: str | None = None,
-        **keys: Any,
-    ) -> None:
-        if shape is not None and not isinstance(shape, Mapping):
-            if dofs is None or len(dofs) != len(shape):
-                raise Error(
-                    "the shape of a mode is an array, expected 'dofs' with a "
-                    "name for each of its entries"
-                )
-            shape = dict(zip(dofs, _list(shape)))
-        super().__init__(
-            name=name,
-            frequency=frequency_hz,
-            frequency_sigma=frequency_sigma,
-            shape=shape,
-            shape_sigma=shape_sigma,
-            **keys,
-        )
-
-
-class _Columns:
-    """The table that stands in for a record's file."""
-
-    def __init__(self, record: str, file: Any) -> None:
-        self._record = record
-        self._path = None
-        self._columns: dict[str, Any] = {}
-        if file is None:
-            return
-        if hasattr(file, "columns") and hasattr(file, "to_numpy"):
-            self._columns = {str(c): file[c].to_numpy() for c in file.columns}
-        elif isinstance(file, Mapping):
-            self._columns = dict(file)
-        else:
-            self._path = file
-
-    def file(self) -> Any:
-        return self._path if self._path is not None else self._columns or None
-
-    def add(self, name: str, values: Any) -> str:
-        if self._path is not None:
-            raise Error(
-                f"record '{self._record}': an array for '{name}' beside a file, "
-                "expected the name of a column"
-            )
-        if name in self._columns:
-            raise Error(
-                f"record '{self._record}': two columns are called '{name}', "
-                "expected different names"
-            )
-        self._columns[name] = _vector(values)
-        return name
-
-    def signal(
-        self, value: Any, name: str, table: dict[str, Any]
-    ) -> dict[str, Any]:
-        """The table of an input: its values, or keys with them among these."""
-        keys = dict(value) if isinstance(value, Mapping) else {"values": value}
-        values = keys.pop("values", None)
-        is_covariate = "name" in table
-        if isinstance(values, str):
-            keys["column"] = values
-        elif is_covariate and isinstance(values, numbers.Real):
-            keys["value"] = float(values)
-        elif values is not None:
-            keys["column"] = self.add(name, values)
-        # A covariate is a number of any kind.
-        if self._path is None and not is_covariate:
-            keys.setdefault("unit", "model")
-        return {**table, **keys}
-
-
-def _channel_table(
-    record: str, columns: _Columns, channel: Mapping[str, Any]
-) -> dict[str, Any]:
-    if not isinstance(channel, Mapping):
-        raise Error(
-            f"record '{record}': a channel is a value of type "
-            f"{type(channel).__name__}, expected a pinode.Channel"
-        )
-    return columns.signal(channel, str(channel.get("name", "")), {})
-
-
-def _rate(record: str, step: Any) -> float:
-    try:
-        rate = 1.0 / float(step)
-    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
-        rate = float("nan")
-    if not 0.0 < rate < float("inf"):
-        raise Error(
-            f"record '{record}': 'step' is {step!r}, expected a positive number "
-            "of seconds"
-        )
-    return rate
-
-
-def _vector(values: Any) -> Any:
-    """Arrays as they are; lists of numbers as arrays, where they are one."""
-    return _matrix(values)
-
-
-def _matrix(value: Any) -> Any:
-    """Rows in lists as an array, where they are one."""
-    if not isinstance(value, (list, tuple)):
-        return value
-    try:
-        array = np.asarray(value)
-    except (TypeError, ValueError):
-        return value
-    # Others are refused by name when the case is made.
-    return array.astype(float) if array.dtype.kind in "biuf" else value
-
-
-def _list(values: Any) -> Any:
-    return values.tolist() if hasattr(values, "tolist") else values
-
-
-def _strings(names: Any) -> Any:
-    if names is None or isinstance(names, str):
-        return names
-    return [str(name) if isinstance(name, np.str_) else name for name in names]

@@ -1,0 +1,281 @@
+"""What was measured: records with their channels, and modes.
+
+Tables of a case as those of `parts` are, with arrays or the columns of a file.
+"""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ._part import ArrayLike, Part, as_list, as_matrix
+from ._pinode import Error
+
+
+class Channel(Part):
+    """A measured response.
+
+    values: one a sample, NaN where missing; or the name of a column of the
+        record's file; None in a case that is simulated.
+    quantity: "displacement", "velocity", "acceleration" (relative to the
+        ground), "absolute_acceleration", "absolute_displacement", "strain".
+    dof: where; or `combination`, {dof: weight}.
+    unit: of the values; the model's own for arrays unless given.
+    sigma: standard deviation of its noise, in `unit`; estimated unless given.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        values: ArrayLike | str | None = None,
+        quantity: str = "absolute_acceleration",
+        *,
+        dof: str | None = None,
+        combination: Mapping[str, float] | None = None,
+        unit: str | None = None,
+        sigma: float | None = None,
+        sigma_percent: float | None = None,
+        fit: bool | None = None,
+        **keys: Any,
+    ) -> None:
+        super().__init__(
+            name=name,
+            values=values,
+            quantity=quantity,
+            dof=dof,
+            combination=combination,
+            unit=unit,
+            sigma=sigma,
+            sigma_percent=sigma_percent,
+            fit=fit,
+            **keys,
+        )
+
+
+def channels(
+    prefix: str,
+    values: ArrayLike,
+    quantity: str,
+    *,
+    dofs: Sequence[str] | None = None,
+    **keys: Any,
+) -> list[Channel]:
+    """A channel for each column of `values`, samples x channels.
+
+    They are called prefix + "1", ... and are at u1, u2, ... unless `dofs` names
+    others. Further keys are those of Channel.
+    """
+    array = np.asarray(values)
+    if array.ndim != 2:
+        raise Error(
+            f"channels '{prefix}': values of {array.ndim} dimensions, expected "
+            "two: samples x channels"
+        )
+    if dofs is None:
+        dofs = [f"u{i + 1}" for i in range(array.shape[1])]
+    if len(dofs) != array.shape[1]:
+        raise Error(
+            f"channels '{prefix}': {array.shape[1]} columns and {len(dofs)} "
+            "DOFs, expected one for each"
+        )
+    return [
+        Channel(f"{prefix}{i + 1}", array[:, i], quantity, dof=dof, **keys)
+        for i, dof in enumerate(dofs)
+    ]
+
+
+class Record(Part):
+    """What was measured at one go, on a uniform grid of samples.
+
+    step: seconds between samples; or `sampling_rate_hz`, or `time`: an array of
+        times in seconds, or the column of the file that has them.
+    channels: the responses.
+    ground: {direction: accelerations}; force, motion: {dof: values};
+        covariate: {name: values}. In place of the values may stand the name of
+        a column of the file, or a dictionary with `values` (or `column`) and
+        further keys such as `unit`; of a covariate one number as well.
+    interpolation: of these between samples: "held", "linear", "cubic" or
+        "band_limited". Needed where there are any.
+    start: "rest", "free", or {"x": [...], "v": [...]}.
+    role: "train" or "holdout".
+    file: a CSV file or another; or a dictionary of columns, or a pandas frame.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        channels: Sequence[Channel | Mapping[str, Any]],
+        step: float | None = None,
+        sampling_rate_hz: float | None = None,
+        time: ArrayLike | str | None = None,
+        ground: Mapping[str, Any] | None = None,
+        force: Mapping[str, Any] | None = None,
+        motion: Mapping[str, Any] | None = None,
+        covariate: Mapping[str, Any] | None = None,
+        interpolation: str | None = None,
+        start: str | Mapping[str, ArrayLike] | None = None,
+        role: str | None = None,
+        file: Any = None,
+        **keys: Any,
+    ) -> None:
+        columns = _Columns(name, file)
+        if step is not None:
+            if sampling_rate_hz is not None:
+                raise Error(
+                    f"record '{name}': 'step' beside 'sampling_rate_hz', "
+                    "expected one of the two"
+                )
+            sampling_rate_hz = _rate(name, step)
+        if time is not None and not isinstance(time, str):
+            time = columns.add("t", time)
+        signals: dict[str, list[dict[str, Any]]] = {}
+        for key, place, given in (
+            ("ground", "direction", ground),
+            ("force", "dof", force),
+            ("motion", "dof", motion),
+            ("covariate", "name", covariate),
+        ):
+            if given is None:
+                continue
+            if not isinstance(given, Mapping):
+                raise Error(
+                    f"record '{name}': '{key}' is a value of type "
+                    f"{type(given).__name__}, expected {{{place}: values}}"
+                )
+            signals[key] = [
+                columns.signal(value, f"{key}_{at}", {place: at})
+                for at, value in given.items()
+            ]
+        tables = [_channel_table(name, columns, channel) for channel in channels]
+        super().__init__(
+            name=name,
+            file=columns.file(),
+            time=time,
+            sampling_rate_hz=sampling_rate_hz,
+            interpolation=interpolation,
+            start=start,
+            role=role,
+            channel=tables or None,
+            **signals,
+            **keys,
+        )
+
+    @property
+    def is_for_simulation(self) -> bool:
+        """Whether it has a channel without values."""
+        return any("column" not in c and "file" not in c for c in self.get("channel", ()))
+
+
+class Mode(Part):
+    """A measured mode.
+
+    frequency_hz: with `frequency_sigma` (Hz) where there are records too.
+    shape: {dof: value}, or an array and the `dofs` of its entries.
+    """
+
+    def __init__(
+        self,
+        frequency_hz: float,
+        *,
+        frequency_sigma: float | None = None,
+        shape: Mapping[str, float] | ArrayLike | None = None,
+        dofs: Sequence[str] | None = None,
+        shape_sigma: float | None = None,
+        name: str | None = None,
+        **keys: Any,
+    ) -> None:
+        if shape is not None and not isinstance(shape, Mapping):
+            if dofs is None or len(dofs) != len(shape):
+                raise Error(
+                    "the shape of a mode is an array, expected 'dofs' with a "
+                    "name for each of its entries"
+                )
+            shape = dict(zip(dofs, as_list(shape)))
+        super().__init__(
+            name=name,
+            frequency=frequency_hz,
+            frequency_sigma=frequency_sigma,
+            shape=shape,
+            shape_sigma=shape_sigma,
+            **keys,
+        )
+
+
+class _Columns:
+    """The table that stands in for a record's file."""
+
+    def __init__(self, record: str, file: Any) -> None:
+        self._record = record
+        self._path = None
+        self._columns: dict[str, Any] = {}
+        if file is None:
+            return
+        if hasattr(file, "columns") and hasattr(file, "to_numpy"):
+            self._columns = {str(c): file[c].to_numpy() for c in file.columns}
+        elif isinstance(file, Mapping):
+            self._columns = dict(file)
+        else:
+            self._path = file
+
+    def file(self) -> Any:
+        return self._path if self._path is not None else self._columns or None
+
+    def add(self, name: str, values: Any) -> str:
+        if self._path is not None:
+            raise Error(
+                f"record '{self._record}': an array for '{name}' beside a file, "
+                "expected the name of a column"
+            )
+        if name in self._columns:
+            raise Error(
+                f"record '{self._record}': two columns are called '{name}', "
+                "expected different names"
+            )
+        self._columns[name] = as_matrix(values)
+        return name
+
+    def signal(
+        self, value: Any, name: str, table: dict[str, Any]
+    ) -> dict[str, Any]:
+        """The table of an input: its values, or keys with them among these."""
+        keys = dict(value) if isinstance(value, Mapping) else {"values": value}
+        values = keys.pop("values", None)
+        is_covariate = "name" in table
+        if isinstance(values, str):
+            keys["column"] = values
+        elif is_covariate and isinstance(values, numbers.Real):
+            keys["value"] = float(values)
+        elif values is not None:
+            keys["column"] = self.add(name, values)
+        # A covariate is a number of any kind.
+        if self._path is None and not is_covariate:
+            keys.setdefault("unit", "model")
+        return {**table, **keys}
+
+
+def _channel_table(
+    record: str, columns: _Columns, channel: Mapping[str, Any]
+) -> dict[str, Any]:
+    if not isinstance(channel, Mapping):
+        raise Error(
+            f"record '{record}': a channel is a value of type "
+            f"{type(channel).__name__}, expected a pinode.Channel"
+        )
+    return columns.signal(channel, str(channel.get("name", "")), {})
+
+
+def _rate(record: str, step: Any) -> float:
+    try:
+        rate = 1.0 / float(step)
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        rate = float("nan")
+    if not 0.0 < rate < float("inf"):
+        raise Error(
+            f"record '{record}': 'step' is {step!r}, expected a positive number "
+            "of seconds"
+        )
+    return rate
