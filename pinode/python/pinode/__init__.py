@@ -36,15 +36,9 @@ from .parts import (
     Unknown,
     UnknownForce,
 )
-from .result import (
-    Damage,
-    Discovery,
-    Fit,
-    Parameter,
-    ResultFolder,
-    StructureView,
-    read_result,
-)
+from .result import Damage, Discovery, Fit, Parameter
+from .result_folder import ResultFolder, read_result
+from .structure_view import StructureView
 
 Error.__module__ = "pinode"
 _checked.install(_pinode)

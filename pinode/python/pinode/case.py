@@ -15,7 +15,8 @@ from .progress import watched
 
 if TYPE_CHECKING:
     from .forecast import Check, SensorPlan, Simulation
-    from .result import Damage, Discovery, Fit, ResultFolder
+    from .result import Damage, Discovery, Fit
+    from .result_folder import ResultFolder
 
 Progress = Callable[[Mapping[str, Any]], Any]
 

@@ -14,7 +14,7 @@ from . import _html, _pinode
 from ._pinode import Error
 
 if TYPE_CHECKING:
-    from .result import StructureView
+    from .structure_view import StructureView
 
 _DERIVATIVES = {"displacement": 0, "strain": 0, "velocity": 1, "acceleration": 2}
 
@@ -106,7 +106,7 @@ class IdentifiedModes(Sequence):
 
     def structure(self) -> "StructureView":
         """The modes moving, where the case has a [geometry]."""
-        from .result import StructureView
+        from .structure_view import StructureView
 
         section = self._structure_html
         if not section:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import csv
 import functools
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from html import escape
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import _html, _pinode
 from ._pinode import Error
+from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case, Progress
 from .progress import watched
+from .result_folder import ResultFolder
+from .structure_view import StructureView
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,52 +58,6 @@ class RecordResult(NamedTuple):
     units: dict[str, str]
     states: np.ndarray
     start: np.ndarray
-
-
-class StructureView:
-    """A structure drawn in 3-D, for a notebook or a page of its own.
-
-    html: the page: turned by pointer, keys and touch; a still picture on paper
-        and where there is no WebGL.
-    """
-
-    def __init__(self, section: str) -> None:
-        self.html = (
-            '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-            "<title>The structure</title></head>\n"
-            '<body style="font: 15px/1.5 sans-serif; margin: 12px">\n'
-            f"{section}</body></html>\n"
-        )
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page."""
-        Path(path).write_text(self.html, encoding="utf-8")
-
-    def _repr_html_(self) -> str:
-        return (
-            '<iframe title="The structure" style="width: 100%; height: 800px; border: 0" '
-            f'srcdoc="{escape(self.html)}"></iframe>'
-        )
-
-
-_CHANGE_HEADER = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
-
-
-def _change_row(group: Mapping[str, Any]) -> list[Any]:
-    return [group[key] for key in ("name", "change", "lower95", "upper95", "probability")]
-
-
-def _tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:
-    """Parameters and scores of records as notebooks show them."""
-    keys = ("name", "initial", "value", "lower95", "upper95", "unit")
-    scores = ("name", "role", "nrmse", "prior_nrmse")
-    return _html.table(
-        ["parameter", "before", "value", "from", "to (95 %)", "unit"],
-        [[p[key] for key in keys] for p in parameters],
-    ) + _html.table(
-        ["record", "role", "error", "error before"],
-        [[r[key] for key in scores] for r in records],
-    )
 
 
 class _Outcome:
@@ -309,7 +263,7 @@ class _Outcome:
 
     def _repr_html_(self) -> str:
         parameters = [p._asdict() for p in self.parameters.values()]
-        return _html.section(self.verdict, _tables(parameters, self.records.values()))
+        return _html.section(self.verdict, tables(parameters, self.records.values()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), *self._handle.state())
@@ -434,8 +388,8 @@ class Damage(_Outcome):
         return f"{self.sentence}\n\n{self.report()}"
 
     def _repr_html_(self) -> str:
-        rows = [_change_row(g) for g in self.groups.values()]
-        table = _html.table(_CHANGE_HEADER, rows)
+        rows = [change_row(g) for g in self.groups.values()]
+        table = _html.table(CHANGE_HEADER, rows)
         return _html.section(self.sentence, table) + super()._repr_html_()
 
 
@@ -510,101 +464,3 @@ def _baselines(given: Any) -> list[Any]:
                 "a Fit or a result folder"
             )
     return result
-
-
-class ResultFolder:
-    """A result folder on disk."""
-
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
-        file = self.path / "result.json"
-        try:
-            self.json: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as failure:
-            raise Error(f"{file}: is no result of pinode: {failure}") from None
-        if not isinstance(self.json, dict) or not str(self.json.get("schema")).startswith(
-            "pinode-result-"
-        ):
-            raise Error(f"{file}: is no result of pinode, expected its schema")
-
-    @property
-    def usable(self) -> bool:
-        return bool(self.json["usable"])
-
-    @property
-    def message(self) -> str:
-        return self.json["message"]
-
-    @property
-    def parameters(self) -> dict[str, dict[str, Any]]:
-        return {p["name"]: p for p in self.json["parameters"]}
-
-    def __getitem__(self, name: str) -> float:
-        return self.parameters[name]["value"]
-
-    @property
-    def records(self) -> dict[str, dict[str, Any]]:
-        return {r["name"]: r for r in self.json["records"]}
-
-    @property
-    def modes(self) -> list[dict[str, Any]]:
-        return self.json["modes"]
-
-    def prediction(self, record: str) -> dict[str, np.ndarray]:
-        """Columns of prediction_<record>.csv."""
-        if not isinstance(record, str):
-            raise Error(f"record is a value of type {type(record).__name__}, expected a name")
-        return self.table(f"prediction_{record}.csv")
-
-    def table(self, name: str) -> dict[str, np.ndarray]:
-        """The columns of one of its CSV files with numbers."""
-        file = self.path / name
-        try:
-            with open(file, newline="", encoding="utf-8") as lines:
-                rows = list(csv.reader(lines))
-            header, body = rows[0], rows[1:]
-            numbers = np.array(
-                [[float(cell) if cell else np.nan for cell in row] for row in body]
-            ).reshape(len(body), len(header))
-        except (OSError, ValueError, IndexError) as failure:
-            raise Error(f"{file}: cannot be read as a table: {failure}") from None
-        return {name: numbers[:, i] for i, name in enumerate(header)}
-
-    def matrix(self, name: str) -> np.ndarray:
-        """One of its matrices, such as "K.mtx", full."""
-        from scipy.io import mmread
-
-        try:
-            matrix = mmread(self.path / name)
-        except (OSError, ValueError) as failure:
-            raise Error(f"{self.path / name}: cannot be read: {failure}") from None
-        return matrix.toarray() if hasattr(matrix, "toarray") else matrix
-
-    @property
-    def case(self) -> Case:
-        """The updated model as a case, model.toml."""
-        return Case.read(self.path / "model.toml")
-
-    @property
-    def damage(self) -> dict[str, Any] | None:
-        """The content of damage.json, where there is one."""
-        file = self.path / "damage.json"
-        return json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
-
-    def __repr__(self) -> str:
-        return f"ResultFolder({str(self.path)!r}: {self.message})"
-
-    def _repr_html_(self) -> str:
-        damage = self.damage
-        changes = [] if damage is None else [_change_row(g) for g in damage["groups"]]
-        return _html.section(
-            f"{self.path}: {self.message if damage is None else damage['message']}",
-            _html.table(_CHANGE_HEADER, changes),
-            _tables(self.parameters.values(), self.records.values()),
-            _html.sentences("Remarks:", self.json["remarks"]),
-        )
-
-
-def read_result(path: str | os.PathLike[str]) -> ResultFolder:
-    """The result folder that a program, or `save`, has written."""
-    return ResultFolder(path)

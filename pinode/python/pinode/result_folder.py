@@ -1,0 +1,114 @@
+"""A result that programs, or `save`, have left on disk."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _html
+from ._pinode import Error
+from ._result_tables import CHANGE_HEADER, change_row, tables
+from .case import Case
+
+
+class ResultFolder:
+    """A result folder on disk."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        file = self.path / "result.json"
+        try:
+            self.json: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as failure:
+            raise Error(f"{file}: is no result of pinode: {failure}") from None
+        if not isinstance(self.json, dict) or not str(self.json.get("schema")).startswith(
+            "pinode-result-"
+        ):
+            raise Error(f"{file}: is no result of pinode, expected its schema")
+
+    @property
+    def usable(self) -> bool:
+        return bool(self.json["usable"])
+
+    @property
+    def message(self) -> str:
+        return self.json["message"]
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        return {p["name"]: p for p in self.json["parameters"]}
+
+    def __getitem__(self, name: str) -> float:
+        return self.parameters[name]["value"]
+
+    @property
+    def records(self) -> dict[str, dict[str, Any]]:
+        return {r["name"]: r for r in self.json["records"]}
+
+    @property
+    def modes(self) -> list[dict[str, Any]]:
+        return self.json["modes"]
+
+    def prediction(self, record: str) -> dict[str, np.ndarray]:
+        """Columns of prediction_<record>.csv."""
+        if not isinstance(record, str):
+            raise Error(f"record is a value of type {type(record).__name__}, expected a name")
+        return self.table(f"prediction_{record}.csv")
+
+    def table(self, name: str) -> dict[str, np.ndarray]:
+        """The columns of one of its CSV files with numbers."""
+        file = self.path / name
+        try:
+            with open(file, newline="", encoding="utf-8") as lines:
+                rows = list(csv.reader(lines))
+            header, body = rows[0], rows[1:]
+            numbers = np.array(
+                [[float(cell) if cell else np.nan for cell in row] for row in body]
+            ).reshape(len(body), len(header))
+        except (OSError, ValueError, IndexError) as failure:
+            raise Error(f"{file}: cannot be read as a table: {failure}") from None
+        return {name: numbers[:, i] for i, name in enumerate(header)}
+
+    def matrix(self, name: str) -> np.ndarray:
+        """One of its matrices, such as "K.mtx", full."""
+        from scipy.io import mmread
+
+        try:
+            matrix = mmread(self.path / name)
+        except (OSError, ValueError) as failure:
+            raise Error(f"{self.path / name}: cannot be read: {failure}") from None
+        return matrix.toarray() if hasattr(matrix, "toarray") else matrix
+
+    @property
+    def case(self) -> Case:
+        """The updated model as a case, model.toml."""
+        return Case.read(self.path / "model.toml")
+
+    @property
+    def damage(self) -> dict[str, Any] | None:
+        """The content of damage.json, where there is one."""
+        file = self.path / "damage.json"
+        return json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
+
+    def __repr__(self) -> str:
+        return f"ResultFolder({str(self.path)!r}: {self.message})"
+
+    def _repr_html_(self) -> str:
+        damage = self.damage
+        changes = [] if damage is None else [change_row(g) for g in damage["groups"]]
+        return _html.section(
+            f"{self.path}: {self.message if damage is None else damage['message']}",
+            _html.table(CHANGE_HEADER, changes),
+            tables(self.parameters.values(), self.records.values()),
+            _html.sentences("Remarks:", self.json["remarks"]),
+        )
+
+
+def read_result(path: str | os.PathLike[str]) -> ResultFolder:
+    """The result folder that a program, or `save`, has written."""
+    return ResultFolder(path)

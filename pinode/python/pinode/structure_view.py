@@ -1,0 +1,33 @@
+"""The structure as a page shows it."""
+
+from __future__ import annotations
+
+import os
+from html import escape
+from pathlib import Path
+
+
+class StructureView:
+    """A structure drawn in 3-D, for a notebook or a page of its own.
+
+    html: the page: turned by pointer, keys and touch; a still picture on paper
+        and where there is no WebGL.
+    """
+
+    def __init__(self, section: str) -> None:
+        self.html = (
+            '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+            "<title>The structure</title></head>\n"
+            '<body style="font: 15px/1.5 sans-serif; margin: 12px">\n'
+            f"{section}</body></html>\n"
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page."""
+        Path(path).write_text(self.html, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        return (
+            '<iframe title="The structure" style="width: 100%; height: 800px; border: 0" '
+            f'srcdoc="{escape(self.html)}"></iframe>'
+        )
