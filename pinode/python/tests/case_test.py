@@ -196,6 +196,19 @@ def test_check_says_what_is_not_seen(healthy):
     assert any("same" in u for u in twice.check()["undetermined"])
 
 
+def test_more_measured_modes_than_dofs():
+    """As identify_modes finds them: the model has none for the last."""
+    hz = np.sqrt(scipy.linalg.eigh(frame_testing.STIFFNESS, frame_testing.MASS,
+                                   eigvals_only=True)) / (2 * np.pi)
+    measured = [*(0.98 * hz), 3.0 * hz[-1]]
+    modes = [pinode.Mode(f, frequency_sigma=1e-3 * f, name=f"m{i}")
+             for i, f in enumerate(measured)]
+    fit = pinode.Case(conftest.model(), groups=conftest.groups(), modes=modes).identify()
+    assert fit.usable, fit.message
+    assert any("does not use 'm3'" in remark for remark in fit.remarks)
+    assert [m["updated_hz"] for m in fit.modes] == pytest.approx(measured[:3], rel=1e-3)
+
+
 def test_a_check_writes_a_folder(healthy, tmp_path):
     check = healthy.check(output=tmp_path / "c", mat=True)
     found = json.loads((tmp_path / "c" / "check.json").read_text())
