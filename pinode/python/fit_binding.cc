@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -182,16 +183,18 @@ py::dict RecordOf(const std::shared_ptr<Fit>& fit, const std::string& name) {
 // By record and channel the free run of the model before the fit; none of a
 // record where that is not finite.
 py::dict Before(const Fit& fit) {
-  PriorComparison prior;
-  {
-    py::gil_scoped_release release;
-    prior = CompareWithPrior(fit.c.problem, fit.summary, fit.model);
-  }
+  const std::vector<IdentificationRecord>& records = fit.c.problem.records;
+  PriorRuns runs(fit.c.problem, fit.model);
   py::dict result;
-  for (size_t r = 0; r < prior.predictions.size(); ++r) {
-    const IdentificationRecord& record = fit.c.problem.records[r];
-    result[py::str(record.name)] =
-        RowsByChannel(record, prior.predictions[r], false);
+  for (size_t r = 0; r < fit.summary.records.size(); ++r) {
+    std::vector<int> channels(records[r].channels.size());
+    std::iota(channels.begin(), channels.end(), 0);
+    Matrix shown;
+    {
+      py::gil_scoped_release release;
+      shown = runs.Run(static_cast<int>(r), channels);
+    }
+    result[py::str(records[r].name)] = RowsByChannel(records[r], shown, false);
   }
   return result;
 }
