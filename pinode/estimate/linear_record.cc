@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "pinode/base/compensated_sum.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/estimate/record_sums.h"
 #include "pinode/integrate/history_pass.h"
 
 namespace pinode {
@@ -37,76 +37,6 @@ struct LinearRecord::Tables {
   }
   // Whether rows of the Jacobian are cheaper than the histories' Gram matrix.
   bool by_rows = false;
-};
-
-struct LinearRecord::Sums {
-  Vector costs;                  // of each channel
-  std::vector<Matrix> grams;     // of each pattern, lower triangles; R x R
-  Matrix products;               // Z r_c, R x channels
-  std::vector<Matrix> hessians;  // where the Jacobian's rows are summed
-  Vector end;  // the last histories, zero where they are others' to sum
-
-  // Calls each(column of these, column of `other`), of the triangles what is
-  // filled.
-  template <typename Each>
-  void ForEachColumn(Sums* other, const Each& each) {
-    each(costs, other->costs);
-    each(end, other->end);
-    for (Eigen::Index j = 0; j < products.cols(); ++j) {
-      each(products.col(j), other->products.col(j));
-    }
-    const auto lower = [&](Matrix* own, Matrix* others) {
-      for (Eigen::Index j = 0; j < own->cols(); ++j) {
-        const Eigen::Index below = own->rows() - j;
-        each(own->col(j).tail(below), others->col(j).tail(below));
-      }
-    };
-    for (size_t p = 0; p < grams.size(); ++p) {
-      lower(&grams[p], &other->grams[p]);
-    }
-    for (size_t h = 0; h < hessians.size(); ++h) {
-      lower(&hessians[h], &other->hessians[h]);
-    }
-  }
-};
-
-// Sums over a share's pieces to twice the digits. A piece's own sum is the same
-// for any number of threads, and so is that of all.
-class LinearRecord::PieceSums {
- public:
-  explicit PieceSums(const Sums& zero)
-      : piece_(zero), sum_(zero), rest_(zero) {}
-
-  Sums* piece() { return &piece_; }
-  // Adds the piece to the others, and begins the next.
-  void Close() {
-    Add(&piece_);
-    piece_.ForEachColumn(&piece_, [](auto&& own, auto&&) { own.setZero(); });
-  }
-  void Add(PieceSums* other) {
-    Add(&other->sum_);
-    rest_.ForEachColumn(&other->rest_,
-                        [](auto&& own, auto&& others) { own += others; });
-  }
-  Sums Take() {
-    sum_.ForEachColumn(&rest_, [](auto&& own, auto&& rest) { own += rest; });
-    return std::move(sum_);
-  }
-
- private:
-  void Add(Sums* term) {
-    // Columns of the three in their common order.
-    std::vector<Eigen::Map<Vector>> rests;
-    rest_.ForEachColumn(&rest_, [&](auto&& own, auto&&) {
-      rests.emplace_back(own.data(), own.size());
-    });
-    size_t at = 0;
-    sum_.ForEachColumn(term, [&](auto&& own, auto&& added) {
-      AddCompensated(added, own, rests[at++]);
-    });
-  }
-
-  Sums piece_, sum_, rest_;
 };
 
 LinearRecord::LinearRecord(const IdentificationProblem& problem,
@@ -248,7 +178,7 @@ Matrix LinearRecord::Residuals(const Tables& tables, Eigen::Index first,
 }
 
 void LinearRecord::AddBlock(const Tables& tables, Eigen::Index first,
-                            const Matrix& histories, Sums* sums) const {
+                            const Matrix& histories, RecordSums* sums) const {
   const Matrix residuals = Residuals(tables, first, histories);
   sums->costs += 0.5 * residuals.rowwise().squaredNorm();
   if (tables.columns == 0) return;
@@ -280,7 +210,7 @@ void LinearRecord::AddBlock(const Tables& tables, Eigen::Index first,
   }
 }
 
-void LinearRecord::Condense(const Tables& tables, const Sums& sums,
+void LinearRecord::Condense(const Tables& tables, const RecordSums& sums,
                             int num_threads, ByChannel* equations) const {
   const size_t count = tables.apart ? record_.channels.size() : 1;
   equations->costs = sums.costs;
@@ -324,11 +254,10 @@ void LinearRecord::Condense(const Tables& tables, const Sums& sums,
   }
 }
 
-LinearRecord::Sums LinearRecord::SumPieces(
-    const Tables& tables, int num_threads,
-    const Communicator& communicator) const {
+RecordSums LinearRecord::SumPieces(const Tables& tables, int num_threads,
+                                   const Communicator& communicator) const {
   const Eigen::Index rows = tables.predictions.rows();
-  Sums zero;
+  RecordSums zero;
   zero.end = Vector::Zero(rows);
   zero.costs = Vector::Zero(tables.predictions.cols());
   if (tables.columns > 0) {

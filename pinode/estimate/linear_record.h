@@ -13,6 +13,7 @@
 #include "pinode/dynamics/observation.h"
 #include "pinode/estimate/identification_problem.h"
 #include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/record_sums.h"
 #include "pinode/estimate/robust_loss.h"
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/modal_response.h"
@@ -96,9 +97,6 @@ class LinearRecord {
   };
   // What a point comes to in histories.
   struct Tables;
-  // Sums over samples.
-  struct Sums;
-  class PieceSums;
   // Scores of a thread's share of the record.
   struct ScoreShare;
   // The equations of each channel, whatever its noise.
@@ -129,8 +127,8 @@ class LinearRecord {
   Matrix Residuals(const Tables& tables, Eigen::Index first,
                    const Matrix& histories) const;
   void AddBlock(const Tables& tables, Eigen::Index first,
-                const Matrix& histories, Sums* sums) const;
-  void Condense(const Tables& tables, const Sums& sums, int num_threads,
+                const Matrix& histories, RecordSums* sums) const;
+  void Condense(const Tables& tables, const RecordSums& sums, int num_threads,
                 ByChannel* equations) const;
   // Whether the equations of all channels are of this point, whatever the
   // noise.
@@ -141,8 +139,8 @@ class LinearRecord {
   // False where a rank does not answer.
   [[nodiscard]] static bool AddRanks(Communicator* ranks, ByChannel* equations);
   // Of this rank's pieces of `pieces`.
-  Sums SumPieces(const Tables& tables, int num_threads,
-                 const Communicator& communicator) const;
+  RecordSums SumPieces(const Tables& tables, int num_threads,
+                       const Communicator& communicator) const;
 
   const IdentificationProblem& problem_;
   const ParameterLayout& layout_;
