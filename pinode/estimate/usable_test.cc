@@ -220,18 +220,20 @@ TEST(Usable, AGroupHasToBeTold) {
     JudgeUsable(GapTuning(), &summary);
     return summary.usable;
   };
-  EXPECT_TRUE(usable(AmbientSummary(0.5, 1.0)));
-  EXPECT_THAT(Judged(AmbientSummary(0.001, 1.0)),
+  EXPECT_TRUE(usable(AmbientSummary(0.5, 0.9)));
+  EXPECT_THAT(Judged(AmbientSummary(0.001, 0.9)),
               HasSubstr("none of 'k1', 'k2' can be told"));
+  // What is left beside all modes is not enough for honest intervals.
+  EXPECT_FALSE(usable(AmbientSummary(0.05, 0.9)));
   // One is enough; not where it is not known.
-  IdentificationSummary one = AmbientSummary(0.001, 1.0);
-  one.ambient[0].information_left[1] = 0.02;
+  IdentificationSummary one = AmbientSummary(0.001, 0.9);
+  one.ambient[0].information_left[1] = 0.2;
   EXPECT_TRUE(usable(one));
-  one.parameters[1].sigma = 30.0;
+  one.parameters[1].upper95 = one.parameters[1].value + 1.1;
   EXPECT_FALSE(usable(one));
   // A second record tells what the first hides.
-  IdentificationSummary two = AmbientSummary(0.001, 1.0);
-  two.ambient.push_back(AmbientSummary(0.5, 1.0).ambient[0]);
+  IdentificationSummary two = AmbientSummary(0.001, 0.9);
+  two.ambient.push_back(AmbientSummary(0.5, 0.9).ambient[0]);
   EXPECT_TRUE(usable(two));
   // Hidden, and known by something else; at a bound it is the bound.
   IdentificationSummary known = AmbientSummary(0.001, 0.1);
