@@ -18,6 +18,9 @@ using Complex = std::complex<double>;
 // Windows are as long as so many times 1 / (2 zeta omega), the memory of a
 // mode's energy: of its variance then a tenth is missed at most.
 constexpr double kMemories = 12.0;
+// Deviations from the median over orders, of its own, beyond which a pole takes
+// no part in the mean.
+constexpr double kFarthest = 3.0;
 
 // Rows: frequency (Hz), damping ratio, real and imaginary parts of the shape.
 Matrix Influences(const SubspacePole& pole) {
@@ -173,22 +176,18 @@ class ClusterFinder {
            seen >= options_.smallest_share * possible;
   }
 
-  // The most certain of the members. More states than there are to be found
-  // add poles of noise, with which the others interfere.
+  // The mean of the members, each by the inverse variance of its frequency.
+  // More states than there are to be found add poles of noise, with which the
+  // others interfere, and which first-order deviations make too much of.
   void Choose(PoleCluster* cluster) const {
-    std::vector<double> sorted;
     std::vector<double> frequencies;
     for (const int member : cluster->members) {
-      sorted.push_back(Relative(member));
       frequencies.push_back(pole(member).frequency());
     }
-    std::sort(sorted.begin(), sorted.end());
-    const double limit = 1.5 * sorted[sorted.size() / 5];
     const double middle = Median(frequencies);
     for (const int member : cluster->members) {
-      const double sigma = sigmas_[static_cast<size_t>(member)].frequency;
-      if (Relative(member) <= limit &&
-          std::abs(pole(member).frequency() - middle) <= 3.0 * sigma) {
+      if (std::abs(pole(member).frequency() - middle) <=
+          kFarthest * sigmas_[static_cast<size_t>(member)].frequency) {
         cluster->chosen.push_back(member);
       }
     }
@@ -196,34 +195,51 @@ class ClusterFinder {
     Average(cluster);
   }
 
+  // Of the chosen ones; their sum is one.
+  Vector Weights(const std::vector<int>& chosen) const {
+    Vector sigmas(static_cast<Eigen::Index>(chosen.size()));
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      sigmas[static_cast<Eigen::Index>(i)] = Relative(chosen[i]);
+    }
+    // Relative to the least, which may be next to nothing.
+    const double least = std::max(sigmas.minCoeff(), 1e-300);
+    const Vector weights =
+        (sigmas.cwiseMax(least) / least).cwiseAbs2().cwiseInverse();
+    return weights / weights.sum();
+  }
+
   void Average(PoleCluster* cluster) const {
     const SubspacePole& first = pole(cluster->chosen.front());
     cluster->first_order = pole(cluster->members.front()).order;
     first.shape.cwiseAbs().maxCoeff(&cluster->reference);
+    const Vector weights = Weights(cluster->chosen);
     SubspacePole& mean = cluster->mean;
     mean = NormalisedPole(first, cluster->reference);
-    const double count = static_cast<double>(cluster->chosen.size());
+    mean.s *= weights[0];
+    mean.shape *= weights[0];
+    mean.s_influence *= weights[0];
+    mean.shape_influence *= weights[0];
     for (size_t i = 1; i < cluster->chosen.size(); ++i) {
+      const double weight = weights[static_cast<Eigen::Index>(i)];
       const SubspacePole next =
           NormalisedPole(pole(cluster->chosen[i]), cluster->reference);
-      mean.s += next.s;
-      mean.shape += next.shape;
-      mean.s_influence += next.s_influence;
-      mean.shape_influence += next.shape_influence;
+      mean.s += weight * next.s;
+      mean.shape += weight * next.shape;
+      mean.s_influence += weight * next.s_influence;
+      mean.shape_influence += weight * next.shape_influence;
     }
-    mean.s /= count;
-    mean.shape /= count;
-    mean.s_influence /= count;
-    mean.shape_influence /= count;
     double frequencies = 0.0;
     double ratios = 0.0;
-    for (const int member : cluster->chosen) {
-      frequencies += std::pow(pole(member).frequency() - mean.frequency(), 2);
+    for (size_t i = 0; i < cluster->chosen.size(); ++i) {
+      const double weight = weights[static_cast<Eigen::Index>(i)];
+      const SubspacePole& member = pole(cluster->chosen[i]);
+      frequencies +=
+          weight * std::pow(member.frequency() - mean.frequency(), 2);
       ratios +=
-          std::pow(pole(member).damping_ratio() - mean.damping_ratio(), 2);
+          weight * std::pow(member.damping_ratio() - mean.damping_ratio(), 2);
     }
-    cluster->frequency_spread = std::sqrt(frequencies / count);
-    cluster->damping_spread = std::sqrt(ratios / count);
+    cluster->frequency_spread = std::sqrt(frequencies);
+    cluster->damping_spread = std::sqrt(ratios);
     const PoleSigmas sigmas = FindPoleSigmas(mean, window_seconds_);
     cluster->frequency_sigma = sigmas.frequency;
     cluster->damping_sigma = sigmas.damping;

@@ -14,14 +14,16 @@ namespace pinode {
 // Poles of several orders that are one mode.
 struct PoleCluster {
   std::vector<int> members;  // indices of poles, by order
-  // Those of them that the estimate is the mean of: they are the most certain.
+  // Those of them that the estimate is the mean of: those that agree.
   std::vector<int> chosen;
-  // The mean, with the mean of their influences: how orders hang together is
-  // counted. The shape is one at `reference`.
+  // Their mean by the inverse variances of their frequencies, with that of
+  // their influences: how orders hang together is counted. The shape is one at
+  // `reference`.
   SubspacePole mean;
   int reference = 0;
   int first_order = 0;
-  // How far the chosen ones lie apart: standard deviations over orders.
+  // How far the chosen ones lie apart: standard deviations over orders, by the
+  // same weights.
   double frequency_spread = 0.0;  // Hz
   double damping_spread = 0.0;
 

@@ -160,19 +160,18 @@ void ExpectHonest(const ModesStudy& study) {
   EXPECT_LE(study.spurious, 0.02 * study.modes);
 }
 
-// Of 200 records: 89 to 99 % were asked for. Two of 24 figures are above that,
-// 99.5 and 99.2 %, and tests/benchmarks/README.md says why.
+// Of 200 records: each of the figures, and all intervals together.
 void ExpectInBetween(const ModesStudy& study) {
   for (const auto* parts : {&study.frequency, &study.damping, &study.shape}) {
     for (const Coverage& part : *parts) {
       EXPECT_GE(part.percent(), 89.0);
-      EXPECT_LE(part.percent(), 99.5);
+      EXPECT_LE(part.percent(), 99.0);
     }
   }
+  EXPECT_LE(OverAll(study).percent(), 97.0);
 }
 
-// Loads that nobody measured, on two chains; over all intervals of both 93 to
-// 97 % are asked for.
+// Loads that nobody measured, on two chains.
 TEST(ModesStudy, UnmeasuredForces) {
   const TestChain three(3, 2000.0);
   TestExcitation excitation;
