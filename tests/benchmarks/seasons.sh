@@ -5,13 +5,14 @@
 # and what pinode_damage says against it of one record at another temperature,
 # healthy and with 2 % of the second storey's stiffness lost.
 #
-#   tests/benchmarks/seasons.sh [SEEDS [TEMPERATURE]]
+#   tests/benchmarks/seasons.sh [SEEDS [TEMPERATURE [FIRST]]]
 #
-# NumPy and SciPy, of PYTHON, default python3.
+# FIRST: the first of the seeds, default 1. NumPy and SciPy, of PYTHON, default python3.
 set -euo pipefail
 
 seeds=${1:-100}
 degrees=${2:--12}
+first=${3:-1}
 source "$(dirname -- "${BASH_SOURCE[0]}")/ambient/setup.sh" \
   "numpy, scipy" pinode_update pinode_damage_program
 
@@ -38,5 +39,5 @@ run() {
 }
 export -f run records
 export work build degrees PYTHON
-seq "$seeds" | xargs -P "$(nproc)" -I{} bash -c 'run {}'
+seq "$first" "$((first + seeds - 1))" | xargs -P "$(nproc)" -I{} bash -c 'run {}'
 "${PYTHON:-python3}" tests/benchmarks/ambient/score_seasons.py "$work"

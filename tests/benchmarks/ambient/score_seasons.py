@@ -36,6 +36,7 @@ def baseline(folders):
 def changes(folders, truth):
     """`truth`: changes of groups that are not zero, as fractions."""
     inside, changed, alone, halves, values = {}, {}, 0, {}, {}
+    least = []
     for folder in folders:
         result = read(folder, "result", "damage.json")
         groups = result["groups"]
@@ -48,9 +49,17 @@ def changes(folders, truth):
             halves.setdefault(name, []).append(
                 (group["upper95"] - group["lower95"]) / 2)
             values.setdefault(name, []).append(group["change"])
+        least.append(min(group["p_value"] for group in groups))
         alone += {g["name"] for g in groups if g["changed"]} == set(truth)
-    print("%s: %d judged, exactly what is true found in %d" %
-          (os.path.basename(folders[0]), len(folders), alone))
+    print("%s: %d judged, exactly what is true found in %d, something in %d" %
+          (os.path.basename(folders[0]), len(folders), alone,
+           sum(any(calls) for calls in zip(*changed.values()))))
+    if not truth:
+        # Where nothing has changed and deviations are right, each as often as
+        # it says.
+        print("  least adjusted p-value at most " + ", ".join(
+            "%g in %.1f %%" % (rate, 100 * np.mean(np.array(least) <= rate))
+            for rate in (0.01, 0.05, 0.1, 0.2, 0.5)))
     for name, hits in inside.items():
         print("  %-12s inside %5.1f %%, called changed %d, mean %+.2f %%, "
               "half of the interval %.2f %%" %
