@@ -274,7 +274,7 @@ void PrintAssessment(const CaseCheck& check) {
         "them or add a channel.\n",
         direction.c_str());
   }
-  if (assessment.undetermined.empty()) {
+  if (assessment.undetermined.empty() && !assessment.expected.empty()) {
     std::printf("\nEvery named parameter is determined by the data.\n");
   }
 }

@@ -69,13 +69,13 @@ bool ReadWrittenCsv(const std::string& path, WrittenCsv* csv,
   return true;
 }
 
-// Numbers, unless a cell is a text.
+// Numbers, unless a cell is a text; of units, which may all be 1, always texts.
 MatlabField ColumnOf(const WrittenCsv& csv, size_t column) {
   MatlabField field;
   field.name = csv.rows[0][column];
   const size_t count = csv.rows.size() - 1;
   field.numbers.resize(static_cast<Eigen::Index>(count));
-  bool numbers = true;
+  bool numbers = field.name != "unit";
   for (size_t i = 0; i < count && numbers; ++i) {
     const std::string& cell = csv.rows[i + 1][column];
     double value = std::nan("");

@@ -119,7 +119,7 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
     if (!empty && !overwrite && !resume) {
       *error = path +
                ": the output folder exists and is not empty, expected a new "
-               "one, --overwrite or --resume";
+               "one, --overwrite, or --resume to go on with a fit";
       return false;
     }
     if (!empty && !HasMarker(folder)) {

@@ -136,11 +136,14 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   EXPECT_THAT(Judged(summary),
               HasSubstr("of 5 measured modes only 0 are like any"));
   summary.modes[3].updated = {1, 2.0, 1.0};
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "of two that could be";
-  summary.num_model_modes = 3;
   EXPECT_THAT(Judged(summary),
               HasSubstr("of 5 measured modes only 1 are like any"));
+  summary.modes[4].updated = {0, 2.0, 1.0};
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "both that the model has";
+  summary.num_model_modes = 3;
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("of 5 measured modes only 2 are like any"));
   summary.modes = {mode};
   summary.modes.push_back(mode);
   summary.modes[1].updated = {1, 2.0, 1.0};
@@ -215,7 +218,7 @@ IdentificationSummary AmbientSummary(double left, double half_width) {
 }
 
 // A combination of groups that looks well told is not enough.
-TEST(Usable, AGroupHasToBeTold) {
+TEST(Usable, GroupsHaveToBeTold) {
   const auto usable = [](IdentificationSummary summary) {
     JudgeUsable(GapTuning(), &summary);
     return summary.usable;
@@ -225,23 +228,32 @@ TEST(Usable, AGroupHasToBeTold) {
               HasSubstr("none of 'k1', 'k2' can be told"));
   // What is left beside all modes is not enough for honest intervals.
   EXPECT_FALSE(usable(AmbientSummary(0.05, 0.9)));
-  // One is enough; not where it is not known.
+  // Half of them are enough; not where they are not known.
   IdentificationSummary one = AmbientSummary(0.001, 0.9);
   one.ambient[0].information_left[1] = 0.2;
   EXPECT_TRUE(usable(one));
   one.parameters[1].upper95 = one.parameters[1].value + 1.1;
   EXPECT_FALSE(usable(one));
+  // What no loads hide and no record tells is not their fault.
+  IdentificationSummary open = AmbientSummary(0.5, 0.9);
+  open.parameters[1].upper95 = open.parameters[1].value + 1e9;
+  EXPECT_TRUE(usable(open));
   // A second record tells what the first hides.
   IdentificationSummary two = AmbientSummary(0.001, 0.9);
   two.ambient.push_back(AmbientSummary(0.5, 0.9).ambient[0]);
   EXPECT_TRUE(usable(two));
-  // Hidden, and known by something else; at a bound it is the bound.
-  IdentificationSummary known = AmbientSummary(0.001, 0.1);
-  EXPECT_TRUE(usable(known));
-  known.parameters[0].at_bound = true;
-  EXPECT_FALSE(usable(known));
+  // Hidden, and an interval that is too narrow to be true.
+  EXPECT_FALSE(usable(AmbientSummary(0.001, 0.03)));
+  // Damping alone is not the structure.
+  IdentificationSummary damping = AmbientSummary(0.05, 0.1);
+  damping.ambient[0].groups.push_back("c_mass");
+  damping.ambient[0].information_left = Vector::Constant(3, 0.05);
+  damping.ambient[0].information_left[2] = 0.9;
+  damping.parameters.push_back(damping.parameters[0]);
+  damping.parameters[2].name = "c_mass";
+  EXPECT_THAT(Judged(damping), HasSubstr("'k1', 'k2' cannot be told"));
   // Large numbers in their own unit are known to a part of themselves.
-  IdentificationSummary large = AmbientSummary(0.001, 1e4);
+  IdentificationSummary large = AmbientSummary(0.5, 1e4);
   for (ParameterEstimate& group : large.parameters) {
     group.value = 1e6;
     group.upper95 = group.value + 1e4;

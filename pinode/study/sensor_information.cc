@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "pinode/dynamics/observation.h"
@@ -20,6 +21,8 @@ namespace pinode {
 namespace {
 
 constexpr double kAssumedShare = 0.05;
+// Of the largest response of a quantity.
+constexpr double kRounding = 1e-9;
 // Numbers of Jacobians, or of channels' matrices, that are at hand at a time.
 constexpr double kMostNumbers = 3e6;
 
@@ -232,6 +235,32 @@ bool CheckSensors(const IdentificationProblem& problem,
   return with_sensors.IsValid(error);
 }
 
+// What a sensor shows beside others of its quantity may be rounding: then it
+// shows nothing, and five per cent of it are no noise.
+void LeaveOutRounding(const IdentificationProblem& problem,
+                      const std::vector<OwnSensor>& own,
+                      const std::vector<CandidateSensor>& candidates,
+                      PlanningInformation* information) {
+  std::map<Quantity, double> largest;
+  const auto visit = [&](const auto& each) {
+    for (size_t i = 0; i < own.size(); ++i) {
+      each(problem.records[static_cast<size_t>(own[i].record)]
+               .channels[static_cast<size_t>(own[i].channel)]
+               .observation.quantity,
+           &information->own[i].rms);
+    }
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      each(candidates[i].observation.quantity, &information->candidates[i].rms);
+    }
+  };
+  visit([&](Quantity quantity, const double* rms) {
+    largest[quantity] = std::max(largest[quantity], *rms);
+  });
+  visit([&](Quantity quantity, double* rms) {
+    if (*rms < kRounding * largest[quantity]) *rms = 0.0;
+  });
+}
+
 // Median of the noise of own sensors of one quantity; 0 without any.
 double NoiseOfOthers(const IdentificationProblem& problem,
                      const std::vector<OwnSensor>& own,
@@ -389,6 +418,7 @@ bool LinearizeSensors(const IdentificationProblem& problem,
       return false;
     }
   }
+  LeaveOutRounding(problem, own, candidates, information);
   for (size_t i = 0; i < own.size(); ++i) {
     SensorInformation& sensor = information->own[i];
     const MeasuredChannel& channel =

@@ -148,7 +148,9 @@ class _Outcome:
         start is free it begins where that model's run fits best. Empty where it
         does not stay finite."""
         if record is None:
-            record = next(iter(self.records), "")
+            record = next(iter(self.records), None)
+            if record is None:
+                raise Error("the result has no record")
         if not isinstance(record, str):
             raise Error(f"record is a value of type {type(record).__name__}, expected a name")
         if record not in self._before:
