@@ -185,6 +185,25 @@ TEST(SensorInformationTest, LikeSensorsAreEquallyNoisy) {
                    0.1 * bare.candidates[4].rms);
 }
 
+// Five per cent of rounding are no noise, by which it would tell much.
+TEST(SensorInformationTest, RoundingTellsNothing) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
+  std::vector<MeasuredChannel>& channels = problem.records[0].channels;
+  ASSERT_GE(channels.size(), 2u);
+  for (MeasuredChannel& channel : channels) channel.sigma = 0.0;
+  channels[0].observation.weights *= 1e-12;
+  CandidateSensor still = SensorAt(channels[0].observation.quantity, 3, 1, 0.0);
+  still.observation.weights *= 1e-12;
+  const PlanningInformation information =
+      LinearizeOrFail(problem, OwnSensors(problem), {still});
+  EXPECT_EQ(information.own[0].by_record[0].norm(), 0.0);
+  EXPECT_GT(information.own[1].by_record[0].norm(), 0.0);
+  // Beside the noise of the others it is next to nothing.
+  EXPECT_LT(information.candidates[0].by_record[0].norm(),
+            1e-12 * information.own[1].by_record[0].norm());
+}
+
 TEST(SensorInformationTest, RefusesInOneSentence) {
   const IdentificationProblem problem =
       MeasuredChain(2, *ChainAt(Vector::Zero(2)), 1);
