@@ -305,7 +305,8 @@ bool CheckFlags(std::string* error) {
     *error = std::string(FLAGS_mat ? "--mat" : "--overwrite") +
              " goes with --output_dir only";
   } else {
-    return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+    return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error) &&
+           MayGiveWayToCheck(FLAGS_output_dir, error);
   }
   return false;
 }

@@ -1,8 +1,10 @@
 #include "pinode/case/check_files.h"
 
 #include <cstddef>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -223,6 +225,21 @@ bool WriteCheckFiles(const Case& c, const CaseCheck& check,
          write_matrix("C.mtx", check.model.damping) &&
          write_matrix("K.mtx", check.model.stiffness) &&
          write_matrix("mode_shapes.mtx", check.modes.mode_shapes);
+}
+
+bool MayGiveWayToCheck(const std::string& folder, std::string* error) {
+  for (const char* name : {"result.json", "discover.json", "modes.json",
+                           "damage.json", "simulate.json", "checkpoint.json"}) {
+    std::error_code status;
+    if (!std::filesystem::exists(std::filesystem::path(folder) / name,
+                                 status)) {
+      continue;
+    }
+    *error = folder + ": has " + name +
+             ", which a check does not replace, expected another folder";
+    return false;
+  }
+  return true;
 }
 
 }  // namespace pinode

@@ -37,6 +37,12 @@ std::string CheckAsJson(const Case& c, const CaseCheck& check);
                                    const std::string& folder,
                                    std::string* error);
 
+// Whether a check or a plan, which are soon made again, may take the place of
+// what `folder` holds: not of a fit, a simulation or what else took longer. One
+// sentence in *error.
+[[nodiscard]] bool MayGiveWayToCheck(const std::string& folder,
+                                     std::string* error);
+
 }  // namespace pinode
 
 #endif  // PINODE_CASE_CHECK_FILES_H_

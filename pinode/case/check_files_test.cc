@@ -1,5 +1,7 @@
 #include "pinode/case/check_files.h"
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -132,6 +134,21 @@ TEST_F(CheckFilesTest, MeasuredModesAndWhatTheyTell) {
   EXPECT_NEAR(json_["expected"][0]["sigma"].get<double>(), sigma, 1e-9);
   EXPECT_THAT(Content("expected.csv"),
               StartsWith("name,unit,initial,sigma\nk1,1,0,0.0209"));
+}
+
+TEST(MayGiveWayToCheck, AnEarlierCheckAndNoFit) {
+  const std::string folder = ::testing::TempDir() + "gives_way";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  std::string error;
+  EXPECT_TRUE(MayGiveWayToCheck(folder, &error));
+  std::ofstream(folder + "/check.json") << "{}";
+  EXPECT_TRUE(MayGiveWayToCheck(folder, &error));
+  std::ofstream(folder + "/result.json") << "{}";
+  EXPECT_FALSE(MayGiveWayToCheck(folder, &error));
+  EXPECT_EQ(error, folder +
+                       ": has result.json, which a check does not replace, "
+                       "expected another folder");
 }
 
 // What is not known is null in JSON and an empty cell in a table.

@@ -210,7 +210,8 @@ py::dict Check(const CaseHandle& handle, const std::string& output,
   {
     py::gil_scoped_release release;
     ok = output.empty() ||
-         folder.Open(output, overwrite, /*resume=*/false, &error);
+         (MayGiveWayToCheck(output, &error) &&
+          folder.Open(output, overwrite, /*resume=*/false, &error));
     if (ok) check = CheckCase(handle.c);
     ok = ok &&
          (output.empty() ||

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/base/units.h"
+#include "pinode/case/check_files.h"
 #include "pinode/case/matlab_results.h"
 #include "pinode/case/plan_files.h"
 #include "pinode/case/plan_section.h"
@@ -97,7 +98,8 @@ py::dict PlanCase(const CaseHandle& handle, int num_sensors,
                           &error));
     }
     if (ok && !output.empty()) {
-      ok = folder.Open(output, overwrite, /*resume=*/false, &error) &&
+      ok = MayGiveWayToCheck(output, &error) &&
+           folder.Open(output, overwrite, /*resume=*/false, &error) &&
            WritePlanFiles(c, planned, folder.working_path(), &error) &&
            (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
            folder.Commit(&error);
