@@ -17,7 +17,6 @@ from the model as it is.
 """
 
 import glob
-import importlib.util
 import json
 import os
 import sys
@@ -26,14 +25,9 @@ import numpy as np
 from scipy import linalg, optimize, signal
 
 sys.dont_write_bytecode = True
-DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..",
-                    "..", "data", "three_storey_ambient")
-SPEC = importlib.util.spec_from_file_location(
-    "generate", os.path.join(DATA, "generate.py"))
-CASE = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(CASE)
+from case_generator import CASE, NAMES  # noqa: E402
+
 FRAME, CHAIN = CASE.FRAME, CASE.reference.chain
-NAMES = ["k1", "k2", "k3", "c_mass", "c_stiffness"]
 WAYS = ["independent", "three_storey_ambient"]
 MICRO = 1e6  # displacements in the filter are micrometres
 SKIPPED = 500  # samples in which the filter settles

@@ -4,7 +4,6 @@
 with the loads' as they are, known (Whittle's information, by differences)."""
 
 import glob
-import importlib.util
 import json
 import os
 import sys
@@ -12,13 +11,7 @@ import sys
 import numpy as np
 
 sys.dont_write_bytecode = True
-DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..",
-                    "..", "data", "three_storey_ambient")
-SPEC = importlib.util.spec_from_file_location(
-    "generate", os.path.join(DATA, "generate.py"))
-CASE = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(CASE)
-NAMES = ["k1", "k2", "k3", "c_mass", "c_stiffness"]
+from case_generator import CASE, NAMES  # noqa: E402
 
 
 def spectra(alpha, frequency, white, noise):
