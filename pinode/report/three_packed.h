@@ -5,8 +5,8 @@
 
 namespace pinode {
 
-// The library's script, or the parts of it that structures need, packed by gzip,
-// as base64; empty where there was none. Made when pinode is built.
+// The library's script, or the parts of it that structures need, packed by
+// gzip, as base64; empty where there was none. Made when pinode is built.
 const char* ThreePacked();
 
 }  // namespace pinode
