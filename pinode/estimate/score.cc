@@ -58,6 +58,26 @@ bool ScoreSquares(const IdentificationRecord& data, const Vector& squares,
   return score->finite;
 }
 
+// The record from `start`, seen by ideal sensors. False where the run is not
+// finite, and where parameters or start are of another problem.
+bool RunFreely(const IdentificationProblem& problem,
+               const IdentificationRecord& record,
+               const std::vector<Observation>& sensors,
+               const Vector& parameters, const Vector& start, Keep keep,
+               int num_threads, Trajectory* trajectory) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const ParameterLayout layout(problem);
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  return parameters.size() == layout.num_parameters() &&
+         start.size() == dynamics.num_states() &&
+         dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
+                          &error) &&
+         FreeRun(dynamics, prepared, ObservationMap(dynamics, sensors),
+                 GridOf(dynamics, record), start, 0, record.num_samples() - 1,
+                 trajectory, keep, num_threads);
+}
+
 // Turns what ideal sensors would show, channels x samples, into what those of
 // the record do. False of an entry where a delayed sensor has none.
 std::vector<bool> ShowBySensors(const ParameterLayout& layout,
@@ -104,30 +124,18 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                  Keep keep, int num_threads) {
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
-  const StructuralDynamics& dynamics = *problem.dynamics;
   const ParameterLayout layout(problem);
   score->name = data.name;
   score->role = data.role;
   score->first_scored_sample = first_scored_sample;
   score->start = start;
   score->channels.resize(data.channels.size());
-  score->finite = false;
 
-  StructuralDynamics::Prepared prepared;
-  std::string error;
   Trajectory trajectory;
-  const ObservationMap observation(dynamics, data.Observations());
-  const int nc = observation.num_channels();
+  const int nc = static_cast<int>(data.channels.size());
   const Eigen::Index samples = data.num_samples();
-  // A model of another problem has no finite run here.
-  const bool fits = parameters.size() == layout.num_parameters() &&
-                    start.size() == dynamics.num_states();
-  if (fits && dynamics.Prepare(parameters.head(layout.num_dynamics()),
-                               &prepared, &error)) {
-    const IntegrationGrid grid = GridOf(dynamics, data);
-    score->finite = FreeRun(dynamics, prepared, observation, grid, start, 0,
-                            samples - 1, &trajectory, keep, num_threads);
-  }
+  score->finite = RunFreely(problem, data, data.Observations(), parameters,
+                            start, keep, num_threads, &trajectory);
   if (!score->finite) {
     ScoreDivergence(data, trajectory, score);
     return;
@@ -176,28 +184,17 @@ Matrix PredictChannels(const IdentificationProblem& problem, int record,
                        const std::vector<int>& channels,
                        const Vector& parameters, const Vector& start,
                        int num_threads) {
-  const StructuralDynamics& dynamics = *problem.dynamics;
-  const ParameterLayout layout(problem);
-  StructuralDynamics::Prepared prepared;
-  std::string error;
-  if (channels.empty() || parameters.size() != layout.num_parameters() ||
-      start.size() != dynamics.num_states() ||
-      !dynamics.Prepare(parameters.head(layout.num_dynamics()), &prepared,
-                        &error)) {
-    return Matrix();
-  }
+  if (channels.empty()) return Matrix();
   const IdentificationRecord& whole =
       problem.records.at(static_cast<size_t>(record));
-  const IdentificationRecord data = WithSensors(whole, channels);
-  const ObservationMap observation(dynamics, data.Observations());
-  const IntegrationGrid grid = GridOf(dynamics, whole);
+  const IdentificationRecord some = WithSensors(whole, channels);
   Trajectory trajectory;
-  if (!FreeRun(dynamics, prepared, observation, grid, start, 0,
-               data.num_samples() - 1, &trajectory, Keep::kChannels,
-               num_threads)) {
+  if (!RunFreely(problem, whole, some.Observations(), parameters, start,
+                 Keep::kChannels, num_threads, &trajectory)) {
     return Matrix();
   }
-  ShowBySensors(layout, parameters, data, &trajectory.channels);
+  ShowBySensors(ParameterLayout(problem), parameters, some,
+                &trajectory.channels);
   return std::move(trajectory.channels);
 }
 

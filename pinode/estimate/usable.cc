@@ -145,8 +145,9 @@ std::map<std::string, double> InformationLeft(
   return left;
 }
 
-// Empty where most groups are told: a combination that no group follows from
-// may be a mode that a fit has put where the loads have a peak.
+// Empty where as many groups are told, one at least, as loads hide: a
+// combination that no group follows from may be a mode that a fit has put where
+// the loads have a peak.
 std::string WhyGroupsAreNotTold(const IdentificationSummary& summary) {
   const std::map<std::string, double> left = InformationLeft(summary);
   // Without a covariance others say why.
