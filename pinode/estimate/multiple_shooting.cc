@@ -22,6 +22,27 @@ SegmentSweep::Records TrainRecords(const IdentificationProblem& problem,
   return records;
 }
 
+std::vector<StartProgress> ProgressOf(
+    const std::vector<StartSearch>& searches) {
+  std::vector<StartProgress> progress;
+  for (const StartSearch& search : searches) {
+    progress.push_back(search.progress());
+  }
+  return progress;
+}
+
+// Whether derivatives by the parameters cost about what starts cost anyway.
+bool GoesWithFirstSweeps(const IdentificationProblem& problem,
+                         const ParameterLayout& layout,
+                         const SegmentSweep::Records& records) {
+  // A linearisation of the laws takes about as long as so many columns.
+  constexpr int kLinearization = 10;
+  return std::any_of(records.begin(), records.end(),
+                     [](const auto& r) { return r->HasFreeStarts(); }) &&
+         layout.num_free() <=
+             2 * (kLinearization + problem.dynamics->num_states());
+}
+
 }  // namespace
 
 MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
@@ -34,7 +55,8 @@ MultipleShooting::MultipleShooting(const IdentificationProblem& problem,
       sweep_(problem, layout,
              {options.derivatives, options.loss, options.loss_scale,
               options.num_threads, options.communicator},
-             records_) {
+             records_),
+      look_ahead_(GoesWithFirstSweeps(problem, layout, records_)) {
   for (const auto& record : records_) train_records_.push_back(record->index());
   starts_.resize(records_.size());
   sweep_.SetPoint(&prepared_, &parameters_);
@@ -166,17 +188,6 @@ Matrix MultipleShooting::PredictStarts(size_t r, const Vector& free) const {
   return starts;
 }
 
-bool MultipleShooting::LooksAhead() const {
-  // A linearisation of the laws takes about as long as so many columns.
-  constexpr int kLinearization = 10;
-  // Rows are to be kept of points that were linearised, not of every trial.
-  return options_.looks_ahead && !keeps_rows_ &&
-         std::any_of(records_.begin(), records_.end(),
-                     [](const auto& r) { return r->HasFreeStarts(); }) &&
-         layout_.num_free() <=
-             2 * (kLinearization + problem_.dynamics->num_states());
-}
-
 bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
                                    double* cost) {
   std::vector<StartSearch> searches;
@@ -196,7 +207,10 @@ bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
     }
     const std::vector<Task> tasks = sweep_.SegmentsOf(searching);
     if (tasks.empty()) break;
-    has_columns_ = i == 0 && LooksAhead();
+    // Rows are to be kept of points that were linearised, not of every trial.
+    has_columns_ =
+        options_.looks_ahead && !keeps_rows_ &&
+        look_ahead_.GoesAlong(i, ProgressOf(searches), linearized_cost_);
     if (!sweep_.Evaluate(tasks, trials, has_columns_)) return false;
     for (size_t r = 0; r < records_.size(); ++r) {
       if (searching[r] &&
@@ -204,10 +218,12 @@ bool MultipleShooting::SolveStarts(const std::vector<Matrix>& from,
         return false;
       }
     }
+    look_ahead_.Learn(i + 1, ProgressOf(searches));
   }
   *cost = 0.0;
   for (size_t r = 0; r < records_.size(); ++r) {
     if (!searches[r].found()) return false;
+    has_columns_ = has_columns_ && searches[r].progress().is_at_trial;
     starts_[r] = searches[r].best();
     records_[r]->cost = searches[r].best_cost();
     *cost += searches[r].best_cost();

@@ -15,6 +15,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/cost_part.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/look_ahead.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/robust_loss.h"
 #include "pinode/estimate/segment_sweep.h"
@@ -220,13 +221,12 @@ class MultipleShooting final : public CostPart {
   void CostHasChanged() {
     last_free_.resize(0);
     has_columns_ = false;
+    look_ahead_.Forget();
     is_linearized_ = false;
     linearized_cost_ = std::numeric_limits<double>::infinity();
   }
   // Where the last linearisation's tangent leads.
   Matrix PredictStarts(size_t record, const Vector& free) const;
-  // Whether derivatives by the parameters go along with first trials.
-  bool LooksAhead() const;
   // From these starts, one matrix for each record.
   bool SolveStarts(const std::vector<Matrix>& from, double* cost);
   bool SolveStartsFor(const Vector& free, double* cost);
@@ -252,6 +252,7 @@ class MultipleShooting final : public CostPart {
   bool keeps_rows_ = false;
   // Whether the last evaluation has found the derivatives at its starts.
   bool has_columns_ = false;
+  LookAhead look_ahead_;
   CondensedSystem linearized_;
   // Where squares_ are of; empty: nowhere.
   Vector squares_free_;

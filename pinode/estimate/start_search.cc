@@ -20,12 +20,12 @@ StartSearch::StartSearch(const StartTuning& tuning, ShootingRecord* record,
       trial_(std::move(predicted)) {}
 
 void StartSearch::Accept(double cost) {
-  const double gain = best_cost_ - cost;
+  const double gain = progress_.cost - cost;
   best_ = trial_;
-  best_cost_ = cost;
-  if (gain < 0.25 * promised_) {
+  progress_.cost = cost;
+  if (gain < 0.25 * progress_.promise) {
     damping_ = std::max(1e-3, 3.0 * damping_);
-  } else if (gain > 0.75 * promised_) {
+  } else if (gain > 0.75 * progress_.promise) {
     damping_ *= damping_ > 1e-6 ? 0.1 : 0.0;
   }
   record_->Assemble(mu_, best_, 0, &gradient_);
@@ -40,7 +40,7 @@ bool StartSearch::Reject() {
     return true;
   }
   damping_ = std::max(1e-3, 10.0 * damping_);
-  done_ = damping_ > kMostDamping;
+  progress_.done = damping_ > kMostDamping;
   return true;
 }
 
@@ -51,21 +51,25 @@ bool StartSearch::Step(bool improved, double linearized_cost) {
   }
   Matrix step = gradient_;
   record_->system().SolveLower(&step);
-  const double decrease = 0.5 * step.squaredNorm();
-  const bool hopeless = iteration_ >= tuning_.hopeless_iterations &&
-                        best_cost_ - tuning_.hopeless_promises * decrease >
-                            tuning_.hopeless_cost * linearized_cost;
-  double enough = tuning_.tolerance * best_cost_;
-  if (std::isfinite(linearized_cost)) {
-    enough =
-        std::max(enough, tuning_.change_tolerance *
-                             std::abs(best_cost_ - record_->linearized_cost));
-  }
-  if ((improved && decrease <= enough) || hopeless) {
-    done_ = true;
+  progress_.promise = 0.5 * step.squaredNorm();
+  // Of a search that has come to a cost; less is too little to go on for.
+  const auto least_promise = [&](double cost) {
+    const double least = tuning_.tolerance * cost;
+    return std::isfinite(linearized_cost)
+               ? std::max(least, tuning_.change_tolerance *
+                                     std::abs(cost - record_->linearized_cost))
+               : least;
+  };
+  progress_.last_promise = least_promise(progress_.cost - progress_.promise);
+  const bool hopeless =
+      iteration_ >= tuning_.hopeless_iterations &&
+      progress_.cost - tuning_.hopeless_promises * progress_.promise >
+          tuning_.hopeless_cost * linearized_cost;
+  if ((improved && progress_.promise <= least_promise(progress_.cost)) ||
+      hopeless) {
+    progress_.done = true;
     return true;
   }
-  promised_ = decrease;
   record_->system().SolveUpper(&step);
   trial_ =
       best_ - Eigen::Map<const Matrix>(step.data(), best_.rows(), best_.cols());
@@ -77,16 +81,18 @@ bool StartSearch::Advance(bool finite, double linearized_cost) {
   finite = finite && std::isfinite(cost);
   if (!record_->HasFreeStarts()) {
     best_ = trial_;
-    best_cost_ = cost;
-    done_ = true;
+    progress_.cost = cost;
+    progress_.is_at_trial = true;
+    progress_.done = true;
     return finite;
   }
-  const bool improved = finite && cost < best_cost_;
+  const bool improved = finite && cost < progress_.cost;
+  progress_.is_at_trial = improved;
   if (improved) {
     Accept(cost);
   } else {
     if (!Reject()) return false;
-    if (!found() || done_) {
+    if (!found() || progress_.done) {
       ++iteration_;
       return true;
     }

@@ -12,6 +12,17 @@
 
 namespace pinode {
 
+// How far a search has come.
+struct StartProgress {
+  double cost = std::numeric_limits<double>::infinity();  // the least so far
+  bool is_at_trial = false;  // whether that is the last trial's
+  // By how much the next step promises to lower the cost. The search ends there
+  // if a further one promises no more than last_promise.
+  double promise = 0.0;
+  double last_promise = 0.0;
+  bool done = false;
+};
+
 // Damped Gauss-Newton on the starts, one step at a time: whoever holds the
 // search propagates the record's segments from trial() and calls Advance. For
 // linear dynamics one step is the Rauch-Tung-Striebel smoother (AIAA J. 3
@@ -31,13 +42,14 @@ class StartSearch {
   // can be found.
   [[nodiscard]] bool Advance(bool finite, double linearized_cost);
 
-  bool done() const { return done_; }
+  bool done() const { return progress_.done; }
   bool found() const {
-    return best_cost_ < std::numeric_limits<double>::infinity();
+    return progress_.cost < std::numeric_limits<double>::infinity();
   }
   const Matrix& trial() const { return trial_; }  // num_states x segments
   const Matrix& best() const { return best_; }
-  double best_cost() const { return best_cost_; }
+  double best_cost() const { return progress_.cost; }
+  const StartProgress& progress() const { return progress_; }
 
  private:
   // Takes the trial for the best so far, or asks for more damping.
@@ -52,10 +64,8 @@ class StartSearch {
   const Matrix* fallback_;
   int iteration_ = 0;
   Matrix trial_, best_;
-  double best_cost_ = std::numeric_limits<double>::infinity();
   double damping_ = 0.0;
-  double promised_ = 0.0;  // decrease of the cost by the trial step
-  bool done_ = false;
+  StartProgress progress_;
   bool failed_once_ = false;
   Matrix gradient_;  // at best_
 };
