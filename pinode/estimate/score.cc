@@ -251,4 +251,9 @@ double NoiseShareOf(const RecordScore& score) {
   return all > 0.0 ? noise / all : kNaN;
 }
 
+double StructuredError(const RecordScore& score) {
+  const double noise = NoiseShareOf(score);
+  return std::sqrt(std::isnan(noise) ? 1.0 : 1.0 - noise) * score.nrmse;
+}
+
 }  // namespace pinode

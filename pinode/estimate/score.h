@@ -48,6 +48,11 @@ double CombinedError(const IdentificationRecord& record,
 // sample (ChannelScore::noise_share), 0 to 1; NaN where no channel tells.
 double NoiseShareOf(const RecordScore& score);
 
+// Of the motion of a record, what is missed and has a memory from sample to
+// sample, so that it is no noise, RMS; what cannot be told from motion counts
+// as motion.
+double StructuredError(const RecordScore& score);
+
 }  // namespace pinode
 
 #endif  // PINODE_ESTIMATE_SCORE_H_

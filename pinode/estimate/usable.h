@@ -11,7 +11,8 @@ namespace pinode {
 // Sets summary->usable, and the message where it is not: usable is what has
 // converged, and to a minimum, with its gaps closed, whose free runs are finite
 // and better than no motion at all, which predicts training records better than
-// the model before and hold-out records not worse, and whose modes lose energy
+// the model before and hold-out records not worse, leaves of each training
+// record at most 40 % that is no noise, and whose modes lose energy
 // unless bounds allow otherwise, whose modes are still like the measured ones
 // that they are held against (35 % in frequency, a MAC of a half), at least
 // half of them (or of the model's, where that has fewer) being like any, and

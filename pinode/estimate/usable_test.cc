@@ -165,6 +165,25 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   EXPECT_THAT(Judged(summary), HasSubstr("without a frequency, MAC 1)"));
 }
 
+// With a wrong load a model before is easily improved upon.
+TEST(Usable, MostOfTheMotionIsFollowed) {
+  IdentificationSummary summary = GoodSummary();
+  ChannelScore channel;
+  channel.nrmse = summary.records[0].nrmse = 0.5;
+  channel.noise_share = 0.2;  // 0.45 is no noise
+  summary.records[0].prior_nrmse = 1.5;
+  summary.records[0].channels = {channel};
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("misses 50 % of the motion of record 't'"));
+  summary.records[0].channels[0].noise_share = 0.5;  // 0.35
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable);
+  // All of it is noise where samples are out of order.
+  summary.records[0].nrmse = 0.99;
+  summary.records[0].channels[0].noise_share = 1.0;
+  EXPECT_THAT(Judged(summary), HasSubstr("than by no motion at all"));
+}
+
 // What a network leaves over must be noise, or little.
 TEST(Usable, NetworksHaveLearnedWhatThereIs) {
   IdentificationSummary summary = GoodSummary();

@@ -145,6 +145,21 @@ std::string Prediction(const RecordScore& record) {
   return text;
 }
 
+// After a blank; empty where training records leave little but noise.
+std::string WhatIsMissed(const IdentificationSummary& summary) {
+  constexpr double kMuch = 0.1;
+  double most = 0.0;
+  for (const RecordScore& record : summary.records) {
+    if (record.role == Role::kTrain) {
+      most = std::max(most, StructuredError(record));
+    }
+  }
+  if (most <= kMuch) return "";
+  return " Of the motion it was fitted to it misses " + PercentOf(most) +
+         " that is no noise. Intervals presume that the model lacks nothing: "
+         "look for what it does before relying on them.";
+}
+
 // How well the measured modes are met, after a blank; empty without any.
 std::string ModeSentence(const IdentificationSummary& summary) {
   if (summary.modes.empty()) return "";
@@ -191,7 +206,8 @@ std::string Verdict(const ReportInput& input) {
   if (!holdouts.empty()) {
     return std::string("Usable. The updated model predicts the hold-out ") +
            (holdouts.size() == 1 ? "record " : "records ") +
-           Join(holdouts, ", ") + "." + ModeSentence(summary);
+           Join(holdouts, ", ") + "." + WhatIsMissed(summary) +
+           ModeSentence(summary);
   }
   std::string verdict = "Usable, but untested";
   if (worst_training == nullptr && !summary.ambient.empty()) {
@@ -214,7 +230,7 @@ std::string Verdict(const ReportInput& input) {
   }
   if (worst_training != nullptr) {
     verdict += ": the updated model follows the training record " +
-               Prediction(*worst_training) + ".";
+               Prediction(*worst_training) + "." + WhatIsMissed(summary);
   } else {
     verdict += ".";
   }
