@@ -1,6 +1,5 @@
 #include "pinode/case/baseline_folder.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -11,6 +10,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/case/grown_case.h"
+#include "pinode/case/same_structure.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrix_io.h"
@@ -81,119 +81,43 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   return true;
 }
 
-// The model's matrices that a baseline is held against: those of the
-// coordinates, or, where their basis follows the parameters and differs from
-// case to case, those of the finite-element model.
-struct ComparedMatrices {
-  Target target;
-  std::string path;  // of the updated matrix
-  SparseMatrix expected;
-  // One per group of the dynamics; 0 x 0 for those of another target.
-  std::vector<SparseMatrix> groups;
-};
-
-std::vector<ComparedMatrices> WhatIsCompared(const std::string& folder,
-                                             const Case& c) {
-  const StructuralDynamics& dynamics = *c.problem.dynamics;
-  const StructuralModel& model = dynamics.model();
-  const bool over_all = RenewsBasis(c);
-  std::vector<ComparedMatrices> all;
-  for (const Target target :
-       {Target::kMass, Target::kDamping, Target::kStiffness}) {
-    // Damping of a reduced model is mostly made from its matrices.
-    if (over_all && target == Target::kDamping) continue;
-    ComparedMatrices compared;
-    compared.target = target;
-    const char* letter = target == Target::kMass      ? "M"
-                         : target == Target::kDamping ? "C"
-                                                      : "K";
-    compared.path = (std::filesystem::path(folder) /
-                     (std::string(letter) + (over_all ? "_full.mtx" : ".mtx")))
-                        .string();
-    if (over_all) {
-      const FiniteElementModel& exported = c.finite_element->exported;
-      compared.expected =
-          target == Target::kMass ? exported.mass : exported.stiffness;
-    } else {
-      compared.expected = (target == Target::kMass      ? model.mass
-                           : target == Target::kDamping ? model.damping
-                                                        : model.stiffness)
-                              .sparseView(0.0, 0.0);
-    }
-    for (size_t j = 0; j < dynamics.groups().size(); ++j) {
-      const MatrixGroup& group = dynamics.groups()[j].group;
-      compared.groups.push_back(group.target != target ? SparseMatrix()
-                                : over_all ? c.finite_element->groups[j].matrix
-                                           : group.matrix.sparseView(0.0, 0.0));
-    }
-    all.push_back(std::move(compared));
-  }
-  return all;
+// Where a result folder has the updated matrix of a case that renews its basis,
+// or not.
+std::string MatrixFile(const std::string& folder, Target target,
+                       bool renews_basis) {
+  const char* letter = target == Target::kMass      ? "M"
+                       : target == Target::kDamping ? "C"
+                                                    : "K";
+  return (std::filesystem::path(folder) /
+          (std::string(letter) + (renews_basis ? "_full.mtx" : ".mtx")))
+      .string();
 }
 
-// By how much each group of the case would have to change for the case's matrix
-// to be the one that the baseline's own case had before its groups.
-bool FindOffsets(const Result& result, const StructuralDynamics& dynamics,
-                 const ComparedMatrices& compared,
+// See FindOffsets, from the updated matrices of the folder.
+bool ReadOffsets(const std::string& folder, const Case& c, const Result& result,
                  const std::vector<std::string>& names, Vector* offsets,
                  std::string* error) {
-  SparseMatrix updated;
-  if (!ReadMatrixMarket(compared.path, &updated, error)) return false;
-  const SparseMatrix& expected = compared.expected;
-  const std::string different =
-      compared.path +
-      ": cannot be the updated matrix of the case's structure, expected a "
-      "baseline of the same structure in the same units";
-  if (updated.rows() != expected.rows() || updated.cols() != expected.cols()) {
-    *error = different;
-    return false;
-  }
-  const double size = std::max(expected.norm(), updated.norm());
-  std::vector<size_t> used;
-  for (size_t j = 0; j < compared.groups.size(); ++j) {
-    // The matrix is without what follows something.
-    if (compared.groups[j].rows() == 0 ||
-        dynamics.groups()[j].follows != GroupTerm::Follows::kNothing) {
-      continue;
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  for (const ComparedMatrix& compared : ComparedMatrices(c)) {
+    const std::string path =
+        MatrixFile(folder, compared.target, RenewsBasis(c));
+    SparseMatrix own;
+    if (!ReadMatrixMarket(path, &own, error)) return false;
+    for (size_t j = 0; j < compared.groups.size(); ++j) {
+      const SparseMatrix& group = compared.groups[j];
+      const Eigen::Index value =
+          IndexOf(result.names, dynamics.groups()[j].group.name);
+      // The matrix is without what follows something. Of a group that the case
+      // does not free the value has to be the same.
+      if (dynamics.groups()[j].follows == GroupTerm::Follows::kNothing &&
+          value >= 0 && group.rows() == own.rows() &&
+          group.cols() == own.cols()) {
+        own = SparseMatrix(own - result.values[value] * group);
+      }
     }
-    used.push_back(j);
-    // Of a group that the case does not free the value has to be the same.
-    const Eigen::Index value =
-        IndexOf(result.names, dynamics.groups()[j].group.name);
-    if (value >= 0) {
-      updated =
-          SparseMatrix(updated - result.values[value] * compared.groups[j]);
+    if (!FindOffsets(path, own, dynamics, compared, names, offsets, error)) {
+      return false;
     }
-  }
-  SparseMatrix difference = updated - expected;
-  const auto count = static_cast<Eigen::Index>(used.size());
-  Matrix products(count, count);
-  Vector right(count);
-  Vector norms(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const SparseMatrix& a = compared.groups[used[static_cast<size_t>(i)]];
-    norms[i] = a.norm();
-    right[i] = a.cwiseProduct(difference).sum() / norms[i];
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const SparseMatrix& b = compared.groups[used[static_cast<size_t>(j)]];
-      products(i, j) = products(j, i) =
-          a.cwiseProduct(b).sum() / (norms[i] * norms[j]);
-    }
-  }
-  Vector shares = Vector::Zero(count);
-  if (count > 0) {
-    shares = products.completeOrthogonalDecomposition().solve(right);
-  }
-  shares = shares.cwiseQuotient(norms);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const size_t j = used[static_cast<size_t>(i)];
-    difference = SparseMatrix(difference - shares[i] * compared.groups[j]);
-    const Eigen::Index name = IndexOf(names, dynamics.groups()[j].group.name);
-    if (name >= 0) (*offsets)[name] = shares[i];
-  }
-  if (difference.norm() > 1e-7 * size) {
-    *error = different;
-    return false;
   }
   return true;
 }
@@ -354,15 +278,15 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   }
 
   Vector offsets = Vector::Zero(values.size());
-  for (const ComparedMatrices& compared : WhatIsCompared(folder, c)) {
-    if (!FindOffsets(result, dynamics, compared, names, &offsets, error)) {
-      return false;
-    }
-  }
+  if (!ReadOffsets(folder, c, result, names, &offsets, error)) return false;
 
   std::map<std::string, TomlValue> groups;
   if (!ReadGroupTables(path("model.toml"), &groups, error)) return false;
   const Vector present = PresentOf(groups, names, values);
+  if (!IsAsPresent(path("model.toml"), dynamics, names, present, offsets,
+                   error)) {
+    return false;
+  }
   Table table;
   if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
     return false;

@@ -19,6 +19,7 @@
 #include "pinode/case/refit_checkpoint.h"
 #include "pinode/case/result_files.h"
 #include "pinode/case/result_folder.h"
+#include "pinode/case/same_structure.h"
 #include "pinode/discover/equation_values.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/python/convert.h"
@@ -198,7 +199,8 @@ std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
     const std::string name = (title.empty() ? std::string("baseline") : title) +
                              " " + std::to_string(baselines.size());
     Require(BaselineFrom(name, fit->c.problem, fit->summary, fit->model,
-                         &baselines.back(), &error),
+                         &baselines.back(), &error) &&
+                CompareWithCase(fit->c, c, &baselines.back(), &error),
             error);
   }
   return baselines;

@@ -325,7 +325,9 @@ class Case:
         """Fits the case and says what has changed since healthy records.
 
         baselines: fits of these, or their result folders.
-        threshold: loss of stiffness from which damage is called, a fraction.
+        threshold: loss of stiffness from which damage is called on one
+            baseline, a fraction; with several a smaller one counts too where
+            healthy records differ by less.
         false_alarm_rate: probability of calling a change where there is none.
         output: a result folder, written as `pinode_damage` does; see identify.
         """

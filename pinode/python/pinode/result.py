@@ -350,9 +350,11 @@ class Damage(_Outcome):
     def sentence(self) -> str:
         """The verdict in words."""
         if self._found is None:
-            return "Nothing can be said about changes: " + "; ".join(
-                self._handle.troubles or [self.message]
+            # The first trouble says just this.
+            why = "; ".join(self._handle.troubles) or (
+                "nothing can be said about changes: " + self.message
             )
+            return why[0].upper() + why[1:]
         return self._found["message"]
 
     @property
@@ -383,11 +385,18 @@ class Damage(_Outcome):
         """The content of damage.json; None where nothing could be said."""
         return self._found
 
+    @property
+    def remarks(self) -> list[str]:
+        """Sentences on the fit, and on what was compared."""
+        compared = [] if self._found is None else self._found.get("remarks", [])
+        return super().remarks + [r for r in compared if r not in super().remarks]
+
     def __repr__(self) -> str:
         return f"Damage({self.sentence})"
 
     def __str__(self) -> str:
-        return f"{self.sentence}\n\n{self.report()}"
+        compared = [] if self._found is None else self._found.get("remarks", [])
+        return "\n\n".join([self.sentence, *compared, self.report()])
 
     def _repr_html_(self) -> str:
         rows = [change_row(g) for g in self.groups.values()]

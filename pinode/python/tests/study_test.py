@@ -149,3 +149,27 @@ def test_measured_modes_alone():
                for value, shape in zip(values, shapes.T)])
     fit = case.identify()
     assert fit["k1"] == pytest.approx(-0.1, abs=1e-6)
+
+
+def test_baselines_are_of_the_same_structure(healthy, damaged, baseline):
+    def other(stiffness, groups):
+        return pinode.Case(
+            pinode.Model(frame_testing.MASS, stiffness, frame_testing.DAMPING),
+            groups=groups, records=[conftest.record("now", seed=2)])
+
+    first = frame_testing.STOREYS[0]
+    stiffer = [pinode.Group("k1", 1.2 * first), *conftest.groups()[1:]]
+    with pytest.raises(pinode.Error, match="matrix of group 'k1' differs"):
+        other(frame_testing.STIFFNESS + 0.2 * first, stiffer).damage([baseline])
+    # The same groups of another nominal structure: a tenth of k1 is not there.
+    with pytest.raises(pinode.Error, match=r"hold 0\.1 times group 'k1' more"):
+        other(frame_testing.STIFFNESS - 0.1 * first, conftest.groups()).damage([baseline])
+    with pytest.raises(pinode.Error, match="one and the same result"):
+        damaged.damage([baseline, baseline])
+
+
+def test_damage_says_all_that_was_remarked(damaged, baseline, monkeypatch):
+    damage = damaged.damage([baseline])
+    monkeypatch.setattr(damage, "_found", {**damage.damage_json, "remarks": ["So and so."]})
+    assert damage.remarks[-1] == "So and so."
+    assert "So and so." in str(damage)
