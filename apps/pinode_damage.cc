@@ -40,8 +40,11 @@
 DEFINE_string(baseline, "",
               "result folders of pinode_update for healthy records of the same "
               "structure, separated by commas");
-DEFINE_double(threshold, 0.05,
-              "loss of stiffness from which damage is called, as a fraction");
+DEFINE_double(
+    threshold, 0.05,
+    "loss of stiffness from which damage is called on one baseline, as "
+    "a fraction; with several a smaller one counts too where healthy "
+    "records differ by less");
 DEFINE_double(false_alarm_rate, 0.05,
               "probability of calling any change where there is none");
 

@@ -21,6 +21,8 @@ const char* ReasonName(Reason reason) {
       return "undetermined";
     case Reason::kAmbiguous:
       return "ambiguous";
+    case Reason::kUnexplained:
+      return "unexplained";
   }
   return "";
 }

@@ -48,6 +48,38 @@ struct Pool {
   Vector between;
 };
 
+// Whether the weighted mean is far from all that it is a mean of. Weights of
+// groups that are strongly correlated are negative, and where records differ in
+// other ways than one by one they lead away from the values (R. W. Peelle's
+// pertinent puzzle, 1987).
+bool IsOutside(const Pool& pool, const std::vector<GroupState>& healthy) {
+  for (Eigen::Index j = 0; j < pool.values.size(); ++j) {
+    double least = healthy[0].values[j];
+    double most = least;
+    for (const GroupState& state : healthy) {
+      least = std::min(least, state.values[j]);
+      most = std::max(most, state.values[j]);
+    }
+    const double sigma = std::sqrt(pool.covariance(j, j));
+    if (pool.values[j] < least - sigma || pool.values[j] > most + sigma) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// The mean without weights.
+void PoolEqually(const std::vector<GroupState>& healthy, Pool* pool) {
+  const double count = static_cast<double>(healthy.size());
+  pool->values.setZero();
+  pool->covariance.setZero();
+  for (const GroupState& state : healthy) {
+    pool->values += state.values / count;
+    pool->covariance += state.covariance / (count * count);
+  }
+  pool->covariance.diagonal() += pool->between / count;
+}
+
 Pool PoolHealthy(const std::vector<GroupState>& healthy) {
   const int size = static_cast<int>(healthy[0].values.size());
   const int count = static_cast<int>(healthy.size());
@@ -85,6 +117,7 @@ Pool PoolHealthy(const std::vector<GroupState>& healthy) {
   }
   pool.covariance = information.llt().solve(Matrix::Identity(size, size));
   pool.values = pool.covariance * right;
+  if (IsOutside(pool, healthy)) PoolEqually(healthy, &pool);
   return pool;
 }
 

@@ -148,6 +148,30 @@ TEST_F(EstimateChangeTest, DifferencesBetweenRecordsCount) {
   EXPECT_NEAR(between / kTrials, 0.03, 0.006);
 }
 
+// Groups that are known by their difference alone, and records that scatter in
+// it: by weights, the mean of four records between -0.1 and 0.1 is below -1.
+TEST(EstimateChangePool, TheMeanIsAmongWhatItIsOf) {
+  Matrix covariance(2, 2);
+  covariance << 1.0, 0.9999, 0.9999, 1.0;
+  covariance *= 1e-2;
+  std::vector<GroupState> healthy;
+  for (const double sign : {1.0, -1.0, 1.0, -1.0}) {
+    healthy.push_back({Vector{{0.1 * sign, -0.1 * sign}}, covariance});
+    healthy.back().covariance *= 1.0 + 0.2 * sign;
+  }
+  healthy[0].values[0] = 0.05;
+  const GroupState current = {Vector{{0.0, 0.0}}, 1e-4 * covariance};
+  ChangeOptions options;
+  options.num_draws = 1000;
+  ChangeEstimate estimate;
+  std::string error;
+  ASSERT_TRUE(EstimateChange(healthy, current, options, &estimate, &error))
+      << error;
+  for (const GroupChange& group : estimate.groups) {
+    EXPECT_LT(std::abs(group.change), 0.1);
+  }
+}
+
 TEST_F(EstimateChangeTest, RefusesWhatDoesNotFit) {
   const GroupState healthy{Vector::Zero(kGroups), covariance_};
   ChangeEstimate estimate;

@@ -15,6 +15,20 @@ constexpr double kConfidence = 0.95;
 constexpr size_t kMostNames = 4;
 // Of the largest nonlinear force: less may be what its form leaves over.
 constexpr double kMinorForce = 0.25;
+// Of the restoring force; nobody calls a structure nonlinear for less.
+constexpr double kLeastForce = 0.01;
+
+// Healthy records of a structure differ by less. A clock that is half a sample
+// off misses 14 times as much, damage where no group is 13 times, a gap that is
+// looked for as smooth forces 37 times, all else that was looked for and found
+// 0.3 to 0.8 times.
+constexpr double kMostMissed = 3.0;
+// Too little for anything but small changes to stand in for it.
+constexpr double kLittleMissed = 0.02;
+// What the gap leaves is half of what groups alone do, and 1.7 times its part
+// of the restoring force; where clocks are off 0.9 and 3 or more.
+constexpr double kMostOfGroups = 0.7;
+constexpr double kMostOfForce = 2.5;
 
 // Each once: several terms may describe one place. The first few.
 std::string Join(const std::vector<std::string>& texts) {
@@ -81,12 +95,31 @@ std::string Describe(const ChangeSubject& subject, const GroupChange& change) {
          ")";
 }
 
+std::string DescribeMissed(const MissedMotion& missed,
+                           const std::string& found) {
+  return "These data cannot tell: something has changed that is none of what "
+         "was looked for. Of the motion of the new records the model misses " +
+         Percent(missed.last) + " that is no noise, of the healthy ones " +
+         Percent(missed.healthy) +
+         ": a sensor or its clock, gain or place, a load of another place, "
+         "time or size, or a change where no group is." +
+         (found.empty() ? "" : " What stands in for it: " + found + ".");
+}
+
 bool HasChanged(Reason reason) {
   return reason == Reason::kBeyondThreshold ||
          reason == Reason::kBetweenRecords;
 }
 
 }  // namespace
+
+bool MissedMotion::IsMore() const {
+  return last > std::max(kLittleMissed, kMostMissed * healthy);
+}
+
+bool MissedMotion::LeavesForce(double force_share) const {
+  return last < kMostOfGroups * groups && last < kMostOfForce * force_share;
+}
 
 const char* DamageVerdictName(DamageVerdict verdict) {
   switch (verdict) {
@@ -132,7 +165,8 @@ ChangeKind KindOf(MatrixGroup::Target target) {
 
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,
-                      const ChangeOptions& options) {
+                      const ChangeOptions& options,
+                      const MissedMotion& missed) {
   CHECK_EQ(subjects.size(), estimate.groups.size());
   Judgement judgement;
   for (size_t j = 0; j < subjects.size(); ++j) {
@@ -150,8 +184,15 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                change.probability > 1.0 - kConfidence) {
       reason = Reason::kUndetermined;
     }
+    const bool stands =
+        !missed.IsMore() || (subjects[j].kind == ChangeKind::kNonlinear &&
+                             missed.LeavesForce(subjects[j].force_share));
+    if (HasChanged(reason) && !stands) reason = Reason::kUnexplained;
     judgement.reasons.push_back(reason);
   }
+  const bool is_unexplained =
+      missed.IsMore() && std::none_of(judgement.reasons.begin(),
+                                      judgement.reasons.end(), HasChanged);
   std::vector<std::string> ambiguous;
   std::vector<std::string> instead;
   for (const RivalChange& rival : estimate.rivals) {
@@ -171,7 +212,7 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
   }
 
   std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
-      unsure;
+      unsure, unexplained;
   // Large ones first.
   std::vector<size_t> order(subjects.size());
   std::iota(order.begin(), order.end(), 0);
@@ -189,6 +230,7 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
       largest_force = std::max(largest_force, subjects[j].force_share);
     }
   }
+  bool is_small = true;  // all losses
   for (const size_t j : order) {
     const GroupChange& change = estimate.groups[j];
     const ChangeKind kind = subjects[j].kind;
@@ -197,13 +239,15 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
       case Reason::kBeyondThreshold:
       case Reason::kBetweenRecords:
         if (kind == ChangeKind::kNonlinear) {
-          (subjects[j].force_share < kMinorForce * largest_force ? minor
-                                                                 : nonlinear)
+          (subjects[j].force_share < kLeastForce                   ? other
+           : subjects[j].force_share < kMinorForce * largest_force ? minor
+                                                                   : nonlinear)
               .push_back(text);
         } else {
           (kind == ChangeKind::kStiffness && change.change < 0.0 ? damaged
                                                                  : other)
               .push_back(text);
+          is_small = is_small && !(change.change < -options.threshold);
         }
         break;
       case Reason::kFormal:
@@ -215,11 +259,18 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
       case Reason::kAmbiguous:
         unsure.push_back(text);
         break;
+      case Reason::kUnexplained:
+        unexplained.push_back(text);
+        break;
       case Reason::kNone:
         break;
     }
   }
-  const std::string lost = Join(damaged) + " lost stiffness.";
+  const std::string lost =
+      Join(damaged) + " lost stiffness" +
+      (is_small ? ", less than the threshold of " + Percent(options.threshold) +
+                      " but more than healthy records differ."
+                : ".");
   if (!nonlinear.empty()) {
     judgement.verdict = DamageVerdict::kNonlinear;
     judgement.sentence =
@@ -238,6 +289,9 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
     judgement.verdict = DamageVerdict::kOtherChange;
     judgement.sentence = "No loss of stiffness, but " + Join(other) +
                          (other.size() > 1 ? " have" : " has") + " changed.";
+  } else if (is_unexplained) {
+    judgement.verdict = DamageVerdict::kCannotTell;
+    judgement.sentence = DescribeMissed(missed, Join(unexplained));
   } else if (!unsure.empty() || !unknown.empty()) {
     judgement.verdict = DamageVerdict::kCannotTell;
     judgement.sentence = "These data cannot tell.";

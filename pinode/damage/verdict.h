@@ -53,6 +53,24 @@ enum class Reason {
   kUndetermined,
   // Something of another kind explains it nearly as well.
   kAmbiguous,
+  // Far more than it is missed of the motion: it may stand in for something
+  // else.
+  kUnexplained,
+};
+
+// What a model misses of the motion of records and is no noise, as fractions.
+struct MissedMotion {
+  double healthy = 0.0;  // by healthy records
+  double groups = 0.0;   // of the new ones, with groups alone
+  double last = 0.0;     // with all that was found; 0: cannot be told
+
+  // Much more than of healthy records: of what has changed in the structure, in
+  // its loads or in its sensors a part is nothing that was looked for.
+  bool IsMore() const;
+  // A nonlinear force of this part of the restoring force is still one where it
+  // explains much of what groups alone miss, and is not small beside what is
+  // left, which its form may leave.
+  bool LeavesForce(double force_share) const;
 };
 
 struct Judgement {
@@ -61,20 +79,23 @@ struct Judgement {
   std::string sentence;
 };
 
-// One subject for each entry of the estimate. Of a nonlinear force the share is
-// what is held against the threshold.
+// One subject for each entry of the estimate.
 //
 //   nonlinear     a nonlinear force has appeared, beyond the threshold or
-//                 against the differences between records
+//                 against the differences between records, and of at least 1 %
+//                 of the restoring force
 //   damage        else as much of a loss of stiffness
-//   other_change  else as much of damping, mass or a gain of stiffness
+//   other_change  else as much of damping, mass, a gain of stiffness, or a
+//                 smaller nonlinear force
 //   cannot_tell   none of these, but one of them with a rival of another kind,
 //                 or a stiffness group that may have lost more than the
-//                 threshold with more than 5 % probability
+//                 threshold with more than 5 % probability; or, whatever was
+//                 found, what is missed of the motion is more
 //   no_damage     none, and none may
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,
-                      const ChangeOptions& options);
+                      const ChangeOptions& options,
+                      const MissedMotion& missed = MissedMotion());
 
 }  // namespace pinode
 

@@ -191,5 +191,62 @@ TEST_F(JudgeKinds, ARivalOfAnotherKindLeavesTheVerdictOpen) {
   EXPECT_THAT(Judge().sentence, HasSubstr("told apart by these data: k2 for"));
 }
 
+TEST_F(JudgeKinds, ASmallNonlinearForceMakesNoStructureNonlinear) {
+  estimate_.has_between_records = true;
+  subjects_.push_back(
+      {"k3.friction", ChangeKind::kNonlinear, "k3", "u2-u3", 0.004});
+  estimate_.groups.push_back(Change(0.3, 0.01, true));
+  const Judgement judgement = Judge();
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kOtherChange);
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("a nonlinear force at k3 (0.4 % of the restoring "
+                        "force) has changed"));
+}
+
+// Of the motion of new records, 7 % that is no noise in place of 1 %.
+TEST(JudgeMissed, WhatStandsInForSomethingElseIsNoDamage) {
+  ChangeEstimate estimate;
+  estimate.groups = {Change(-0.1, 0.01, true), Change(0.0, 0.01, false),
+                     Change(0.0, 0.05, false)};
+  const MissedMotion missed = {0.01, 0.08, 0.07};
+  Judgement judgement =
+      JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  EXPECT_EQ(judgement.reasons[0], Reason::kUnexplained);
+  EXPECT_THAT(
+      judgement.sentence,
+      HasSubstr("misses 7 % that is no noise, of the healthy ones 1 %"));
+  EXPECT_THAT(judgement.sentence, HasSubstr("stands in for it: k1 (-10 %)."));
+  // Nor is all well where nothing was found.
+  estimate.groups[0] = Change(0.0, 0.01, false);
+  judgement = JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  // Healthy records are as bad, or it is too little to matter.
+  for (const MissedMotion& less :
+       {MissedMotion{0.03, 0.08, 0.07}, MissedMotion{0.001, 0.02, 0.018}}) {
+    EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), less).verdict,
+              DamageVerdict::kNoDamage);
+  }
+}
+
+TEST(JudgeMissed, ANonlinearForceLeavesWhatItsFormDoes) {
+  const std::vector<ChangeSubject> subjects = {
+      {"k1", ChangeKind::kStiffness, "", "", 0.0},
+      {"k1.opening", ChangeKind::kNonlinear, "k1", "u1", 0.05}};
+  ChangeEstimate estimate;
+  estimate.groups = {Change(-0.1, 0.01, true), Change(0.6, 0.01, true)};
+  estimate.has_between_records = true;
+  const auto verdict = [&](double groups, double last) {
+    return JudgeChange(subjects, estimate, ChangeOptions(),
+                       {0.002, groups, last})
+        .verdict;
+  };
+  EXPECT_EQ(verdict(0.17, 0.08), DamageVerdict::kNonlinear);
+  EXPECT_EQ(verdict(0.1, 0.08), DamageVerdict::kCannotTell)
+      << "it explains little";
+  EXPECT_EQ(verdict(0.4, 0.15), DamageVerdict::kCannotTell)
+      << "it is small beside what is left";
+}
+
 }  // namespace
 }  // namespace pinode

@@ -7,6 +7,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/score.h"
 #include "pinode/study/held_followers.h"
 #include "pinode/study/wide_state.h"
 
@@ -18,20 +19,20 @@ constexpr double kShareOfKinds = 0.2;
 // What is found may change what else is.
 constexpr int kMaxRounds = 3;
 
-// Times the error of the healthy records: more is left by a change that was
-// not looked for.
-constexpr double kErrorLeft = 1.5;
-
 constexpr char kNewRecords[] = "the new records";
 
 using Candidates = std::vector<ChangeCandidate>;
 
-// Of the training records, a fraction.
-double LargestError(const IdentificationSummary& summary) {
+// Of the training records, the largest; 0 of those that leave little but noise,
+// from which so little cannot be told.
+double MissedOf(const IdentificationSummary& summary) {
+  constexpr double kLeastShare = 0.3;
   double largest = 0.0;
   for (const RecordScore& record : summary.records) {
-    if (record.role == IdentificationRecord::Role::kTrain) {
-      largest = std::max(largest, record.nrmse);
+    const double missed = StructuredError(record);
+    if (record.role == IdentificationRecord::Role::kTrain &&
+        missed > kLeastShare * record.nrmse) {
+      largest = std::max(largest, missed);
     }
   }
   return largest;
@@ -76,6 +77,7 @@ class Analyst {
     SayWhatIsOpen(kNewRecords, summary.undetermined);
     result_.options = options_;
     fit_of_new_ = {kNewRecords, problem_, summary, model};
+    missed_by_groups_ = MissedOf(summary);
     candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
     for (const ChangeCandidate& candidate : candidates_) {
       const std::string place =
@@ -305,9 +307,19 @@ class Analyst {
       return false;
     }
     if (kinds && !AddRivals(error)) return false;
-    SayWhatIsLeft();
+    const MissedMotion missed = Missed();
     result_.judgement =
-        JudgeChange(result_.subjects, result_.estimate, options_);
+        JudgeChange(result_.subjects, result_.estimate, options_, missed);
+    if (missed.IsMore() &&
+        result_.judgement.verdict != DamageVerdict::kCannotTell) {
+      result_.remarks.push_back(
+          "Of the motion of the new records the model misses " +
+          FormatNumber(100.0 * missed.last, 2) +
+          " % that is no noise, of the healthy ones " +
+          FormatNumber(100.0 * missed.healthy, 2) +
+          " %: a part of what has changed is none of the kinds that were "
+          "looked for, and small changes may stand in for it.");
+    }
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = std::move(fit_of_new_.summary);
@@ -327,20 +339,16 @@ class Analyst {
     }
   }
 
-  void SayWhatIsLeft() {
-    double healthy = 0.0;
+  // Nothing where the healthy records' fits are not there.
+  MissedMotion Missed() const {
+    MissedMotion missed;
+    if (fits_of_healthy_.empty()) return missed;
     for (const FitOfRecords& fit : fits_of_healthy_) {
-      healthy = std::max(healthy, LargestError(fit.summary));
+      missed.healthy = std::max(missed.healthy, MissedOf(fit.summary));
     }
-    const double left = LargestError(fit_of_new_.summary);
-    if (healthy > 0.0 && left > kErrorLeft * healthy) {
-      result_.remarks.push_back(
-          "The model misses the new records by " +
-          FormatNumber(100.0 * left, 2) + " %, the healthy ones by " +
-          FormatNumber(100.0 * healthy, 2) +
-          " %: a part of what has changed is none of the kinds that were "
-          "looked for, and small changes may stand in for it.");
-    }
+    missed.groups = missed_by_groups_;
+    missed.last = MissedOf(fit_of_new_.summary);
+    return missed;
   }
 
   // Those among all candidates; a candidate that is one becomes a subject.
@@ -398,6 +406,7 @@ class Analyst {
   Candidates candidates_, found_;
   std::vector<FitOfRecords> fits_of_healthy_;
   FitOfRecords fit_of_new_;
+  double missed_by_groups_ = 0.0;  // see MissedMotion
   // Groups and all candidates, see ToLogarithms.
   std::vector<GroupState> healthy_;
   GroupState current_;
@@ -436,6 +445,15 @@ bool CheckInput(const IdentificationProblem& problem,
       *error = "baseline '" + baseline.name +
                "' has not a finite value and covariance of every group";
       return false;
+    }
+    for (const Baseline& other : baselines) {
+      if (&other == &baseline) break;
+      if (other.groups.values == state.values &&
+          other.groups.covariance == state.covariance) {
+        *error = "baselines '" + other.name + "' and '" + baseline.name +
+                 "' are one and the same result, expected one of each record";
+        return false;
+      }
     }
     const std::map<std::string, std::string> texts =
         FollowingTexts(*problem.dynamics);

@@ -137,6 +137,9 @@ TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {
   EXPECT_THAT(refusal(*damaged_, {good, bad}, {}),
               HasSubstr("has the groups k1, k2, expected k1, k2, k3"));
   bad = good;
+  bad.name = "copy";
+  EXPECT_THAT(refusal(*damaged_, {good, bad}, {}),
+              HasSubstr("'spring' and 'copy' are one and the same result"));
   bad.groups.values.conservativeResize(2);
   EXPECT_THAT(refusal(*damaged_, {bad}, {}), HasSubstr("'spring'"));
   bad = good;
