@@ -3,7 +3,8 @@
 
 Writes wind.csv.gz (accelerations of the floors), C_mass.csv, C_stiffness.csv and
 truth.json.  --seed gives another realisation, --white forces of flat spectra
-that have nothing to do with each other, --loss 2 0.1 a structure whose second
+that have nothing to do with each other, --peak 2.5 forces that are so many
+decibels stronger at 5 Hz, within an octave and a half, --loss 2 0.1 a structure whose second
 storey has lost a tenth of its stiffness.  --shaker noise 3 adds a measured force
 on the top floor, column F, whose response is three times as strong as the
 wind's: noise from 0.5 to 20 Hz that has acted before the record too, a sweep
@@ -43,19 +44,27 @@ NOISE = 0.02  # of each channel's standard deviation
 HEIGHT = np.array([3.5, 7.0, 10.5])  # floors above the ground, m
 WIND, LENGTH, DECAY = 20.0, 60.0, 8.0  # U m/s, L m, C
 FORCE = np.array([1.0, 1.3, 0.9]) * 400.0  # standard deviations, N
+PEAK = 5.0  # Hz
 
 
-def force_root(frequency, white):
+def peaked(frequency, decibels):
+    """Amplitudes beside those without the peak."""
+    ratio, root = frequency / PEAK, 10 ** (decibels / 40)
+    return np.abs((1 - ratio**2 + 1j * ratio * root) /
+                  (1 - ratio**2 + 1j * ratio / root))
+
+
+def force_root(frequency, white, peak=0.0):
     """Per frequency a lower root of the forces' spectral matrix, N^2/Hz."""
+    by_peak = peaked(frequency, peak)[:, None, None]
     if white:
-        return np.sqrt(2.0 / RATE) * np.broadcast_to(
-            np.diag(FORCE), (len(frequency), 3, 3))
+        return np.sqrt(2.0 / RATE) * by_peak * np.diag(FORCE)
     gust = 4 * LENGTH / WIND / (
         1 + 70.8 * (frequency * LENGTH / WIND)**2)**(5 / 6)
     apart = np.abs(HEIGHT[:, None] - HEIGHT[None, :])
     coherence = np.exp(-DECAY * frequency[:, None, None] * apart / WIND)
-    return np.linalg.cholesky(gust[:, None, None] * coherence *
-                              np.outer(FORCE, FORCE))
+    return by_peak * np.linalg.cholesky(
+        gust[:, None, None] * coherence * np.outer(FORCE, FORCE))
 
 
 def responses(force, period, storey):
@@ -93,7 +102,7 @@ def shaker(seed, kind):
     return force
 
 
-def record(seed, white, storey):
+def record(seed, white, storey, peak=0.0):
     """Accelerations (samples by floors) with noise, and the noise's sigma."""
     rng = np.random.default_rng(seed)
     samples = int(round(DURATION * RATE))
@@ -102,7 +111,7 @@ def record(seed, white, storey):
     normal = rng.standard_normal((len(frequency), 3, 2)) @ [1, 1j]
     # Half the one-sided density on either side.
     force = 0.5 * np.sqrt(period * RATE) * np.einsum(
-        "kij,kj->ki", force_root(frequency, white), normal)
+        "kij,kj->ki", force_root(frequency, white, peak), normal)
     values = responses(force, period, storey)[:samples]
     sigma = NOISE * values.std(axis=0)
     return values + sigma * rng.standard_normal(values.shape), sigma
@@ -148,6 +157,7 @@ def main():
     parser.add_argument("--output", default=HERE)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--white", action="store_true")
+    parser.add_argument("--peak", type=float, default=0.0)
     parser.add_argument("--loss", type=float, nargs=2, default=[1, 0.0])
     parser.add_argument("--shaker", nargs=2, metavar=("KIND", "RATIO"),
                         help="noise, sweep or blows")
@@ -156,7 +166,7 @@ def main():
     storey = FRAME.STOREY.copy()
     storey[int(args.loss[0]) - 1] *= 1 - args.loss[1]
     reference.prepare_output(HERE, args.output)
-    values, sigma = record(args.seed, args.white, storey)
+    values, sigma = record(args.seed, args.white, storey, args.peak)
     if args.shaker:
         values = add_shaker(args.seed, args.shaker[0], float(args.shaker[1]),
                             args.gain, storey, values)

@@ -189,6 +189,17 @@ Json Covariates(const IdentificationProblem& problem,
   return means;
 }
 
+Json EvidenceAsJson(const LoadEvidence& evidence) {
+  Json json = {{"log_likelihood", evidence.log_likelihood},
+               {"price", evidence.price}};
+  if (evidence.finer_knots > 0) {
+    json["finer"] = {{"knots", evidence.finer_knots},
+                     {"gain", evidence.finer_gain},
+                     {"price", evidence.finer_price}};
+  }
+  return json;
+}
+
 Json AmbientAsJson(const IdentificationProblem& problem,
                    const IdentificationSummary& summary) {
   const double hz = problem.description.HzPerModelFrequency();
@@ -218,6 +229,7 @@ Json AmbientAsJson(const IdentificationProblem& problem,
                        {"chi_square", score.chi_square},
                        {"degrees_of_freedom", score.degrees_of_freedom},
                        {"probability", score.probability},
+                       {"evidence", EvidenceAsJson(score.evidence)},
                        {"channels", channels}});
     if (score.by_measured_loads.size() > 0) {
       records.back()["coherence_probability"] = score.coherence_probability;

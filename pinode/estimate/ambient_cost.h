@@ -80,6 +80,22 @@ class AmbientCost final : public CostPart {
   // At `free`. False where the model fails there.
   [[nodiscard]] bool Score(const Vector& free, AmbientScore* score);
 
+  // Whether the loads' spectrum has as many knots as the record speaks for. The
+  // logarithm of the evidence is that of the likelihood, less
+  //
+  //   1/2 log det(1 + I_0^-1 I),
+  //
+  // I the information on loads and noise, I_0 what two lines would tell that
+  // saw the loads themselves: half the logarithm of how many lines say so for
+  // each number that the record tells, nothing for one that it does not. What
+  // finer loads leave of the groups does not count for them. What a knot
+  // between any two would add to the likelihood is that of one step of scoring
+  // from where they change nothing, groups free: 1/2 g^T I^-1 g, but for what
+  // holds the covariances. (C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50;
+  // evidence with the information of a few data for the prior's: R. E. Kass and
+  // L. Wasserman, J. Amer. Statist. Assoc. 90 (1995) 928.)
+  LoadEvidence JudgeLoads(const Vector& free);
+
  private:
   // A free group and what it adds to.
   struct Column {
@@ -93,7 +109,8 @@ class AmbientCost final : public CostPart {
   struct Sums {
     Vector gradient;
     Matrix information;
-    Matrix products;
+    Matrix products;  // of scores, with groups and unless nobody wants them
+    bool with_products = true;
   };
   struct IntervalSums;
   // Of a piece of the band.
@@ -103,6 +120,10 @@ class AmbientCost final : public CostPart {
   // The band is summed in so many pieces, whoever has them, so that sums are
   // the same.
   static constexpr int kPieces = 16;
+  // Lines of the loads themselves that what holds covariances stands for.
+  static constexpr double kPriorLines = 2.0;
+  // What a line tells of the noise, whose unknown is half its logarithm.
+  static constexpr double kMetricOfNoise = 4.0;
   Eigen::Index FirstLine(int piece) const {
     return num_lines() * Eigen::Index{piece} / kPieces;
   }
@@ -155,6 +176,8 @@ class AmbientCost final : public CostPart {
   void StartUnknowns();
   // Adds what prior_ costs.
   void AddPrior(double* cost, Sums* sums) const;
+  // The same of nothing.
+  Sums PriorSums(double* cost) const;
   // The unknowns after a step; noise moves in its variance and vanishes in no
   // step.
   Vector Moved(const Vector& unknowns, const Vector& step) const;
@@ -163,10 +186,21 @@ class AmbientCost final : public CostPart {
   // Unknowns that the record determines: all but what the prior does.
   double NumFitted() const;
   // What a line would tell that saw all loads themselves, and of the noise of
-  // each channel: a measure of relative changes. Size of the unknowns.
+  // each channel: a measure of relative changes. Size of the unknowns; of a
+  // knot's loads.
   Matrix RelativeMetric() const;
+  Matrix MetricOfKnot(int knot) const;
   // What prior_ itself says of loads and noise.
-  Matrix PriorInformation() const;
+  Matrix PriorInformation() const { return PriorSums(nullptr).information; }
+  // What the evidence takes off for loads and noise of which the likelihood
+  // has this information. False where it is none.
+  [[nodiscard]] bool PriceOfLoads(Matrix information, double* price) const;
+  // Of loads, noise and groups from where `sums` are, held as far as they have
+  // to be.
+  [[nodiscard]] bool StepOfLoads(const Sums& sums, Vector* step) const;
+  // The rest of JudgeLoads, with spectrum_, unknowns_ and prior_ those of the
+  // finer spectrum. False where it cannot be told.
+  [[nodiscard]] bool PromiseOfLoads(double* gain, double* price) const;
   // What of the information on the groups is left where loads and noise are
   // unknown, without what the prior says of them.
   void FindInformationLeft(const Matrix& information);

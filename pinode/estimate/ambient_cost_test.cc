@@ -56,6 +56,7 @@ TEST(AmbientCostTest, RanksFindTheSameBits) {
     CondensedSystem system;
     Matrix products;
     AmbientScore score;
+    LoadEvidence evidence;
   };
   const auto find = [&](Communicator* ranks) {
     Found found;
@@ -65,6 +66,7 @@ TEST(AmbientCostTest, RanksFindTheSameBits) {
     EXPECT_TRUE(cost.Linearize(0.99 * free, &found.system)) << cost.Failure();
     found.products = cost.score_products();
     EXPECT_TRUE(cost.Score(free, &found.score));
+    found.evidence = cost.JudgeLoads(free);
     return found;
   };
   const Found alone = find(nullptr);
@@ -80,6 +82,10 @@ TEST(AmbientCostTest, RanksFindTheSameBits) {
       EXPECT_EQ(found.products, alone.products);
       EXPECT_EQ(found.score.chi_square, alone.score.chi_square);
       EXPECT_EQ(found.score.modelled, alone.score.modelled);
+      EXPECT_EQ(found.evidence.log_likelihood, alone.evidence.log_likelihood);
+      EXPECT_EQ(found.evidence.price, alone.evidence.price);
+      EXPECT_EQ(found.evidence.finer_gain, alone.evidence.finer_gain);
+      EXPECT_EQ(found.evidence.finer_price, alone.evidence.finer_price);
     }
   }
 }

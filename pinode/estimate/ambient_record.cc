@@ -21,8 +21,6 @@ constexpr double kCopy = 1e-10;
 constexpr double kFewestCyclesOfMode = 20.0;
 // Of a record, that all channels have.
 constexpr double kLeastInCommon = 0.5;
-// Numbers of the loads' covariances at all knots.
-constexpr Eigen::Index kMostUnknowns = 4000;
 
 bool IsLoad(InputSpec::Kind kind) {
   return kind == InputSpec::Kind::kForce ||
@@ -187,11 +185,11 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
   if (knots < 0) return fail("its number of knots must not be negative");
   const Eigen::Index per_knot =
       correlated ? areas_of_all * (areas_of_all + 1) / 2 : areas_of_all;
-  if (knots > kMostUnknowns / per_knot) {
-    return fail("a spectrum of " + std::to_string(knots) + " knots with " +
-                std::to_string(per_knot) +
-                " numbers each is too fine, expected " +
-                std::to_string(kMostUnknowns / per_knot) + " knots at most");
+  if (knots > kMostLoadUnknowns / per_knot) {
+    return fail(
+        "a spectrum of " + std::to_string(knots) + " knots with " +
+        std::to_string(per_knot) + " numbers each is too fine, expected " +
+        std::to_string(kMostLoadUnknowns / per_knot) + " knots at most");
   }
   const double nyquist = 0.5 / sampling_step;
   if (!(lowest_frequency >= 0.0) || !(highest_frequency >= 0.0) ||

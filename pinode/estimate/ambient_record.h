@@ -84,6 +84,25 @@ struct AmbientRecord {
                              std::string* error) const;
 };
 
+// What the evidence says of the loads' spectrum of a record, in natural
+// logarithms, see AmbientCost::JudgeLoads.
+struct LoadEvidence {
+  // Of the likelihood, without what holds the covariances; and what the
+  // evidence takes off it for loads and noise that were fitted.
+  double log_likelihood = 0.0;
+  double price = 0.0;
+  // Of a spectrum with a knot between any two: by how much both would be
+  // larger, as far as that can be told before it is fitted. 0 knots: it was not
+  // looked at.
+  int finer_knots = 0;
+  double finer_gain = 0.0;
+  double finer_price = 0.0;
+
+  bool PromisesMore() const {
+    return finer_knots > 0 && finer_gain > finer_price;
+  }
+};
+
 // What the fit says of an ambient record.
 struct AmbientScore {
   std::string name;
@@ -91,6 +110,7 @@ struct AmbientScore {
   double highest_frequency = 0.0;
   Eigen::Index num_lines = 0;
   int num_knots = 0;  // of the loads' spectrum
+  LoadEvidence evidence;
   // Whitened by the model, a line's power is one. Over parts of the band its
   // mean deviates from that by chance alone where the model is right: the
   // probability of a chi^2 as large as the one found, and the part (cycles per
@@ -134,6 +154,9 @@ struct AmbientScore {
 inline constexpr double kLeastAmbientProbability = 1e-4;
 // Below this one its intervals are those of a sandwich.
 inline constexpr double kDoubtfulAmbientProbability = 0.05;
+
+// Numbers of the loads' covariances at all knots.
+inline constexpr Eigen::Index kMostLoadUnknowns = 4000;
 
 // Where less than this part of the information is left, loads explain all that
 // a record shows.

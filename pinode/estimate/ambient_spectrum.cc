@@ -76,6 +76,13 @@ Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
   return taper;
 }
 
+// L with L L^T = a a^T, of no fewer columns than rows.
+Matrix LowerFactor(const Matrix& a) {
+  const Eigen::HouseholderQR<Matrix> qr(a.transpose());
+  return Matrix(qr.matrixQR().topRows(a.rows()).triangularView<Eigen::Upper>())
+      .transpose();
+}
+
 // Samples of a record that are transformed: what is left over at the end is
 // less than a hundredth.
 Eigen::Index FastSize(Eigen::Index size) {
@@ -234,6 +241,14 @@ Matrix LoadSpectrum::Root(const Vector& unknowns, int knot) const {
   return root;
 }
 
+void LoadSpectrum::SetRoot(const Matrix& root, int knot,
+                           Vector* unknowns) const {
+  for (int e = 0; e < per_knot(); ++e) {
+    const auto& [i, j] = entries_[static_cast<size_t>(e)];
+    (*unknowns)[knot * per_knot() + e] = root(i, j);
+  }
+}
+
 Vector LoadSpectrum::Moved(const Vector& unknowns, const Vector& step) const {
   constexpr double kMostFall = 0.1;
   Vector moved = unknowns;
@@ -245,15 +260,8 @@ Vector LoadSpectrum::Moved(const Vector& unknowns, const Vector& step) const {
     if (!half.allFinite() || eigen.info() != Eigen::Success) return unknowns;
     const Vector scale =
         (1.0 + eigen.eigenvalues().array()).max(kMostFall).sqrt();
-    // The factor of P = next next^T.
-    const Matrix next = root * eigen.eigenvectors() * scale.asDiagonal();
-    const Eigen::HouseholderQR<Matrix> qr(next.transpose());
-    const Matrix factor =
-        Matrix(qr.matrixQR().triangularView<Eigen::Upper>()).transpose();
-    for (int e = 0; e < per_knot(); ++e) {
-      const auto& [i, j] = entries_[static_cast<size_t>(e)];
-      moved[b * per_knot() + e] = factor(i, j);
-    }
+    SetRoot(LowerFactor(root * eigen.eigenvectors() * scale.asDiagonal()), b,
+            &moved);
   }
   return moved;
 }
@@ -278,6 +286,29 @@ LoadSpectrum LoadSpectrum::Uncorrelated() const {
   result.entries_.clear();
   for (int j = 0; j < areas_; ++j) result.entries_.emplace_back(j, j);
   return result;
+}
+
+LoadSpectrum LoadSpectrum::Refined(const Vector& unknowns,
+                                   Vector* refined) const {
+  CHECK_GT(knots_, 1) << "there is nothing between knots";
+  LoadSpectrum finer = *this;
+  finer.knots_ = 2 * knots_ - 1;
+  finer.log_step_ = 0.5 * log_step_;
+  finer.powers_ = Vector::Zero(finer.knots_);
+  *refined = Vector::Zero(finer.num_unknowns());
+  Matrix both(areas_, 2 * areas_);
+  for (int b = 0; b < knots_; ++b) {
+    const Matrix root = Root(unknowns, b);
+    finer.SetRoot(root, 2 * b, refined);
+    if (b + 1 == knots_) break;
+    finer.powers_.segment(2 * b, 2).setConstant(powers_[b]);
+    // Half of either, as Weigh has it in the middle.
+    const double rise = 0.25 * powers_[b] * log_step_;
+    both << std::sqrt(0.5) * std::exp(rise) * root,
+        std::sqrt(0.5) * std::exp(-rise) * Root(unknowns, b + 1);
+    finer.SetRoot(LowerFactor(both), 2 * b + 1, refined);
+  }
+  return finer;
 }
 
 Vector LoadSpectrum::Intensities(const Matrix& areas_by_knots) const {

@@ -110,8 +110,13 @@ class LoadSpectrum {
   void SetPowers(const LoadSpectrum& other) { powers_ = other.powers_; }
   // The same knots, for loads that have nothing in common.
   LoadSpectrum Uncorrelated() const;
+  // A knot between any two, and unknowns of it that are the same spectrum
+  // everywhere: between knots it is a power of f times a straight line in log
+  // f, of which any part is another one. Of two knots or more.
+  LoadSpectrum Refined(const Vector& unknowns, Vector* refined) const;
 
   Matrix Root(const Vector& unknowns, int knot) const;  // L_b
+  void SetRoot(const Matrix& root, int knot, Vector* unknowns) const;
   // The unknowns of P_b + L_b s^T + s L_b^T, s the matrices of `step`, which is
   // what a step of the unknowns is to first order; eigenvalues, relative to
   // P_b, fall to a tenth at most, so that it stays positive definite. A model

@@ -114,5 +114,31 @@ TEST(SpectralLinesTest, WhatTheTaperDoes) {
               0.02 * groups.spread[last]);
 }
 
+// Powers, and covariances of full rank and of less.
+TEST(LoadSpectrumTest, RefinedIsTheSameSpectrum) {
+  LoadSpectrum coarse(0.5, 11.0, 3, 2, /*correlated=*/true);
+  Vector unknowns(9);
+  unknowns << 1.0, -0.4, 0.3, 0.5, 0.9, 0.0, 0.02, 0.1, 0.2;
+  coarse.SetPowers(unknowns);
+  Vector refined;
+  const LoadSpectrum finer = coarse.Refined(unknowns, &refined);
+  ASSERT_EQ(finer.num_knots(), 5);
+  const auto at = [](const LoadSpectrum& spectrum, const Vector& entries,
+                     double frequency) {
+    double below = 0.0;
+    double above = 0.0;
+    const int knot = spectrum.Weigh(frequency, &below, &above);
+    const Matrix root = spectrum.Root(entries, knot);
+    const Matrix next = spectrum.Root(entries, knot + 1);
+    return Matrix(below * root * root.transpose() +
+                  above * next * next.transpose());
+  };
+  for (double f = 0.5; f < 11.0; f *= 1.03) {
+    const Matrix before = at(coarse, unknowns, f);
+    EXPECT_LT((at(finer, refined, f) - before).norm(), 1e-12 * before.norm())
+        << f;
+  }
+}
+
 }  // namespace
 }  // namespace pinode

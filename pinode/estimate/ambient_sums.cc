@@ -425,7 +425,7 @@ void AmbientCost::AddInterval(const IntervalSums& interval, Sums* sums) const {
     for (Eigen::Index i = 0; i < active; ++i) {
       const Eigen::Index row = places[static_cast<size_t>(i)];
       sums->information(row, to) += interval.information(i, j);
-      if (interval.products.size() > 0) {
+      if (interval.products.size() > 0 && sums->products.size() > 0) {
         sums->products(row, to) += interval.products(i, j);
       }
     }
@@ -525,8 +525,9 @@ bool AmbientCost::Accumulate(bool with_groups, double* cost, Sums* sums) const {
         (with_groups ? static_cast<Eigen::Index>(columns_.size()) : 0);
     sums->gradient = Vector::Zero(size);
     sums->information = Matrix::Zero(size, size);
-    sums->products =
-        Matrix::Zero(with_groups ? size : 0, with_groups ? size : 0);
+    const Eigen::Index of_products =
+        with_groups && sums->with_products ? size : 0;
+    sums->products = Matrix::Zero(of_products, of_products);
   }
   for (const PieceSums& piece : pieces) {
     if (!piece.ok) return false;

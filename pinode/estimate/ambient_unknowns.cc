@@ -36,9 +36,8 @@ constexpr double kNoInformation = 1e-12;
 constexpr double kPriorLeft = 0.01;
 // Lines over whose mean noise is looked for.
 constexpr double kLinesOfNoise = 32.0;
-// What the intensities that covariances are held to weigh, in lines; the least
-// of one beside that at the next knot, and beside the mean of all.
-constexpr double kPriorLines = 2.0;
+// The least of the intensities that covariances are held to beside that at the
+// next knot, and beside the mean of all.
 constexpr double kLeastOfNeighbour = 0.1;
 constexpr double kLeastOfMean = 1e-3;
 }  // namespace
@@ -123,21 +122,25 @@ Vector AmbientCost::Moved(const Vector& unknowns, const Vector& step) const {
   return moved;
 }
 
+Matrix AmbientCost::MetricOfKnot(int knot) const {
+  const Eigen::Index per_knot = spectrum_->per_knot();
+  const Matrix root = spectrum_->Root(unknowns_, knot);
+  const Matrix inverse = root.triangularView<Eigen::Lower>().solve(
+      Matrix::Identity(root.rows(), root.cols()));
+  LoadInformation information(*spectrum_);
+  information.Add((inverse.transpose() * inverse).cast<Complex>(), 1.0, 1.0,
+                  0.0);
+  return information.Finish(root, root).topLeftCorner(per_knot, per_knot);
+}
+
 Matrix AmbientCost::RelativeMetric() const {
   const Eigen::Index per_knot = spectrum_->per_knot();
   Matrix metric = Matrix::Zero(num_nuisance(), num_nuisance());
   for (int b = 0; b < spectrum_->num_knots(); ++b) {
-    const Matrix root = spectrum_->Root(unknowns_, b);
-    const Matrix inverse = root.triangularView<Eigen::Lower>().solve(
-        Matrix::Identity(root.rows(), root.cols()));
-    LoadInformation information(*spectrum_);
-    information.Add((inverse.transpose() * inverse).cast<Complex>(), 1.0, 1.0,
-                    0.0);
     metric.block(b * per_knot, b * per_knot, per_knot, per_knot) =
-        information.Finish(root, root).topLeftCorner(per_knot, per_knot);
+        MetricOfKnot(b);
   }
-  // The unknown is half the logarithm.
-  metric.diagonal().tail(scales_.size()).setConstant(4.0);
+  metric.diagonal().tail(scales_.size()).setConstant(kMetricOfNoise);
   return metric;
 }
 
@@ -199,13 +202,14 @@ bool AmbientCost::FitUnknowns(double* cost) {
   return true;
 }
 
-Matrix AmbientCost::PriorInformation() const {
+AmbientCost::Sums AmbientCost::PriorSums(double* cost) const {
   Sums prior;
   prior.gradient = Vector::Zero(num_nuisance());
   prior.information = Matrix::Zero(num_nuisance(), num_nuisance());
-  double ignored = 0.0;
-  AddPrior(&ignored, &prior);
-  return prior.information;
+  double of_prior = 0.0;
+  AddPrior(&of_prior, &prior);
+  if (cost != nullptr) *cost = of_prior;
+  return prior;
 }
 
 double AmbientCost::NumFitted() const {

@@ -232,7 +232,11 @@ void ReportAmbient(const Vector& free, const Objective& objective,
                    IdentificationSummary* summary) {
   for (const auto& record : objective.ambient()) {
     AmbientScore score;
-    if (!record->Score(free, &score)) score.probability = 0.0;
+    if (record->Score(free, &score)) {
+      score.evidence = record->JudgeLoads(free);
+    } else {
+      score.probability = 0.0;
+    }
     const std::string hidden = WhatLoadsHide(score);
     if (!hidden.empty()) summary->remarks.push_back(hidden);
     summary->ambient.push_back(std::move(score));

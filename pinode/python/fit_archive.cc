@@ -140,12 +140,18 @@ void VisitOne(Archive* a, ModeScore& value) {
 }
 
 template <typename Archive>
+void VisitOne(Archive* a, LoadEvidence& value) {
+  auto& [log_likelihood, price, finer_knots, finer_gain, finer_price] = value;
+  Visit(a, log_likelihood, price, finer_knots, finer_gain, finer_price);
+}
+
+template <typename Archive>
 void VisitOne(Archive* a, AmbientScore& value) {
-  auto& [name, lowest, highest, lines, knots, chi_square, degrees, probability,
-         coherence, from, to, deviation, channels, explained, by_loads, noise,
-         groups, left, most_left, frequencies, measured, modelled, counts] =
-      value;
-  Visit(a, name, lowest, highest, lines, knots, chi_square, degrees,
+  auto& [name, lowest, highest, lines, knots, evidence, chi_square, degrees,
+         probability, coherence, from, to, deviation, channels, explained,
+         by_loads, noise, groups, left, most_left, frequencies, measured,
+         modelled, counts] = value;
+  Visit(a, name, lowest, highest, lines, knots, evidence, chi_square, degrees,
         probability, coherence, from, to, deviation, channels, explained,
         by_loads, noise, groups, left, most_left, frequencies, measured,
         modelled, counts);

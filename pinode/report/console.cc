@@ -192,7 +192,8 @@ TextTable MakeAmbientTable(const ReportInput& input) {
                                             {"channel", Align::kLeft},
                                             {"explained, %", Align::kDecimal}};
   if (measured) columns.push_back({"by measured loads, %", Align::kDecimal});
-  for (const char* header : {"noise", "from, Hz", "to, Hz", "probability"}) {
+  for (const char* header : {"noise", "from, Hz", "to, Hz", "probability",
+                             "knots", "evidence for more"}) {
     columns.push_back({header, Align::kDecimal});
   }
   TextTable table(std::move(columns));
@@ -216,6 +217,12 @@ TextTable MakeAmbientTable(const ReportInput& input) {
       }
       cells.push_back(c == 0 ? ReadableNumber(score.LeastProbability(), 2)
                              : "");
+      cells.push_back(c == 0 ? std::to_string(score.num_knots) : "");
+      const LoadEvidence& evidence = score.evidence;
+      cells.push_back(
+          c == 0 && evidence.finer_knots > 0
+              ? ReadableNumber(evidence.finer_gain - evidence.finer_price, 3)
+              : "");
       table.AddRow(std::move(cells));
     }
   }

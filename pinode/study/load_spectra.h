@@ -23,12 +23,19 @@ bool RefineLoadSpectra(const std::vector<int>& given,
                        const IdentificationSummary& summary,
                        IdentificationProblem* problem);
 
+// The same for those that are described, by more than that probability, and
+// whose evidence would be larger with finer spectra.
+bool RefineByEvidence(const std::vector<int>& given,
+                      const IdentificationSummary& summary,
+                      IdentificationProblem* problem);
+
 // After a fit (`summary` and `model`) of *problem whose ambient records it
 // describes doubtfully, fits it once more from there, with loads found anew at
 // that model; what costs least stands. Then fits it with finer spectra, up to
-// four knots an octave, until its ambient records are described. What describes
-// them best stands, and *problem has its knots; a remark says what was tried.
-// `fit`: as FitOrIdentify.
+// four knots an octave, until its ambient records are described; what describes
+// them best stands. Where they are, it goes on with finer spectra as long as
+// the evidence promises and then has more of these. *problem has the knots of
+// what stands; remarks say what was tried. `fit`: as FitOrIdentify.
 void SettleLoadSpectra(const FitFunction& fit,
                        const IdentificationOptions& options,
                        IdentificationProblem* problem,

@@ -14,7 +14,7 @@ sys.dont_write_bytecode = True
 from case_generator import CASE, NAMES  # noqa: E402
 
 
-def spectra(alpha, frequency, white, noise):
+def spectra(alpha, frequency, loads, noise):
     frame, chain = CASE.FRAME, CASE.reference.chain
     a0, a1 = frame.rayleigh_coefficients()
     part = frame.PRIOR_DAMPING_FACTOR
@@ -24,23 +24,23 @@ def spectra(alpha, frequency, white, noise):
     w = 2 * np.pi * frequency[:, None, None]
     h = -w**2 * np.linalg.inv(stiffness - w**2 * np.diag(frame.MASS) +
                               1j * w * damping)
-    g = h @ CASE.force_root(frequency, white)
+    g = h @ CASE.force_root(frequency, *loads)
     return (g @ np.conj(np.swapaxes(g, 1, 2)) +
             2 / CASE.RATE * np.diag(noise**2))
 
 
-def bound(truth, white):
+def bound(truth, loads):
     alpha = np.array([truth["groups"][n] for n in NAMES])
     frequency = np.arange(1 / CASE.DURATION, 17.0, 1 / CASE.DURATION)
     frequency = frequency[frequency > 0.8]
     noise = np.array(truth["noise_sigma"])
-    inverse = np.linalg.inv(spectra(alpha, frequency, white, noise))
+    inverse = np.linalg.inv(spectra(alpha, frequency, loads, noise))
     slopes = []
     for i in range(len(alpha)):
         step = np.zeros(len(alpha))
         step[i] = 1e-5
-        slopes.append(inverse @ (spectra(alpha + step, frequency, white, noise) -
-                                 spectra(alpha - step, frequency, white,
+        slopes.append(inverse @ (spectra(alpha + step, frequency, loads, noise) -
+                                 spectra(alpha - step, frequency, loads,
                                          noise)) / 2e-5)
     information = np.array([[np.einsum("kij,kji->", a, b).real for b in slopes]
                             for a in slopes])
@@ -48,9 +48,14 @@ def bound(truth, white):
 
 
 def main():
-    folder, white = sys.argv[1], "--white" in sys.argv
-    cases = ["three_storey_ambient", "independent"]
-    for case in ["shaker"] if "--shaker" in sys.argv else cases:
+    folder, options = sys.argv[1], sys.argv[2:]
+    peak = (float(options[options.index("--peak") + 1])
+            if "--peak" in options else 0.0)
+    loads = ("--white" in options, peak)  # as CASE.force_root has them
+    cases = (["shaker"] if "--shaker" in options else
+             ["uncorrelated"] if peak else
+             ["three_storey_ambient", "independent"])
+    for case in cases:
         errors, sigmas, usable, probability, seconds = [], [], 0, [], []
         truth = None
         for path in sorted(glob.glob(os.path.join(folder, "*", case,
@@ -74,7 +79,7 @@ def main():
             print(case + ": no results")
             continue
         errors, sigmas = np.array(errors), np.array(sigmas)
-        crb = bound(truth, white)
+        crb = bound(truth, loads)
         inside = np.abs(errors) <= 1.96 * sigmas
         print("%s: %d records, %d usable, probability %.2g (median), %.1f s "
               "(median)" % (case, len(errors), usable, np.median(probability),
