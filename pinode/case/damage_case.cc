@@ -76,7 +76,10 @@ bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
     *error = "there is no baseline, expected a result of healthy records";
     return false;
   }
-  if (!TakeOverChoice(baselines, c, error)) return false;
+  if (!AreDifferentResults(baselines, error) ||
+      !TakeOverChoice(baselines, c, error)) {
+    return false;
+  }
   HoldFollowers(baselines, c);
   *begin_from = BeginFromBaseline(baselines[0], c->problem);
   return !RenewsBasis(*c) || RenewCase(*c, *begin_from, c, begin_from, error);

@@ -42,7 +42,7 @@ bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
       : covariance == "sandwich" ? IdentificationOptions::Covariance::kSandwich
                                  : IdentificationOptions::Covariance::kAuto;
   options->num_threads = table.Integer("threads", DefaultThreads(), 1);
-  options->num_starts = table.Integer("multistart", options->num_starts, 1);
+  options->num_starts = table.Integer("multistart", options->num_starts, 0);
   options->seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
   options->function_tolerance =
       table.PositiveNumber("tolerance", options->function_tolerance);

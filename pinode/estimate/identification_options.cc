@@ -21,8 +21,8 @@ bool IdentificationOptions::IsValid(std::string* error) const {
             << ", it must lie between 0 and 1";
   } else if (!(loss_scale > 0.0)) {
     message << "robust_scale is " << loss_scale << ", it must be positive";
-  } else if (num_starts < 1) {
-    message << "multistart is " << num_starts << ", it must be at least 1";
+  } else if (num_starts < 0) {
+    message << "multistart is " << num_starts << ", it must be at least 0";
   } else if (num_threads < 1 || num_threads > kMostThreads) {
     message << "threads is " << num_threads << ", it must be from 1 to "
             << kMostThreads;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "pinode/base/strings.h"
 #include "pinode/estimate/pulse_scan.h"
 #include "pinode/estimate/signs.h"
 #include "pinode/estimate/ways.h"
@@ -19,11 +21,90 @@ struct StartResult {
   bool done = false;
   double cost = 0.0;
   double expected_error = 0.0;
+  Vector stiffness;  // of the free stiffness groups
 
-  static StartResult Of(const FitState& state) {
-    return {true, state.cost, state.ExpectedError()};
+  static StartResult Of(const Fit& fit, const std::vector<int>& groups) {
+    const FitState& state = fit.best();
+    return {true, state.cost, state.ExpectedError(),
+            fit.BestParameters()(groups)};
   }
 };
+
+// What a group may be of its nominal size where nobody has given bounds: from
+// 1 / factor to factor; 1: the group is not drawn.
+double LargestFactor(MatrixGroup::Target target) {
+  switch (target) {
+    case MatrixGroup::Target::kStiffness:
+      return 2.0;
+    case MatrixGroup::Target::kDamping:
+      return 3.0;
+    case MatrixGroup::Target::kMass:
+      break;
+  }
+  return 1.0;
+}
+
+const GroupTerm* FindGroup(const StructuralDynamics& dynamics,
+                           const std::string& name) {
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.group.name == name &&
+        term.follows == GroupTerm::Follows::kNothing) {
+      return &term;
+    }
+  }
+  return nullptr;
+}
+
+// Indices of their parameters.
+std::vector<int> FreeStiffnessGroups(const IdentificationProblem& problem,
+                                     const ParameterLayout& layout) {
+  std::vector<int> groups;
+  for (const int index : layout.free()) {
+    if (!layout.IsNamed(index)) continue;
+    const GroupTerm* term =
+        FindGroup(*problem.dynamics, layout.parameter(index).name);
+    if (term != nullptr &&
+        term->group.target == MatrixGroup::Target::kStiffness) {
+      groups.push_back(index);
+    }
+  }
+  return groups;
+}
+
+// Of training records: what a record has at most of fitted channels, and what
+// all have of samples.
+struct Measurements {
+  Eigen::Index channels = 0;
+  Eigen::Index samples = 0;
+
+  explicit Measurements(const IdentificationProblem& problem) {
+    for (const IdentificationRecord& record : problem.records) {
+      if (record.role != IdentificationRecord::Role::kTrain) continue;
+      const auto fitted = static_cast<Eigen::Index>(
+          std::count_if(record.channels.begin(), record.channels.end(),
+                        [](const MeasuredChannel& c) { return c.fit; }));
+      channels = std::max(channels, fitted);
+      samples += fitted * record.num_samples();
+    }
+  }
+};
+
+// See IdentificationOptions::num_starts.
+int NumStarts(const IdentificationProblem& problem,
+              const IdentificationOptions& options,
+              const IdentifiedModel* initial, size_t num_groups) {
+  constexpr int kStarts = 8;
+  if (options.num_starts > 0) return options.num_starts;
+  if (initial != nullptr || !problem.dynamics->IsLinear() ||
+      problem.num_train_records() == 0 || !problem.ambient.empty() ||
+      !problem.modal.modes.empty()) {
+    return 1;
+  }
+  const Measurements measured(problem);
+  return 2 * measured.channels <= static_cast<Eigen::Index>(num_groups)
+             ? kStarts
+             : 1;
+}
 
 // By what predicts, or, without records, by the cost.
 bool IsBetter(const IdentificationProblem& problem, const StartResult& one,
@@ -54,8 +135,18 @@ Vector DrawStart(const IdentificationProblem& problem,
       high = std::min(high, parameter.prior_mean + tuning.prior_deviations *
                                                        parameter.prior_sigma);
     }
-    if (!std::isfinite(low) || !std::isfinite(high)) continue;
-    values[index] = low + (high - low) * uniform();
+    if (std::isfinite(low) && std::isfinite(high)) {
+      values[index] = low + (high - low) * uniform();
+      continue;
+    }
+    const GroupTerm* group = FindGroup(*problem.dynamics, parameter.name);
+    if (group == nullptr) continue;
+    const double reach = std::log(LargestFactor(group->group.target));
+    if (reach > 0.0) {
+      values[index] =
+          std::clamp(std::exp(reach * (2.0 * uniform() - 1.0)) - group->present,
+                     low, high);
+    }
   }
   const StructuralDynamics& dynamics = *problem.dynamics;
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
@@ -80,7 +171,24 @@ class Starts {
       : problem_(problem),
         options_(options),
         initial_(initial),
-        layout_(problem) {}
+        layout_(problem),
+        groups_(FreeStiffnessGroups(problem, layout_)) {}
+
+  int count() const {
+    return NumStarts(problem_, options_, initial_, groups_.size());
+  }
+  const std::vector<int>& groups() const { return groups_; }
+  // "k1 0.1 (0.2 here)" of the first group in which they are far apart.
+  std::string Difference(const Vector& here, const Vector& there) const {
+    constexpr double kFar = 0.05;
+    for (Eigen::Index j = 0; j < here.size(); ++j) {
+      if (std::abs(there[j] - here[j]) <= kFar) continue;
+      return layout_.parameter(groups_[static_cast<size_t>(j)]).name + " " +
+             FormatNumber(there[j], 3) + " (" + FormatNumber(here[j], 3) +
+             " here)";
+    }
+    return "";
+  }
 
   // nullptr, with a message in *outcome, where nothing finite came out.
   std::unique_ptr<Fit> Run(int start, Communicator* communicator,
@@ -106,21 +214,45 @@ class Starts {
   const IdentificationOptions& options_;
   const IdentifiedModel* initial_;
   const ParameterLayout layout_;
+  const std::vector<int> groups_;
 };
+
+// Another minimum that the data do not tell from the best: in twice the
+// log-likelihood, as if all residuals were independent, by less than 6 (odds of
+// 20).
+std::string OtherSolution(const IdentificationProblem& problem,
+                          const Starts& starts, const StartResult& best,
+                          const std::vector<StartResult>& results) {
+  constexpr double kLeastGain = 6.0;
+  if (problem.num_train_records() == 0) return "";
+  const auto samples = static_cast<double>(Measurements(problem).samples);
+  for (const StartResult& result : results) {
+    if (!result.done ||
+        2.0 * samples * std::log(result.expected_error / best.expected_error) >
+            kLeastGain) {
+      continue;
+    }
+    const std::string difference =
+        starts.Difference(best.stiffness, result.stiffness);
+    if (!difference.empty()) return difference;
+  }
+  return "";
+}
 
 // The ranks run the starts side by side, each for itself. False where one does
 // not answer.
 bool RunApart(const Starts& starts, Communicator* ranks,
               std::vector<StartResult>* results) {
   constexpr int kNumbers = 3;
-  Matrix numbers =
-      Matrix::Zero(kNumbers, static_cast<Eigen::Index>(results->size()));
+  const auto num_groups = static_cast<Eigen::Index>(starts.groups().size());
+  Matrix numbers = Matrix::Zero(kNumbers + num_groups,
+                                static_cast<Eigen::Index>(results->size()));
   for (int s = ranks->rank(); s < numbers.cols(); s += ranks->size()) {
     IdentificationSummary unused;
     const std::unique_ptr<Fit> fit = starts.Run(s, nullptr, &unused);
     if (fit == nullptr) continue;
-    const StartResult result = StartResult::Of(fit->best());
-    numbers.col(s) << 1.0, result.cost, result.expected_error;
+    const StartResult result = StartResult::Of(*fit, starts.groups());
+    numbers.col(s) << 1.0, result.cost, result.expected_error, result.stiffness;
     if (fit->interrupted()) break;
   }
   if (!ranks->Await() || !ranks->Sum(numbers.data(), numbers.size())) {
@@ -128,7 +260,8 @@ bool RunApart(const Starts& starts, Communicator* ranks,
   }
   for (size_t s = 0; s < results->size(); ++s) {
     const Vector column = numbers.col(static_cast<Eigen::Index>(s));
-    (*results)[s] = {column[0] > 0.0, column[1], column[2]};
+    (*results)[s] = {column[0] > 0.0, column[1], column[2],
+                     column.tail(num_groups)};
   }
   return true;
 }
@@ -141,8 +274,7 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
                                IdentificationSummary* summary) {
   const Starts starts(problem, options, initial);
   Communicator& ranks = CommunicatorOrSingle(options.communicator);
-  std::vector<StartResult> results(
-      static_cast<size_t>(std::max(1, options.num_starts)));
+  std::vector<StartResult> results(static_cast<size_t>(starts.count()));
   std::unique_ptr<Fit> best;
   int num_starts = 0;
   const bool apart = ranks.size() > 1 && results.size() > 1;
@@ -171,11 +303,12 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
         starts.Run(start, options.communicator, &outcome);
     const bool interrupted = fit != nullptr && fit->interrupted();
     StartResult& result = results[static_cast<size_t>(start)];
-    if (fit != nullptr) result = StartResult::Of(fit->best());
+    if (fit != nullptr) result = StartResult::Of(*fit, starts.groups());
     if (fit == nullptr) {
       if (best == nullptr) *summary = outcome;
     } else if (best == nullptr ||
-               IsBetter(problem, result, StartResult::Of(best->best()))) {
+               IsBetter(problem, result,
+                        StartResult::Of(*best, starts.groups()))) {
       best = std::move(fit);
       *summary = outcome;
     }
@@ -189,6 +322,8 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
       results.begin(), results.end(), [same](const StartResult& result) {
         return result.done && result.cost <= same;
       }));
+  summary->other_solution = OtherSolution(
+      problem, starts, StartResult::Of(*best, starts.groups()), results);
   return best;
 }
 

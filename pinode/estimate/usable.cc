@@ -318,6 +318,10 @@ std::string WhyNotUsable(const GapTuning& tuning,
   } else if (summary.largest_gap > tuning.closed) {
     reason << "gaps between segments stayed open (" << summary.largest_gap
            << " of the state's RMS)";
+  } else if (!summary.other_solution.empty()) {
+    reason << "another solution describes the records nearly as well: "
+           << summary.other_solution
+           << "; more sensors, bounds or priors have to tell which it is";
   } else if (summary.stalled) {
     reason << "the fit came to a halt short of a minimum (cosine of the "
               "gradient "

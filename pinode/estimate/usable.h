@@ -12,8 +12,9 @@ namespace pinode {
 // converged, and to a minimum, with its gaps closed, whose free runs are finite
 // and better than no motion at all, which predicts training records better than
 // the model before and hold-out records not worse, leaves of each training
-// record at most 40 % that is no noise, and whose modes lose energy
-// unless bounds allow otherwise, whose modes are still like the measured ones
+// record at most 40 % that is no noise, beside which no other solution does
+// about as well (a multistart), and whose modes lose energy unless bounds allow
+// otherwise, whose modes are still like the measured ones
 // that they are held against (35 % in frequency, a MAC of a half), at least
 // half of them (or of the model's, where that has fewer) being like any, and
 // none of whose frequencies is far off that was met before; where modes stand

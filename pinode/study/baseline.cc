@@ -123,6 +123,23 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
   return true;
 }
 
+bool AreDifferentResults(const std::vector<Baseline>& baselines,
+                         std::string* error) {
+  for (size_t i = 0; i < baselines.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      if (baselines[i].groups.values != baselines[j].groups.values ||
+          baselines[i].groups.covariance != baselines[j].groups.covariance) {
+        continue;
+      }
+      *error = "baselines '" + baselines[j].name + "' and '" +
+               baselines[i].name +
+               "' are one and the same result, expected one of each record";
+      return false;
+    }
+  }
+  return true;
+}
+
 IdentifiedModel BeginFromBaseline(const Baseline& baseline,
                                   const IdentificationProblem& problem) {
   const ParameterLayout layout(problem);

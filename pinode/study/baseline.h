@@ -84,6 +84,11 @@ std::map<std::string, std::string> FollowingTexts(
                                 const IdentifiedModel& model,
                                 Baseline* baseline, std::string* error);
 
+// False, with *error, where two baselines are the same to the last bit: what
+// healthy records differ by would be taken for less than it is.
+[[nodiscard]] bool AreDifferentResults(const std::vector<Baseline>& baselines,
+                                       std::string* error);
+
 // What a fit of `problem` begins from: its own initial values, and those of the
 // baseline for the named parameters that both have, kept inside their bounds.
 IdentifiedModel BeginFromBaseline(const Baseline& baseline,

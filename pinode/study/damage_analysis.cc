@@ -19,19 +19,21 @@ constexpr double kShareOfKinds = 0.2;
 // What is found may change what else is.
 constexpr int kMaxRounds = 3;
 
+// Of the residuals of new records, see MissedOf.
+constexpr double kLeastMissed = 0.3;
+
 constexpr char kNewRecords[] = "the new records";
 
 using Candidates = std::vector<ChangeCandidate>;
 
-// Of the training records, the largest; 0 of those that leave little but noise,
-// from which so little cannot be told.
-double MissedOf(const IdentificationSummary& summary) {
-  constexpr double kLeastShare = 0.3;
+// Of the training records, the largest; of those that leave `least_share` of it
+// at least, for from noise alone less cannot be told.
+double MissedOf(const IdentificationSummary& summary, double least_share) {
   double largest = 0.0;
   for (const RecordScore& record : summary.records) {
     const double missed = StructuredError(record);
     if (record.role == IdentificationRecord::Role::kTrain &&
-        missed > kLeastShare * record.nrmse) {
+        missed >= least_share * record.nrmse) {
       largest = std::max(largest, missed);
     }
   }
@@ -77,7 +79,7 @@ class Analyst {
     SayWhatIsOpen(kNewRecords, summary.undetermined);
     result_.options = options_;
     fit_of_new_ = {kNewRecords, problem_, summary, model};
-    missed_by_groups_ = MissedOf(summary);
+    missed_by_groups_ = MissedOf(summary, kLeastMissed);
     candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
     for (const ChangeCandidate& candidate : candidates_) {
       const std::string place =
@@ -344,10 +346,10 @@ class Analyst {
     MissedMotion missed;
     if (fits_of_healthy_.empty()) return missed;
     for (const FitOfRecords& fit : fits_of_healthy_) {
-      missed.healthy = std::max(missed.healthy, MissedOf(fit.summary));
+      missed.healthy = std::max(missed.healthy, MissedOf(fit.summary, 0.0));
     }
     missed.groups = missed_by_groups_;
-    missed.last = MissedOf(fit_of_new_.summary);
+    missed.last = MissedOf(fit_of_new_.summary, kLeastMissed);
     return missed;
   }
 
@@ -425,6 +427,7 @@ bool CheckInput(const IdentificationProblem& problem,
     *error = "there is no baseline, expected at least one";
     return false;
   }
+  if (!AreDifferentResults(baselines, error)) return false;
   const std::vector<std::string> groups = FreeGroups(*problem.dynamics);
   if (groups.empty()) {
     *error = "no group is free, expected those whose change is asked for";
@@ -445,15 +448,6 @@ bool CheckInput(const IdentificationProblem& problem,
       *error = "baseline '" + baseline.name +
                "' has not a finite value and covariance of every group";
       return false;
-    }
-    for (const Baseline& other : baselines) {
-      if (&other == &baseline) break;
-      if (other.groups.values == state.values &&
-          other.groups.covariance == state.covariance) {
-        *error = "baselines '" + other.name + "' and '" + baseline.name +
-                 "' are one and the same result, expected one of each record";
-        return false;
-      }
     }
     const std::map<std::string, std::string> texts =
         FollowingTexts(*problem.dynamics);

@@ -389,7 +389,8 @@ class Damage(_Outcome):
     def remarks(self) -> list[str]:
         """Sentences on the fit, and on what was compared."""
         compared = [] if self._found is None else self._found.get("remarks", [])
-        return super().remarks + [r for r in compared if r not in super().remarks]
+        of_fit = super().remarks
+        return of_fit + [remark for remark in compared if remark not in of_fit]
 
     def __repr__(self) -> str:
         return f"Damage({self.sentence})"
