@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/covariance.h"
@@ -14,6 +15,7 @@
 #include "pinode/estimate/objective.h"
 #include "pinode/estimate/signs.h"
 #include "pinode/estimate/stage_schedule.h"
+#include "pinode/estimate/time_scale.h"
 
 namespace pinode {
 
@@ -74,7 +76,10 @@ bool AssessProblem(const IdentificationProblem& problem,
                    ProblemAssessment* assessment, std::string* error) {
   constexpr double kFirmness = 1e4;  // of gaps, against the data's own hold
   *assessment = ProblemAssessment();
-  if (!problem.IsValid(error) || !options.IsValid(error)) return false;
+  if (!problem.IsValid(error) || !options.IsValid(error) ||
+      !IsTimeScalePossible(problem, error)) {
+    return false;
+  }
   const ParameterLayout layout(problem);
   MultipleShooting::Options shooting_options;
   shooting_options.derivatives = options.derivatives;
@@ -136,8 +141,9 @@ bool AssessProblem(const IdentificationProblem& problem,
     return fail();
   }
   CovarianceEstimate& covariance = point.covariance;
-  covariance.null_space = WithUnseenGroups(
-      problem, layout, covariance.covariance, covariance.null_space);
+  covariance.null_space =
+      WithUnseenGroups(problem, layout, point.free, covariance.covariance,
+                       covariance.null_space);
   const bool sizes_known = !shooting.train_records().empty() ||
                            !problem.ambient.empty() ||
                            problem.modal.HasSigmas();
@@ -147,7 +153,10 @@ bool AssessProblem(const IdentificationProblem& problem,
   }
   Vector first_values = layout.InitialValues();
   FindSigns(problem, &first_values);
-  assessment->remarks = SignRemarks(problem, first_values);
+  assessment->remarks = TimeScaleRemarks(problem);
+  for (std::string& remark : SignRemarks(problem, first_values)) {
+    assessment->remarks.push_back(std::move(remark));
+  }
   assessment->undetermined = DescribeNullSpace(layout, covariance.null_space);
   return true;
 }

@@ -36,7 +36,8 @@ struct ProblemAssessment {
   // Directions of named parameters along which the cost does not change: data,
   // priors, and what keeps curves and unknown forces smooth.
   std::vector<std::string> undetermined;
-  // What a user should hear of the records, one sentence each (SignRemarks).
+  // What a user should hear of the records, one sentence each
+  // (TimeScaleRemarks, SignRemarks).
   std::vector<std::string> remarks;
 };
 

@@ -7,6 +7,7 @@
 #include "pinode/estimate/ambient_start.h"
 #include "pinode/estimate/multistart.h"
 #include "pinode/estimate/outcome.h"
+#include "pinode/estimate/time_scale.h"
 #include "pinode/estimate/usable.h"
 
 namespace pinode {
@@ -77,6 +78,7 @@ void Identify(const IdentificationProblem& problem,
   *model = IdentifiedModel();
   std::string error;
   if (!problem.IsValid(&error) || !options.IsValid(&error) ||
+      !IsTimeScalePossible(problem, &error) ||
       !FitsProblem(problem, initial, &error)) {
     summary->message = error;
     return;

@@ -41,8 +41,8 @@ std::vector<std::string> DescribeNullSpace(const ParameterLayout& layout,
 }
 
 Matrix WithUnseenGroups(const IdentificationProblem& problem,
-                        const ParameterLayout& layout, const Matrix& covariance,
-                        const Matrix& directions) {
+                        const ParameterLayout& layout, const Vector& free,
+                        const Matrix& covariance, const Matrix& directions) {
   constexpr double kUnseen = 10.0;
   Matrix result = directions;
   if (result.rows() == 0) result.resize(layout.num_free(), 0);
@@ -53,7 +53,9 @@ Matrix WithUnseenGroups(const IdentificationProblem& problem,
     for (int j = 0; j < layout.num_free(); ++j) {
       const int index = layout.free()[static_cast<size_t>(j)];
       if (layout.parameter(index).name != term.group.name ||
-          !(covariance(j, j) > kUnseen * kUnseen) ||
+          !(covariance(j, j) >
+            std::max(kUnseen * kUnseen,
+                     free[j] * free[j] / (kUnseen * kUnseen))) ||
           (result.cols() > 0 && result.row(j).cwiseAbs().maxCoeff() > 0.1)) {
         continue;
       }

@@ -20,10 +20,12 @@ std::vector<std::string> DescribeNullSpace(const ParameterLayout& layout,
 // `directions` and, as unit vectors, the groups whose factor the data leave
 // with a standard deviation of more than ten times what is there: rounding
 // alone, or noise, holds these, though not by so little that the numbers show
-// it. `covariance`: num_free x num_free.
+// it. A factor that is itself ten times as large as its deviation is known,
+// whatever there was. `free`: the free parameters' values, by which the data
+// were linearised; `covariance`: num_free x num_free.
 Matrix WithUnseenGroups(const IdentificationProblem& problem,
-                        const ParameterLayout& layout, const Matrix& covariance,
-                        const Matrix& directions);
+                        const ParameterLayout& layout, const Vector& free,
+                        const Matrix& covariance, const Matrix& directions);
 
 }  // namespace pinode
 

@@ -30,20 +30,27 @@ TEST(WithUnseenGroups, AddsWhatRoundingAloneHolds) {
   problem.dynamics = testing::MakeGroupedChain(3, 10.0, 0.1);
   const ParameterLayout layout(problem);
   const int n = layout.num_free();
+  Vector free = Vector::Zero(n);
   Matrix covariance = 1e-4 * Matrix::Identity(n, n);
-  EXPECT_EQ(WithUnseenGroups(problem, layout, covariance, Matrix(n, 0)).cols(),
-            0);
+  EXPECT_EQ(
+      WithUnseenGroups(problem, layout, free, covariance, Matrix(n, 0)).cols(),
+      0);
   covariance(0, 0) = 1e6;
   const Matrix directions =
-      WithUnseenGroups(problem, layout, covariance, Matrix(n, 0));
+      WithUnseenGroups(problem, layout, free, covariance, Matrix(n, 0));
   ASSERT_EQ(directions.cols(), 1);
   EXPECT_EQ(directions.col(0), Vector(Vector::Unit(n, 0)));
   // It is not named twice.
-  EXPECT_EQ(WithUnseenGroups(problem, layout, covariance, directions).cols(),
-            1);
+  EXPECT_EQ(
+      WithUnseenGroups(problem, layout, free, covariance, directions).cols(),
+      1);
+  // What was nothing beside what the data found is known by that.
+  free[0] = 1e4;
+  EXPECT_EQ(
+      WithUnseenGroups(problem, layout, free, covariance, Matrix(n, 0)).cols(),
+      0);
 }
 
-// Directions of network weights alone have no name.
 // Directions of network weights alone have no name.
 TEST(DescribeNullSpace, LeavesNetworkWeightsOut) {
   const testing::SmallFit fit(IdentificationRecord::Start::kRest);

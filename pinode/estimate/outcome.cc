@@ -21,6 +21,7 @@
 #include "pinode/estimate/prediction_band.h"
 #include "pinode/estimate/score.h"
 #include "pinode/estimate/signs.h"
+#include "pinode/estimate/time_scale.h"
 #include "pinode/structure/modal_analysis.h"
 
 namespace pinode {
@@ -267,8 +268,8 @@ void ReportParameters(const IdentificationProblem& problem,
   summary->covariance_method = covariance.method;
   summary->covariance = covariance.covariance(named, named);
   summary->undetermined = DescribeNullSpace(
-      layout, WithUnseenGroups(problem, layout, covariance.covariance,
-                               covariance.null_space));
+      layout, WithUnseenGroups(problem, layout, layout.Free(parameters),
+                               covariance.covariance, covariance.null_space));
 }
 
 }  // namespace
@@ -300,7 +301,10 @@ void ReportOutcome(const IdentificationProblem& problem,
   }
   ScoreRecords(problem, options, layout.InitialValues(), certainty.starts,
                summary, model);
-  summary->remarks = SignRemarks(problem, model->parameters);
+  summary->remarks = TimeScaleRemarks(problem);
+  for (std::string& remark : SignRemarks(problem, model->parameters)) {
+    summary->remarks.push_back(std::move(remark));
+  }
   if (!problem.modal.empty()) {
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
                 &certainty.known, &certainty.covariance, summary);

@@ -301,7 +301,9 @@ bool Assess(const IdentificationProblem& problem, const ParameterLayout& layout,
   covariance.topLeftCorner(used, used) = root * root.transpose();
   Matrix directions = Matrix::Zero(layout.num_free(), null_space.cols());
   directions.topRows(used) = null_space;
-  directions = WithUnseenGroups(problem, layout, covariance, directions);
+  directions =
+      WithUnseenGroups(problem, layout, layout.Free(layout.InitialValues()),
+                       covariance, directions);
   *expected = ExpectedDeviations(layout, covariance, directions);
   // Those of sensors, which come last, are no news.
   size_t named = 0;
