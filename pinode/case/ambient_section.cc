@@ -31,7 +31,7 @@ class AmbientReader {
     }
     IdentificationRecord measured;
     if (!ReadRecordData(section_, units_, dynamics_, /*simulation=*/false,
-                        &measured)) {
+                        &measured, /*faults=*/nullptr)) {
       return false;
     }
     record_->name = section_.name;

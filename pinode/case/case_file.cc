@@ -181,7 +181,8 @@ class CaseReader {
     IdentificationProblem& problem = c_.problem;
     for (const RecordSection& section : sections_) {
       IdentificationRecord record;
-      if (!ReadRecordData(section, units_, *dynamics_, simulation_, &record)) {
+      if (!ReadRecordData(section, units_, *dynamics_, simulation_, &record,
+                          &description_.remarks)) {
         return false;
       }
       // Until the steps are chosen, for which the other checks must have

@@ -169,7 +169,7 @@ class ModesCaseReader {
     for (const RecordSection& section : sections) {
       IdentificationRecord record;
       if (!ReadRecordData(section, c_.units, dynamics, /*simulation=*/false,
-                          &record) ||
+                          &record, /*faults=*/nullptr) ||
           !AddRecord(section, record, places.dof_names, second)) {
         return false;
       }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
@@ -13,6 +14,7 @@
 #include "pinode/case/unknown_force_section.h"
 #include "pinode/record/prepare.h"
 #include "pinode/record/resample.h"
+#include "pinode/record/sample_faults.h"
 #include "pinode/record/sampled_calculus.h"
 
 namespace pinode {
@@ -37,12 +39,14 @@ class RecordDataReader {
  public:
   RecordDataReader(const RecordSection& section, const UnitSystem& units,
                    const StructuralDynamics& dynamics, bool simulation,
-                   IdentificationRecord* record)
+                   IdentificationRecord* record,
+                   std::vector<std::string>* faults)
       : section_(section),
         table_(section.table),
         dynamics_(dynamics),
         simulation_(simulation),
         record_(record),
+        faults_(faults),
         files_(section, units, &record->description.remarks) {}
 
   bool Read() {
@@ -58,10 +62,10 @@ class RecordDataReader {
       record_->known_start.segment(dynamics_.num_dofs(), dynamics_.num_dofs()) =
           section_.start_v;
     }
-    return files_.Read(simulation_) && CollectSignals() && ResampleAll() &&
-           AddGroundDisplacements() && AddPrescribedDerivatives() &&
-           CutWindow() && MakeExcitation() && MakeChannels() && ApplyFilter() &&
-           SetNoise();
+    return files_.Read(simulation_) && CollectSignals() && LookForFaults() &&
+           ResampleAll() && AddGroundDisplacements() &&
+           AddPrescribedDerivatives() && CutWindow() && MakeExcitation() &&
+           MakeChannels() && ApplyFilter() && SetNoise();
   }
 
  private:
@@ -103,6 +107,51 @@ class RecordDataReader {
     Channel channel;
     if (!files_.Signal(signal, is_input, is_covariate, &channel)) return false;
     merged_.channels.push_back(std::move(channel));
+    return true;
+  }
+
+  // Where a signal's samples are as they came, but for its unit and mean.
+  bool LookForFaults() {
+    if (faults_ == nullptr || simulation_) return true;
+    const double step = merged_.sampling_step;
+    Eigen::Index first = 0;
+    Eigen::Index last = merged_.num_samples() - 1;
+    if (section_.window_from.has_value()) {
+      const auto nearest = [&](double time) {
+        const double sample = std::round((time - merged_.start_time) / step);
+        return static_cast<Eigen::Index>(
+            std::clamp(sample, 0.0, static_cast<double>(last)));
+      };
+      first = nearest(*section_.window_from);
+      last = std::max(first, nearest(*section_.window_to));
+    }
+    std::vector<WatchedSignal> signals;
+    const auto add = [&](const SignalSection& section,
+                         WatchedSignal::Kind kind) {
+      WatchedSignal signal;
+      signal.label = section.label;
+      signal.unit = section.unit;
+      signal.kind = kind;
+      signal.values = merged_.FindChannel(section.label)
+                          ->values.segment(first, last - first + 1);
+      signal.values.array() += files_.SubtractedMean(section.label);
+      signal.values /= section.factor;
+      signals.push_back(std::move(signal));
+    };
+    for (const InputSection& input : section_.inputs) {
+      if (input.value.has_value()) continue;
+      add(input.signal, input.spec.kind == InputSpec::Kind::kCovariate
+                            ? WatchedSignal::Kind::kCovariate
+                            : WatchedSignal::Kind::kLoad);
+    }
+    for (const ChannelSection& channel : section_.channels) {
+      add(channel.signal, WatchedSignal::Kind::kResponse);
+    }
+    for (const std::string& fault :
+         FindSampleFaults(signals, merged_.time(first) / section_.time_factor,
+                          step / section_.time_factor, section_.time_unit)) {
+      faults_->push_back("Record '" + section_.name + "', " + fault);
+    }
     return true;
   }
 
@@ -331,6 +380,7 @@ class RecordDataReader {
   const StructuralDynamics& dynamics_;
   const bool simulation_;
   IdentificationRecord* record_;
+  std::vector<std::string>* faults_;  // may be nullptr
 
   RecordFiles files_;
   Record merged_;
@@ -340,8 +390,10 @@ class RecordDataReader {
 
 bool ReadRecordData(const RecordSection& section, const UnitSystem& units,
                     const StructuralDynamics& dynamics, bool simulation,
-                    IdentificationRecord* record) {
-  return RecordDataReader(section, units, dynamics, simulation, record).Read();
+                    IdentificationRecord* record,
+                    std::vector<std::string>* faults) {
+  return RecordDataReader(section, units, dynamics, simulation, record, faults)
+      .Read();
 }
 
 }  // namespace pinode

@@ -3,6 +3,9 @@
 #ifndef PINODE_CASE_RECORD_DATA_H_
 #define PINODE_CASE_RECORD_DATA_H_
 
+#include <string>
+#include <vector>
+
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
 #include "pinode/case/record_section.h"
@@ -23,11 +26,14 @@ namespace pinode {
 //
 // `dynamics` says which inputs there are. Gains, offsets and delays of the
 // channels are not set here. With `simulation`, channels are left NaN.
+// `faults` (may be nullptr) receives a sentence for each signal with samples
+// that no sensor in order gives (record/sample_faults.h), as they came and in
+// the window alone.
 [[nodiscard]] bool ReadRecordData(const RecordSection& section,
                                   const UnitSystem& units,
                                   const StructuralDynamics& dynamics,
-                                  bool simulation,
-                                  IdentificationRecord* record);
+                                  bool simulation, IdentificationRecord* record,
+                                  std::vector<std::string>* faults);
 
 }  // namespace pinode
 

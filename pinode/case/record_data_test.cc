@@ -151,5 +151,47 @@ TEST(RecordDataTest, ADeadSensorIsRefused) {
   EXPECT_EQ(read("\n  sigma = 0.01"), "");
 }
 
+// As they came: before the mean, the window and the filter.
+TEST(RecordDataTest, BadSamplesAreNamed) {
+  TemporaryFolder folder;
+  std::string csv = SmallRecord(400);
+  for (const char* time : {"\n2,", "\n2.01,"}) {
+    const size_t line = csv.find(time);
+    ASSERT_NE(line, std::string::npos);
+    const size_t end = csv.find('\n', line + 1);
+    const size_t last = csv.rfind(',', end);
+    csv.replace(last + 1, end - last - 1, "-9999");
+  }
+  folder.Write("quake.csv", csv);
+  const std::string text = Replaced(SmallCase(), "unit = \"mm\"",
+                                    "unit = \"mm\"\n  remove_offset = true");
+  const auto remark =
+      Contains(AllOf(HasSubstr("Record 'quake', channel "),
+                     HasSubstr("2 samples are -9999 mm, the first at 2 s")));
+  EXPECT_THAT(
+      ReadOrFail(folder.Write("case.toml", text)).problem.description.remarks,
+      remark);
+  const std::string window =
+      Replaced(text, "start = \"rest\"", "window = [2.5, 3.5]");
+  EXPECT_THAT(
+      ReadOrFail(folder.Write("case.toml", window)).problem.description.remarks,
+      ::testing::Not(remark));
+}
+
+TEST(RecordDataTest, AGapInTheGroundHasOneAdvice) {
+  TemporaryFolder folder;
+  std::string csv = SmallRecord();
+  const size_t line = csv.find("\n1,");
+  ASSERT_NE(line, std::string::npos);
+  csv.replace(line + 3, csv.find(',', line + 3) - line - 3, "NaN");
+  folder.Write("quake.csv", csv);
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(folder.Write("case.toml", SmallCase()), &c, &error));
+  EXPECT_THAT(error, HasSubstr("misses 1 sample from 1 to 1; expected every "
+                               "sample, or a window"));
+  EXPECT_EQ(error.find("expected"), error.rfind("expected"));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -147,12 +147,18 @@ bool RecordFiles::Signal(const SignalSection& signal, bool is_input,
   }
   if (signal.remove_offset) {
     const double mean = RemoveOffset(&channel->values);
+    subtracted_means_[signal.label] = mean;
     remarks_.push_back(signal.label + ": mean " +
                        FormatNumber(mean / signal.factor, 4) + " " +
                        signal.unit + " subtracted.");
   }
   if (is_covariate) FillReadings(signal.label, &channel->values);
   return Align(signal, file, is_input, &channel->values);
+}
+
+double RecordFiles::SubtractedMean(const std::string& label) const {
+  const auto found = subtracted_means_.find(label);
+  return found == subtracted_means_.end() ? 0.0 : found->second;
 }
 
 // A thermometer is read now and then, and what it measures is slow: straight

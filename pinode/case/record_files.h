@@ -45,6 +45,9 @@ class RecordFiles {
   [[nodiscard]] bool Signal(const SignalSection& signal, bool is_input,
                             bool is_covariate, Channel* channel);
 
+  // Of a signal by its label, model units; 0: nothing was subtracted.
+  double SubtractedMean(const std::string& label) const;
+
   // What was read is not needed any more.
   void Clear() { files_.clear(); }
 
@@ -76,6 +79,7 @@ class RecordFiles {
   const UnitSystem& units_;
   std::vector<std::string>& remarks_;
 
+  std::map<std::string, double> subtracted_means_;
   std::map<std::string, Source> files_;
   double start_time_ = 0.0;
   double step_ = 0.0;

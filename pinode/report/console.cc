@@ -322,6 +322,9 @@ std::string ConsoleReport(const ReportInput& input) {
   for (const std::string& remark : input.summary->remarks) {
     text += remark + "\n";
   }
+  for (const std::string& remark : input.problem->description.remarks) {
+    text += remark + "\n";
+  }
   const auto add = [&](const std::string& heading, const TextTable& table) {
     if (!table.empty()) text += "\n" + heading + "\n" + table.ToText();
   };

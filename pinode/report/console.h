@@ -38,8 +38,8 @@ TextTable MakeSensorTable(const ReportInput& input);
 // Stages of the solution.
 TextTable MakeStageTable(const ReportInput& input);
 
-// Verdict and the first five tables with a heading each, ended by a line break;
-// empty tables are left out.
+// Verdict, remarks and the first five tables with a heading each, ended by a
+// line break; empty tables are left out.
 std::string ConsoleReport(const ReportInput& input);
 
 }  // namespace pinode

@@ -114,6 +114,7 @@ TEST(Console, LeavesOutWhatAFailureLacks) {
   const auto example = testing::MakeReportExample();
   example->summary = IdentificationSummary();
   example->input.prior.modes.clear();
+  example->problem.description.remarks.clear();
   const std::string text = ConsoleReport(example->input);
   EXPECT_EQ(text, "Not usable: the identification has not been started.\n");
 }
@@ -123,6 +124,9 @@ TEST(Console, HasAllTables) {
   example->summary.remarks = {"Sensor 'a3': mounted upside down, gain -0.98."};
   const std::string text = ConsoleReport(example->input);
   EXPECT_EQ(Lines(text)[1], example->summary.remarks[0]);
+  // What was found in the data before the fit.
+  ASSERT_FALSE(example->problem.description.remarks.empty());
+  EXPECT_EQ(Lines(text)[2], example->problem.description.remarks[0]);
   for (const char* heading :
        {"Usable.", "Free-run error", "Parameters", "Modes", "Sensors"}) {
     EXPECT_THAT(text, HasSubstr(heading));
