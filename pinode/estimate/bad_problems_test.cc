@@ -124,6 +124,16 @@ std::vector<BadProblem> BadProblems() {
        "channel 'x1': its length differs from that of the excitation"},
       {"InfiniteSample", [](Problem* p) { ChannelOf(p).values[3] = kInfinity; },
        "channel 'x1': it holds an infinite value"},
+      {"HugeValue", [](Problem* p) { ChannelOf(p).values[3] = 1e200; },
+       "channel 'x1': it holds a value beyond 1e140"},
+      {"HugeExcitation",
+       [](Problem* p) {
+         Matrix samples = p->records[0].excitation->samples();
+         samples(0, 5) = -1e200;
+         p->records[0].excitation.emplace(0.0, 0.05, samples,
+                                          Interpolation::kLinear);
+       },
+       "its excitation holds a value beyond 1e140"},
       {"NoSample", [nan](Problem* p) { ChannelOf(p).values.setConstant(nan); },
        "channel 'x1': it holds no value"},
       {"NegativeSigma", [](Problem* p) { ChannelOf(p).sigma = -1.0; },

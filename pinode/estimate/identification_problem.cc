@@ -7,6 +7,9 @@
 namespace pinode {
 namespace {
 
+// Of a sample: sums of squares of larger ones are not finite.
+constexpr double kLargestSample = 1e140;
+
 bool HasFree(const ParameterBlock& block) {
   return std::any_of(block.parameters.begin(), block.parameters.end(),
                      [](const Parameter& parameter) { return parameter.free; });
@@ -99,14 +102,18 @@ bool AreValidSamples(const IdentificationRecord& record,
                      const MeasuredChannel& channel, std::string* error) {
   Eigen::Index finite = 0;
   bool any_infinite = false;
+  bool any_huge = false;
   for (const double value : channel.values) {
     any_infinite = any_infinite || std::isinf(value);
+    any_huge = any_huge || std::abs(value) > kLargestSample;
     finite += std::isfinite(value);
   }
   if (channel.values.size() != record.num_samples()) {
     *error = "its length differs from that of the excitation";
   } else if (any_infinite) {
     *error = "it holds an infinite value";
+  } else if (any_huge) {
+    *error = "it holds a value beyond 1e140, expected one that can be measured";
   } else if (finite == 0) {
     *error = "it holds no value";
   } else if (record.filter != nullptr && finite != channel.values.size()) {
@@ -137,6 +144,10 @@ bool IsValidExcitation(const StructuralDynamics& dynamics,
              !record.excitation->samples().allFinite()) {
     message << "its excitation holds a value, or has a step, that is not "
                "finite";
+  } else if ((record.excitation->samples().array().abs() > kLargestSample)
+                 .any()) {
+    message << "its excitation holds a value beyond 1e140, expected one that "
+               "can be measured";
   } else if (record.input_sigma.size() != 0 &&
              record.input_sigma.size() != dynamics.num_inputs()) {
     message << "it has " << record.input_sigma.size()

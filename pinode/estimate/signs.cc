@@ -7,6 +7,7 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -376,6 +377,48 @@ std::string Value(double value, const std::string& unit) {
 
 bool HasTurned(double initial, double value) { return initial * value < 0.0; }
 
+// Of delays that were found alike at all sensors of the fit: then it is the
+// excitation that has another clock. Empty: they are not.
+std::string DelayRemark(const IdentificationProblem& problem,
+                        const Vector& parameters) {
+  constexpr double kClear = 0.5;  // samples
+  constexpr double kAlike = 0.1;
+  const int first = problem.dynamics->num_parameters();
+  std::vector<int> delays;
+  double lowest = kInfinity;
+  double highest = -kInfinity;
+  double step = 0.0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    if (!problem.IsDriven(record)) return "";
+    step = std::max(step, record.sampling_step());
+    for (const MeasuredChannel& channel : record.channels) {
+      if (!channel.fit) continue;
+      if (channel.delay < 0) return "";
+      const Parameter& delay =
+          problem.sensors.parameters[static_cast<size_t>(channel.delay)];
+      const double value = parameters[first + channel.delay];
+      if (!delay.free || value == delay.value) return "";
+      if (std::find(delays.begin(), delays.end(), channel.delay) ==
+          delays.end()) {
+        delays.push_back(channel.delay);
+      }
+      lowest = std::min(lowest, value);
+      highest = std::max(highest, value);
+    }
+  }
+  const double mean = 0.5 * (lowest + highest);
+  if (delays.size() < 2 || !(std::abs(mean) > kClear * step) ||
+      highest - lowest > kAlike * std::abs(mean)) {
+    return "";
+  }
+  return "All sensors are " + std::string(mean > 0.0 ? "late" : "early") +
+         " by the same time, " +
+         Value(std::abs(mean), problem.description.units.time) +
+         ", as if the excitation were " + (mean > 0.0 ? "early" : "late") +
+         ": is it by another clock?";
+}
+
 }  // namespace
 
 void FindSigns(const IdentificationProblem& problem, Vector* parameters) {
@@ -418,6 +461,8 @@ std::vector<std::string> SignRemarks(const IdentificationProblem& problem,
                         Value(value, gain.unit) + ".");
     }
   }
+  const std::string delays = DelayRemark(problem, parameters);
+  if (!delays.empty()) remarks.push_back(delays);
   if (!responses.Run()) return remarks;
   std::vector<std::string> against;
   int known = 0;

@@ -36,10 +36,11 @@ void FindSigns(const IdentificationProblem& problem, Vector* parameters);
 
 // What a user should hear of signs, a sentence each, `parameters` being those
 // found (or those that a fit would begin with): gains and scales whose sign is
-// not that of the initial value, and channels of known sign that clearly go
-// against the response (an agreement below -0.4), as a sensor does that is
-// mounted upside down. Forces of prescribed motions are left out: what a device
-// resists with is not this model's to say.
+// not that of the initial value, delays that were found alike at all sensors
+// (within a tenth, half a sample or more), and channels of known sign that
+// clearly go against the response (an agreement below -0.4), as a sensor does
+// that is mounted upside down. Forces of prescribed motions are left out: what
+// a device resists with is not this model's to say.
 std::vector<std::string> SignRemarks(const IdentificationProblem& problem,
                                      const Vector& parameters);
 

@@ -104,6 +104,29 @@ struct Frame {
   IdentificationProblem problem;
 };
 
+// Found alike at all sensors, it is the excitation's.
+TEST(Signs, DelaysOfAllSensors) {
+  Frame frame({0.0, 0.0, 0.0}, 1.0, {1.0, 1.0, 1.0}, 1.0, 1);
+  for (size_t i = 0; i < 3; ++i) {
+    Parameter delay;
+    delay.name = "delay.a" + std::to_string(i + 1);
+    frame.problem.records[0].channels[i].delay = frame.problem.sensors.size();
+    frame.problem.sensors.parameters.push_back(delay);
+  }
+  EXPECT_THAT(frame.Remarks(), IsEmpty());
+  const auto remarks = [&frame](const std::vector<double>& delays) {
+    return SignRemarks(frame.problem,
+                       Eigen::Map<const Vector>(delays.data(), 3));
+  };
+  EXPECT_THAT(remarks({0.0401, 0.04, 0.0399}),
+              ElementsAre(HasSubstr("All sensors are late by the same time, "
+                                    "0.04 s")));
+  EXPECT_THAT(remarks({-0.0401, -0.04, -0.0399}),
+              ElementsAre(HasSubstr("All sensors are early")));
+  EXPECT_THAT(remarks({0.04, 0.01, 0.04}), IsEmpty());
+  EXPECT_THAT(remarks({0.004, 0.004, 0.004}), IsEmpty());
+}
+
 const std::vector<double> kSameStoreys = {0.0, 0.0, 0.0};
 
 // Storeys that are off by up to 40 % put every resonance elsewhere; the

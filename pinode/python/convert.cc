@@ -44,7 +44,7 @@ Dense ToDense(const py::handle& value, int dimensions,
                 ", expected " + expected);
   }
   const char kind = array.dtype().kind();
-  if (kind != 'f' && kind != 'i' && kind != 'u' && kind != 'b') {
+  if (kind != 'f' && kind != 'i' && kind != 'u') {
     throw Error(where + " has entries of type " +
                 std::string(py::str(array.dtype())) + ", expected " + expected);
   }

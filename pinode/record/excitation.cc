@@ -188,8 +188,7 @@ bool IsCompleteExcitation(const Record& record, const Channel& channel,
       FormatNumber(record.time(gap.first + gap.size - 1), 10) +
       (gaps.size() > 1 ? " (and more in " + std::to_string(gaps.size() - 1) +
                              " further gaps)"
-                       : "") +
-      ", expected one without gaps; choose a window without them";
+                       : "");
   return false;
 }
 

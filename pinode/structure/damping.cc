@@ -99,9 +99,12 @@ bool ModalDamping(const Matrix& mass, const Matrix& stiffness,
   Vector modal_damping(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     if (std::isnan(modes.frequency_hz[i])) {
-      *error = "modal damping: mode " + std::to_string(i + 1) +
-               " has negative stiffness and so no frequency to which a ratio "
-               "could refer; give the damping matrix instead";
+      *error =
+          "the stiffness matrix is not positive semidefinite: mode " +
+          std::to_string(i + 1) +
+          " has negative stiffness and so no frequency to which a ratio of "
+          "modal damping could refer; check its entries, or give the damping "
+          "matrix where such a stiffness is meant";
       return false;
     }
     modal_damping[i] = 2.0 * ratios[std::min(i, ratios.size() - 1)] * kTwoPi *

@@ -178,7 +178,8 @@ TEST(ModalDamping, RefusesBadInput) {
   EXPECT_THAT(message(frame.mass, frame.stiffness, kNaN * one),
               HasSubstr("ratio 1 is nan"));
   EXPECT_THAT(message(frame.mass, -frame.stiffness, one),
-              HasSubstr("negative stiffness"));
+              HasSubstr("the stiffness matrix is not positive semidefinite: "
+                        "mode 1 has negative stiffness"));
   EXPECT_THAT(message(-frame.mass, frame.stiffness, one),
               HasSubstr("positive definite"));
 }

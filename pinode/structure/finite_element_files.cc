@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "pinode/base/file.h"
@@ -63,6 +64,7 @@ class ModelReader {
         names_path_(files.dof_names),
         error_(error),
         names_(files.names),
+        are_names_listed_(!files.names.empty()),
         names_source_(files.names.empty() ? "" : "the list of DOFs") {}
 
   bool Read(FiniteElementModel* model) {
@@ -88,6 +90,7 @@ class ModelReader {
       }
     }
     if (!(abaqus ? MergeByName() : MergeByPosition())) return false;
+    if (are_names_listed_ && !AreListedOnce()) return false;
     model_.dof_names = NumberRepeatedNames(std::move(names_), &model_.notes);
     std::string what;
     if (!model_.IsValid(&what)) {
@@ -105,6 +108,21 @@ class ModelReader {
   bool Fail(const std::string& path, const std::string& message) {
     *error_ = path + ": " + message;
     return false;
+  }
+
+  // What a program writes several times is numbered; who lists names means
+  // each.
+  bool AreListedOnce() {
+    std::unordered_map<std::string, size_t> first;
+    for (size_t i = 0; i < names_.size(); ++i) {
+      const auto [entry, is_new] = first.emplace(names_[i], i);
+      if (is_new) continue;
+      *error_ = names_source_ + " has " + Quote(names_[i]) + " at " +
+                std::to_string(entry->second + 1) + " and at " +
+                std::to_string(i + 1) + ", and each name was expected once";
+      return false;
+    }
+    return true;
   }
 
   bool Load(int role) {
@@ -401,6 +419,7 @@ class ModelReader {
   LoadedMatrix loaded_[kNumRoles];
   std::map<std::string, MatrixContainer> containers_;
   std::vector<std::string> names_;
+  const bool are_names_listed_;
   std::string names_source_;
   std::string default_names_path_;
   FiniteElementModel model_;

@@ -334,6 +334,14 @@ TEST_F(FiniteElementFilesTest, CalculixWithoutDofFileCountsIndices) {
   EXPECT_THAT(model.notes[0], HasSubstr("4 is the largest index"));
 }
 
+TEST_F(FiniteElementFilesTest, ListedNamesAreRefusedWhereTheyRepeat) {
+  FiniteElementFiles files = Files({Sample("calculix/beam.mas"), ""},
+                                   {Sample("calculix/beam.sti"), ""});
+  files.names = {"1.1", "2.1", "2.1", "3.1"};
+  EXPECT_THAT(ErrorOf(files),
+              HasSubstr("the list of DOFs has '2.1' at 2 and at 3"));
+}
+
 TEST_F(FiniteElementFilesTest, RepeatedNamesAreNumbered) {
   TemporaryFolder folder;
   const FiniteElementModel model = ReadOrFail(Files(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
+
+from ._pinode import Error
 
 ArrayLike = Any  # of numbers: a NumPy array, or what becomes one
 
@@ -49,3 +52,22 @@ def as_strings(names: Any) -> Any:
     if names is None or isinstance(names, str):
         return names
     return [str(name) if isinstance(name, np.str_) else name for name in names]
+
+
+def as_folder(output: Any, mat: bool = False) -> str:
+    """The folder `output` of results; "": none is written."""
+    try:
+        path = os.fspath(output)
+    except TypeError:
+        path = None
+    if not isinstance(path, str):
+        raise Error(
+            f"output is a value of type {type(output).__name__}, expected the "
+            "path of a folder"
+        )
+    if mat and not path:
+        raise Error(
+            "mat=True writes results.mat into the folder of results, and there is "
+            "none; expected output, its path"
+        )
+    return path

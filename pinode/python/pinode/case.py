@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
+from ._part import as_folder
 from ._pinode import Error
 from .measurements import Record
 from .progress import watched
@@ -81,6 +82,12 @@ class Case:
             **tables,
         }
         self._parts = {k: v for k, v in given.items() if v is not None}
+        for key, value in self._parts.items():
+            if key in _TABLES and isinstance(value, (list, tuple)) and not value:
+                raise Error(
+                    f"{key} is an empty list, expected one entry at least, or "
+                    f"no {key} at all"
+                )
         tree = {_TABLES.get(k, k): v for k, v in self._parts.items()}
         self._handle = _pinode.CaseHandle.from_tree(
             tree, "", _purpose(records, "plan" in self._parts)
@@ -204,7 +211,8 @@ class Case:
         """
         from .forecast import Check
 
-        return Check(self._handle.check(os.fspath(output), overwrite, mat))
+        output = as_folder(output, mat)
+        return Check(self._handle.check(output, overwrite, mat))
 
     def simulate(
         self,
@@ -251,7 +259,12 @@ class Case:
         from .forecast import SensorPlan
 
         plan = _pinode.plan_sensors(
-            self._handle, num_sensors, force_at, os.fspath(output), overwrite, mat
+            self._handle,
+            num_sensors,
+            force_at,
+            as_folder(output, mat),
+            overwrite,
+            mat,
         )
         places = () if force_at else plan["excite"]
         return SensorPlan(
@@ -301,7 +314,7 @@ class Case:
                     profiles=profiles,
                     threads=threads,
                     callback=call,
-                    output=os.fspath(output),
+                    output=as_folder(output, mat),
                     overwrite=overwrite,
                     resume=resume,
                     mat=mat,
@@ -343,7 +356,7 @@ class Case:
                     false_alarm_rate=false_alarm_rate,
                     threads=threads,
                     callback=call,
-                    output=os.fspath(output),
+                    output=as_folder(output, mat),
                     overwrite=overwrite,
                     resume=resume,
                     mat=mat,
@@ -377,7 +390,7 @@ class Case:
                     None,
                     threads=threads,
                     callback=call,
-                    output=os.fspath(output),
+                    output=as_folder(output, mat),
                     overwrite=overwrite,
                     resume=resume,
                     mat=mat,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
+from ._part import as_folder
 from ._pinode import Error
 
 if TYPE_CHECKING:
@@ -186,7 +187,7 @@ def identify_modes(
         "pick": None if pick is None else _as_list("pick", pick),
     }
     options = {key: value for key, value in options.items() if value is not None}
-    output = os.fspath(output)
+    output = as_folder(output)
     if output:
         _pinode.check_output_folder(output, overwrite)
     one = {"step": step, "names": names, "quantity": quantity, "loads": loads,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
+from ._part import as_folder
 from ._pinode import Error
 from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case, Progress
@@ -300,7 +301,7 @@ class Fit(_Outcome):
                     self._handle,
                     threads=threads,
                     callback=call,
-                    output=os.fspath(output),
+                    output=as_folder(output, mat),
                     overwrite=overwrite,
                     resume=resume,
                     mat=mat,

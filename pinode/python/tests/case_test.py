@@ -223,6 +223,10 @@ def test_a_check_writes_a_folder(healthy, tmp_path):
         healthy.check(output=tmp_path / "c")
     healthy.check(output=tmp_path / "c", overwrite=True)
     assert not (tmp_path / "c" / "results.mat").exists()
+    with pytest.raises(pinode.Error, match="mat=True .* expected output"):
+        healthy.check(mat=True)
+    with pytest.raises(pinode.Error, match="output is a value of type int"):
+        healthy.check(output=3)
 
 
 @pytest.mark.parametrize("change, message", [
@@ -234,7 +238,7 @@ def test_a_check_writes_a_folder(healthy, tmp_path):
     (dict(groups=[pinode.Group("k1", [np.eye(3, dtype=complex)[i] for i in range(3)])]),
      "k1|complex|matrix"),
     (dict(elements=[pinode.Element("e", "cubik", ("ground", "u1"))]), "cubik"),
-    (dict(records=[]), "nothing|training record|no record|expected"),
+    (dict(records=[]), "^records is an empty list, expected one entry at least"),
     (dict(model=3), "a table"),
     (dict(units={"length": "furlong"}), "furlong"),
 ])
@@ -243,6 +247,45 @@ def test_mistakes_are_sentences(healthy, change, message):
         healthy.replace(**change).identify()
     assert isinstance(caught.value, ValueError)
     assert "\n" not in str(caught.value)
+
+
+def _shaken(**changes):
+    ground, floors = frame_testing.measure()
+    columns = {"ground": ground, "a3": floors[:, 2], **changes}
+    return pinode.Case(conftest.model(), groups=conftest.groups(), records=[
+        pinode.Record("r", step=0.01, interpolation="held", start="rest",
+                      ground={"x": columns["ground"]},
+                      channels=[pinode.Channel("a3", columns["a3"], dof="u3")])])
+
+
+def test_bad_samples_are_named():
+    _, floors = frame_testing.measure()
+    assert not any("channel a3" in r for r in _shaken().identify().remarks)
+    values = floors[:, 2].copy()
+    values[200:204] = -9999.0
+    fit = _shaken(a3=values).identify()
+    wanted = "Record 'r', channel a3: 4 samples are -9999"
+    assert any(wanted in remark for remark in fit.remarks), fit.remarks
+    assert any(wanted in remark for remark in _shaken(a3=values).check()["remarks"])
+
+
+def test_columns_that_are_no_measurements_are_refused():
+    ground, floors = frame_testing.measure()
+    with pytest.raises(pinode.Error, match="'ground_x', has entries of type bool"):
+        _shaken(ground=ground > 0.0)
+    with pytest.raises(pinode.Error, match="'a3', has entries of type bool"):
+        _shaken(a3=floors[:, 2] > 0.0)
+    with pytest.raises(pinode.Error, match="beyond 1e140"):
+        _shaken(ground=1e200 * ground, a3=1e200 * floors[:, 2])
+
+
+def test_names_of_dofs_are_unique():
+    with pytest.raises(pinode.Error, match="the list of DOFs has 'a' at 1 and at 3"):
+        pinode.Case(pinode.FiniteElementModel(
+            frame_testing.MASS, frame_testing.STIFFNESS, dofs=["a", "b", "a"]))
+    with pytest.raises(pinode.Error, match="the name 'a' is used"):
+        pinode.Case(pinode.Model(frame_testing.MASS, frame_testing.STIFFNESS,
+                                 frame_testing.DAMPING, dofs=["a", "b", "a"]))
 
 
 def test_what_contains_itself_is_refused():
