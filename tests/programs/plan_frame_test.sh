@@ -14,7 +14,7 @@ here=$(cd -- "$(dirname -- "$0")" && pwd)
 data=$(cd -- "$here/../../data/frame" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
-cp -- "$data"/*.gz "$data"/frame.dof "$data"/healthy_1.* "$scratch"
+cp -- "$data"/*.gz "$data"/frame.dof "$data"/frame.inp "$data"/healthy_1.* "$scratch"
 cd -- "$scratch"
 source "$here/testing.sh"
 
