@@ -1,5 +1,6 @@
 #include "pinode/estimate/multistart.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/pulse_scan.h"
 #include "pinode/estimate/signs.h"
@@ -171,11 +173,40 @@ class Starts {
     return NumStarts(problem_, options_, initial_, groups_.size());
   }
   const std::vector<int>& groups() const { return groups_; }
-  // "k1 0.1 (0.2 here)" of the first group in which they are far apart.
-  std::string Difference(const Vector& here, const Vector& there) const {
+  // Of the stiffness groups where `fit` ended, by the curvature of its cost;
+  // infinite where that is flat.
+  Vector DeviationsAt(Fit* fit) const {
+    constexpr double kFlat = 1e-12;
+    const auto size = static_cast<Eigen::Index>(groups_.size());
+    CondensedSystem system;
+    if (!fit->objective().Linearize(layout_.Free(fit->BestParameters()),
+                                    &system)) {
+      return Vector::Constant(size, kInfinity);
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix> modes(system.hessian);
+    const double least = kFlat * modes.eigenvalues().tail(1)[0];
+    Vector deviations(size);
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const Vector shares =
+          modes.eigenvectors()
+              .row(layout_.FreeIndex(groups_[static_cast<size_t>(j)]))
+              .cwiseAbs2();
+      deviations[j] = std::sqrt(
+          shares.cwiseQuotient(modes.eigenvalues().cwiseMax(least)).sum());
+    }
+    return deviations;
+  }
+  // "k1 0.1 (0.2 here)" of the first group in which they are further apart than
+  // the deviations of one of them allow.
+  std::string Difference(const Vector& here, const Vector& there,
+                         const Vector& deviations) const {
     constexpr double kFar = 0.05;
+    constexpr double kFarInDeviations = 6.0;
     for (Eigen::Index j = 0; j < here.size(); ++j) {
-      if (std::abs(there[j] - here[j]) <= kFar) continue;
+      if (std::abs(there[j] - here[j]) <=
+          std::max(kFar, kFarInDeviations * deviations[j])) {
+        continue;
+      }
       return layout_.parameter(groups_[static_cast<size_t>(j)]).name + " " +
              FormatNumber(there[j], 3) + " (" + FormatNumber(here[j], 3) +
              " here)";
@@ -214,17 +245,22 @@ class Starts {
 // by chance, but not by what a model lacks: of four storeys seen by their roof
 // alone, with damping of another form, wrong solutions were better by 3 %.
 std::string OtherSolution(const IdentificationProblem& problem,
-                          const Starts& starts, const StartResult& best,
-                          const std::vector<StartResult>& results) {
+                          const Starts& starts,
+                          const std::vector<StartResult>& results, Fit* fit) {
   constexpr double kNearlyAsGood = 1.1;
-  if (problem.num_train_records() == 0) return "";
+  if (problem.num_train_records() == 0 || results.size() < 2 ||
+      starts.groups().empty()) {
+    return "";
+  }
+  const StartResult best = StartResult::Of(*fit, starts.groups());
+  const Vector deviations = starts.DeviationsAt(fit);
   for (const StartResult& result : results) {
     if (!result.done ||
         result.expected_error > kNearlyAsGood * best.expected_error) {
       continue;
     }
     const std::string difference =
-        starts.Difference(best.stiffness, result.stiffness);
+        starts.Difference(best.stiffness, result.stiffness, deviations);
     if (!difference.empty()) return difference;
   }
   return "";
@@ -313,8 +349,7 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
       results.begin(), results.end(), [same](const StartResult& result) {
         return result.done && result.cost <= same;
       }));
-  summary->other_solution = OtherSolution(
-      problem, starts, StartResult::Of(*best, starts.groups()), results);
+  summary->other_solution = OtherSolution(problem, starts, results, best.get());
   return best;
 }
 

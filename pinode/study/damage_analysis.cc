@@ -427,7 +427,6 @@ bool CheckInput(const IdentificationProblem& problem,
     *error = "there is no baseline, expected at least one";
     return false;
   }
-  if (!AreDifferentResults(baselines, error)) return false;
   const std::vector<std::string> groups = FreeGroups(*problem.dynamics);
   if (groups.empty()) {
     *error = "no group is free, expected those whose change is asked for";
@@ -476,7 +475,7 @@ bool CheckInput(const IdentificationProblem& problem,
       return false;
     }
   }
-  return true;
+  return AreDifferentResults(baselines, error);
 }
 
 }  // namespace
