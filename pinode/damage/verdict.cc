@@ -316,7 +316,8 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
   }
   // A nonlinear force of another form than those tried for it leaves something
   // for all others to explain; which of them do it best is of no interest.
-  if (judgement.verdict == DamageVerdict::kNonlinear) {
+  // Nor what else stands in for what was not looked for.
+  if (judgement.verdict == DamageVerdict::kNonlinear || is_unexplained) {
     ambiguous.clear();
     instead.clear();
   }

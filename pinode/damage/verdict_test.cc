@@ -217,6 +217,11 @@ TEST(JudgeMissed, WhatStandsInForSomethingElseIsNoDamage) {
       judgement.sentence,
       HasSubstr("misses 7 % that is no noise, of the healthy ones 1 %"));
   EXPECT_THAT(judgement.sentence, HasSubstr("stands in for it: k1 (-10 %)."));
+  // Of what stands in it is of no interest what would as well.
+  estimate.rivals = {{0, 1, 3.0}};
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).sentence,
+            judgement.sentence);
+  estimate.rivals.clear();
   // Nor is all well where nothing was found.
   estimate.groups[0] = Change(0.0, 0.01, false);
   judgement = JudgeChange(kSubjects, estimate, ChangeOptions(), missed);

@@ -44,6 +44,12 @@ std::string Hundredths(double fraction) {
   return FormatNumber(std::round(1e4 * fraction) / 100.0 + 0.0, 6);
 }
 
+// For something that was not looked for.
+bool StandsIn(const DamageResult& damage, size_t subject) {
+  const std::vector<Reason>& reasons = damage.judgement.reasons;
+  return subject < reasons.size() && reasons[subject] == Reason::kUnexplained;
+}
+
 }  // namespace
 
 TextTable MakeChangeTable(const DamageResult& damage) {
@@ -68,7 +74,9 @@ TextTable MakeChangeTable(const DamageResult& damage) {
          std::isfinite(probability)
              ? FormatNumber(std::round(1e3 * probability) / 1e3, 3)
              : "",
-         change.changed ? "changed" : ""});
+         !change.changed       ? ""
+         : StandsIn(damage, j) ? "stands in"
+                               : "changed"});
   }
   return table;
 }

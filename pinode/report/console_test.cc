@@ -149,6 +149,8 @@ TEST(Console, ShowsChangesThatTheDataShow) {
   EXPECT_THAT(text, HasSubstr("changed"));
   EXPECT_THAT(text, HasSubstr("not seen"));
   EXPECT_THAT(text, Not(HasSubstr("e+")));
+  damage.judgement.reasons = {Reason::kUnexplained, Reason::kNone};
+  EXPECT_THAT(MakeChangeTable(damage).ToText(), HasSubstr("stands in"));
 }
 
 }  // namespace
