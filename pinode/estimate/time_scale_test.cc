@@ -39,8 +39,9 @@ IdentificationProblem ProblemWithTimes(double factor) {
   truth[0] = -0.1;
   testing::Simulate(*problem.dynamics, truth, Vector::Zero(4), 0.01, 1,
                     &record);
-  record.excitation.emplace(0.0, 0.02 * factor, record.excitation->samples(),
-                            record.excitation->interpolation());
+  const Excitation as_it_was = *record.excitation;
+  record.excitation.emplace(0.0, 0.02 * factor, as_it_was.samples(),
+                            as_it_was.interpolation());
   problem.records.push_back(std::move(record));
   return problem;
 }
