@@ -111,6 +111,209 @@ bool HasChanged(Reason reason) {
          reason == Reason::kBetweenRecords;
 }
 
+std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
+                              const ChangeEstimate& estimate,
+                              const ChangeOptions& options,
+                              const MissedMotion& missed) {
+  std::vector<Reason> reasons;
+  for (size_t j = 0; j < subjects.size(); ++j) {
+    const GroupChange& change = estimate.groups[j];
+    const double beyond =
+        ProbabilityBeyond(subjects[j], change, options.threshold);
+    Reason reason = Reason::kNone;
+    if (change.changed && beyond >= kConfidence) {
+      reason = Reason::kBeyondThreshold;
+    } else if (change.changed && estimate.has_between_records) {
+      reason = Reason::kBetweenRecords;
+    } else if (change.changed) {
+      reason = Reason::kFormal;
+    } else if (subjects[j].kind == ChangeKind::kStiffness &&
+               change.probability > 1.0 - kConfidence) {
+      reason = Reason::kUndetermined;
+    }
+    const bool stands =
+        !missed.IsMore() || (subjects[j].kind == ChangeKind::kNonlinear &&
+                             missed.LeavesForce(subjects[j].force_share));
+    if (HasChanged(reason) && !stands) reason = Reason::kUnexplained;
+    reasons.push_back(reason);
+  }
+  return reasons;
+}
+
+// What was found, in words, by what it means.
+struct Findings {
+  std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
+      unsure, unexplained;
+  bool has_large_loss = false;  // among `damaged`
+  // Rivals of another kind, and of the same.
+  std::vector<std::string> ambiguous, instead;
+  std::string missed;  // empty: nothing is
+};
+
+// A change with a rival of another kind does not count.
+void AddRivals(const std::vector<ChangeSubject>& subjects,
+               const ChangeEstimate& estimate, std::vector<Reason>* reasons,
+               Findings* findings) {
+  for (const RivalChange& rival : estimate.rivals) {
+    const size_t found = static_cast<size_t>(rival.found);
+    const size_t other = static_cast<size_t>(rival.other);
+    if (!estimate.groups[found].changed) continue;
+    const std::string text =
+        Describe(subjects[other]) + " for " + Describe(subjects[found]);
+    if (subjects[found].kind == subjects[other].kind) {
+      findings->instead.push_back(text);
+      continue;
+    }
+    if (HasChanged((*reasons)[found])) (*reasons)[found] = Reason::kAmbiguous;
+    findings->ambiguous.push_back(text);
+  }
+}
+
+// Of a subject that counts as changed.
+void AddChange(const ChangeSubject& subject, const GroupChange& change,
+               const ChangeOptions& options, double largest_force,
+               Findings* findings) {
+  const std::string text = Describe(subject, change);
+  if (subject.kind == ChangeKind::kNonlinear) {
+    (subject.force_share < kLeastForce                   ? findings->other
+     : subject.force_share < kMinorForce * largest_force ? findings->minor
+                                                         : findings->nonlinear)
+        .push_back(text);
+  } else if (subject.kind == ChangeKind::kStiffness && change.change < 0.0) {
+    findings->damaged.push_back(text);
+    findings->has_large_loss =
+        findings->has_large_loss || change.change < -options.threshold;
+  } else {
+    findings->other.push_back(text);
+  }
+}
+
+// Large ones first.
+std::vector<size_t> BySize(const std::vector<ChangeSubject>& subjects,
+                           const ChangeEstimate& estimate) {
+  std::vector<size_t> order(subjects.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto size_of = [&](size_t j) {
+    return subjects[j].kind == ChangeKind::kNonlinear
+               ? subjects[j].force_share
+               : std::abs(estimate.groups[j].change);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return size_of(a) > size_of(b); });
+  return order;
+}
+
+void AddChanges(const std::vector<ChangeSubject>& subjects,
+                const ChangeEstimate& estimate, const ChangeOptions& options,
+                const std::vector<Reason>& reasons, Findings* findings) {
+  double largest_force = 0.0;
+  for (size_t j = 0; j < subjects.size(); ++j) {
+    if (subjects[j].kind == ChangeKind::kNonlinear && HasChanged(reasons[j])) {
+      largest_force = std::max(largest_force, subjects[j].force_share);
+    }
+  }
+  for (const size_t j : BySize(subjects, estimate)) {
+    const GroupChange& change = estimate.groups[j];
+    switch (reasons[j]) {
+      case Reason::kBeyondThreshold:
+      case Reason::kBetweenRecords:
+        AddChange(subjects[j], change, options, largest_force, findings);
+        break;
+      case Reason::kFormal:
+        findings->formal.push_back(Describe(subjects[j], change));
+        break;
+      case Reason::kUndetermined:
+        findings->unknown.push_back(subjects[j].name);
+        break;
+      case Reason::kAmbiguous:
+        findings->unsure.push_back(Describe(subjects[j], change));
+        break;
+      case Reason::kUnexplained:
+        findings->unexplained.push_back(Describe(subjects[j], change));
+        break;
+      case Reason::kNone:
+        break;
+    }
+  }
+}
+
+// The verdict and its first sentence.
+void Decide(const Findings& findings, const ChangeOptions& options,
+            Judgement* judgement) {
+  const std::string threshold = Percent(options.threshold);
+  const std::string lost =
+      Join(findings.damaged) + " lost stiffness" +
+      (findings.has_large_loss ? "."
+                               : ", less than the threshold of " + threshold +
+                                     " but more than healthy records differ.");
+  if (!findings.nonlinear.empty()) {
+    judgement->verdict = DamageVerdict::kNonlinear;
+    judgement->sentence =
+        "The structure has become nonlinear: " + Join(findings.nonlinear) + ".";
+    if (!findings.minor.empty()) {
+      judgement->sentence +=
+          " Smaller, and perhaps only what the form of that "
+          "leaves over: " +
+          Join(findings.minor) + ".";
+    }
+    if (!findings.damaged.empty()) judgement->sentence += " Besides, " + lost;
+  } else if (!findings.damaged.empty()) {
+    judgement->verdict = DamageVerdict::kDamage;
+    judgement->sentence = "Damage: " + lost;
+  } else if (!findings.other.empty()) {
+    judgement->verdict = DamageVerdict::kOtherChange;
+    judgement->sentence = "No loss of stiffness, but " + Join(findings.other) +
+                          (findings.other.size() > 1 ? " have" : " has") +
+                          " changed.";
+  } else if (!findings.missed.empty()) {
+    judgement->verdict = DamageVerdict::kCannotTell;
+    judgement->sentence = findings.missed;
+  } else if (!findings.unsure.empty() || !findings.unknown.empty()) {
+    judgement->verdict = DamageVerdict::kCannotTell;
+    judgement->sentence = "These data cannot tell.";
+  } else {
+    judgement->verdict = DamageVerdict::kNoDamage;
+    judgement->sentence =
+        "No loss of stiffness beyond " + threshold + " in any group.";
+  }
+}
+
+void AddDetails(const Findings& findings, Judgement* judgement) {
+  std::string& sentence = judgement->sentence;
+  if ((!findings.damaged.empty() || !findings.nonlinear.empty()) &&
+      !findings.other.empty()) {
+    sentence += " Also changed: " + Join(findings.other) + ".";
+  }
+  if (!findings.unsure.empty()) {
+    sentence += " Something has changed, perhaps " + Join(findings.unsure) +
+                ": another kind of change explains it nearly as well.";
+  }
+  if (!findings.formal.empty()) {
+    sentence +=
+        " Formally significant, but not beyond the threshold with certainty, "
+        "and one healthy record does not show how much records differ: " +
+        Join(findings.formal) + ".";
+  }
+  // A nonlinear force of another form than those tried for it leaves something
+  // for all others to explain; which of them do it best is of no interest. Nor
+  // is what else stands in for what was not looked for.
+  if (judgement->verdict != DamageVerdict::kNonlinear &&
+      findings.missed.empty()) {
+    if (!findings.ambiguous.empty()) {
+      sentence +=
+          " Nearly as good an explanation: " + Join(findings.ambiguous) + ".";
+    }
+    if (!findings.instead.empty()) {
+      sentence +=
+          " Hardly told apart by these data: " + Join(findings.instead) + ".";
+    }
+  }
+  if (!findings.unknown.empty()) {
+    sentence += " A loss beyond the threshold is not ruled out in " +
+                Join(findings.unknown) + ".";
+  }
+}
+
 }  // namespace
 
 bool MissedMotion::IsMore() const {
@@ -169,170 +372,18 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const MissedMotion& missed) {
   CHECK_EQ(subjects.size(), estimate.groups.size());
   Judgement judgement;
-  for (size_t j = 0; j < subjects.size(); ++j) {
-    const GroupChange& change = estimate.groups[j];
-    const double beyond =
-        ProbabilityBeyond(subjects[j], change, options.threshold);
-    Reason reason = Reason::kNone;
-    if (change.changed && beyond >= kConfidence) {
-      reason = Reason::kBeyondThreshold;
-    } else if (change.changed && estimate.has_between_records) {
-      reason = Reason::kBetweenRecords;
-    } else if (change.changed) {
-      reason = Reason::kFormal;
-    } else if (subjects[j].kind == ChangeKind::kStiffness &&
-               change.probability > 1.0 - kConfidence) {
-      reason = Reason::kUndetermined;
-    }
-    const bool stands =
-        !missed.IsMore() || (subjects[j].kind == ChangeKind::kNonlinear &&
-                             missed.LeavesForce(subjects[j].force_share));
-    if (HasChanged(reason) && !stands) reason = Reason::kUnexplained;
-    judgement.reasons.push_back(reason);
-  }
+  judgement.reasons = ReasonsOf(subjects, estimate, options, missed);
   const bool is_unexplained =
       missed.IsMore() && std::none_of(judgement.reasons.begin(),
                                       judgement.reasons.end(), HasChanged);
-  std::vector<std::string> ambiguous;
-  std::vector<std::string> instead;
-  for (const RivalChange& rival : estimate.rivals) {
-    const size_t found = static_cast<size_t>(rival.found);
-    const size_t other = static_cast<size_t>(rival.other);
-    if (!estimate.groups[found].changed) continue;
-    if (subjects[found].kind != subjects[other].kind) {
-      if (HasChanged(judgement.reasons[found])) {
-        judgement.reasons[found] = Reason::kAmbiguous;
-      }
-      ambiguous.push_back(Describe(subjects[other]) + " for " +
-                          Describe(subjects[found]));
-    } else {
-      instead.push_back(Describe(subjects[other]) + " for " +
-                        Describe(subjects[found]));
-    }
+  Findings findings;
+  AddRivals(subjects, estimate, &judgement.reasons, &findings);
+  AddChanges(subjects, estimate, options, judgement.reasons, &findings);
+  if (is_unexplained) {
+    findings.missed = DescribeMissed(missed, Join(findings.unexplained));
   }
-
-  std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
-      unsure, unexplained;
-  // Large ones first.
-  std::vector<size_t> order(subjects.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto size_of = [&](size_t j) {
-    return subjects[j].kind == ChangeKind::kNonlinear
-               ? subjects[j].force_share
-               : std::abs(estimate.groups[j].change);
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return size_of(a) > size_of(b); });
-  double largest_force = 0.0;
-  for (size_t j = 0; j < subjects.size(); ++j) {
-    if (subjects[j].kind == ChangeKind::kNonlinear &&
-        HasChanged(judgement.reasons[j])) {
-      largest_force = std::max(largest_force, subjects[j].force_share);
-    }
-  }
-  bool is_small = true;  // all losses
-  for (const size_t j : order) {
-    const GroupChange& change = estimate.groups[j];
-    const ChangeKind kind = subjects[j].kind;
-    const std::string text = Describe(subjects[j], change);
-    switch (judgement.reasons[j]) {
-      case Reason::kBeyondThreshold:
-      case Reason::kBetweenRecords:
-        if (kind == ChangeKind::kNonlinear) {
-          (subjects[j].force_share < kLeastForce                   ? other
-           : subjects[j].force_share < kMinorForce * largest_force ? minor
-                                                                   : nonlinear)
-              .push_back(text);
-        } else {
-          (kind == ChangeKind::kStiffness && change.change < 0.0 ? damaged
-                                                                 : other)
-              .push_back(text);
-          is_small = is_small && !(change.change < -options.threshold);
-        }
-        break;
-      case Reason::kFormal:
-        formal.push_back(text);
-        break;
-      case Reason::kUndetermined:
-        unknown.push_back(subjects[j].name);
-        break;
-      case Reason::kAmbiguous:
-        unsure.push_back(text);
-        break;
-      case Reason::kUnexplained:
-        unexplained.push_back(text);
-        break;
-      case Reason::kNone:
-        break;
-    }
-  }
-  const std::string lost =
-      Join(damaged) + " lost stiffness" +
-      (is_small ? ", less than the threshold of " + Percent(options.threshold) +
-                      " but more than healthy records differ."
-                : ".");
-  if (!nonlinear.empty()) {
-    judgement.verdict = DamageVerdict::kNonlinear;
-    judgement.sentence =
-        "The structure has become nonlinear: " + Join(nonlinear) + ".";
-    if (!minor.empty()) {
-      judgement.sentence +=
-          " Smaller, and perhaps only what the form of that "
-          "leaves over: " +
-          Join(minor) + ".";
-    }
-    if (!damaged.empty()) judgement.sentence += " Besides, " + lost;
-  } else if (!damaged.empty()) {
-    judgement.verdict = DamageVerdict::kDamage;
-    judgement.sentence = "Damage: " + lost;
-  } else if (!other.empty()) {
-    judgement.verdict = DamageVerdict::kOtherChange;
-    judgement.sentence = "No loss of stiffness, but " + Join(other) +
-                         (other.size() > 1 ? " have" : " has") + " changed.";
-  } else if (is_unexplained) {
-    judgement.verdict = DamageVerdict::kCannotTell;
-    judgement.sentence = DescribeMissed(missed, Join(unexplained));
-  } else if (!unsure.empty() || !unknown.empty()) {
-    judgement.verdict = DamageVerdict::kCannotTell;
-    judgement.sentence = "These data cannot tell.";
-  } else {
-    judgement.verdict = DamageVerdict::kNoDamage;
-    judgement.sentence = "No loss of stiffness beyond " +
-                         Percent(options.threshold) + " in any group.";
-  }
-  if ((!damaged.empty() || !nonlinear.empty()) && !other.empty()) {
-    judgement.sentence += " Also changed: " + Join(other) + ".";
-  }
-  if (!unsure.empty()) {
-    judgement.sentence += " Something has changed, perhaps " + Join(unsure) +
-                          ": another kind of change explains it nearly as "
-                          "well.";
-  }
-  if (!formal.empty()) {
-    judgement.sentence +=
-        " Formally significant, but not beyond the threshold with certainty, "
-        "and one healthy record does not show how much records differ: " +
-        Join(formal) + ".";
-  }
-  // A nonlinear force of another form than those tried for it leaves something
-  // for all others to explain; which of them do it best is of no interest.
-  // Nor what else stands in for what was not looked for.
-  if (judgement.verdict == DamageVerdict::kNonlinear || is_unexplained) {
-    ambiguous.clear();
-    instead.clear();
-  }
-  if (!ambiguous.empty()) {
-    judgement.sentence +=
-        " Nearly as good an explanation: " + Join(ambiguous) + ".";
-  }
-  if (!instead.empty()) {
-    judgement.sentence +=
-        " Hardly told apart by these data: " + Join(instead) + ".";
-  }
-  if (!unknown.empty()) {
-    judgement.sentence += " A loss beyond the threshold is not ruled out in " +
-                          Join(unknown) + ".";
-  }
+  Decide(findings, options, &judgement);
+  AddDetails(findings, &judgement);
   return judgement;
 }
 

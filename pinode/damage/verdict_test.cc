@@ -60,6 +60,9 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
   const Judgement several = Judge(groups, true);
   EXPECT_EQ(several.verdict, DamageVerdict::kDamage);
   EXPECT_EQ(several.reasons[0], Reason::kBetweenRecords);
+  EXPECT_EQ(several.sentence,
+            "Damage: k1 (-3 %) lost stiffness, less than the threshold of 5 % "
+            "but more than healthy records differ.");
 }
 
 TEST(JudgeChange, WhatCannotBeRuledOutIsSaid) {
