@@ -237,7 +237,7 @@ py::object ModesForCase(const ModesHandle& handle) {
   return entries.contains("mode") ? py::object(entries["mode"]) : py::list();
 }
 
-py::list Modes(const ModesHandle& handle) {
+py::list FoundModes(const ModesHandle& handle) {
   py::list modes;
   for (const MergedMode& mode : handle.found.result.merged.modes) {
     py::dict entry = ModeAsDict(mode.mode);
@@ -300,7 +300,7 @@ void BindModes(py::module_* module) {
            py::arg("mat") = false)
       .def("for_case", &ModesForCase)
       .def("spectra", &Spectra)
-      .def_property_readonly("modes", &Modes)
+      .def_property_readonly("modes", &FoundModes)
       .def_property_readonly("diagram", &Diagram)
       .def_property_readonly(
           "methods",

@@ -22,7 +22,7 @@ namespace pinode {
 namespace testing {
 namespace {
 
-constexpr char kCase[] = "data/bridge_ambient/bridge_ambient.toml";
+constexpr char kBridgeCase[] = "data/bridge_ambient/bridge_ambient.toml";
 // Below kBandHz; between there and 10 Hz there are fourteen more.
 constexpr double kBandHz = 3.0;
 constexpr size_t kModesInBand = 10;
@@ -82,7 +82,7 @@ int Nearest(const MergedModes& found, double frequency, const Vector& shape) {
 TEST(BridgeAmbient, ModesOfTwoSetupsWithinTheirIntervals) {
   ModesCase c;
   std::string error;
-  ASSERT_TRUE(ReadModesCase(FromRoot(kCase), &c, &error)) << error;
+  ASSERT_TRUE(ReadModesCase(FromRoot(kBridgeCase), &c, &error)) << error;
   std::vector<SetupModes> setups;
   for (const ResponseRecord& record : c.records) {
     ModesOfRecord modes;

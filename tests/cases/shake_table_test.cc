@@ -65,7 +65,7 @@ std::string RecordText(const Frame& frame, const char* name, const char* role,
 // points, with weak priors; without, a mode of which the record says little can
 // be damped away for good early in the fit. With elements, the walls' mass is
 // spread instead of lumped and the sensors need not share one clock.
-std::string CaseText(const Frame& frame, bool elements) {
+std::string FrameText(const Frame& frame, bool elements) {
   const char* points[] = {"ground", "u1", "u2", "u3"};
   std::ostringstream text;
   text << "[units]\nforce = \"N\"\nlength = \"m\"\ntime = \"s\"\n"
@@ -156,7 +156,7 @@ CaseRun RunText(const std::string& name, const std::string& text) {
 
 CaseRun RunFrame(const Frame& frame, bool elements) {
   return RunText(std::string(frame.name) + (elements ? "_elements" : "_linear"),
-                 CaseText(frame, elements));
+                 FrameText(frame, elements));
 }
 
 void ExpectNrmse(const CaseRun& run, const std::string& what,
