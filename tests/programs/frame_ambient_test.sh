@@ -87,10 +87,10 @@ echo "changed: $found"
   printf '[[mode]]\nname = "pump"\nfrequency = 1.9\nfrequency_sigma = 0.01\n'
   sed -n '/^\[\[mode\]\]/,/^\[\[mode\]\]/{/^shape/p}' 1/by_modes.toml | head -n 1
   echo 'shape_sigma = 0.05'
-} >pump.toml
-Run 0 pinode_check --case=pump.toml
+} >1/pump.toml
+Run 0 pinode_check --case=1/pump.toml
 grep -q "pump: 1.9 Hz, like no mode of the model" stdout || Fail "not said"
-Run 0 pinode_update --case=pump.toml --output_dir=P --progress=false
+Run 0 pinode_update --case=1/pump.toml --output_dir=P --progress=false
 grep -q "does not use 'pump'" stdout || Fail "not said"
 diff <(cut -d, -f1,4 M1/parameters.csv) <(cut -d, -f1,4 P/parameters.csv) ||
   Fail "not as without it"
