@@ -84,7 +84,7 @@ TEST(Threads, SegmentsOfOneProblem) {
 // A record that nothing but all threads together make quicker, with a law, and
 // derivatives that come along with the first trial of its start or do not.
 TEST(Threads, PiecesOfOneLongRecord) {
-  constexpr int kSamples = 3200;
+  constexpr int kSamples = 1600;
   auto dynamics = testing::MakeGroupedChain(3, 40.0, 0.5);
   std::string error;
   ASSERT_TRUE(dynamics->AddElement("hard", "cubic", 0, 1, {300.0}, &error))

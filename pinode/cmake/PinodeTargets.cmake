@@ -53,6 +53,16 @@ function(pinode_add_unit_test name folder label libraries)
   target_compile_definitions(${name} PRIVATE
     PINODE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   pinode_private_flags(${name})
+  if(PINODE_TEST_FLAGS)
+    target_compile_options(${name} PRIVATE ${PINODE_TEST_FLAGS})
+    # Of a template that both have, the linker takes what comes first: that of
+    # the floors, for which these flags are not meant.
+    get_property(floors GLOBAL PROPERTY PINODE_FLOORS)
+    target_link_libraries(${name} PRIVATE ${floors})
+    list(TRANSFORM floors REPLACE "(.+)" "$<TARGET_FILE:\\1>")
+    target_link_options(${name} PRIVATE
+      LINKER:--whole-archive ${floors} LINKER:--no-whole-archive)
+  endif()
   if(PINODE_UNITY_TESTS)
     pinode_unity_build(${name})
   endif()
