@@ -71,6 +71,14 @@ function(pinode_add_unit_test name folder label libraries)
   if(label STREQUAL "slow")
     set(cost 10)
   endif()
+  if(PINODE_TEST_PROGRAMS)
+    list(LENGTH ARGN num_sources)
+    add_test(NAME ${folder}
+      COMMAND ${name} --gtest_brief=1 --gtest_filter=-*Figures.*)
+    set_tests_properties(${folder} PROPERTIES
+      LABELS ${label} COST ${num_sources} TIMEOUT 1200)
+    return()
+  endif()
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES
     DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${label} COST ${cost})
 endfunction()
