@@ -152,6 +152,9 @@ def condense(
             raise Error(f"the {name} matrix has {len(matrix)} rows, expected {size} as the mass")
     names = equation_names(dofs, size)
     nodes = _equations(dofs)
+    for name, matrix in (("mass", mass), ("stiffness", stiffness), ("damping", damping)):
+        if matrix is not None:
+            _check_symmetric(name, matrix, names)
     link, kept = _constraints(
         nodes, _ties(equal), _rigid_rows(nodes, rigid, coordinates, translations), size
     )
@@ -427,6 +430,16 @@ def _constraints(
                 link[follower] += factor * link[leader]
             done.add(follower)
     return link[roots], kept
+
+
+def _check_symmetric(name: str, matrix: np.ndarray, names: Sequence[str]) -> None:
+    difference = np.abs(matrix - matrix.T)
+    if matrix.size and difference.max() > 1e-6 * np.abs(matrix).max():
+        row, column = np.unravel_index(np.argmax(difference), matrix.shape)
+        raise Error(
+            f"the {name} matrix is not symmetric: {matrix[row, column]:g} at {names[row]}, "
+            f"{names[column]} and {matrix[column, row]:g} the other way round"
+        )
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -198,6 +198,8 @@ def test_what_does_not_fit_together():
             ((two, np.ones(2)), "expected a square one"),
             ((two, two, [["a", 1], [1, 1]]), "no array of numbers"),
             ((0 * two, two), "mass matrix is zero"),
+            ((two, np.array([[4.0, -2.0], [0.0, 2.0]])),
+             r"stiffness matrix is not symmetric: -2 at 1\.1, 1\.2 and 0 the other way round"),
             ((np.diag([1.0, 0.0]), np.zeros((2, 2))), "not held by the stiffness")]:
         with pytest.raises(pinode.Error, match=message):
             opensees.condense(*arguments, dofs=dofs)
