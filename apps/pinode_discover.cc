@@ -38,6 +38,7 @@
 #include "pinode/case/result_folder.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/report/html_report.h"
+#include "pinode/report/report.h"
 #include "pinode/study/discovered_problem.h"
 #include "pinode/study/refit.h"
 
@@ -229,6 +230,8 @@ void Print(const Discovery& discovery) {
   }
   if (discovery.refitted) {
     std::printf("%s\n", discovery.summary.BriefReport().c_str());
+    const std::string missed = WhatIsMissed(discovery.summary);
+    if (!missed.empty()) std::printf("%s\n", missed.c_str());
   }
 }
 

@@ -100,6 +100,19 @@ TEST(Identify, FindsAStiffnessFromAccelerationsAlone) {
   EXPECT_LT(squares / trials, 2.4);
 }
 
+TEST(Identify, NamesAnOffsetThatNobodyLooksFor) {
+  ChainProblem chain(1, 40.0, 0.5, 500, 0.01, 1, StartTwentyPercentOff);
+  chain.Run();
+  EXPECT_THAT(chain.summary.remarks, ::testing::IsEmpty());
+  Vector& values = chain.problem.records[0].channels[0].values;
+  values.array() += 0.1 * std::sqrt(values.squaredNorm() / 500.0);
+  chain.Run();
+  ASSERT_EQ(chain.summary.remarks.size(), 1u);
+  EXPECT_THAT(chain.summary.remarks[0],
+              HasSubstr("what sensor 'a1' reads beyond the model is mostly a "
+                        "constant"));
+}
+
 TEST(Identify, SingleShootingAndJetsAgreeWithTheDefault) {
   Vector values[3];
   for (int i = 0; i < 3; ++i) {

@@ -48,7 +48,10 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
 // At the fit's best point: what is known of the parameters, and from which
 // starts the training records run.
 struct Certainty {
+  // Whether the covariance stands for intervals; and, where it does not,
+  // whether it is at least the curvature of a minimum.
   bool known = false;
+  bool is_curved = false;
   CovarianceEstimate covariance;
   std::vector<Matrix> starts;  // per training record
 };
@@ -123,6 +126,40 @@ void ScoreRecords(const IdentificationProblem& problem,
     summary->records.push_back(std::move(score));
     model->starts.push_back(start);
   }
+}
+
+// A sentence for each sensor of a training record whose residuals are mostly a
+// constant, and no offset is looked for.
+std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
+                                       const IdentificationSummary& summary) {
+  // Of the residuals' and of the record's RMS.
+  constexpr double kMostly = 0.7;
+  constexpr double kSome = 0.02;
+  std::vector<std::string> remarks;
+  for (size_t r = 0; r < summary.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    const RecordScore& score = summary.records[r];
+    if (record.role != IdentificationRecord::Role::kTrain || !score.finite ||
+        score.prediction.cols() != record.num_samples()) {
+      continue;
+    }
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[c];
+      if (!channel.fit || channel.offset >= 0) continue;
+      const Vector residuals =
+          channel.values -
+          score.prediction.row(static_cast<Eigen::Index>(c)).transpose();
+      const double mean = MeanOfPresent(
+          residuals.tail(residuals.size() - score.first_scored_sample));
+      const ChannelScore& of = score.channels[c];
+      if (std::abs(mean) < kMostly * of.rmse || of.nrmse < kSome) continue;
+      remarks.push_back("Record '" + score.name + "': what sensor '" + of.name +
+                        "' reads beyond the model is mostly a constant (" +
+                        FormatNumber(mean, 3) +
+                        "); its 'offset' may be left free.");
+    }
+  }
+  return remarks;
 }
 
 // Nobody asks the other ranks for what is channels x samples.
@@ -264,12 +301,14 @@ void ReportParameters(const IdentificationProblem& problem,
       summary->covariance_names.push_back(layout.parameter(i).name);
     }
   }
+  if (certainty.is_curved) {
+    summary->undetermined = DescribeNullSpace(
+        layout, WithUnseenGroups(problem, layout, layout.Free(parameters),
+                                 covariance.covariance, covariance.null_space));
+  }
   if (!certainty.known) return;
   summary->covariance_method = covariance.method;
   summary->covariance = covariance.covariance(named, named);
-  summary->undetermined = DescribeNullSpace(
-      layout, WithUnseenGroups(problem, layout, layout.Free(parameters),
-                               covariance.covariance, covariance.null_space));
 }
 
 }  // namespace
@@ -299,10 +338,14 @@ void ReportOutcome(const IdentificationProblem& problem,
   if (summary->termination == Termination::kNoConvergence) {
     certainty.known = false;
   }
+  certainty.is_curved = certainty.known;
   ScoreRecords(problem, options, layout.InitialValues(), certainty.starts,
                summary, model);
   summary->remarks = TimeScaleRemarks(problem);
   for (std::string& remark : SignRemarks(problem, model->parameters)) {
+    summary->remarks.push_back(std::move(remark));
+  }
+  for (std::string& remark : OffsetRemarks(problem, *summary)) {
     summary->remarks.push_back(std::move(remark));
   }
   if (!problem.modal.empty()) {

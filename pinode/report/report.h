@@ -61,6 +61,10 @@ ReportInput MakeReportInput(const IdentificationProblem& problem,
 //   "Usable. ..." or "Not usable: ...".
 std::string Verdict(const ReportInput& input);
 
+// What the model misses of the motion it was fitted to, a sentence or two;
+// empty where training records leave little but noise.
+std::string WhatIsMissed(const IdentificationSummary& summary);
+
 // Name of the DOF at which channel `channel` measures, or the combination of
 // them, "u2 - u1".
 std::string ChannelPlace(const ReportInput& input, int record, int channel);

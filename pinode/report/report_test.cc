@@ -32,6 +32,22 @@ TEST(Verdict, PutsTheHoldoutScoreFirst) {
   EXPECT_THAT(Verdict(example->input), HasSubstr("'south_quake' poorly, with"));
 }
 
+// A twentieth of the motion, where it is most of what is left over.
+TEST(Verdict, SaysWhatIsMissedBesideLittleNoise) {
+  const auto example = testing::MakeReportExample();
+  RecordScore& train = example->summary.records[0];
+  ASSERT_EQ(train.role, IdentificationRecord::Role::kTrain);
+  train.nrmse = 0.056;
+  for (ChannelScore& channel : train.channels) {
+    channel.nrmse = 0.056;
+    channel.noise_share = 0.13;
+  }
+  EXPECT_THAT(Verdict(example->input),
+              HasSubstr("it misses 5.22 % that is no noise"));
+  for (ChannelScore& channel : train.channels) channel.noise_share = 0.6;
+  EXPECT_THAT(Verdict(example->input), Not(HasSubstr("no noise")));
+}
+
 TEST(Verdict, SaysThatNothingWasHeldOut) {
   const auto example = testing::MakeReportExample();
   example->summary.records.pop_back();
