@@ -90,6 +90,14 @@ TEST_P(ModalForms, FindTheChainThatTheModesBelongTo) {
   }
   EXPECT_LT(fit.summary.final_modal_cost, 1e-16);
   EXPECT_GT(fit.summary.initial_modal_cost, 1e-3);
+  // MACs have no sign.
+  if (GetParam() == ModalForm::kMac) {
+    EXPECT_EQ(fit.summary.covariance.size(), 0);
+    ASSERT_EQ(fit.summary.remarks.size(), 1u);
+    EXPECT_THAT(fit.summary.remarks[0], HasSubstr("no intervals"));
+  } else {
+    EXPECT_GT(fit.summary.covariance.size(), 0);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ModalForms,
@@ -195,6 +203,33 @@ TEST(ModalIdentify, LeavesOutWhatTheModelHasNoModeFor) {
   }
   ASSERT_EQ(fit.summary.remarks.size(), 1u);
   EXPECT_THAT(fit.summary.remarks[0], HasSubstr("does not use 'wind'"));
+}
+
+// As many frequencies as storeys fit several structures.
+TEST(ModalIdentify, NamesAnotherStructureOfTheSameFrequencies) {
+  const auto dynamics = testing::MakeGroupedChain(4, 40.0, 0.1);
+  Vector truth(4);
+  truth << -0.29, -0.19, -0.09, 0.48;
+  ModalFit fit;
+  fit.problem.dynamics = dynamics;
+  fit.problem.modal.modes = Measure(*dynamics, truth, 4, {});
+  for (MeasuredMode& mode : fit.problem.modal.modes) {
+    mode.frequency_sigma = 0.002 * mode.frequency;
+  }
+  IdentificationOptions options;
+  options.num_starts = 20;
+  fit.Run(options);
+  EXPECT_LT(fit.summary.final_modal_cost, 1e-9);
+  EXPECT_FALSE(fit.summary.usable);
+  EXPECT_THAT(fit.summary.message, HasSubstr("another solution describes"));
+  // Shapes tell which it is.
+  fit.problem.modal.modes = Measure(*dynamics, truth, 4, {0, 1, 2, 3});
+  for (MeasuredMode& mode : fit.problem.modal.modes) {
+    mode.frequency_sigma = 0.002 * mode.frequency;
+    mode.shape_sigma = 0.01;
+  }
+  fit.Run(options);
+  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
 }
 
 // Deviations of a fifth of what the modes are off by: what is left over says

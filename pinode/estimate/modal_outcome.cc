@@ -1,5 +1,6 @@
 #include "pinode/estimate/modal_outcome.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -99,6 +100,19 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
   const double cost = summary->final_modal_cost;
   const double left =
       ResidualsLeft(*modes, summary->effective_parameters, *covariance);
+  const std::vector<MeasuredMode>& measured = modes->data().modes;
+  if (modes->data().form == ModalForm::kMac &&
+      std::any_of(measured.begin(), measured.end(),
+                  [](const MeasuredMode& mode) { return mode.HasShape(); })) {
+    // What a MAC lacks of one is the square of a shape's error, and of no sign:
+    // intervals from the curvature of a sum of such squared held the truth in 0
+    // of 48.
+    *known = false;
+    summary->remarks.push_back(
+        "Modes held against each other by their MAC give no intervals; form = "
+        "'eigenvector_difference' with standard deviations does.");
+    return;
+  }
   if (!modes->data().HasSigmas()) {
     *known = left >= 0.5 && ScaleToResiduals(free, left, modes, covariance);
     return;

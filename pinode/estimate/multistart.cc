@@ -241,24 +241,35 @@ class Starts {
   const std::vector<int> groups_;
 };
 
-// Another minimum whose error is no more than a tenth larger. That can be much
-// by chance, but not by what a model lacks: of four storeys seen by their roof
-// alone, with damping of another form, wrong solutions were better by 3 %.
+// Whether `other` describes what was measured nearly as well as `best`.
+bool IsAsGood(const IdentificationProblem& problem, const StartResult& best,
+              const StartResult& other) {
+  // A tenth can be much by chance, but not by what a model lacks: of four
+  // storeys seen by their roof alone, with damping of another form, wrong
+  // solutions were better by 3 %.
+  constexpr double kNearlyAsGood = 1.1;
+  // Half a chi^2 of 6 more, of modes with standard deviations.
+  constexpr double kSameCost = 3.0;
+  return problem.num_train_records() > 0
+             ? other.expected_error <= kNearlyAsGood * best.expected_error
+             : other.cost <= best.cost + kSameCost;
+}
+
+// What another minimum that is nearly as good differs in.
 std::string OtherSolution(const IdentificationProblem& problem,
                           const Starts& starts,
                           const std::vector<StartResult>& results, Fit* fit) {
-  constexpr double kNearlyAsGood = 1.1;
-  if (problem.num_train_records() == 0 || results.size() < 2 ||
+  const bool by_modes = problem.num_train_records() == 0 &&
+                        problem.ambient.empty() &&
+                        problem.modal.HasSigmasOfAll();
+  if ((problem.num_train_records() == 0 && !by_modes) || results.size() < 2 ||
       starts.groups().empty()) {
     return "";
   }
   const StartResult best = StartResult::Of(*fit, starts.groups());
   const Vector deviations = starts.DeviationsAt(fit);
   for (const StartResult& result : results) {
-    if (!result.done ||
-        result.expected_error > kNearlyAsGood * best.expected_error) {
-      continue;
-    }
+    if (!result.done || !IsAsGood(problem, best, result)) continue;
     const std::string difference =
         starts.Difference(best.stiffness, result.stiffness, deviations);
     if (!difference.empty()) return difference;

@@ -28,6 +28,8 @@ constexpr double kNoMotion = 0.98;
 // the training records', it belongs to another structure or the model is wrong.
 constexpr double kMostHoldoutError = 0.5;
 constexpr double kMostHoldoutGrowth = 3.0;
+// Or if it misses this much of the motion that is no noise.
+constexpr double kMostLeftOfHoldout = 0.7;
 
 // A group is told where loads leave so much of what ambient records say of it,
 // and its interval is no wider to either side than one or its value. Where less
@@ -45,6 +47,13 @@ constexpr double kLeastModeMac = 0.5;
 // many times what the model before left, shapes have driven it there.
 constexpr double kFrequencyMet = 0.02;
 constexpr double kMostFrequencyGrowth = 2.0;
+// And more than this is met by no updated model, whatever the one before left:
+// sensors in another order ended at 0.16 and 0.20, one upside down at 0.12.
+constexpr double kMostFrequencyError = 0.1;
+// By how much all measured frequencies may be higher or lower than those of the
+// model before. A model is not nine times too soft; radians per second in place
+// of cycles are 6.3, and other units of mass or length the root of theirs.
+constexpr double kMostFrequencyScale = 3.0;
 
 // Empty: every record is predicted well enough.
 std::string WhyNotPredicted(const IdentificationSummary& summary) {
@@ -90,7 +99,7 @@ std::string WhyModesAreLost(const IdentificationSummary& summary) {
                     [](const ModeScore& mode) { return mode.InUse(); });
   const auto measured = static_cast<std::ptrdiff_t>(summary.modes.size());
   // Where more were measured than the model has, all that it has are enough.
-  if (2 * used < measured && used < summary.num_model_modes) {
+  if (2 * used <= measured && used < summary.num_model_modes) {
     return "of " + std::to_string(measured) + " measured modes only " +
            std::to_string(used) +
            " are like any of the model before: wrong units, places or signs of "
@@ -121,7 +130,30 @@ std::string WhyModesAreLost(const IdentificationSummary& summary) {
   return "";
 }
 
-// Empty: frequencies are not met much worse than by the model before.
+// Empty: the model before had frequencies of about the size of the measured
+// ones.
+std::string WhyFrequenciesAreOfAnotherUnit(
+    const IdentificationSummary& summary) {
+  std::vector<double> ratios;
+  for (const ModeScore& mode : summary.modes) {
+    if (mode.InUse() && mode.initial.frequency > 0.0) {
+      ratios.push_back(mode.frequency / mode.initial.frequency);
+    }
+  }
+  if (ratios.empty()) return "";
+  std::nth_element(
+      ratios.begin(),
+      ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+      ratios.end());
+  const double ratio = ratios[ratios.size() / 2];
+  if (std::abs(std::log(ratio)) <= std::log(kMostFrequencyScale)) return "";
+  return "the measured frequencies are " + FormatNumber(ratio, 2) +
+         " times those of the model before: radians per second in place of "
+         "cycles, a model whose masses and stiffnesses are in other units than "
+         "its time, or another structure";
+}
+
+// Empty: frequencies are met, and not much worse than by the model before.
 std::string WhyFrequenciesAreWorse(const IdentificationSummary& summary) {
   double before = 0.0;
   double after = 0.0;
@@ -132,6 +164,12 @@ std::string WhyFrequenciesAreWorse(const IdentificationSummary& summary) {
     };
     before = std::max(before, error(mode.initial));
     after = std::max(after, error(mode.updated));
+  }
+  if (after > kMostFrequencyError) {
+    return "measured frequencies are met within no less than " +
+           FormatNumber(100.0 * after, 2) +
+           " %: sensors in another order, a sensor's sign, place or direction, "
+           "or groups that cannot make the model like the structure";
   }
   if (after <= std::max(kFrequencyMet, kMostFrequencyGrowth * before)) {
     return "";
@@ -253,14 +291,15 @@ std::string WhyNotLearned(const IdentificationSummary& summary) {
 }
 
 // Empty: hold-out records are predicted about as well as training records, or
-// at least not by half wrong.
+// at least not by half wrong, and not wrong as a whole.
 std::string WhyNotCarriedOver(const IdentificationSummary& summary) {
   if (!HasTrainRecord(summary)) return "";
   const double training = TrainingError(summary);
   for (const RecordScore& score : summary.records) {
     if (score.role != IdentificationRecord::Role::kHoldout ||
-        score.nrmse <=
-            std::max(kMostHoldoutError, kMostHoldoutGrowth * training)) {
+        (score.nrmse <=
+             std::max(kMostHoldoutError, kMostHoldoutGrowth * training) &&
+         StructuredError(score) <= kMostLeftOfHoldout)) {
       continue;
     }
     std::ostringstream reason;
@@ -285,7 +324,8 @@ std::string WhyNotUsable(const GapTuning& tuning,
   }
   for (const std::string& objection :
        {WhyNotLearned(summary), WhyNotCarriedOver(summary),
-        WhyModesAreLost(summary), WhyFrequenciesAreWorse(summary)}) {
+        WhyFrequenciesAreOfAnotherUnit(summary), WhyModesAreLost(summary),
+        WhyFrequenciesAreWorse(summary)}) {
     if (!objection.empty()) return objection;
   }
   std::string explained = WhyLoadsExplainAll(summary);
@@ -319,7 +359,7 @@ std::string WhyNotUsable(const GapTuning& tuning,
     reason << "gaps between segments stayed open (" << summary.largest_gap
            << " of the state's RMS)";
   } else if (!summary.other_solution.empty()) {
-    reason << "another solution describes the records nearly as well: "
+    reason << "another solution describes what was measured nearly as well: "
            << summary.other_solution
            << "; more sensors, bounds or priors have to tell which it is";
   } else if (summary.stalled) {

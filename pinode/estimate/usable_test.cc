@@ -93,12 +93,18 @@ TEST(Usable, SaysWhatIsMissing) {
   EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
 }
 
-// As where a sensor is upside down: shapes drive frequencies away.
-TEST(Usable, FrequenciesAreNotDrivenAway) {
+// Of a fit to modes alone, which are to be added.
+IdentificationSummary SummaryOfModes() {
   IdentificationSummary summary = GoodSummary();
   summary.records.clear();
   summary.initial_modal_cost = 2.0;
   summary.final_modal_cost = 1.0;
+  return summary;
+}
+
+// As where a sensor is upside down: shapes drive frequencies away.
+TEST(Usable, FrequenciesAreNotDrivenAway) {
+  IdentificationSummary summary = SummaryOfModes();
   ModeScore mode;
   mode.name = "sway";
   mode.frequency = 1.0;
@@ -115,13 +121,34 @@ TEST(Usable, FrequenciesAreNotDrivenAway) {
   summary.modes[0].updated.frequency = 1.08;
   JudgeUsable(GapTuning(), &summary);
   EXPECT_TRUE(summary.usable) << "it was not met before";
+  summary.modes[0].initial.frequency = 0.8;
+  summary.modes[0].updated.frequency = 1.11;
+  EXPECT_THAT(Judged(summary), HasSubstr("within no less than 11 %"));
+}
+
+// However well they are met.
+TEST(Usable, FrequenciesAreNotInRadiansPerSecond) {
+  IdentificationSummary summary = SummaryOfModes();
+  ModeScore mode;
+  mode.name = "sway";
+  mode.frequency = 6.0;
+  mode.updated = {0, 6.0, 1.0};
+  summary.modes = {mode, mode, mode};
+  const std::vector<double> before = {1.0, 0.9, 6.0};
+  for (size_t j = 0; j < before.size(); ++j) {
+    summary.modes[j].initial = {0, before[j], 1.0};
+  }
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("are 6 times those of the model before"));
+  summary.modes[0].initial.frequency = 2.1;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable) << "two of three are not far off";
+  for (ModeScore& each : summary.modes) each.initial.frequency = 40.0;
+  EXPECT_THAT(Judged(summary), HasSubstr("are 0.15 times"));
 }
 
 TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
-  IdentificationSummary summary = GoodSummary();
-  summary.records.clear();
-  summary.initial_modal_cost = 2.0;
-  summary.final_modal_cost = 1.0;
+  IdentificationSummary summary = SummaryOfModes();
   ModeScore mode;
   mode.name = "sway";
   mode.frequency = 2.0;
@@ -144,13 +171,13 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   summary.num_model_modes = 3;
   EXPECT_THAT(Judged(summary),
               HasSubstr("of 5 measured modes only 2 are like any"));
-  summary.modes = {mode};
-  summary.modes.push_back(mode);
+  summary.modes = {mode, mode};
   summary.modes[1].updated = {1, 2.0, 1.0};
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "half of them are enough";
+  EXPECT_THAT(Judged(summary),
+              HasSubstr("of 2 measured modes only 1 are like any"));
+  summary.modes[0].updated = {0, 2.0, 1.0};
   ModeMatch& match = summary.modes[0].updated;
-  match = {0, 2.6, 0.6};
+  match = {0, 2.18, 0.6};
   JudgeUsable(GapTuning(), &summary);
   EXPECT_TRUE(summary.usable) << summary.message;
   match.mac = kNaN;
@@ -207,6 +234,16 @@ TEST(Usable, HoldoutsMayBeAsBadAsTrainingRecords) {
   summary.records[0].nrmse = 0.2;
   summary.records[1].nrmse = 0.55;
   summary.records[1].prior_nrmse = 0.9;
+  JudgeUsable(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable);
+  // But for nearly all of it, unless it is noise.
+  summary.records[0].nrmse = 0.35;
+  ChannelScore channel;
+  channel.nrmse = summary.records[1].nrmse = 0.85;
+  channel.noise_share = 0.1;
+  summary.records[1].channels = {channel};
+  EXPECT_THAT(Judged(summary), HasSubstr("does not carry over"));
+  summary.records[1].channels[0].noise_share = 0.9;
   JudgeUsable(GapTuning(), &summary);
   EXPECT_TRUE(summary.usable);
 }

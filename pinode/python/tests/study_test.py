@@ -217,7 +217,7 @@ def test_a_roof_sensor_alone_does_not_tell_storeys_apart():
     for seed, factors in ((1, (1.2, 0.9, 1.2, 0.85)), (2, (0.8, 1.2, 0.85, 1.1))):
         roof = identify(seed, factors, [4])
         assert not roof.usable
-        assert "another solution describes the records nearly as well: k1" in roof.message
+        assert "another solution describes what was measured nearly as well: k1" in roof.message
         several = identify(seed, factors, [1, 2, 4])
         assert several.usable
         found = [(1.0 + several[f"k{i + 1}"]) * f for i, f in enumerate(factors)]
