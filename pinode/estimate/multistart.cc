@@ -270,7 +270,7 @@ std::string OtherSolution(const IdentificationProblem& problem,
   const Vector deviations = starts.DeviationsAt(fit);
   for (const StartResult& result : results) {
     if (!result.done || !IsAsGood(problem, best, result)) continue;
-    const std::string difference =
+    std::string difference =
         starts.Difference(best.stiffness, result.stiffness, deviations);
     if (!difference.empty()) return difference;
   }

@@ -276,7 +276,7 @@ std::string ChannelUnit(const ReportInput& input, int record, int channel) {
       RecordAt(input, record).channels.at(static_cast<size_t>(channel));
   // A combination may carry a length, which its quantity does not say.
   const UnitSystem& units = input.problem->description.units;
-  const std::string unit = input.problem->UnitOf(measured);
+  std::string unit = input.problem->UnitOf(measured);
   if (measured.description.factor == 1.0) return unit;
   double unused = 0.0;
   std::string error;
