@@ -136,8 +136,8 @@ struct IdentificationSummary {
   // thousandth).
   int num_starts = 1;
   int num_starts_at_best = 1;
-  // Of another start whose stiffness groups are others and which describes the
-  // records nearly as well: "k1 -0.09 (0.17 here)"; empty: none.
+  // Of another start whose stiffness groups are others and which describes what
+  // was measured nearly as well: "k1 -0.09 (0.17 here)"; empty: none.
   std::string other_solution;
   // Unknown forces in the dynamics' order, then networks that depend on time
   // alone and act as forces, an entry per output.
