@@ -37,6 +37,13 @@ struct LinearRecord::Tables {
   }
   // Whether rows of the Jacobian are cheaper than the histories' Gram matrix.
   bool by_rows = false;
+  // That a sample's sums take.
+  double operations = 0.0;
+  // For so many combinations of a sample's histories for each channel.
+  double OperationsOf(Eigen::Index combinations) const {
+    return 2.0 * static_cast<double>(combinations) *
+           static_cast<double>(predictions.size());
+  }
 };
 
 LinearRecord::LinearRecord(const IdentificationProblem& problem,
@@ -147,9 +154,15 @@ bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
   }
   const auto rows = static_cast<double>(tables->predictions.rows());
   const auto columns = static_cast<double>(tables->columns);
-  tables->by_rows =
-      static_cast<double>(fitted) * columns * (2.0 * rows + columns) <
+  const double by_rows =
+      static_cast<double>(fitted) * columns * (2.0 * rows + columns);
+  const double by_histories =
       static_cast<double>(patterns_.size()) * rows * rows;
+  tables->by_rows = by_rows < by_histories;
+  tables->operations =
+      tables->columns == 0
+          ? tables->OperationsOf(1)
+          : tables->OperationsOf(2) + std::min(by_rows, by_histories);
   return true;
 }
 
@@ -273,10 +286,11 @@ RecordSums LinearRecord::SumPieces(const Tables& tables, int num_threads,
 
   const Eigen::Index samples = record_.num_samples();
   const int ranks = communicator.size();
-  const HistoryPass pass(response_, tables.contents, grid_, 0, samples);
+  const HistoryPass pass(response_, tables.contents, grid_, 0, samples,
+                         tables.operations);
   const int pieces = pass.num_pieces();
-  const int begin = FairBound(0, pieces, communicator.rank(), ranks);
-  const int end = FairBound(0, pieces, communicator.rank() + 1, ranks);
+  const int begin = pass.Bound(0, pieces, communicator.rank(), ranks);
+  const int end = pass.Bound(0, pieces, communicator.rank() + 1, ranks);
   const int shares = HistoryPass::NumShares(begin, end, num_threads);
   std::vector<PieceSums> sums(static_cast<size_t>(shares), PieceSums(zero));
   pass.Visit(begin, end, shares,
@@ -392,7 +406,8 @@ bool LinearRecord::Visit(const Point& point, int num_threads,
   const auto nc = static_cast<Eigen::Index>(record_.channels.size());
   std::atomic<bool> finite = true;
   const HistoryPass pass(response_, tables.contents, grid_, 0,
-                         record_.num_samples());
+                         record_.num_samples(),
+                         tables.OperationsOf(tables.columns + 1));
   pass.Visit(
       num_threads, [&](int, Eigen::Index first, const Matrix& histories) {
         const Matrix residuals = Residuals(tables, first, histories);
@@ -430,7 +445,7 @@ bool LinearRecord::Residuals(const Point& point, const Vector& step,
   }
   residuals->resize(tables.predictions.cols(), record_.num_samples());
   const HistoryPass pass(response_, tables.contents, grid_, 0,
-                         record_.num_samples());
+                         record_.num_samples(), tables.OperationsOf(1));
   pass.Visit(num_threads,
              [&](int, Eigen::Index first, const Matrix& histories) {
                residuals->middleCols(first, histories.cols()) =
@@ -468,7 +483,8 @@ bool LinearRecord::AddScores(const Point& point, const Matrix& projection,
         Vector(projection.transpose() * score));
     share->count += 1.0;
   };
-  const HistoryPass pass(response_, tables.contents, grid_, 0, samples);
+  const HistoryPass pass(response_, tables.contents, grid_, 0, samples,
+                         tables.OperationsOf(2));
   const int num_shares =
       HistoryPass::NumShares(0, pass.num_pieces(), num_threads);
   std::vector<ScoreShare> shares(static_cast<size_t>(num_shares), zero);

@@ -113,7 +113,11 @@ bool RunByModes(const StructuralDynamics& dynamics,
   const Matrix states = response.States(contents, start);
   const Matrix values = response.Values(contents, observation, start);
   const Eigen::Index samples = trajectory->num_samples();
-  const HistoryPass pass(response, contents, grid, first, samples);
+  const Eigen::Index columns =
+      values.cols() + (keep == Keep::kAll ? states.cols() : 0);
+  const HistoryPass pass(
+      response, contents, grid, first, samples,
+      2.0 * static_cast<double>(values.rows()) * static_cast<double>(columns));
   const Eigen::Index stride =
       std::max<Eigen::Index>(1, samples / kSamplesForMeans);
   Matrix squares =

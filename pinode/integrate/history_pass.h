@@ -13,23 +13,29 @@ namespace pinode {
 
 // Where share `index` of `count` begins in pieces begin ... end, so that all
 // are done at the same time although each first passes what lies before its
-// own, which takes a twelfth of the work.
-int FairBound(int begin, int end, int index, int count);
+// own, at `skip_share` of the price of a piece that is its own; above 0, below
+// 1.
+int FairBound(int begin, int end, int index, int count, double skip_share);
 
 // The samples of a run in pieces that are never parted.
 class HistoryPass {
  public:
   // Samples first ... first + count - 1 of `grid`; the run is at rest, or at a
-  // start of 1, at the first one. All must outlive the object.
+  // start of 1, at the first one. `operations`: of matrix products that a
+  // visitor takes for a sample, by which shares are measured. All must outlive
+  // the object.
   HistoryPass(const ModalResponse& response,
               const ModalResponse::Contents& contents,
               const IntegrationGrid& grid, Eigen::Index first,
-              Eigen::Index count);
+              Eigen::Index count, double operations);
 
   static int NumPieces(Eigen::Index samples);
   // Of a sample, counted from that of the run.
   static int PieceOf(Eigen::Index sample);
   int num_pieces() const { return NumPieces(count_); }
+  int Bound(int begin, int end, int index, int count) const {
+    return FairBound(begin, end, index, count, skip_share_);
+  }
 
   // R x a few consecutive samples, which begin `first` samples behind that of
   // the run, as ModalResponse::Advance has them. Of a share in their order.
@@ -50,6 +56,7 @@ class HistoryPass {
   const IntegrationGrid& grid_;
   const Eigen::Index first_;
   const Eigen::Index count_;
+  double skip_share_;
 };
 
 }  // namespace pinode

@@ -45,7 +45,7 @@ TEST(LongRecord, IsPassedInPieces) {
   EXPECT_EQ(pieces, 2441407);  // of 2048 samples
   EXPECT_EQ(HistoryPass::PieceOf(kLongSamples - 1), pieces - 1);
   EXPECT_EQ(HistoryPass::PieceOf(2048 * Eigen::Index{2000000}), 2000000);
-  EXPECT_LT(FairBound(0, pieces, 1, 2), pieces);
+  EXPECT_LT(FairBound(0, pieces, 1, 2, 0.1), pieces);
 }
 
 class LongRecordRun : public ::testing::Test {
