@@ -64,10 +64,32 @@ double RmsOfPresent(const Vector& values) {
 }
 
 double StandardDeviationOfPresent(const Vector& values) {
-  const double mean = MeanOfPresent(values);
-  return std::sqrt(MeanOf(values, [mean](double value) {
-    return (value - mean) * (value - mean);
-  }));
+  return StatisticsOfPresent(values).StandardDeviation();
+}
+
+SeriesStatistics StatisticsOfPresent(const Vector& values) {
+  SeriesStatistics statistics;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    sum += value;
+    squares += value * value;
+    ++statistics.count;
+  }
+  const auto count = static_cast<double>(statistics.count);
+  statistics.mean = sum / count;  // NaN where there are none
+  statistics.rms = std::sqrt(squares / count);
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    const double deviation = value - statistics.mean;
+    statistics.variation += deviation * deviation;
+  }
+  return statistics;
+}
+
+double SeriesStatistics::StandardDeviation() const {
+  return std::sqrt(variation / static_cast<double>(count));
 }
 
 double LjungBoxExcess(const Vector& residuals, int num_lags) {

@@ -18,6 +18,17 @@ double MeanOfPresent(const Eigen::Ref<const Vector>& values);
 double RmsOfPresent(const Vector& values);
 double StandardDeviationOfPresent(const Vector& values);
 
+// All of these in one, for those who ask again and again.
+struct SeriesStatistics {
+  Eigen::Index count = 0;
+  double mean = 0.0;
+  double rms = 0.0;
+  double variation = 0.0;  // sum of (x - mean)^2; 0 without samples
+
+  double StandardDeviation() const;
+};
+SeriesStatistics StatisticsOfPresent(const Vector& values);
+
 // The middle one of `values` (not empty, not NaN) in ascending order; of an
 // even number the upper of two.
 double Median(std::vector<double> values);

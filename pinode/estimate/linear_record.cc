@@ -323,9 +323,17 @@ bool LinearRecord::Evaluate(const Point& point, int num_threads,
   for (const ByChannel& known : known_) {
     if (HasBeenAt(point, known)) found = &known;
   }
+  Point at = point;
+  if (point.columns != SegmentColumns::kNone) {
+    last_columns_ = point.columns;
+    trial_is_open_ = false;
+  } else if (found == nullptr) {
+    if (!trial_is_open_ && KeepsApart()) at.columns = last_columns_;
+    trial_is_open_ = true;
+  }
   if (found == nullptr) {
-    ByChannel& known = known_[point.columns == SegmentColumns::kNone ? 0 : 1];
-    if (!Sum(point, num_threads, communicator, &known)) {
+    ByChannel& known = known_[at.columns == SegmentColumns::kNone ? 0 : 1];
+    if (!Sum(at, num_threads, communicator, &known)) {
       known = ByChannel();
       return false;
     }
@@ -352,14 +360,16 @@ bool LinearRecord::Evaluate(const Point& point, int num_threads,
   return std::isfinite(equations->cost) && equations->end_state.allFinite();
 }
 
+bool LinearRecord::KeepsApart() const {
+  const double most = problem_.dynamics->num_states() + layout_.num_free();
+  return static_cast<double>(record_.channels.size()) * most * most <
+         kMostNumbers;
+}
+
 bool LinearRecord::Sum(const Point& point, int num_threads,
                        Communicator* communicator, ByChannel* equations) {
   const auto channels = static_cast<Eigen::Index>(record_.channels.size());
-  const Eigen::Index most =
-      problem_.dynamics->num_states() + layout_.num_free();
-  const double numbers = static_cast<double>(channels) *
-                         static_cast<double>(most) * static_cast<double>(most);
-  const bool apart = numbers < kMostNumbers;
+  const bool apart = KeepsApart();
   Tables tables;
   tables.apart = apart;
   if (!Tabulate(point, apart ? Vector(Vector::Ones(channels)) : *point.sigmas,

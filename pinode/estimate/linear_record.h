@@ -130,6 +130,8 @@ class LinearRecord {
                 const Matrix& histories, RecordSums* sums) const;
   void Condense(const Tables& tables, const RecordSums& sums, int num_threads,
                 ByChannel* equations) const;
+  // Whether the equations of channels are few enough to be kept apart.
+  bool KeepsApart() const;
   // Whether the equations of all channels are of this point, whatever the
   // noise.
   bool HasBeenAt(const Point& point, const ByChannel& known) const;
@@ -152,6 +154,11 @@ class LinearRecord {
   // Of the last cost alone, and of the last with derivatives: new noise levels
   // need no new sums.
   std::array<ByChannel, 2> known_;
+  // A point whose cost is asked for is mostly accepted and linearised next. So
+  // derivatives go along, and the histories are passed once: unless the point
+  // before was not linearised.
+  SegmentColumns last_columns_ = SegmentColumns::kNone;
+  bool trial_is_open_ = false;
 };
 
 }  // namespace pinode

@@ -110,6 +110,10 @@ class MultipleShooting final : public CostPart {
   void SetStateScales(const std::vector<Vector>& scales);
   // sigma, one per channel and record.
   void SetSigmas(const std::vector<Vector>& sigmas);
+  // What the channels' values of a training record are like.
+  const std::vector<SeriesStatistics>& measured(size_t train_record) const {
+    return records_[train_record]->measured();
+  }
   const Vector& sigmas(size_t train_record) const {
     return records_[train_record]->sigmas();
   }

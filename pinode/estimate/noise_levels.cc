@@ -104,13 +104,16 @@ std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
   return all;
 }
 
-double NoiseLevels::Smallest(const MeasuredChannel& channel) const {
+const SeriesStatistics& NoiseLevels::Measured(size_t t, int c) const {
+  return context_.objective.shooting().measured(t)[static_cast<size_t>(c)];
+}
+
+double NoiseLevels::Smallest(const SeriesStatistics& measured) const {
   const NoiseTuning& tuning = context_.tuning().noise;
-  const double floor =
-      tuning.smallest * std::max(RmsOfPresent(channel.values), kNoSpread);
+  const double floor = tuning.smallest * std::max(measured.rms, kNoSpread);
   return context_.HasNetworks()
-             ? std::max(floor, tuning.smallest_misfit *
-                                   StandardDeviationOfPresent(channel.values))
+             ? std::max(floor,
+                        tuning.smallest_misfit * measured.StandardDeviation())
              : floor;
 }
 
@@ -124,11 +127,11 @@ std::vector<Vector> NoiseLevels::First(const IdentifiedModel* initial) const {
     Vector sigma(static_cast<int>(record.channels.size()));
     for (int c = 0; c < sigma.size(); ++c) {
       const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-      sigma[c] =
-          channel.sigma > 0.0
-              ? channel.sigma
-              : std::max(share * StandardDeviationOfPresent(channel.values),
-                         Smallest(channel));
+      const SeriesStatistics& measured = Measured(t, c);
+      sigma[c] = channel.sigma > 0.0
+                     ? channel.sigma
+                     : std::max(share * measured.StandardDeviation(),
+                                Smallest(measured));
     }
     const size_t r = static_cast<size_t>(context_.train_records()[t]);
     if (initial != nullptr && r < initial->sigmas.size() &&
@@ -153,9 +156,9 @@ double NoiseLevels::ShareLeft(const Evidence& evidence) const {
   }
   for (size_t t = 0; t < context_.train_records().size(); ++t) {
     const IdentificationRecord& record = context_.train_record(t);
-    for (const MeasuredChannel& channel : record.channels) {
-      if (channel.fit)
-        samples += static_cast<double>(CountPresent(channel.values));
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      if (!record.channels[c].fit) continue;
+      samples += static_cast<double>(Measured(t, static_cast<int>(c)).count);
     }
     // Closed gaps leave the first start alone.
     if (record.start == IdentificationRecord::Start::kFree) {
@@ -180,7 +183,7 @@ double NoiseLevels::ChannelShareLeft(size_t t, int c,
   const double left =
       std::max(tuning.least_channel_left,
                1.0 - leverage / static_cast<double>(std::max<Eigen::Index>(
-                                    1, CountPresent(channel.values))));
+                                    1, Measured(t, c).count)));
   IdentificationSummary& summary = context_.summary;
   if (left < tuning.followed && summary.followed_channel.empty()) {
     summary.followed_channel = channel.observation.name;
@@ -214,14 +217,14 @@ NoiseLevels::Change NoiseLevels::Update(const WeightedRows& rows,
       const double left = rows.jacobians.empty()
                               ? state->share_left
                               : ChannelShareLeft(t, c, leverages);
-      double mean_square = rows.squares[t][c] /
-                           static_cast<double>(std::max<Eigen::Index>(
-                               1, CountPresent(channel.values))) /
-                           left;
+      double mean_square =
+          rows.squares[t][c] /
+          static_cast<double>(std::max<Eigen::Index>(1, Measured(t, c).count)) /
+          left;
       if (networks) {
         mean_square *= AutocorrelationTime(rows.residuals[t].row(c));
       }
-      const double floor = Smallest(channel);
+      const double floor = Smallest(Measured(t, c));
       double& sigma = state->sigmas[t][c];
       const double wanted = annealing->Limit(
           t, c, floor, sigma, std::max(floor, std::sqrt(mean_square)));

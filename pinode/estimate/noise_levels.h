@@ -89,8 +89,9 @@ class NoiseLevels {
                 bool converged, Annealing* annealing, FitState* state) const;
 
  private:
+  const SeriesStatistics& Measured(size_t record, int channel) const;
   // No estimate goes below.
-  double Smallest(const MeasuredChannel& channel) const;
+  double Smallest(const SeriesStatistics& measured) const;
   double ShareLeft(const Evidence& evidence) const;
   // Of one channel of a record, from the leverages of its samples.
   double ChannelShareLeft(size_t record, int channel,

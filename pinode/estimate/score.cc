@@ -37,19 +37,16 @@ void ScoreDivergence(const IdentificationRecord& data,
 
 // Errors alone, from sums of squares of the fitted channels' residuals. False
 // where delays leave out samples.
-bool ScoreSquares(const IdentificationRecord& data, const Vector& squares,
-                  RecordScore* score) {
+bool ScoreSquares(const IdentificationRecord& data,
+                  const std::vector<SeriesStatistics>& measured,
+                  const Vector& squares, RecordScore* score) {
   score->channels.resize(data.channels.size());
   score->finite = squares.allFinite();
   for (size_t c = 0; c < data.channels.size(); ++c) {
     const MeasuredChannel& channel = data.channels[c];
     if (channel.delay >= 0) return false;
     if (!channel.fit) continue;
-    const double mean = MeanOfPresent(channel.values);
-    double spread = 0.0;
-    for (const double y : channel.values) {
-      if (!std::isnan(y)) spread += (y - mean) * (y - mean);
-    }
+    const double spread = measured[c].variation;
     score->channels[c].nrmse =
         spread > 0.0 ? std::sqrt(squares[static_cast<Eigen::Index>(c)] / spread)
                      : kInfinity;
@@ -212,7 +209,7 @@ double FreeRunError(const IdentificationProblem& problem,
     RecordScore score;
     if (squares != nullptr &&
         ScoreSquares(problem.records[static_cast<size_t>(train[t])],
-                     (*squares)[t], &score)) {
+                     shooting.measured(t), (*squares)[t], &score)) {
       sum += score.nrmse * score.nrmse;
       continue;
     }

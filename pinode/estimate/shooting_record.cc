@@ -22,7 +22,11 @@ ShootingRecord::ShootingRecord(const IdentificationProblem& problem, int index,
                        ? data_->known_start
                        : Vector::Zero(num_states_)),
       sigmas_(Vector::Ones(static_cast<int>(data_->channels.size()))),
-      gaps_(num_states_, 1) {}
+      gaps_(num_states_, 1) {
+  for (const MeasuredChannel& channel : data_->channels) {
+    measured_.push_back(StatisticsOfPresent(channel.values));
+  }
+}
 
 Matrix ShootingRecord::Cut(
     Eigen::Index samples,

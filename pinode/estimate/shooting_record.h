@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "pinode/base/statistics.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/block_tridiagonal.h"
 #include "pinode/estimate/gap_penalty.h"
@@ -62,6 +63,8 @@ class ShootingRecord {
   const IdentificationRecord& data() const { return *data_; }
   const IntegrationGrid& grid() const { return grid_; }
   const ObservationMap& observation() const { return observation_; }
+  // What each channel's values are like.
+  const std::vector<SeriesStatistics>& measured() const { return measured_; }
 
   // Segments of nearly equal length, about `samples` samples each, 0: one; and
   // their starts, num_states x segments, from what `state_at` says of a sample.
@@ -131,6 +134,7 @@ class ShootingRecord {
   double start_precision_ = 0.0;
   IntegrationGrid grid_;
   ObservationMap observation_;
+  std::vector<SeriesStatistics> measured_;
   bool start_is_free_ = false;
   Vector fixed_start_;
   std::vector<Eigen::Index> boundaries_;

@@ -134,9 +134,9 @@ bool Solver::IsBelow(double residual, const Vector& free) const {
   for (size_t t = 0; t < squares->size(); ++t) {
     const IdentificationRecord& record = context_.train_record(t);
     sum += (*squares)[t].cwiseQuotient(shooting.sigmas(t).cwiseAbs2()).sum();
-    for (const MeasuredChannel& channel : record.channels) {
-      if (channel.fit)
-        count += static_cast<double>(CountPresent(channel.values));
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      if (!record.channels[c].fit) continue;
+      count += static_cast<double>(shooting.measured(t)[c].count);
     }
   }
   return sum < residual * residual * count;

@@ -93,7 +93,8 @@ ParameterizedMap ExponentialStep::LinearPart(
   CHECK(linear_.Prepare(prepared.theta.head(linear_.num_parameters()), &groups,
                         &error))
       << error;
-  ParameterizedMap map = LinearRate(linear_, groups, with_parameters);
+  ParameterizedMap map;
+  GetLinearRate(linear_, groups, with_parameters, &map);
   const Eigen::Index kept = map.value.rows() + dynamics_.num_inputs();
   const auto count = static_cast<Eigen::Index>(forced_.size());
   const Matrix forces = laws_.forces()(forced_, Eigen::all);

@@ -113,13 +113,17 @@ bool RunByModes(const StructuralDynamics& dynamics,
   const Matrix states = response.States(contents, start);
   const Matrix values = response.Values(contents, observation, start);
   const Eigen::Index samples = trajectory->num_samples();
-  const Eigen::Index columns =
-      values.cols() + (keep == Keep::kAll ? states.cols() : 0);
-  const HistoryPass pass(
-      response, contents, grid, first, samples,
-      2.0 * static_cast<double>(values.rows()) * static_cast<double>(columns));
   const Eigen::Index stride =
       std::max<Eigen::Index>(1, samples / kSamplesForMeans);
+  const auto num_states = static_cast<double>(states.cols());
+  const double combinations =
+      static_cast<double>(values.cols()) +
+      (keep == Keep::kAll           ? num_states
+       : keep == Keep::kMeanSquares ? num_states / static_cast<double>(stride)
+                                    : 0.0);
+  const HistoryPass pass(
+      response, contents, grid, first, samples,
+      2.0 * static_cast<double>(values.rows()) * combinations);
   Matrix squares =
       Matrix::Zero(keep == Keep::kMeanSquares ? states.cols() : 0,
                    keep == Keep::kMeanSquares ? pass.num_pieces() : 0);

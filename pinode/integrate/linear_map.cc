@@ -96,7 +96,8 @@ LinearMap::LinearMap(const StructuralDynamics& dynamics,
                      const StructuralDynamics::Prepared& prepared,
                      const IntegrationGrid& grid, bool with_parameters) {
   DCHECK(dynamics.IsLinear());
-  Map rate = LinearRate(dynamics, prepared, with_parameters);
+  Map rate;
+  GetLinearRate(dynamics, prepared, with_parameters, &rate);
   if (grid.integrator() == Integrator::kExact) {
     ComputeExactly(rate, grid.sampling_step(), grid.substeps());
   } else {

@@ -6,25 +6,24 @@
 
 namespace pinode {
 
-ParameterizedMap LinearRate(const StructuralDynamics& dynamics,
-                            const StructuralDynamics::Prepared& prepared,
-                            bool with_parameters) {
+void GetLinearRate(const StructuralDynamics& dynamics,
+                   const StructuralDynamics::Prepared& prepared,
+                   bool with_parameters, ParameterizedMap* map) {
   DCHECK(dynamics.IsLinear());
   const int ns = dynamics.num_states();
   const int ni = dynamics.num_inputs();
   const int np = with_parameters ? dynamics.num_tangent_columns() : 0;
-  ParameterizedMap map;
   // Constant matrices are all that linear dynamics have.
-  map.value = Matrix::Zero(ns, ns + ni);
-  map.value.leftCols(ns) = prepared.linear.state_jacobian;
-  map.value.bottomRightCorner(dynamics.num_dofs(), ni) =
+  map->value.setZero(ns, ns + ni);
+  map->value.leftCols(ns) = prepared.linear.state_jacobian;
+  map->value.bottomRightCorner(dynamics.num_dofs(), ni) =
       prepared.linear.input_map;
-  map.derivatives.assign(static_cast<size_t>(np), Matrix::Zero(ns, ns + ni));
+  map->derivatives.resize(static_cast<size_t>(np));
+  for (Matrix& derivative : map->derivatives) derivative.setZero(ns, ns + ni);
   if (np > 0) {
     dynamics.linear_dynamics().AddRateDerivatives(prepared.linear,
-                                                  &map.derivatives);
+                                                  &map->derivatives);
   }
-  return map;
 }
 
 Vector VelocityUnits(const Matrix& state_matrix) {

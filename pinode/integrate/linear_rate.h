@@ -18,10 +18,11 @@ struct ParameterizedMap {
 };
 
 // [F G] of dh/dt = F h + G u, num_states x (num_states + inputs), for dynamics
-// with IsLinear. The derivatives only where they are asked for.
-ParameterizedMap LinearRate(const StructuralDynamics& dynamics,
-                            const StructuralDynamics::Prepared& prepared,
-                            bool with_parameters);
+// with IsLinear. The derivatives only where they are asked for. What *map holds
+// is overwritten, in the memory that it has.
+void GetLinearRate(const StructuralDynamics& dynamics,
+                   const StructuralDynamics::Prepared& prepared,
+                   bool with_parameters, ParameterizedMap* map);
 
 // For each state what it is to be multiplied by to have the unit of a velocity:
 // displacements by a power of two near the highest frequency. In these units

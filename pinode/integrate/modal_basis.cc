@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <utility>
 
 #include "pinode/integrate/exact_forcing.h"
 #include "pinode/integrate/linear_rate.h"
@@ -16,6 +20,23 @@ using Complex = std::complex<double>;
 
 // |V| |V^-1| in the Frobenius norm: digits that are lost.
 constexpr double kLargestCondition = 1e7;
+
+// A fit asks for the modes at one point again and again: for its search, its
+// scores, its bands, each with another grid or none of the others' tables. The
+// last few are remembered: what is smaller costs nothing, what is larger too
+// much memory (40 ns^2 bytes each).
+constexpr Eigen::Index kLeastRemembered = 16;
+constexpr Eigen::Index kMostRemembered = 512;
+constexpr size_t kNumRemembered = 3;
+
+struct Decomposition {
+  Matrix state_matrix;
+  ComplexVector eigenvalues;
+  ComplexMatrix modes;
+  ComplexMatrix inverse_modes;
+};
+std::mutex recent_mutex;
+std::deque<std::shared_ptr<const Decomposition>> recent;
 
 // Of a Runge-Kutta step of dz/dt = lambda z + u, with x = step * lambda:
 // z_next = R(x) z + step * sum_node a_node(x) u_node, and derivatives by x.
@@ -69,6 +90,32 @@ ComplexMatrix InverseOfPairs(const ComplexMatrix& modes) {
 
 bool ModalBasis::Compute(const Matrix& state_matrix,
                          const IntegrationGrid& grid) {
+  if (!Recall(state_matrix)) {
+    if (!Decompose(state_matrix)) return false;
+    Remember(state_matrix);
+  }
+  kept_.clear();
+  std::vector<double> weights;
+  for (Eigen::Index m = 0; m < eigenvalues_.size(); ++m) {
+    if (eigenvalues_[m].imag() < 0.0) continue;
+    kept_.push_back(static_cast<int>(m));
+    weights.push_back(eigenvalues_[m].imag() > 0.0 ? 2.0 : 1.0);
+  }
+  weights_ = Eigen::Map<const Vector>(
+      weights.data(), static_cast<Eigen::Index>(weights.size()));
+  advance_.resize(num_kept());
+  advance_slope_.resize(num_kept());
+  forcing_.resize(num_kept(), 3 * grid.substeps());
+  forcing_slope_.resize(num_kept(), 3 * grid.substeps());
+  if (grid.integrator() == Integrator::kExact) {
+    ComputeExactly(grid.sampling_step(), grid.substeps());
+  } else {
+    ComputeSteps(grid.step(), grid.substeps());
+  }
+  return advance_.allFinite() && forcing_.allFinite();
+}
+
+bool ModalBasis::Decompose(const Matrix& state_matrix) {
   const Eigen::Index ns = state_matrix.rows();
   const Vector units = VelocityUnits(state_matrix);
   const Eigen::EigenSolver<Matrix> solver(units.asDiagonal() * state_matrix *
@@ -87,26 +134,35 @@ bool ModalBasis::Compute(const Matrix& state_matrix,
   if (!(std::sqrt(square) < kLargestCondition)) return false;
   modes_ = units.cwiseInverse().asDiagonal() * modes_;
   inverse_modes_ = inverse_modes_ * units.asDiagonal();
+  return true;
+}
 
-  kept_.clear();
-  std::vector<double> weights;
-  for (Eigen::Index m = 0; m < ns; ++m) {
-    if (eigenvalues_[m].imag() < 0.0) continue;
-    kept_.push_back(static_cast<int>(m));
-    weights.push_back(eigenvalues_[m].imag() > 0.0 ? 2.0 : 1.0);
+bool ModalBasis::Recall(const Matrix& state_matrix) {
+  std::shared_ptr<const Decomposition> known;
+  {
+    const std::lock_guard<std::mutex> lock(recent_mutex);
+    for (const auto& one : recent) {
+      if (one->state_matrix.rows() == state_matrix.rows() &&
+          one->state_matrix == state_matrix) {
+        known = one;
+      }
+    }
   }
-  weights_ = Eigen::Map<const Vector>(
-      weights.data(), static_cast<Eigen::Index>(weights.size()));
-  advance_.resize(num_kept());
-  advance_slope_.resize(num_kept());
-  forcing_.resize(num_kept(), 3 * grid.substeps());
-  forcing_slope_.resize(num_kept(), 3 * grid.substeps());
-  if (grid.integrator() == Integrator::kExact) {
-    ComputeExactly(grid.sampling_step(), grid.substeps());
-  } else {
-    ComputeSteps(grid.step(), grid.substeps());
-  }
-  return advance_.allFinite() && forcing_.allFinite();
+  if (known == nullptr) return false;
+  eigenvalues_ = known->eigenvalues;
+  modes_ = known->modes;
+  inverse_modes_ = known->inverse_modes;
+  return true;
+}
+
+void ModalBasis::Remember(const Matrix& state_matrix) const {
+  const Eigen::Index ns = state_matrix.rows();
+  if (ns < kLeastRemembered || ns > kMostRemembered) return;
+  auto known = std::make_shared<const Decomposition>(
+      Decomposition{state_matrix, eigenvalues_, modes_, inverse_modes_});
+  const std::lock_guard<std::mutex> lock(recent_mutex);
+  recent.push_back(std::move(known));
+  if (recent.size() > kNumRemembered) recent.pop_front();
 }
 
 void ModalBasis::ComputeSteps(double step, int substeps) {

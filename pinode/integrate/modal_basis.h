@@ -46,6 +46,11 @@ class ModalBasis {
   const ComplexMatrix& forcing_slope() const { return forcing_slope_; }
 
  private:
+  // Eigenvalues, V and W.
+  [[nodiscard]] bool Decompose(const Matrix& state_matrix);
+  // The same of one that was found before, in any object.
+  [[nodiscard]] bool Recall(const Matrix& state_matrix);
+  void Remember(const Matrix& state_matrix) const;
   void ComputeSteps(double step, int substeps);
   void ComputeExactly(double sampling_step, int substeps);
 

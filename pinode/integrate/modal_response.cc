@@ -60,7 +60,7 @@ bool ModalResponse::Prepare(const StructuralDynamics& dynamics,
                     substeps_ == grid.substeps() &&
                     integrator_ == grid.integrator() && rate_.value.size() > 0;
   if (same && (has_parameters_ || !with_parameters)) return ok_;
-  rate_ = LinearRate(dynamics, prepared, with_parameters);
+  GetLinearRate(dynamics, prepared, with_parameters, &rate_);
   has_parameters_ = with_parameters;
   if (same) return ok_;
   theta_ = prepared.theta;
@@ -251,10 +251,7 @@ void ModalResponse::AddParameter(const Contents& contents,
                                  std::vector<Matrix>* tables) const {
   const Eigen::Index ns = basis_.num_states();
   const Matrix& change = rate_.derivatives[static_cast<size_t>(j)];
-  const ComplexMatrix in_modes = InModes(basis_, change.leftCols(ns));
-  const ComplexMatrix far = in_modes.cwiseProduct(inverse_gaps_);
-  const ComplexMatrix far_participation = far * participation;
-  const ComplexMatrix far_channels = channel_modes * far;
+  ComplexMatrix in_modes = InModes(basis_, change.leftCols(ns));
   // Of modes that are all but equal, and of each with itself.
   ComplexMatrix near_participation =
       in_modes.diagonal().asDiagonal() * participation;
@@ -263,6 +260,9 @@ void ModalResponse::AddParameter(const Contents& contents,
     near_participation.row(k) += 0.5 * in_modes(k, m) * participation.row(m);
     near_channels.col(m) += 0.5 * in_modes(k, m) * channel_modes.col(k);
   }
+  in_modes.array() *= inverse_gaps_.array();
+  const ComplexMatrix far_participation = in_modes * participation;
+  const ComplexMatrix far_channels = channel_modes * in_modes;
   const ComplexMatrix forcing =
       basis_.inverse_modes() * change.rightCols(num_inputs_);
   // What moves the channels themselves.
