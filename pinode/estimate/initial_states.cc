@@ -174,6 +174,11 @@ bool InitialTrajectories(const IdentificationProblem& problem,
     for (size_t r = 0; r < scales.size(); ++r) {
       scales[r] = StateScalesOf(problem, trajectories->records[r].mean_squares);
     }
+    // Scales do nothing to trajectories whose starts are all given.
+    if (pass == 0 && !shooting->HasFreeStarts()) {
+      shooting->SetStateScales(scales);
+      break;
+    }
   }
   return true;
 }

@@ -431,6 +431,11 @@ bool MultipleShooting::RunRecord(size_t r,
       });
 }
 
+bool MultipleShooting::HasFreeStarts() const {
+  return std::any_of(records_.begin(), records_.end(),
+                     [](const auto& r) { return r->HasFreeStarts(); });
+}
+
 bool MultipleShooting::Trajectories(const Vector& free,
                                     std::vector<Matrix>* states) {
   if (!PrepareDynamics(free)) return false;

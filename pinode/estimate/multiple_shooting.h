@@ -99,6 +99,8 @@ class MultipleShooting final : public CostPart {
   void SetWholeRecords(const std::vector<Vector>& starts);
   int num_segments(int train_record) const;
   bool IsSingleShooting() const;
+  // Of any record, be it of a later segment alone.
+  bool HasFreeStarts() const;
   // Whether residuals are those of free runs as they are: records in one piece,
   // no robust loss.
   bool HasFreeRuns() const {

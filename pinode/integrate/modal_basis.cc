@@ -29,14 +29,8 @@ constexpr Eigen::Index kLeastRemembered = 16;
 constexpr Eigen::Index kMostRemembered = 512;
 constexpr size_t kNumRemembered = 3;
 
-struct Decomposition {
-  Matrix state_matrix;
-  ComplexVector eigenvalues;
-  ComplexMatrix modes;
-  ComplexMatrix inverse_modes;
-};
 std::mutex recent_mutex;
-std::deque<std::shared_ptr<const Decomposition>> recent;
+std::deque<std::shared_ptr<const ModalBasis::Spectrum>> recent;
 
 // Of a Runge-Kutta step of dz/dt = lambda z + u, with x = step * lambda:
 // z_next = R(x) z + step * sum_node a_node(x) u_node, and derivatives by x.
@@ -86,20 +80,70 @@ ComplexMatrix InverseOfPairs(const ComplexMatrix& modes) {
   return result;
 }
 
+// nullptr where modes do not span the states.
+std::shared_ptr<const ModalBasis::Spectrum> Decompose(
+    const Matrix& state_matrix) {
+  const Eigen::Index ns = state_matrix.rows();
+  const Vector units = VelocityUnits(state_matrix);
+  const Eigen::EigenSolver<Matrix> solver(units.asDiagonal() * state_matrix *
+                                          units.cwiseInverse().asDiagonal());
+  if (solver.info() != Eigen::Success) return nullptr;
+  auto result = std::make_shared<ModalBasis::Spectrum>();
+  result->eigenvalues = solver.eigenvalues();
+  ComplexMatrix& modes = result->modes;
+  modes = solver.eigenvectors();
+  if (!result->eigenvalues.allFinite() || !modes.allFinite()) return nullptr;
+  ComplexMatrix& inverse = result->inverse_modes;
+  inverse = InverseOfPairs(modes);
+  if (!inverse.allFinite()) return nullptr;
+  double square = 0.0;  // of |V| |V^-1| with modes of length 1
+  for (Eigen::Index m = 0; m < ns; ++m) {
+    square += static_cast<double>(ns) * modes.col(m).squaredNorm() *
+              inverse.row(m).squaredNorm();
+  }
+  if (!(std::sqrt(square) < kLargestCondition)) return nullptr;
+  modes.array().colwise() /= units.array().cast<Complex>();
+  inverse.array().rowwise() *= units.array().cast<Complex>().transpose();
+  result->state_matrix = state_matrix;
+  return result;
+}
+
+// The same, or what was found before.
+std::shared_ptr<const ModalBasis::Spectrum> FindSpectrum(
+    const Matrix& state_matrix) {
+  const Eigen::Index ns = state_matrix.rows();
+  if (ns < kLeastRemembered || ns > kMostRemembered) {
+    return Decompose(state_matrix);
+  }
+  {
+    const std::lock_guard<std::mutex> lock(recent_mutex);
+    for (const auto& known : recent) {
+      if (known->state_matrix.rows() == ns &&
+          known->state_matrix == state_matrix) {
+        return known;
+      }
+    }
+  }
+  std::shared_ptr<const ModalBasis::Spectrum> found = Decompose(state_matrix);
+  if (found == nullptr) return nullptr;
+  const std::lock_guard<std::mutex> lock(recent_mutex);
+  recent.push_back(found);
+  if (recent.size() > kNumRemembered) recent.pop_front();
+  return found;
+}
+
 }  // namespace
 
 bool ModalBasis::Compute(const Matrix& state_matrix,
                          const IntegrationGrid& grid) {
-  if (!Recall(state_matrix)) {
-    if (!Decompose(state_matrix)) return false;
-    Remember(state_matrix);
-  }
+  spectrum_ = FindSpectrum(state_matrix);
+  if (spectrum_ == nullptr) return false;
   kept_.clear();
   std::vector<double> weights;
-  for (Eigen::Index m = 0; m < eigenvalues_.size(); ++m) {
-    if (eigenvalues_[m].imag() < 0.0) continue;
+  for (Eigen::Index m = 0; m < num_states(); ++m) {
+    if (eigenvalues()[m].imag() < 0.0) continue;
     kept_.push_back(static_cast<int>(m));
-    weights.push_back(eigenvalues_[m].imag() > 0.0 ? 2.0 : 1.0);
+    weights.push_back(eigenvalues()[m].imag() > 0.0 ? 2.0 : 1.0);
   }
   weights_ = Eigen::Map<const Vector>(
       weights.data(), static_cast<Eigen::Index>(weights.size()));
@@ -115,59 +159,9 @@ bool ModalBasis::Compute(const Matrix& state_matrix,
   return advance_.allFinite() && forcing_.allFinite();
 }
 
-bool ModalBasis::Decompose(const Matrix& state_matrix) {
-  const Eigen::Index ns = state_matrix.rows();
-  const Vector units = VelocityUnits(state_matrix);
-  const Eigen::EigenSolver<Matrix> solver(units.asDiagonal() * state_matrix *
-                                          units.cwiseInverse().asDiagonal());
-  if (solver.info() != Eigen::Success) return false;
-  eigenvalues_ = solver.eigenvalues();
-  modes_ = solver.eigenvectors();
-  if (!eigenvalues_.allFinite() || !modes_.allFinite()) return false;
-  inverse_modes_ = InverseOfPairs(modes_);
-  if (!inverse_modes_.allFinite()) return false;
-  double square = 0.0;  // of |V| |V^-1| with modes of length 1
-  for (Eigen::Index m = 0; m < ns; ++m) {
-    square += static_cast<double>(ns) * modes_.col(m).squaredNorm() *
-              inverse_modes_.row(m).squaredNorm();
-  }
-  if (!(std::sqrt(square) < kLargestCondition)) return false;
-  modes_ = units.cwiseInverse().asDiagonal() * modes_;
-  inverse_modes_ = inverse_modes_ * units.asDiagonal();
-  return true;
-}
-
-bool ModalBasis::Recall(const Matrix& state_matrix) {
-  std::shared_ptr<const Decomposition> known;
-  {
-    const std::lock_guard<std::mutex> lock(recent_mutex);
-    for (const auto& one : recent) {
-      if (one->state_matrix.rows() == state_matrix.rows() &&
-          one->state_matrix == state_matrix) {
-        known = one;
-      }
-    }
-  }
-  if (known == nullptr) return false;
-  eigenvalues_ = known->eigenvalues;
-  modes_ = known->modes;
-  inverse_modes_ = known->inverse_modes;
-  return true;
-}
-
-void ModalBasis::Remember(const Matrix& state_matrix) const {
-  const Eigen::Index ns = state_matrix.rows();
-  if (ns < kLeastRemembered || ns > kMostRemembered) return;
-  auto known = std::make_shared<const Decomposition>(
-      Decomposition{state_matrix, eigenvalues_, modes_, inverse_modes_});
-  const std::lock_guard<std::mutex> lock(recent_mutex);
-  recent.push_back(std::move(known));
-  if (recent.size() > kNumRemembered) recent.pop_front();
-}
-
 void ModalBasis::ComputeSteps(double step, int substeps) {
   for (int m = 0; m < num_kept(); ++m) {
-    const ScalarStep one(step * eigenvalues_[kept_[static_cast<size_t>(m)]]);
+    const ScalarStep one(step * eigenvalues()[kept_[static_cast<size_t>(m)]]);
     // R^i and its derivative by x, i the steps behind the one whose inputs
     // these are.
     Complex power = 1.0;
@@ -190,7 +184,7 @@ void ModalBasis::ComputeSteps(double step, int substeps) {
 void ModalBasis::ComputeExactly(double sampling_step, int substeps) {
   const Matrix polynomial = NodePolynomial(substeps);
   for (int m = 0; m < num_kept(); ++m) {
-    const ExactStep exact(eigenvalues_[kept_[static_cast<size_t>(m)]],
+    const ExactStep exact(eigenvalues()[kept_[static_cast<size_t>(m)]],
                           sampling_step, polynomial);
     advance_[m] = exact.advance;
     advance_slope_[m] = exact.advance_slope;

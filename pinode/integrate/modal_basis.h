@@ -4,6 +4,7 @@
 #define PINODE_INTEGRATE_MODAL_BASIS_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "pinode/base/types.h"
@@ -22,17 +23,28 @@ namespace pinode {
 // the exact solution. Of a pair of conjugate modes one is kept.
 class ModalBasis {
  public:
+  struct Spectrum {
+    Matrix state_matrix;
+    ComplexVector eigenvalues;
+    ComplexMatrix modes;
+    ComplexMatrix inverse_modes;
+  };
+
   // `state_matrix`: F. False where the modes do not span the states to working
   // accuracy, as those of a rigid body, whose two eigenvalues 0 have one mode.
   [[nodiscard]] bool Compute(const Matrix& state_matrix,
                              const IntegrationGrid& grid);
 
-  int num_states() const { return static_cast<int>(eigenvalues_.size()); }
+  int num_states() const {
+    return static_cast<int>(spectrum_->eigenvalues.size());
+  }
   int num_kept() const { return static_cast<int>(kept_.size()); }
   // All modes; V has them as columns.
-  const ComplexVector& eigenvalues() const { return eigenvalues_; }
-  const ComplexMatrix& modes() const { return modes_; }
-  const ComplexMatrix& inverse_modes() const { return inverse_modes_; }
+  const ComplexVector& eigenvalues() const { return spectrum_->eigenvalues; }
+  const ComplexMatrix& modes() const { return spectrum_->modes; }
+  const ComplexMatrix& inverse_modes() const {
+    return spectrum_->inverse_modes;
+  }
   // Those that are kept, and how often each counts: 2 for one of a pair, of
   // which the real part is taken, and 1 for a real mode.
   const std::vector<int>& kept() const { return kept_; }
@@ -46,17 +58,10 @@ class ModalBasis {
   const ComplexMatrix& forcing_slope() const { return forcing_slope_; }
 
  private:
-  // Eigenvalues, V and W.
-  [[nodiscard]] bool Decompose(const Matrix& state_matrix);
-  // The same of one that was found before, in any object.
-  [[nodiscard]] bool Recall(const Matrix& state_matrix);
-  void Remember(const Matrix& state_matrix) const;
   void ComputeSteps(double step, int substeps);
   void ComputeExactly(double sampling_step, int substeps);
 
-  ComplexVector eigenvalues_;
-  ComplexMatrix modes_;
-  ComplexMatrix inverse_modes_;
+  std::shared_ptr<const Spectrum> spectrum_;
   std::vector<int> kept_;
   Vector weights_;
   ComplexVector advance_;
