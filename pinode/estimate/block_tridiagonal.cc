@@ -44,31 +44,32 @@ bool BlockTridiagonal::Factor(double damping) {
 
 void BlockTridiagonal::SolveLower(Matrix* right) const {
   const Eigen::Index m = block_size_;
-  CHECK_EQ(right->rows(), m * num_blocks());
+  CHECK_EQ(right->cols(), m * num_blocks());
   for (int k = 0; k < num_blocks(); ++k) {
-    auto block = right->middleRows(k * m, m);
+    auto block = right->middleCols(k * m, m);
     if (k > 0) {
-      block.noalias() -= below_[static_cast<size_t>(k - 1)] *
-                         right->middleRows((k - 1) * m, m);
+      block.noalias() -= right->middleCols((k - 1) * m, m) *
+                         below_[static_cast<size_t>(k - 1)].transpose();
     }
-    lower_[static_cast<size_t>(k)].triangularView<Eigen::Lower>().solveInPlace(
-        block);
+    lower_[static_cast<size_t>(k)]
+        .transpose()
+        .triangularView<Eigen::Upper>()
+        .solveInPlace<Eigen::OnTheRight>(block);
   }
 }
 
 void BlockTridiagonal::SolveUpper(Matrix* right) const {
   const Eigen::Index m = block_size_;
-  CHECK_EQ(right->rows(), m * num_blocks());
+  CHECK_EQ(right->cols(), m * num_blocks());
   for (int k = num_blocks() - 1; k >= 0; --k) {
-    auto block = right->middleRows(k * m, m);
+    auto block = right->middleCols(k * m, m);
     if (k + 1 < num_blocks()) {
-      block.noalias() -= below_[static_cast<size_t>(k)].transpose() *
-                         right->middleRows((k + 1) * m, m);
+      block.noalias() -=
+          right->middleCols((k + 1) * m, m) * below_[static_cast<size_t>(k)];
     }
     lower_[static_cast<size_t>(k)]
-        .transpose()
-        .triangularView<Eigen::Upper>()
-        .solveInPlace(block);
+        .triangularView<Eigen::Lower>()
+        .solveInPlace<Eigen::OnTheRight>(block);
   }
 }
 

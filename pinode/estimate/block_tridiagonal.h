@@ -37,11 +37,12 @@ class BlockTridiagonal {
   // system is not positive definite.
   [[nodiscard]] bool Factor(double damping);
 
-  // Solves in place for (K m) x c right-hand sides.
+  // Solves in place for c right-hand sides, the rows of a c x (K m) matrix:
+  // what a block works on lies together.
   void Solve(Matrix* right) const;
 
-  // The first half of Solve: right <- L^-1 right, so that
-  // r' A^-1 r = |L^-1 r|^2; and the second half, right <- L^-T right.
+  // The first half of Solve, L^-1 r of each r, so that
+  // r' A^-1 r = |L^-1 r|^2; and the second half, L^-T r.
   void SolveLower(Matrix* right) const;
   void SolveUpper(Matrix* right) const;
 

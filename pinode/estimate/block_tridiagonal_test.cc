@@ -49,16 +49,18 @@ TEST(BlockTridiagonal, EqualsDenseSolve) {
         damped.diagonal() *= 1.0 + damping;
         ASSERT_TRUE(system.Factor(damping));
         const Matrix expected = damped.ldlt().solve(right);
-        Matrix solution = right;
+        Matrix solution = right.transpose();
         system.Solve(&solution);
-        EXPECT_LT((solution - expected).norm(), 1e-11 * expected.norm())
+        EXPECT_LT((solution.transpose() - expected).norm(),
+                  1e-11 * expected.norm())
             << blocks << " blocks of " << m << ", damping " << damping;
-        Matrix half = right;
+        Matrix half = right.transpose();
         system.SolveLower(&half);
         const Matrix form = right.transpose() * expected;
-        EXPECT_LT((half.transpose() * half - form).norm(), 1e-11 * form.norm());
+        EXPECT_LT((half * half.transpose() - form).norm(), 1e-11 * form.norm());
         system.SolveUpper(&half);
-        EXPECT_LT((half - expected).norm(), 1e-11 * expected.norm());
+        EXPECT_LT((half.transpose() - expected).norm(),
+                  1e-11 * expected.norm());
       }
     }
   }
@@ -130,11 +132,12 @@ TEST(BlockTridiagonal, IsTheRauchTungStriebelSmoother) {
   }
 
   BlockTridiagonal system(steps, m);
-  Matrix right = Matrix::Zero(steps * m, 1);
+  Matrix right = Matrix::Zero(1, steps * m);
   const Matrix precision = Q.inverse();
   for (int k = 0; k < steps; ++k) {
     system.diagonal(k) += H.transpose() * R.inverse() * H;
-    right.middleRows(k * m, m) += H.transpose() * R.inverse() * y.segment(k, 1);
+    right.middleCols(k * m, m) +=
+        (H.transpose() * R.inverse() * y.segment(k, 1)).transpose();
     if (k == 0) system.diagonal(0) += P0.inverse();
     if (k + 1 < steps) {
       system.diagonal(k) += F.transpose() * precision * F;
@@ -145,9 +148,10 @@ TEST(BlockTridiagonal, IsTheRauchTungStriebelSmoother) {
   ASSERT_TRUE(system.Factor(0.0));
   system.Solve(&right);
   for (int k = 0; k < steps; ++k) {
-    EXPECT_LT(
-        (right.middleRows(k * m, m) - smoothed[static_cast<size_t>(k)]).norm(),
-        1e-11)
+    EXPECT_LT((right.middleCols(k * m, m).transpose() -
+               smoothed[static_cast<size_t>(k)])
+                  .norm(),
+              1e-11)
         << k;
   }
 }

@@ -178,7 +178,7 @@ bool MultipleShooting::AllFinite(const ShootingRecord& record) {
 
 Matrix MultipleShooting::PredictStarts(size_t r, const Vector& free) const {
   Matrix starts = linearized_starts_[r];
-  const Matrix& sensitivity = records_[r]->start_sensitivity();
+  const auto sensitivity = records_[r]->start_sensitivity();
   if (linearized_free_.size() == free.size() &&
       sensitivity.cols() == free.size()) {
     const Vector move = sensitivity * (free - linearized_free_);
@@ -536,7 +536,7 @@ Matrix MultipleShooting::Information() const {
       const auto follow = record->start_sensitivity().middleRows(
           static_cast<Eigen::Index>(k) * ns, ns);
       const SegmentResult& result = record->result(k);
-      const Matrix mixed = follow.transpose() * result.cross;
+      const Matrix mixed = result.cross * follow;
       information += mixed + mixed.transpose() +
                      follow.transpose() * result.start_hessian * follow;
     }

@@ -39,7 +39,7 @@ void Unpack(const Eigen::Ref<const Vector>& numbers, FreeEquations* equations) {
 
 }  // namespace
 
-OrderedSums::OrderedSums(int num_free, int num_threads,
+OrderedSums::OrderedSums(int num_free, int num_own, int num_threads,
                          Communicator* communicator)
     : communicator_(CommunicatorOrSingle(communicator)) {
   const int ranks = communicator_.size();
@@ -48,7 +48,8 @@ OrderedSums::OrderedSums(int num_free, int num_threads,
   const int threads = std::max(1, num_threads);
   parts_ = threads / std::gcd(threads, own);
   slots_.assign(static_cast<size_t>(own * parts_),
-                {Matrix::Zero(num_free, num_free), Vector::Zero(num_free)});
+                {Matrix::Zero(num_own + num_free, num_own + num_free),
+                 Vector::Zero(num_free)});
   for (int task = 0; task < groups_ * parts_; ++task) {
     if (RankOf(task) == communicator_.rank()) order_.push_back(SlotOf(task));
   }
@@ -78,12 +79,13 @@ bool OrderedSums::Total(FreeEquations* total) {
     slot(to).hessian += slot(from).hessian;
     slot(to).gradient += slot(from).gradient;
   });
-  *total = slots_[0];
+  const Eigen::Index free = slots_[0].gradient.size();
+  total->hessian = slots_[0].hessian.bottomRightCorner(free, free);
+  total->gradient = slots_[0].gradient;
   const int ranks = communicator_.size();
   if (ranks == 1) return true;
   // Of few ranks each has a column of its own.
   const bool apart = groups_ > ranks || ranks <= 4;
-  const Eigen::Index free = total->gradient.size();
   const Eigen::Index size = free * (free + 1) / 2 + free;
   Matrix sums = Matrix::Zero(size, apart ? ranks : 1);
   Pack(*total, sums.col(apart ? communicator_.rank() : 0));

@@ -17,8 +17,11 @@ namespace pinode {
 // into another end.) Of other numbers each finds its own bits.
 class OrderedSums {
  public:
+  // A slot's Hessian has `num_own` rows and columns before those of the free
+  // parameters, for unknowns that a task has to itself; they are in no total.
   // `communicator` must outlive the object.
-  OrderedSums(int num_free, int num_threads, Communicator* communicator);
+  OrderedSums(int num_free, int num_own, int num_threads,
+              Communicator* communicator);
 
   void Clear();
   // Whose a task is, from 0.

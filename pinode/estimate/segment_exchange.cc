@@ -48,7 +48,7 @@ class Stream {
 struct Shape {
   Eigen::Index channels = 0;
   Eigen::Index states = 0;
-  Eigen::Index cross = 0;  // columns
+  Eigen::Index cross = 0;  // rows
   Eigen::Index end = 0;    // columns of the end's sensitivity
   Eigen::Index size() const {
     return 5 + channels + states * (2 + states + cross + end);
@@ -79,7 +79,7 @@ void Pass(const Shape& shape, int segment, ShootingRecord* record, char* done,
   result.start_gradient.resize(shape.states);
   stream->Pass(result.start_gradient);
   stream->Pass(shape.states, shape.states, &result.start_hessian);
-  if (shape.cross > 0) stream->Pass(shape.states, shape.cross, &result.cross);
+  if (shape.cross > 0) stream->Pass(shape.cross, shape.states, &result.cross);
   if (shape.end > 0) {
     stream->Pass(shape.states, shape.end, &result.end_sensitivity);
   }

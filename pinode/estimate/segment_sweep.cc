@@ -40,7 +40,8 @@ SegmentSweep::SegmentSweep(const IdentificationProblem& problem,
       communicator_(CommunicatorOrSingle(options.communicator)),
       parallel_(*problem.dynamics, options.derivatives,
                 std::max(1, options.num_threads)),
-      sums_(layout.num_free(), options.num_threads, &communicator_) {
+      sums_(layout.num_free(), problem.dynamics->num_states(),
+            options.num_threads, &communicator_) {
   for (const auto& record : records_) {
     linear_.push_back(options.derivatives == DerivativeMethod::kTangents
                           ? LinearRecord::Create(
@@ -109,11 +110,12 @@ bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
   if (by_start > 0) {
     result.start_hessian = equations.hessian.topLeftCorner(ns, ns);
     result.start_gradient = equations.gradient.head(ns);
-    result.cross = equations.hessian.topRightCorner(ns, nf);
+    result.cross = equations.hessian.bottomLeftCorner(nf, ns);
   }
   // What all have found together is added up once.
   if (!with_parameters || (together && communicator_.rank() > 0)) return true;
-  sum->hessian += equations.hessian.bottomRightCorner(nf, nf);
+  sum->hessian.bottomRightCorner(nf, nf) +=
+      equations.hessian.bottomRightCorner(nf, nf);
   sum->gradient += equations.gradient.tail(nf);
   return true;
 }
@@ -156,14 +158,15 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                        .squaredNorm()
                        .cwiseProduct(record->sigmas().cwiseAbs2());
   record->ends().col(segment) = tangents.end_state;
+  const Matrix& rows = work.rows.jacobian();
   const auto by_parameters =
-      work.rows.jacobian().rightCols(with_parameters ? layout_.num_free() : 0);
+      rows.rightCols(with_parameters ? layout_.num_free() : 0);
   if (with_start) {
-    const auto by_start = work.rows.jacobian().leftCols(ns);
-    result.start_hessian.noalias() = by_start.transpose() * by_start;
+    const auto by_start = rows.leftCols(ns);
     result.start_gradient.noalias() = by_start.transpose() * residuals;
-    if (with_parameters) {
-      result.cross.noalias() = by_start.transpose() * by_parameters;
+    if (sum == nullptr) {
+      result.start_hessian.noalias() = by_start.transpose() * by_start;
+      result.cross.noalias() = by_parameters.transpose() * by_start;
     }
     AddSensorColumns(layout_, ns, columns, tangents.end_sensitivity,
                      &result.end_sensitivity);
@@ -171,10 +174,20 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
     result.start_hessian = Matrix::Zero(ns, ns);
     result.start_gradient = Vector::Zero(ns);
   }
-  if (!with_parameters || sum == nullptr) return true;
+  if (sum == nullptr) return true;
 
-  sum->hessian.selfadjointView<Eigen::Lower>().rankUpdate(
-      by_parameters.transpose());
+  // One update for all columns. Those of the start, in the sum's first ones,
+  // are this segment's alone.
+  const int nf = layout_.num_free();
+  sum->hessian.leftCols(ns).setZero();
+  sum->hessian.bottomRightCorner(rows.cols(), rows.cols())
+      .selfadjointView<Eigen::Lower>()
+      .rankUpdate(rows.transpose());
+  if (with_start) {
+    result.start_hessian =
+        sum->hessian.topLeftCorner(ns, ns).selfadjointView<Eigen::Lower>();
+    result.cross = sum->hessian.bottomLeftCorner(nf, ns);
+  }
   sum->gradient.noalias() += by_parameters.transpose() * residuals;
   if (keeps_rows_ && record->num_segments() == 1) {
     SegmentRows& kept = record->kept_rows();
@@ -328,7 +341,7 @@ void SegmentSweep::EvaluateSteps(const std::vector<Task>& tasks,
                   EvaluateSegment(r, tasks[t].second, *starts[r],
                                   with_parameters, alone,
                                   threads_[static_cast<size_t>(thread)].get(),
-                                  &sums_.slot(s));
+                                  with_parameters ? &sums_.slot(s) : nullptr);
                 }
               });
   if (!ExchangeSegments(records_, tasks, owners,
@@ -405,7 +418,7 @@ Matrix SegmentSweep::ColumnsByFree(size_t r) const {
   const ShootingRecord& record = *records_[r];
   const int nf = layout_.num_free();
   if (!record.HasFreeStarts()) return Matrix::Identity(nf, nf);
-  const Matrix& starts = record.start_sensitivity();
+  const auto starts = record.start_sensitivity();
   Matrix columns(starts.rows() + nf, nf);
   columns << starts, Matrix::Identity(nf, nf);
   return columns;

@@ -44,7 +44,7 @@ Matrix ShootingRecord::Cut(
   results_.assign(static_cast<size_t>(count), SegmentResult());
   ends_ = Matrix::Zero(num_states_, count);
   system_ = std::make_unique<BlockTridiagonal>(count, num_states_);
-  start_sensitivity_.resize(0, 0);
+  by_free_.resize(0, 0);
   return starts;
 }
 
@@ -64,12 +64,12 @@ void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
   const int segments = num_segments();
   BlockTridiagonal& system = *system_;
   system.SetZero();
-  *right = Matrix::Zero(ns * segments, num_free + 1);
+  right->setZero(num_free + 1, ns * segments);
   const auto cross = [&](int k) {
-    return right->middleRows(k * ns, ns).leftCols(num_free);
+    return right->middleCols(k * ns, ns).topRows(num_free);
   };
   const auto gradient = [&](int k) {
-    return right->middleRows(k * ns, ns).col(num_free);
+    return right->middleCols(k * ns, ns).row(num_free).transpose();
   };
   const Vector precision = scales().cwiseAbs2().cwiseInverse();
   const Vector weight = mu * precision;
@@ -89,8 +89,8 @@ void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
     gradient(k + 1) -= force;
     if (num_free > 0) {
       const auto by_parameters = part.end_sensitivity.rightCols(num_free);
-      cross(k).noalias() += weighted.transpose() * by_parameters;
-      cross(k + 1) -= weight.asDiagonal() * by_parameters;
+      cross(k).noalias() += by_parameters.transpose() * weighted;
+      cross(k + 1) -= by_parameters.transpose() * weight.asDiagonal();
     }
   }
   if (start_is_free_) {
@@ -100,7 +100,7 @@ void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
     // A start that is known takes no part.
     system.diagonal(0).setIdentity();
     if (segments > 1) system.coupling(0).setZero();
-    right->topRows(ns).setZero();
+    right->leftCols(ns).setZero();
   }
 }
 
@@ -133,7 +133,7 @@ bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
                                FreeEquations* equations) {
   const int nf = static_cast<int>(equations->gradient.size());
   if (!HasFreeStarts()) {
-    start_sensitivity_ = Matrix::Zero(num_states_, nf);
+    by_free_ = Matrix::Zero(nf, num_states_);
     return true;
   }
   Matrix& hessian = equations->hessian;
@@ -148,12 +148,11 @@ bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
     if (damping > 1.0) return false;
   }
   system_->SolveLower(&right);
-  const auto projected = right.leftCols(nf);
-  hessian.selfadjointView<Eigen::Lower>().rankUpdate(projected.transpose(),
-                                                     -1.0);
-  gradient.noalias() -= projected.transpose() * right.col(nf);
+  const auto projected = right.topRows(nf);
+  hessian.selfadjointView<Eigen::Lower>().rankUpdate(projected, -1.0);
+  gradient.noalias() -= projected * right.row(nf).transpose();
   system_->SolveUpper(&right);
-  start_sensitivity_ = -right.leftCols(nf);
+  by_free_ = -right.topRows(nf);
   return true;
 }
 

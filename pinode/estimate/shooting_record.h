@@ -33,7 +33,7 @@ struct SegmentResult {
   Vector squares;
   Matrix start_hessian;  // J_s' J_s
   Vector start_gradient;
-  Matrix cross;            // J_s' J_theta, num_states x num_free
+  Matrix cross;            // J_theta' J_s, num_free x num_states
   Matrix end_sensitivity;  // num_states x (num_states [+ num_free])
   Eigen::Index failed_sample = -1;
   int failed_state = -1;
@@ -105,8 +105,8 @@ class ShootingRecord {
   double Cost(double mu, const Matrix& starts) const;
 
   // Fills system() with the normal equations of the starts, and *right with
-  // their coupling to the free parameters (num_free columns, 0 to leave them
-  // out) and, in the last column, their gradient.
+  // their coupling to the free parameters (num_free rows, 0 to leave them out)
+  // and, in the last row, their gradient.
   void Assemble(double mu, const Matrix& starts, int num_free, Matrix* right);
   BlockTridiagonal& system() { return *system_; }
 
@@ -115,7 +115,9 @@ class ShootingRecord {
   bool Eliminate(double mu, const Matrix& starts, FreeEquations* equations);
   // d starts / d free after that, (num_states * segments) x num_free; empty
   // after Cut.
-  const Matrix& start_sensitivity() const { return start_sensitivity_; }
+  Eigen::Transpose<const Matrix> start_sensitivity() const {
+    return by_free_.transpose();
+  }
 
   // Sum over segments of the mean of diag(D J_s'J_s D).
   double DataCurvature() const;
@@ -144,7 +146,7 @@ class ShootingRecord {
   SegmentRows kept_rows_;
   Matrix ends_;
   std::unique_ptr<BlockTridiagonal> system_;
-  Matrix start_sensitivity_;
+  Matrix by_free_;  // transposed start_sensitivity()
 };
 
 }  // namespace pinode
