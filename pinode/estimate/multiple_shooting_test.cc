@@ -220,7 +220,7 @@ DenseSystem AssembleDense(const SmallFit& fit,
       Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                    tangents.channels.size());
       std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);
-      ApplySensors(layout, all, record, true, prediction, &jacobian, &valid);
+      ApplySensors(layout, all, record, true, prediction, jacobian, &valid);
       const auto add = [&](double residual, const RowVector& by_start,
                            const RowVector& by_next, const RowVector& by_free) {
         Vector row = Vector::Zero(unknowns);

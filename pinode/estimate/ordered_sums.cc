@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pinode/estimate/residual_rows.h"
+
 namespace pinode {
 namespace {
 
@@ -41,15 +43,14 @@ void Unpack(const Eigen::Ref<const Vector>& numbers, FreeEquations* equations) {
 
 OrderedSums::OrderedSums(int num_free, int num_own, int num_threads,
                          Communicator* communicator)
-    : communicator_(CommunicatorOrSingle(communicator)) {
+    : communicator_(CommunicatorOrSingle(communicator)), num_free_(num_free) {
+  const Eigen::Index size = WholeFours(Eigen::Index{num_own} + num_free + 1);
   const int ranks = communicator_.size();
   groups_ = ranks <= kGroups && kGroups % ranks == 0 ? kGroups : ranks;
   const int own = groups_ / ranks;
   const int threads = std::max(1, num_threads);
   parts_ = threads / std::gcd(threads, own);
-  slots_.assign(static_cast<size_t>(own * parts_),
-                {Matrix::Zero(num_own + num_free, num_own + num_free),
-                 Vector::Zero(num_free)});
+  slots_.assign(static_cast<size_t>(own * parts_), Matrix::Zero(size, size));
   for (int task = 0; task < groups_ * parts_; ++task) {
     if (RankOf(task) == communicator_.rank()) order_.push_back(SlotOf(task));
   }
@@ -63,10 +64,7 @@ int OrderedSums::GroupOf(int task) const {
 }
 
 void OrderedSums::Clear() {
-  for (FreeEquations& slot : slots_) {
-    slot.hessian.setZero();
-    slot.gradient.setZero();
-  }
+  for (Matrix& slot : slots_) slot.setZero();
 }
 
 int OrderedSums::SlotOf(int task) const {
@@ -75,13 +73,11 @@ int OrderedSums::SlotOf(int task) const {
 }
 
 bool OrderedSums::Total(FreeEquations* total) {
-  AddInPairs(num_slots(), [this](int to, int from) {
-    slot(to).hessian += slot(from).hessian;
-    slot(to).gradient += slot(from).gradient;
-  });
-  const Eigen::Index free = slots_[0].gradient.size();
-  total->hessian = slots_[0].hessian.bottomRightCorner(free, free);
-  total->gradient = slots_[0].gradient;
+  AddInPairs(num_slots(), [this](int to, int from) { slot(to) += slot(from); });
+  const Eigen::Index free = num_free_;
+  const Eigen::Index last = slots_[0].rows() - 1;
+  total->hessian = slots_[0].block(last - free, last - free, free, free);
+  total->gradient = slots_[0].row(last).segment(last - free, free).transpose();
   const int ranks = communicator_.size();
   if (ranks == 1) return true;
   // Of few ranks each has a column of its own.

@@ -17,9 +17,8 @@ namespace pinode {
 // into another end.) Of other numbers each finds its own bits.
 class OrderedSums {
  public:
-  // A slot's Hessian has `num_own` rows and columns before those of the free
-  // parameters, for unknowns that a task has to itself; they are in no total.
-  // `communicator` must outlive the object.
+  // `num_own`: unknowns that a task has to itself. `communicator` must outlive
+  // the object.
   OrderedSums(int num_free, int num_own, int num_threads,
               Communicator* communicator);
 
@@ -35,7 +34,10 @@ class OrderedSums {
   // Slots in the order in which they come up, so that threads that take them in
   // turns are equally busy where tasks are few.
   const std::vector<int>& order() const { return order_; }
-  FreeEquations& slot(int index) { return slots_[static_cast<size_t>(index)]; }
+  // Lower triangle of [J_own J r]'[J_own J r], J by the free parameters and r
+  // the residuals, in the last rows and columns: J'J and J'r are summed, the
+  // rest is a task's own. In all WholeFours rows.
+  Matrix& slot(int index) { return slots_[static_cast<size_t>(index)]; }
 
   // The sum over all slots of all ranks. False where a rank does not answer.
   [[nodiscard]] bool Total(FreeEquations* total);
@@ -46,7 +48,8 @@ class OrderedSums {
   Communicator& communicator_;
   int groups_ = 1;  // of tasks, over all ranks
   int parts_ = 1;   // that a group has, so that threads are equally busy
-  std::vector<FreeEquations> slots_;
+  Eigen::Index num_free_;
+  std::vector<Matrix> slots_;
   std::vector<int> order_;
 };
 

@@ -10,18 +10,18 @@ namespace {
 
 // Channel by channel over all samples, derivatives like predictions.
 void FilterHistories(const ZeroPhaseFilter& filter, int num_channels,
-                     Vector* prediction, Matrix* rows) {
+                     Vector* prediction, Eigen::Ref<Matrix> rows) {
   const Eigen::Index samples = prediction->size() / num_channels;
-  Matrix history(samples, 1 + rows->cols());
+  Matrix history(samples, 1 + rows.cols());
   for (int c = 0; c < num_channels; ++c) {
     for (Eigen::Index i = 0; i < samples; ++i) {
       history(i, 0) = (*prediction)[i * num_channels + c];
-      history.row(i).tail(rows->cols()) = rows->row(i * num_channels + c);
+      history.row(i).tail(rows.cols()) = rows.row(i * num_channels + c);
     }
     filter.Apply(&history);
     for (Eigen::Index i = 0; i < samples; ++i) {
       (*prediction)[i * num_channels + c] = history(i, 0);
-      rows->row(i * num_channels + c) = history.row(i).tail(rows->cols());
+      rows.row(i * num_channels + c) = history.row(i).tail(rows.cols());
     }
   }
 }
@@ -68,9 +68,20 @@ void ResidualRows::Compute(const IdentificationRecord& record,
   const int nc = static_cast<int>(tangents.channels.rows());
   const Eigen::Index samples = tangents.channels.cols();
   const bool changes = ChangesRows(record, whole);
+  const Matrix& before = tangents.jacobian;
+  const Eigen::Index sensors =
+      HasParameters(columns) ? layout_.num_free() - layout_.num_free_dynamics()
+                             : 0;
+  const Eigen::Index derivatives = before.cols() + sensors;
+  const Eigen::Index all = WholeFours(derivatives + 1);
+  rows_.values.resize(nc * samples, all);
+  rows_.first = all - 1 - derivatives;
+  rows_.values.leftCols(rows_.first).setZero();
+  auto jacobian = rows_.values.middleCols(rows_.first, derivatives);
+  auto residuals = rows_.values.col(all - 1);
   if (changes) {
-    AddSensorColumns(layout_, problem_.dynamics->num_states(), columns,
-                     tangents.jacobian, &jacobian_);
+    jacobian.leftCols(before.cols()) = before;
+    jacobian.rightCols(sensors).setZero();
   }
   // Predictions of real sensors, sample-major as the rows are.
   Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
@@ -79,14 +90,13 @@ void ResidualRows::Compute(const IdentificationRecord& record,
       static_cast<size_t>(nc) * static_cast<size_t>(samples), true);
   if (changes) {
     ApplySensors(layout_, parameters, record, HasParameters(columns),
-                 prediction, &jacobian_, &valid);
+                 prediction, jacobian, &valid);
   }
   if (record.filter != nullptr && whole) {
-    FilterHistories(*record.filter, nc, &prediction, &jacobian_);
+    FilterHistories(*record.filter, nc, &prediction, jacobian);
   }
 
   cost_ = 0.0;
-  residuals_.resize(nc * samples);
   Vector weights(nc * samples);
   for (Eigen::Index i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
@@ -95,7 +105,7 @@ void ResidualRows::Compute(const IdentificationRecord& record,
       const double value = channel.values[first + i];
       if (!channel.fit || !valid[static_cast<size_t>(row)] ||
           std::isnan(value)) {
-        residuals_[row] = 0.0;
+        residuals[row] = 0.0;
         weights[row] = 0.0;
         continue;
       }
@@ -104,22 +114,17 @@ void ResidualRows::Compute(const IdentificationRecord& record,
       EvaluateRobustLoss(loss_, loss_scale_, residual * residual, &rho, &slope);
       cost_ += 0.5 * rho;
       const double root = std::sqrt(slope);
-      residuals_[row] = residual * root;
+      residuals[row] = residual * root;
       weights[row] = root / sigmas[c];
     }
   }
   if (changes) {
-    jacobian_.array().colwise() *= weights.array();
+    jacobian.array().colwise() *= weights.array();
     return;
   }
   // In one pass over the derivatives, which are most of the work.
-  const Matrix& rows = tangents.jacobian;
-  const Eigen::Index sensors =
-      HasParameters(columns) ? layout_.num_free() - layout_.num_free_dynamics()
-                             : 0;
-  jacobian_.resize(rows.rows(), rows.cols() + sensors);
-  jacobian_.leftCols(rows.cols()) = weights.asDiagonal() * rows;
-  jacobian_.rightCols(sensors).setZero();
+  jacobian.leftCols(before.cols()) = weights.asDiagonal() * before;
+  jacobian.rightCols(sensors).setZero();
 }
 
 }  // namespace pinode

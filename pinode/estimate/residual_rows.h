@@ -4,6 +4,7 @@
 #ifndef PINODE_ESTIMATE_RESIDUAL_ROWS_H_
 #define PINODE_ESTIMATE_RESIDUAL_ROWS_H_
 
+#include <utility>
 #include <vector>
 
 #include "pinode/base/types.h"
@@ -19,6 +20,27 @@ namespace pinode {
 void AddSensorColumns(const ParameterLayout& layout, int num_states,
                       SegmentColumns columns, const Matrix& tangents,
                       Matrix* result);
+
+// Weighted residuals of a segment, channels * samples, channels fastest, and
+// their derivatives by start (where it is free) and free parameters: side by
+// side, so that one product has the sums of both.
+struct SegmentRows {
+  // Columns of zeros, the derivatives, and the residuals.
+  Matrix values;
+  Eigen::Index first = 0;  // of the derivatives
+
+  bool IsEmpty() const { return values.cols() == 0; }
+  auto jacobian() const {
+    return values.middleCols(first, values.cols() - 1 - first);
+  }
+  auto residuals() const { return values.col(values.cols() - 1); }
+};
+
+// So many columns, or up to three more: products by four columns at a time take
+// a fifth longer where one is left over.
+constexpr Eigen::Index WholeFours(Eigen::Index columns) {
+  return (columns + 3) / 4 * 4;
+}
 
 // With the residual r = (sensor's prediction - measured) / sigma of a sample
 // and a loss rho(r^2), the weighted residual is r sqrt(rho'(r^2)): its square's
@@ -40,15 +62,10 @@ class ResidualRows {
 
   // Half the sum of rho(r^2).
   double cost() const { return cost_; }
-  // channels * samples, channels fastest.
-  const Vector& residuals() const { return residuals_; }
-  // As many rows; columns as AddSensorColumns has them.
-  const Matrix& jacobian() const { return jacobian_; }
-  // Hands both over, without a copy.
-  void Swap(Vector* residuals, Matrix* jacobian) {
-    residuals_.swap(*residuals);
-    jacobian_.swap(*jacobian);
-  }
+  // Columns of the derivatives as AddSensorColumns has them.
+  const SegmentRows& rows() const { return rows_; }
+  // Hands them over, without a copy.
+  void Swap(SegmentRows* rows) { std::swap(rows_, *rows); }
 
  private:
   const IdentificationProblem& problem_;
@@ -56,8 +73,7 @@ class ResidualRows {
   RobustLoss loss_;
   double loss_scale_;
   double cost_ = 0.0;
-  Vector residuals_;
-  Matrix jacobian_;
+  SegmentRows rows_;
 };
 
 }  // namespace pinode

@@ -84,7 +84,7 @@ std::vector<bool> ShowBySensors(const ParameterLayout& layout,
   Matrix no_rows(shown->size(), 0);
   std::vector<bool> valid(static_cast<size_t>(shown->size()), true);
   ApplySensors(layout, parameters, record, false,
-               Eigen::Map<Vector>(shown->data(), shown->size()), &no_rows,
+               Eigen::Map<Vector>(shown->data(), shown->size()), no_rows,
                &valid);
   if (record.filter != nullptr) {
     Matrix history = shown->transpose();

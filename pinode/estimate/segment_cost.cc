@@ -137,9 +137,10 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
   }
   rows_.Compute(data_, sigmas_, all, first_, first_ == 0 && !HasGap(), columns,
                 tangents_);
-  const Eigen::Index count = rows_.residuals().size();
+  const auto weighted = rows_.rows().residuals();
+  const Eigen::Index count = weighted.size();
   Eigen::Map<Vector> r(residuals, num_residuals());
-  r.head(count) = rows_.residuals();
+  r.head(count) = weighted;
   const Vector inverse = gap_sigmas_.cwiseInverse();
   if (HasGap()) {
     r.tail(ns) = inverse.cwiseProduct(
@@ -151,7 +152,7 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
     if (!derive || jacobians[block] == nullptr) return;
     Eigen::Map<RowMajorMatrix> jacobian(jacobians[block], num_residuals(),
                                         size);
-    jacobian.topRows(count) = rows_.jacobian().middleCols(column, size);
+    jacobian.topRows(count) = rows_.rows().jacobian().middleCols(column, size);
     if (HasGap()) {
       jacobian.bottomRows(ns) =
           inverse.asDiagonal() * end_sensitivity_.middleCols(column, size);

@@ -88,7 +88,7 @@ LinearRecord::Point SegmentSweep::PointOf(size_t record, const Matrix& starts,
 
 bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
                                  bool with_parameters, int num_threads,
-                                 bool together, FreeEquations* sum) {
+                                 bool together, Matrix* sum) {
   ShootingRecord& record = *records_[r];
   const SegmentColumns columns = ColumnsOf(record, with_parameters);
   LinearRecord::Equations equations;
@@ -114,15 +114,17 @@ bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
   }
   // What all have found together is added up once.
   if (!with_parameters || (together && communicator_.rank() > 0)) return true;
-  sum->hessian.bottomRightCorner(nf, nf) +=
+  const Eigen::Index last = sum->rows() - 1;
+  sum->block(last - nf, last - nf, nf, nf) +=
       equations.hessian.bottomRightCorner(nf, nf);
-  sum->gradient += equations.gradient.tail(nf);
+  sum->row(last).segment(last - nf, nf) +=
+      equations.gradient.tail(nf).transpose();
   return true;
 }
 
 bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                                    bool with_parameters, bool alone,
-                                   Thread* thread, FreeEquations* sum) {
+                                   Thread* thread, Matrix* sum) {
   ShootingRecord* record = records_[r].get();
   const int ns = problem_.dynamics->num_states();
   const Eigen::Index first = record->first_sample(segment);
@@ -149,7 +151,8 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
   }
   work.rows.Compute(record->data(), record->sigmas(), *parameters_, first,
                     record->num_segments() == 1, columns, tangents);
-  const Vector& residuals = work.rows.residuals();
+  const SegmentRows& rows = work.rows.rows();
+  const auto residuals = rows.residuals();
   result.cost = work.rows.cost();
   const Eigen::Index channels = record->sigmas().size();
   result.squares = Eigen::Map<const Matrix>(residuals.data(), channels,
@@ -158,15 +161,14 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                        .squaredNorm()
                        .cwiseProduct(record->sigmas().cwiseAbs2());
   record->ends().col(segment) = tangents.end_state;
-  const Matrix& rows = work.rows.jacobian();
-  const auto by_parameters =
-      rows.rightCols(with_parameters ? layout_.num_free() : 0);
+  const int nf = with_parameters ? layout_.num_free() : 0;
   if (with_start) {
-    const auto by_start = rows.leftCols(ns);
-    result.start_gradient.noalias() = by_start.transpose() * residuals;
     if (sum == nullptr) {
+      const auto by_start = rows.jacobian().leftCols(ns);
       result.start_hessian.noalias() = by_start.transpose() * by_start;
-      result.cross.noalias() = by_parameters.transpose() * by_start;
+      result.start_gradient.noalias() = by_start.transpose() * residuals;
+      result.cross.noalias() =
+          rows.jacobian().rightCols(nf).transpose() * by_start;
     }
     AddSensorColumns(layout_, ns, columns, tangents.end_sensitivity,
                      &result.end_sensitivity);
@@ -176,22 +178,23 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
   }
   if (sum == nullptr) return true;
 
-  // One update for all columns. Those of the start, in the sum's first ones,
-  // are this segment's alone.
-  const int nf = layout_.num_free();
-  sum->hessian.leftCols(ns).setZero();
-  sum->hessian.bottomRightCorner(rows.cols(), rows.cols())
+  // One update for all columns. Those of the start are this segment's alone.
+  const Eigen::Index columns_in_use = rows.values.cols();
+  const Eigen::Index last_row = sum->rows() - 1;
+  const Eigen::Index start = last_row - nf - ns;
+  sum->middleCols(start, ns).setZero();
+  sum->bottomRightCorner(columns_in_use, columns_in_use)
       .selfadjointView<Eigen::Lower>()
-      .rankUpdate(rows.transpose());
+      .rankUpdate(rows.values.transpose());
   if (with_start) {
     result.start_hessian =
-        sum->hessian.topLeftCorner(ns, ns).selfadjointView<Eigen::Lower>();
-    result.cross = sum->hessian.bottomLeftCorner(nf, ns);
+        sum->block(start, start, ns, ns).selfadjointView<Eigen::Lower>();
+    result.cross = sum->block(start + ns, start, nf, ns);
+    result.start_gradient = sum->row(last_row).segment(start, ns).transpose();
   }
-  sum->gradient.noalias() += by_parameters.transpose() * residuals;
   if (keeps_rows_ && record->num_segments() == 1) {
     SegmentRows& kept = record->kept_rows();
-    work.rows.Swap(&kept.residuals, &kept.jacobian);
+    work.rows.Swap(&kept);
   }
   return true;
 }
@@ -210,21 +213,23 @@ bool SegmentSweep::BendRecord(size_t r, const Vector& start, const Vector& step,
   }
   work.rows.Compute(record.data(), record.sigmas(), *parameters_, 0, true,
                     SegmentColumns::kNone, work.tangents);
-  if (kept.residuals.size() != work.rows.residuals().size()) return false;
-  const Eigen::Index by_start = kept.jacobian.cols() - step.size();
-  const auto by_parameters = kept.jacobian.rightCols(step.size());
-  Vector second = (work.rows.residuals() - kept.residuals) / share;
+  const auto moved = work.rows.rows().residuals();
+  if (kept.IsEmpty() || kept.values.rows() != moved.size()) return false;
+  const auto jacobian = kept.jacobian();
+  const Eigen::Index by_start = jacobian.cols() - step.size();
+  const auto by_parameters = jacobian.rightCols(step.size());
+  Vector second = (moved - kept.residuals()) / share;
   second.noalias() -= by_parameters * step;
   if (by_start > 0) {
-    second.noalias() -= kept.jacobian.leftCols(by_start) *
-                        Vector(record.start_sensitivity() * step);
+    second.noalias() -=
+        jacobian.leftCols(by_start) * Vector(record.start_sensitivity() * step);
   }
   second *= 2.0 / share;
   projected.noalias() = by_parameters.transpose() * second;
   if (by_start > 0) {
     projected.noalias() +=
         record.start_sensitivity().transpose() *
-        Vector(kept.jacobian.leftCols(by_start).transpose() * second);
+        Vector(jacobian.leftCols(by_start).transpose() * second);
   }
   return true;
 }
@@ -270,7 +275,7 @@ std::vector<char> SegmentSweep::EvaluateLinear(
   const bool together =
       communicator_.size() > 1 && count < communicator_.size();
   std::vector<char> done(tasks.size(), 0);
-  const auto evaluate = [&](size_t t, int num_threads, FreeEquations* sum) {
+  const auto evaluate = [&](size_t t, int num_threads, Matrix* sum) {
     const auto r = static_cast<size_t>(tasks[t].first);
     done[t] = EvaluateWhole(r, *starts[r], with_parameters, num_threads,
                             together, sum);
@@ -450,9 +455,9 @@ bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,
   const Eigen::Index ns = problem_.dynamics->num_states();
   const int nc = record.observation().num_channels();
   const int nf = layout_.num_free();
-  const ResidualRows& own = thread.work(with_jacobian).rows;
-  const Vector& values = own.residuals();
-  const Matrix& rows = own.jacobian();
+  const SegmentRows& own = thread.work(with_jacobian).rows.rows();
+  const auto values = own.residuals();
+  const auto rows = own.jacobian();
   Matrix jacobian(rows.rows(), 0);
   if (with_jacobian) {
     jacobian = rows.rightCols(nf);

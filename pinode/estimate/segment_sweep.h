@@ -115,12 +115,12 @@ class SegmentSweep {
   // A record in one piece, where LinearRecord can have it; `together` with the
   // other ranks.
   bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
-                     int num_threads, bool together, FreeEquations* sum);
+                     int num_threads, bool together, Matrix* sum);
   // Step by step; `alone`: with all threads, where that is worth while. `sum`:
   // nullptr where nothing is to be summed.
   bool EvaluateSegment(size_t record, int segment, const Matrix& starts,
                        bool with_parameters, bool alone, Thread* thread,
-                       FreeEquations* sum);
+                       Matrix* sum);
   // Which of the tasks LinearRecord has done; then the others.
   std::vector<char> EvaluateLinear(const std::vector<Task>& tasks,
                                    const std::vector<const Matrix*>& starts,

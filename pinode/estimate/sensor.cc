@@ -26,14 +26,14 @@ void CubicWeights(double u, double* weight, double* slope) {
 
 // Delays one channel; rows and derivative as in ApplySensors.
 void DelayChannel(int channel, int channels, double delay, double dt,
-                  int delay_column, Eigen::Ref<Vector> prediction, Matrix* rows,
-                  std::vector<bool>* valid) {
+                  int delay_column, Eigen::Ref<Vector> prediction,
+                  Eigen::Ref<Matrix> rows, std::vector<bool>* valid) {
   const Eigen::Index samples = prediction.size() / channels;
   Vector before(samples);
-  Matrix rows_before(samples, rows->cols());
+  Matrix rows_before(samples, rows.cols());
   for (Eigen::Index i = 0; i < samples; ++i) {
     before[i] = prediction[i * channels + channel];
-    rows_before.row(i) = rows->row(i * channels + channel);
+    rows_before.row(i) = rows.row(i * channels + channel);
   }
   for (Eigen::Index i = 0; i < samples; ++i) {
     const Eigen::Index row = i * channels + channel;
@@ -49,14 +49,14 @@ void DelayChannel(int channel, int channels, double delay, double dt,
     CubicWeights(position - static_cast<double>(first), weight, slope);
     double value = 0.0;
     double rate = 0.0;
-    rows->row(row).setZero();
+    rows.row(row).setZero();
     for (int a = 0; a < 4; ++a) {
       value += weight[a] * before[first + a];
       rate += slope[a] * before[first + a];
-      rows->row(row) += weight[a] * rows_before.row(first + a);
+      rows.row(row) += weight[a] * rows_before.row(first + a);
     }
     prediction[row] = value;
-    if (delay_column >= 0) (*rows)(row, delay_column) = -rate / dt;
+    if (delay_column >= 0) rows(row, delay_column) = -rate / dt;
   }
 }
 
@@ -64,11 +64,11 @@ void DelayChannel(int channel, int channels, double delay, double dt,
 
 void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   const IdentificationRecord& record, bool with_parameters,
-                  Eigen::Ref<Vector> prediction, Matrix* rows,
+                  Eigen::Ref<Vector> prediction, Eigen::Ref<Matrix> rows,
                   std::vector<bool>* valid) {
   const int channels = static_cast<int>(record.channels.size());
   const Eigen::Index samples = prediction.size() / channels;
-  const int first_free = static_cast<int>(rows->cols()) - layout.num_free();
+  const int first_free = static_cast<int>(rows.cols()) - layout.num_free();
   // Column of a sensor parameter, -1 where fixed or not asked for.
   const auto column = [&](int sensor) {
     if (sensor < 0 || !with_parameters) return -1;
@@ -88,9 +88,9 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
       const double gain = value(channel.gain);
       for (Eigen::Index i = 0; i < samples; ++i) {
         const Eigen::Index row = i * channels + c;
-        rows->row(row) *= gain;
+        rows.row(row) *= gain;
         if (column(channel.gain) >= 0) {
-          (*rows)(row, column(channel.gain)) = prediction[row];
+          rows(row, column(channel.gain)) = prediction[row];
         }
         prediction[row] *= gain;
       }
@@ -100,7 +100,7 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
         const Eigen::Index row = i * channels + c;
         prediction[row] += value(channel.offset);
         if (column(channel.offset) >= 0) {
-          (*rows)(row, column(channel.offset)) = 1.0;
+          rows(row, column(channel.offset)) = 1.0;
         }
       }
     }

@@ -25,7 +25,7 @@ namespace pinode {
 // parameters: the full vector of `layout`.
 void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
                   const IdentificationRecord& record, bool with_parameters,
-                  Eigen::Ref<Vector> prediction, Matrix* rows,
+                  Eigen::Ref<Vector> prediction, Eigen::Ref<Matrix> rows,
                   std::vector<bool>* valid);
 
 }  // namespace pinode

@@ -65,7 +65,7 @@ class SensorTest : public ::testing::Test {
     Vector parameters = layout.InitialValues();
     parameters.tail(3) = sensors;
     ApplySensors(layout, parameters, record_, true, shown.prediction,
-                 &shown.rows, &shown.valid);
+                 shown.rows, &shown.valid);
     return shown;
   }
 
@@ -143,7 +143,7 @@ TEST_F(SensorTest, ReproducesADelayedSine) {
     std::vector<bool> valid(2 * kSamples, true);
     Vector parameters = layout.InitialValues();
     parameters[layout.num_dynamics() + 2] = fraction * kStep;
-    ApplySensors(layout, parameters, record_, false, prediction, &rows, &valid);
+    ApplySensors(layout, parameters, record_, false, prediction, rows, &valid);
     double worst = 0.0;
     int count = 0;
     for (int i = 0; i < kSamples; ++i) {
@@ -171,8 +171,8 @@ TEST_F(SensorTest, TooFewSamplesForADelayAreInvalid) {
   Vector prediction = Vector::Ones(2 * 3);
   Matrix rows(2 * 3, 0);
   std::vector<bool> valid(2 * 3, true);
-  ApplySensors(layout, layout.InitialValues(), record_, false, prediction,
-               &rows, &valid);
+  ApplySensors(layout, layout.InitialValues(), record_, false, prediction, rows,
+               &valid);
   EXPECT_EQ(valid, (std::vector<bool>{true, false, true, false, true, false}));
 }
 

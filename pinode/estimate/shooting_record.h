@@ -14,6 +14,7 @@
 #include "pinode/estimate/block_tridiagonal.h"
 #include "pinode/estimate/gap_penalty.h"
 #include "pinode/estimate/identification_problem.h"
+#include "pinode/estimate/residual_rows.h"
 #include "pinode/integrate/integration_grid.h"
 
 namespace pinode {
@@ -37,13 +38,6 @@ struct SegmentResult {
   Matrix end_sensitivity;  // num_states x (num_states [+ num_free])
   Eigen::Index failed_sample = -1;
   int failed_state = -1;
-};
-
-// Weighted residuals of a segment, channels * samples, channels fastest, and
-// their derivatives by start (where it is free) and free parameters.
-struct SegmentRows {
-  Vector residuals;
-  Matrix jacobian;
 };
 
 // A record's part of

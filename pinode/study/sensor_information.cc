@@ -145,14 +145,15 @@ class RecordLinearizer {
     const auto count = static_cast<Eigen::Index>(record.channels.size());
     rows.Compute(record, Vector::Ones(count), parameters_, 0, true, columns_,
                  tangents);
-    const Matrix& jacobian = rows.jacobian();
+    const auto jacobian = rows.rows().jacobian();
+    const auto residuals = rows.rows().residuals();
     const Eigen::Index samples = jacobian.rows() / count;
     Matrix own(samples, jacobian.cols());
     for (Eigen::Index c = 0; c < count; ++c) {
       double squares = 0.0;
       for (Eigen::Index i = 0; i < samples; ++i) {
         own.row(i) = jacobian.row(i * count + c);
-        squares += std::pow(rows.residuals()[i * count + c], 2.0);
+        squares += std::pow(residuals[i * count + c], 2.0);
       }
       information->rms[static_cast<Eigen::Index>(first) + c] =
           std::sqrt(squares / static_cast<double>(samples));
