@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
 # The same fit on one thread, on several, and on several ranks of an MPI job:
 # seconds of wall time an iteration and for all of them, how many times faster
-# than one thread, and by how much the parameters differ.
+# than one thread, and by how much the parameters differ. Rounds of all in turns
+# (PINODE_ROUNDS, 5), of which medians. The rows "apart" are so many processes
+# that know nothing of each other: how many times one thread's work the machine
+# does at the same time, which no sharing can pass.
 #
 #   tests/benchmarks/ranks.sh [CASE_FILE ...]
 #
@@ -51,12 +54,39 @@ difference() {
     }
     END {printf "%.1e", most}'
 }
+# Of the numbers in column $2 of file $1.
+median() {
+  awk -v c="$2" '{print $c}' "$1" | sort -g |
+    awk '{v[NR] = $1} END {print v[int((NR + 1) / 2)]}'
+}
+# One run of `what`, whose times go to their file.
+run() {
+  local what=$1 folder=$2
+  shift 2
+  "$@" --output_dir="$folder" >/dev/null 2>&1 || true
+  { times "$folder"; echo; } >>"$work/$what"
+}
+# What several processes that have nothing to do with each other take at the
+# same time: more than one alone where they share memory or a core.
+side_by_side() {
+  local count=$1
+  for ((k = 1; k <= count; ++k)); do
+    "${update[@]}" --threads=1 --output_dir="$work/apart$k" \
+      >/dev/null 2>&1 &
+  done
+  wait
+  for ((k = 1; k <= count; ++k)); do
+    { times "$work/apart$k"; echo; } >>"$work/$count apart"
+  done
+}
 show() {
-  local folder=$1 what=$2 each all
-  read -r each all <<<"$(times "$folder")"
+  local what=$1 folder=$2 each all share=${3:-1}
+  each=$(median "$work/$what" 1) all=$(median "$work/$what" 2)
   printf '  %-10s %10s %8s %8s %8s  %s\n' "$what" "$each" "$all" \
-    "$(awk -v a="$one_each" -v b="$each" 'BEGIN {printf "%.2f", a / b}')" \
-    "$(awk -v a="$one_all" -v b="$all" 'BEGIN {printf "%.2f", a / b}')" \
+    "$(awk -v a="$one_each" -v b="$each" -v s="$share" \
+      'BEGIN {printf "%.2f", s * a / b}')" \
+    "$(awk -v a="$one_all" -v b="$all" -v s="$share" \
+      'BEGIN {printf "%.2f", s * a / b}')" \
     "$(difference "$folder")"
 }
 
@@ -65,15 +95,22 @@ for case in "${cases[@]}"; do
   printf '  %-10s %10s %8s %8s %8s  %s\n' '' 's each' 's all' times times differs
   update=("$build/apps/pinode_update" --case="$case" --overwrite
     --progress=false)
-  "${update[@]}" --output_dir="$work/one" --threads=1 >/dev/null 2>&1 || true
-  read -r one_each one_all <<<"$(times "$work/one")"
-  show "$work/one" "1 thread"
+  rm -f -- "$work"/*' thread'* "$work"/*' ranks' "$work"/*' apart'
+  for ((round = 1; round <= ${PINODE_ROUNDS:-5}; ++round)); do
+    run '1 thread' "$work/one" "${update[@]}" --threads=1
+    for count in ${PINODE_WORKERS:-2}; do
+      run "$count threads" "$work/threads$count" "${update[@]}" \
+        --threads="$count"
+      run "$count ranks" "$work/ranks$count" mpirun -n "$count" \
+        "${update[@]}" --threads=1
+      side_by_side "$count"
+    done
+  done
+  one_each=$(median "$work/1 thread" 1) one_all=$(median "$work/1 thread" 2)
+  show '1 thread' "$work/one"
   for count in ${PINODE_WORKERS:-2}; do
-    "${update[@]}" --output_dir="$work/other" --threads="$count" \
-      >/dev/null 2>&1 || true
-    show "$work/other" "$count threads"
-    mpirun -n "$count" "${update[@]}" --output_dir="$work/other" --threads=1 \
-      >/dev/null 2>&1 || true
-    show "$work/other" "$count ranks"
+    show "$count threads" "$work/threads$count"
+    show "$count ranks" "$work/ranks$count"
+    show "$count apart" "$work/apart1" "$count"
   done
 done

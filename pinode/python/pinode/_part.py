@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -47,24 +48,41 @@ def as_list(values: Any) -> Any:
     return values.tolist() if hasattr(values, "tolist") else values
 
 
-def as_strings(names: Any) -> Any:
+def as_sequence(name: str, values: Any) -> list[Any]:
+    """The values of an argument that is to be a list."""
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        raise Error(f"{name} is a value of type {type(values).__name__}, expected a list")
+    return list(values)
+
+
+def as_mapping(name: str, values: Any) -> dict[str, Any]:
+    """The values of an argument that is to be a dictionary."""
+    if not isinstance(values, Mapping):
+        raise Error(f"{name} is a value of type {type(values).__name__}, expected a dictionary")
+    return dict(values)
+
+
+def as_strings(name: str, names: Any) -> Any:
     """Names of NumPy as Python's own."""
     if names is None or isinstance(names, str):
         return names
-    return [str(name) if isinstance(name, np.str_) else name for name in names]
+    return [str(n) if isinstance(n, np.str_) else n for n in as_sequence(name, names)]
+
+
+def as_path(name: str, path: Any) -> str:
+    """The text of an argument that is to be a path."""
+    try:
+        text = os.fspath(path)
+    except TypeError:
+        text = None
+    if not isinstance(text, str):
+        raise Error(f"{name} is a value of type {type(path).__name__}, expected a path")
+    return text
 
 
 def as_folder(output: Any, mat: bool = False) -> str:
     """The folder `output` of results; "": none is written."""
-    try:
-        path = os.fspath(output)
-    except TypeError:
-        path = None
-    if not isinstance(path, str):
-        raise Error(
-            f"output is a value of type {type(output).__name__}, expected the "
-            "path of a folder"
-        )
+    path = as_path("output", output)
     if mat and not path:
         raise Error(
             "mat=True writes results.mat into the folder of results, and there is "

@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ._part import as_path, as_sequence
 from ._pinode import Error
 from .parts import FiniteElementModel, Group
 
@@ -71,7 +72,8 @@ def export(
     Steps of the deck are left out, but for the supports of the first. Raises
     pinode.Error where the deck or `ccx` do not do.
     """
-    deck = Path(deck)
+    deck = Path(as_path("deck", deck))
+    sets = as_sequence("sets", sets)
     if not factor > 0.0 or factor in (1.0, float("inf")):
         raise Error(f"factor is {factor!r}, expected a positive number other than 1")
     if shutil.which(ccx) is None:

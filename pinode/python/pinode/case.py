@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._part import as_folder
+from ._part import as_folder, as_mapping, as_path
 from ._pinode import Error
 from .measurements import Record
 from .progress import watched
@@ -104,7 +104,7 @@ class Case:
     def read(cls, path: str | os.PathLike[str], *, simulation: bool = False) -> "Case":
         """The case of a file; `simulation`: its responses are not read."""
         purpose = "simulation" if simulation else "check"
-        return cls._of(_pinode.CaseHandle.read(os.fspath(path), purpose))
+        return cls._of(_pinode.CaseHandle.read(as_path("path", path), purpose))
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], *, path: str = "") -> "Case":
@@ -112,7 +112,7 @@ class Case:
 
         path: where it would stand, for messages and relative paths.
         """
-        return cls._of(_pinode.CaseHandle.from_tree(dict(tree), path, "check"))
+        return cls._of(_pinode.CaseHandle.from_tree(as_mapping("tree", tree), path, "check"))
 
     def replace(self, **parts: Any) -> "Case":
         """The same case with other parts, such as the records of another day."""
@@ -189,7 +189,7 @@ class Case:
         """Writes case.toml, and files for its arrays, to `folder`."""
         if self.path:
             raise Error(f"the case is in a file already: {self.path}")
-        self._handle.save(os.fspath(folder))
+        self._handle.save(as_path("folder", folder))
 
     # What can be done with it.
 
@@ -436,7 +436,8 @@ def _handle_of_fit(fit: Any) -> Any:
 def _purpose(records: Sequence[Mapping[str, Any]] | None, plan: bool) -> str:
     """What a case with these records can be for: "check", which is for fits too,
     where all responses are there."""
-    own = [r for r in records or () if isinstance(r, Record)]
+    listed = records if isinstance(records, (list, tuple)) else ()
+    own = [r for r in listed if isinstance(r, Record)]
     if plan and any(r.is_for_simulation or not r.get("channel") for r in own):
         return "planning"
     return "simulation" if any(r.is_for_simulation for r in own) else "check"

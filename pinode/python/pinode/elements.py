@@ -35,6 +35,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from . import _pinode
+from ._part import as_path, as_sequence
 from ._pinode import Error
 
 _HEADER = "pinode/dynamics/own_element.h"
@@ -69,8 +70,8 @@ def build(
         raise Error(f"source is a value of type {type(source).__name__}, expected a text or a path")
     if shutil.which(compiler) is None:
         raise Error(f"the compiler '{compiler}' is not installed, expected one of C++")
-    target = Path(library).absolute()
-    paths = [*map(os.fspath, include), *include_paths()]
+    target = Path(as_path("library", library)).absolute()
+    paths = [*(as_path("include", path) for path in as_sequence("include", include)), *include_paths()]
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(source, os.PathLike) or "{" not in source:
             file = Path(source)

@@ -6,6 +6,8 @@ where there is nothing to draw.
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +27,7 @@ from ._drawing import (
 )
 from ._histories import forces, loops, prediction
 from ._mode_shapes import shape_pairs
+from ._pinode import Error
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -433,3 +436,17 @@ def equation_features(outcome: Any, *, most: int = 6) -> "Figure | None":
         ax.set_xlabel(label(samples["feature"], samples["feature_unit"]))
         ax.set_ylabel(label(samples["output"], samples["unit"]))
     return figure
+
+
+def _of_results(draw: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(draw)
+    def call(outcome: Any, *args: Any, **kwargs: Any) -> Any:
+        if not hasattr(outcome, "figures"):
+            raise Error(f"figures of a {type(outcome).__name__}, expected a result")
+        return draw(outcome, *args, **kwargs)
+
+    return call
+
+
+for _name in __all__:
+    globals()[_name] = _of_results(globals()[_name])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
+from ._part import as_path
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -63,7 +64,7 @@ class Simulation(Mapping):
             self._case._handle,
             self._records,
             **self._noise,
-            path=os.fspath(folder),
+            path=as_path("folder", folder),
             overwrite=overwrite,
             mat=mat,
         )

@@ -45,6 +45,7 @@ def frame(outcome: Any, what: str) -> "pandas.DataFrame":
     What a result has none of is a frame without rows.
     """
     pandas = _pandas()
+    _expect(outcome, "figures")
     if not isinstance(what, str):
         raise Error(f"a frame of a {type(what).__name__}, expected a name")
     make = _FRAMES.get(what)
@@ -62,6 +63,7 @@ def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
         record, 0 for none.
     """
     pandas = _pandas()
+    _expect(found, "places")
     if what == "modes":
         rows = []
         for mode in found:
@@ -103,6 +105,7 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
     durations: what is reached with shorter records.
     """
     pandas = _pandas()
+    _expect(plan, "deviations")
     if what == "sensors":
         return _rows(pandas, list(plan), "name", ["name"])
     if what == "deviations":
@@ -118,6 +121,7 @@ def of_simulation(
 ) -> "pandas.DataFrame":
     """The channels of a simulated record, the first unless named, by time."""
     pandas = _pandas()
+    _expect(simulation, "keys")
     if record is None:
         record = next(iter(simulation))
     if record not in simulation:
@@ -126,6 +130,11 @@ def of_simulation(
     return pandas.DataFrame(
         response["channels"], index=pandas.Index(response["time"], name="time")
     )
+
+
+def _expect(outcome: Any, attribute: str) -> None:
+    if not hasattr(outcome, attribute):
+        raise Error(f"a frame of a {type(outcome).__name__}, expected a result")
 
 
 def _no_such(what: Any, expected: str) -> Error:

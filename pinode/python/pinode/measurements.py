@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ._part import ArrayLike, Part, as_list, as_matrix
+from ._part import ArrayLike, Part, as_list, as_matrix, as_sequence
 from ._pinode import Error
 
 
@@ -150,7 +150,7 @@ class Record(Part):
                 columns.signal(value, f"{key}_{at}", {place: at})
                 for at, value in given.items()
             ]
-        tables = [_channel_table(name, columns, channel) for channel in channels]
+        tables = [_channel_table(name, columns, channel) for channel in as_sequence("channels", channels)]
         super().__init__(
             name=name,
             file=columns.file(),

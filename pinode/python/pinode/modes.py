@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._part import as_folder
+from ._part import as_folder, as_path, as_sequence
 from ._pinode import Error
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class IdentifiedModes(Sequence):
         with results.mat, for MATLAB and Octave."""
         if self._handle is None:
             raise Error("modes from a pickle are without their records: save the folder before")
-        self._handle.save(os.fspath(folder), overwrite, mat)
+        self._handle.save(as_path("folder", folder), overwrite, mat)
 
     def figures(self) -> "dict[str, Any]":
         """Of matplotlib, by name: the stabilisation diagram of each record, the
@@ -183,8 +183,8 @@ def identify_modes(
         "block_rows": block_rows,
         "max_order": max_order,
         "max_damping_ratio": max_damping_ratio,
-        "references": None if references is None else _as_list("references", references),
-        "pick": None if pick is None else _as_list("pick", pick),
+        "references": None if references is None else as_sequence("references", references),
+        "pick": None if pick is None else as_sequence("pick", pick),
     }
     options = {key: value for key, value in options.items() if value is not None}
     output = as_folder(output)
@@ -225,7 +225,7 @@ def _of_case(records: Any, options: dict[str, Any]) -> Any:
     ):
         tree, path = dict(records), ""
     elif isinstance(records, (str, os.PathLike)):
-        path = os.fspath(records)
+        path = as_path("records", records)
         if not options:
             return _pinode.ModesHandle.read(path)
         tree = _pinode.toml_tree(path)
@@ -242,7 +242,7 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
     values = _columns(setup["values"])
     count = values.shape[1] if values.ndim == 2 else 0
     places = setup.get("names", one["names"])
-    places = [f"a{i + 1}" for i in range(count)] if places is None else list(places)
+    places = [f"a{i + 1}" for i in range(count)] if places is None else as_sequence("names", places)
     step = setup.get("step", one["step"])
     if step is None:
         raise Error(f"set-up '{name}': 'step' is missing, expected seconds")
@@ -263,14 +263,8 @@ def _columns(values: Any) -> np.ndarray:
     return values[:, None] if values.ndim == 1 else values
 
 
-def _as_list(name: str, values: Any) -> list[Any]:
-    if isinstance(values, str) or not hasattr(values, "__iter__"):
-        raise Error(f"{name} is a {type(values).__name__}, expected a list")
-    return list(values)
-
-
 def _derivatives(quantity: str | Sequence[str], count: int) -> list[int]:
-    quantities = [quantity] * count if isinstance(quantity, str) else list(quantity)
+    quantities = [quantity] * count if isinstance(quantity, str) else as_sequence("quantity", quantity)
     for name in quantities:
         if name not in _DERIVATIVES:
             raise Error(

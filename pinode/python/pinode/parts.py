@@ -14,7 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from ._part import ArrayLike, Part, as_list, as_matrix, as_strings
+from ._part import (
+    ArrayLike,
+    Part,
+    as_list,
+    as_mapping,
+    as_matrix,
+    as_path,
+    as_sequence,
+    as_strings,
+)
 
 
 class Model(Part):
@@ -43,7 +52,7 @@ class Model(Part):
             shape = np.shape(mass) if not hasattr(mass, "tocsc") else mass.shape
             dofs = [f"u{i + 1}" for i in range(shape[0] if shape else 0)]
         super().__init__(
-            dofs=as_strings(dofs),
+            dofs=as_strings("dofs", dofs),
             mass=as_matrix(mass),
             stiffness=as_matrix(stiffness),
             damping=as_matrix(damping),
@@ -76,7 +85,7 @@ class ShearBuilding(Part):
                 dampers=as_list(dampers),
             ),
             damping=damping,
-            dofs=as_strings(dofs),
+            dofs=as_strings("dofs", dofs),
             **keys,
         )
 
@@ -110,8 +119,8 @@ class FiniteElementModel(Part):
                 mass=as_matrix(mass),
                 stiffness=as_matrix(stiffness),
                 damping=as_matrix(exported_damping),
-                dofs=dofs if isinstance(dofs, str) else as_strings(dofs),
-                remove_dofs=as_strings(remove_dofs),
+                dofs=as_strings("dofs", dofs),
+                remove_dofs=as_strings("remove_dofs", remove_dofs),
                 ground_directions=ground_directions,
                 expected_frequencies=as_list(expected_frequencies),
             ),
@@ -179,7 +188,7 @@ class Group(Part):
             name=name,
             adds_to=adds_to,
             matrix=as_matrix(matrix),
-            between=as_strings(between),
+            between=as_strings("between", between),
             storey=storey,
             scale=scale,
             changed_export=as_matrix(changed_export),
@@ -215,9 +224,9 @@ class Element(Part):
         super().__init__(
             name=name,
             type=type,
-            file=None if file is None else os.fspath(file),
-            between=as_strings(between),
-            parameters=dict(parameters) if parameters is not None else None,
+            file=None if file is None else as_path("file", file),
+            between=as_strings("between", between),
+            parameters=None if parameters is None else as_mapping("parameters", parameters),
             optional=optional,
             **keys,
         )
@@ -245,9 +254,9 @@ class Library(Part):
     ) -> None:
         super().__init__(
             name=name,
-            inputs=as_strings(inputs),
+            inputs=as_strings("inputs", inputs),
             output=output,
-            terms=list(terms),
+            terms=as_sequence("terms", terms),
             acts_as=acts_as,
             select=select,
             **keys,
@@ -275,8 +284,8 @@ class Network(Part):
     ) -> None:
         super().__init__(
             name=name,
-            inputs=as_strings(inputs),
-            outputs=as_strings(outputs),
+            inputs=as_strings("inputs", inputs),
+            outputs=as_strings("outputs", outputs),
             layers=as_list(layers),
             activation=activation,
             acts_as=acts_as,

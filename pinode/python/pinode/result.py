@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
-from ._part import as_folder
+from ._part import as_folder, as_mapping, as_path, as_sequence
 from ._pinode import Error
 from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case, Progress
@@ -241,7 +241,7 @@ class _Outcome:
         deck: the input deck of CalculiX or Abaqus that the matrices came from;
             the folder has it as <name>_updated.inp, with what was found.
         """
-        self._handle.save(os.fspath(folder), overwrite, mat, os.fspath(deck))
+        self._handle.save(as_path("folder", folder), overwrite, mat, as_path("deck", deck))
 
     def to_pandas(self, what: str = "parameters") -> "DataFrame":
         """A frame of pandas: "parameters", "history", "stages", "modes",
@@ -293,7 +293,7 @@ class Fit(_Outcome):
         output: a result folder, written as `pinode_discover` does, with a
             checkpoint on the way from which `resume` goes on.
         """
-        case = self.case if options is None else self.case.replace(discover=dict(options))
+        case = self.case if options is None else self.case.replace(discover=as_mapping("options", options))
         with watched(progress, callback) as call:
             return Discovery(
                 _pinode.discover(
@@ -464,7 +464,7 @@ def _baselines(given: Any) -> list[Any]:
     if isinstance(given, (str, os.PathLike, _Outcome, ResultFolder)):
         given = [given]
     result: list[Any] = []
-    for entry in given:
+    for entry in as_sequence("baselines", given):
         if isinstance(entry, _Outcome):
             result.append(entry._handle)
         elif isinstance(entry, ResultFolder):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import _html
+from ._part import as_path
 from ._pinode import Error
 from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case
@@ -20,7 +21,7 @@ class ResultFolder:
     """A result folder on disk."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = Path(as_path("path", path))
         file = self.path / "result.json"
         try:
             self.json: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
@@ -31,28 +32,39 @@ class ResultFolder:
         ):
             raise Error(f"{file}: is no result of pinode, expected its schema")
 
+    def _get(self, key: str, kind: type) -> Any:
+        value = self.json.get(key)
+        if not isinstance(value, kind):
+            raise Error(f"{self.path / 'result.json'}: has no '{key}' of a result")
+        return value
+
     @property
     def usable(self) -> bool:
-        return bool(self.json["usable"])
+        """Whether the programs called the result usable."""
+        return self._get("usable", bool)
 
     @property
     def message(self) -> str:
-        return self.json["message"]
+        """The verdict in a sentence."""
+        return self._get("message", str)
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        return {p["name"]: p for p in self.json["parameters"]}
+        """By name: value, sigma, interval and unit."""
+        return {p["name"]: p for p in self._get("parameters", list)}
 
     def __getitem__(self, name: str) -> float:
         return self.parameters[name]["value"]
 
     @property
     def records(self) -> dict[str, dict[str, Any]]:
-        return {r["name"]: r for r in self.json["records"]}
+        """By name: role and errors of each record."""
+        return {r["name"]: r for r in self._get("records", list)}
 
     @property
     def modes(self) -> list[dict[str, Any]]:
-        return self.json["modes"]
+        """Of the model, before and after, ascending."""
+        return self._get("modes", list)
 
     def prediction(self, record: str) -> dict[str, np.ndarray]:
         """Columns of prediction_<record>.csv."""
@@ -74,14 +86,17 @@ class ResultFolder:
             raise Error(f"{file}: cannot be read as a table: {failure}") from None
         return {name: numbers[:, i] for i, name in enumerate(header)}
 
-    def matrix(self, name: str) -> np.ndarray:
-        """One of its matrices, such as "K.mtx", full."""
+    def matrix(self, name: str, *, sparse: bool = False) -> Any:
+        """One of its matrices, such as "K.mtx", full; `sparse`: as SciPy's CSC."""
         from scipy.io import mmread
+        from scipy.sparse import csc_array
 
         try:
-            matrix = mmread(self.path / name)
+            matrix = mmread(self.path / as_path("name", name))
         except (OSError, ValueError) as failure:
             raise Error(f"{self.path / name}: cannot be read: {failure}") from None
+        if sparse:
+            return csc_array(matrix)
         return matrix.toarray() if hasattr(matrix, "toarray") else matrix
 
     @property
@@ -105,7 +120,7 @@ class ResultFolder:
             f"{self.path}: {self.message if damage is None else damage['message']}",
             _html.table(CHANGE_HEADER, changes),
             tables(self.parameters.values(), self.records.values()),
-            _html.sentences("Remarks:", self.json["remarks"]),
+            _html.sentences("Remarks:", self._get("remarks", list)),
         )
 
 

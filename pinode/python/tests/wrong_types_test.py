@@ -1,0 +1,67 @@
+"""A value of a type that an argument cannot be is a pinode.Error that names it."""
+
+import json
+
+import numpy as np
+import pytest
+
+import pinode
+from pinode import calculix, elements, figures, frames
+
+MODEL = pinode.ShearBuilding([1.0, 1.0], [100.0, 100.0], damping={"ratios": [0.02, 0.02]})
+
+
+def record(**keys):
+    values = np.sin(0.1 * np.arange(200.0))
+    channels = [pinode.Channel("a", values, "absolute_acceleration", dof="u1")]
+    return pinode.Record("r", channels=channels, step=0.01, ground={"x": values},
+                         interpolation="linear", **keys)
+
+
+@pytest.mark.parametrize("name", figures.__all__)
+def test_figures(name):
+    for value in (None, 3, {}):
+        with pytest.raises(pinode.Error, match="expected a result"):
+            getattr(figures, name)(value)
+
+
+@pytest.mark.parametrize("call, named", [
+    (lambda: frames.frame(None, "parameters"), "frame of a NoneType"),
+    (lambda: frames.of_modes(3), "frame of a int"),
+    (lambda: frames.of_plan(3), "frame of a int"),
+    (lambda: frames.of_simulation(3), "frame of a int"),
+    (lambda: pinode.read_case(3), "path"),
+    (lambda: pinode.read_result(3), "path"),
+    (lambda: pinode.Case.from_dict(3), "tree"),
+    (lambda: pinode.Record("r", channels=3, step=0.01), "channels"),
+    (lambda: pinode.Element("e", "linear", ["ground", "u1"], 3), "parameters"),
+    (lambda: pinode.Element("e", "linear", 3), "between"),
+    (lambda: pinode.Element("e", "own", ["ground", "u1"], file=3), "file"),
+    (lambda: pinode.Library("l", ["x[u1]"], "u1", None), "terms"),
+    (lambda: pinode.Library("l", 3, "u1", ["x[u1]"]), "inputs"),
+    (lambda: pinode.Network("n", ["x[u1]"], 3), "outputs"),
+    (lambda: pinode.Group("k1", between=3), "between"),
+    (lambda: pinode.Model(np.eye(1), np.eye(1), dofs=3), "dofs"),
+    (lambda: pinode.identify_modes(np.zeros((100, 2)), step=0.01, names=3), "names"),
+    (lambda: pinode.identify_modes(np.zeros((100, 2)), step=0.01, quantity=3), "quantity"),
+    (lambda: calculix.export(3, ["columns"]), "deck"),
+    (lambda: calculix.export("frame.inp", 3), "sets"),
+    (lambda: elements.build("struct A {};", 3), "library"),
+    (lambda: elements.build("struct A {};", "a.so", include=3), "include"),
+    (lambda: pinode.Case(MODEL).save(3), "folder"),
+    (lambda: pinode.Case(MODEL, records=[record()], groups=[
+        pinode.Group("k1", storey=1)]).damage(3), "baselines"),
+    (lambda: pinode.Case(MODEL).replace(records=3), "record"),
+])
+def test_is_named(call, named):
+    with pytest.raises(pinode.Error, match=named) as failure:
+        call()
+    assert "\n" not in str(failure.value)
+
+
+def test_results_of_nothing(tmp_path):
+    (tmp_path / "result.json").write_text(json.dumps({"schema": "pinode-result-1"}))
+    result = pinode.read_result(tmp_path)
+    for name in ("usable", "message", "parameters", "records", "modes"):
+        with pytest.raises(pinode.Error, match=f"has no '{name}'"):
+            getattr(result, name)
