@@ -57,28 +57,28 @@ Table TableOf(const py::dict& columns, const std::string& where,
   }
   Table table;
   table.path = name;
-  std::vector<Vector> values;
   for (const auto& [key, column] : columns) {
     if (!py::isinstance<py::str>(key)) {
       throw Error(where + " has a column whose name is no text");
     }
     table.columns.push_back(TextOf(key, where));
-    values.push_back(
-        ToVector(column, where + ", column '" + table.columns.back() + "',"));
-    if (values.back().size() != values.front().size()) {
+    const Vector values =
+        ToVector(column, where + ", column '" + table.columns.back() + "',");
+    if (table.columns.size() == 1) {
+      table.values.resize(values.size(),
+                          static_cast<Eigen::Index>(columns.size()));
+    }
+    if (values.size() != table.values.rows()) {
       throw Error(where + ": column '" + table.columns.back() + "' has " +
-                  std::to_string(values.back().size()) + " values, expected " +
-                  std::to_string(values.front().size()) + " as '" +
+                  std::to_string(values.size()) + " values, expected " +
+                  std::to_string(table.values.rows()) + " as '" +
                   table.columns.front() + "' has");
     }
+    table.values.col(static_cast<Eigen::Index>(table.columns.size()) - 1) =
+        values;
   }
-  if (values.front().size() == 0) {
+  if (table.values.rows() == 0) {
     throw Error(where + " has no rows, expected a time history");
-  }
-  table.values.resize(values.front().size(),
-                      static_cast<Eigen::Index>(values.size()));
-  for (size_t i = 0; i < values.size(); ++i) {
-    table.values.col(static_cast<Eigen::Index>(i)) = values[i];
   }
   table.line_numbers.resize(static_cast<size_t>(table.values.rows()));
   std::iota(table.line_numbers.begin(), table.line_numbers.end(), int64_t{1});

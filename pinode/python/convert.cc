@@ -11,7 +11,9 @@ namespace {
 
 namespace py = pybind11;
 
-using Dense = py::array_t<double, py::array::f_style | py::array::forcecast>;
+using Dense = py::array_t<double, py::array::forcecast>;
+using InColumns =
+    py::array_t<double, py::array::f_style | py::array::forcecast>;
 
 std::string TypeName(const py::handle& value) {
   return py::str(py::type::handle_of(value).attr("__name__"));
@@ -25,7 +27,23 @@ std::string ShapeText(const py::array& array) {
   return array.ndim() == 0 ? "a single number" : text;
 }
 
-// Numbers in column order, of as many dimensions as asked for.
+// Whether Eigen can look at the entries where they are.
+bool HasUsualStrides(const Dense& array) {
+  for (py::ssize_t i = 0; i < array.ndim(); ++i) {
+    const py::ssize_t stride = array.strides(i);
+    if (stride < 0 || stride % static_cast<py::ssize_t>(sizeof(double)) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Eigen::Index StrideOf(const Dense& array, py::ssize_t dimension) {
+  return array.strides(dimension) / static_cast<py::ssize_t>(sizeof(double));
+}
+
+// Numbers of as many dimensions as asked for; the caller's own where they are
+// doubles with strides that Eigen takes.
 Dense ToDense(const py::handle& value, int dimensions,
               const std::string& where) {
   py::object source = py::reinterpret_borrow<py::object>(value);
@@ -52,6 +70,7 @@ Dense ToDense(const py::handle& value, int dimensions,
     throw Error(where + " is " + ShapeText(array) + ", expected " + expected);
   }
   Dense dense = Dense::ensure(array);
+  if (dense && !HasUsualStrides(dense)) dense = InColumns::ensure(array);
   if (!dense) {
     PyErr_Clear();
     throw Error(where + " cannot be read, expected " + expected);
@@ -121,7 +140,8 @@ std::string Error::Readable(std::string sentence) {
 
 Vector ToVector(const py::handle& value, const std::string& where) {
   const Dense dense = ToDense(value, 1, where);
-  return Eigen::Map<const Vector>(dense.data(), dense.size());
+  return Eigen::Map<const Vector, 0, Eigen::InnerStride<>>(
+      dense.data(), dense.size(), Eigen::InnerStride<>(StrideOf(dense, 0)));
 }
 
 Matrix ToMatrix(const py::handle& value, const std::string& where) {
@@ -140,7 +160,11 @@ Matrix ToMatrix(const py::handle& value, const std::string& where) {
     return sparse;
   }
   const Dense dense = ToDense(source, 2, where);
-  return Eigen::Map<const Matrix>(dense.data(), dense.shape(0), dense.shape(1));
+  return Eigen::Map<const Matrix, 0,
+                    Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>(
+      dense.data(), dense.shape(0), dense.shape(1),
+      Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(StrideOf(dense, 1),
+                                                    StrideOf(dense, 0)));
 }
 
 bool IsSparse(const py::handle& value) { return py::hasattr(value, "tocsc"); }

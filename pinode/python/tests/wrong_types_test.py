@@ -65,3 +65,24 @@ def test_results_of_nothing(tmp_path):
     for name in ("usable", "message", "parameters", "records", "modes"):
         with pytest.raises(pinode.Error, match=f"has no '{name}'"):
             getattr(result, name)
+
+
+def test_arrays_in_any_order():
+    values = np.sin(0.1 * np.arange(400.0)).reshape(2, 200) + np.arange(200.0)
+    packed = np.zeros(200, dtype=[("flag", "u1"), ("a", "f8")])
+    packed["a"] = values[1]
+    plain = np.ascontiguousarray(values[1])
+    strided = np.asfortranarray(values)[1]
+    backwards = plain[::-1].copy()[::-1]
+    assert strided.strides == (16,) and backwards.strides[0] < 0
+    for column in (plain, strided, backwards, packed["a"], plain.astype(">f8")):
+        tree = pinode.Case(MODEL, records=[pinode.Record(
+            "r", channels=[pinode.Channel("a", column, dof="u1")], step=0.01,
+            ground={"x": column}, interpolation="linear")])
+        assert np.array_equal(tree.measured("r")["a"], plain)
+    stiffness = np.arange(1.0, 10.0).reshape(3, 3) + 20.0 * np.eye(3)
+    stiffness = stiffness + stiffness.T
+    for matrix in (stiffness, np.asfortranarray(stiffness), stiffness[::-1, ::-1].copy()[::-1, ::-1],
+                   np.kron(stiffness, np.ones((2, 2)))[::2, ::2]):
+        case = pinode.Case(pinode.Model(np.eye(3), matrix, {"ratios": [0.02]}))
+        assert np.array_equal(case.stiffness, stiffness)
