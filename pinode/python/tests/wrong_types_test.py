@@ -76,10 +76,10 @@ def test_arrays_in_any_order():
     backwards = plain[::-1].copy()[::-1]
     assert strided.strides == (16,) and backwards.strides[0] < 0
     for column in (plain, strided, backwards, packed["a"], plain.astype(">f8")):
-        tree = pinode.Case(MODEL, records=[pinode.Record(
-            "r", channels=[pinode.Channel("a", column, dof="u1")], step=0.01,
-            ground={"x": column}, interpolation="linear")])
-        assert np.array_equal(tree.measured("r")["a"], plain)
+        case = pinode.Case(MODEL, groups=[pinode.Group("k1", storey=1)], records=[
+            pinode.Record("r", channels=[pinode.Channel("a", column, dof="u1")], step=0.01,
+                          ground={"x": column}, interpolation="linear")])
+        assert np.array_equal(case.measured("r")["a"], plain)
     stiffness = np.arange(1.0, 10.0).reshape(3, 3) + 20.0 * np.eye(3)
     stiffness = stiffness + stiffness.T
     for matrix in (stiffness, np.asfortranarray(stiffness), stiffness[::-1, ::-1].copy()[::-1, ::-1],
