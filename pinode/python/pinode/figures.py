@@ -7,6 +7,7 @@ where there is nothing to draw.
 from __future__ import annotations
 
 import functools
+import numbers
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -441,9 +442,15 @@ def equation_features(outcome: Any, *, most: int = 6) -> "Figure | None":
 def _of_results(draw: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(draw)
     def call(outcome: Any, *args: Any, **kwargs: Any) -> Any:
-        if not hasattr(outcome, "figures"):
+        if outcome is None or isinstance(outcome, (numbers.Number, str)) or type(outcome) is dict:
             raise Error(f"figures of a {type(outcome).__name__}, expected a result")
-        return draw(outcome, *args, **kwargs)
+        try:
+            return draw(outcome, *args, **kwargs)
+        except AttributeError as failure:
+            # Python 3.9 does not say whose attribute is missing.
+            if getattr(failure, "obj", outcome) is not outcome:
+                raise
+        raise Error(f"figures of a {type(outcome).__name__}, expected a result")
 
     return call
 

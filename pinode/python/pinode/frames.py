@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+import numbers
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +18,26 @@ if TYPE_CHECKING:
 __all__ = ["frame", "of_modes", "of_plan", "of_simulation"]
 
 
+def _of_results(make: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(make)
+    def call(outcome: Any, *args: Any, **kwargs: Any) -> Any:
+        if outcome is None or isinstance(outcome, (numbers.Number, str, bytes)):
+            raise _no_result(outcome)
+        try:
+            return make(outcome, *args, **kwargs)
+        except AttributeError as failure:
+            # Python 3.9 does not say whose attribute is missing.
+            if getattr(failure, "obj", outcome) is not outcome:
+                raise
+        raise _no_result(outcome)
+
+    return call
+
+
+def _no_result(outcome: Any) -> Error:
+    return Error(f"a frame of a {type(outcome).__name__}, expected a result")
+
+
 def _pandas() -> Any:
     try:
         import pandas
@@ -24,6 +46,7 @@ def _pandas() -> Any:
     return pandas
 
 
+@_of_results
 def frame(outcome: Any, what: str) -> "pandas.DataFrame":
     """What a result has under that name:
 
@@ -45,13 +68,13 @@ def frame(outcome: Any, what: str) -> "pandas.DataFrame":
     What a result has none of is a frame without rows.
     """
     pandas = _pandas()
-    _expect(outcome, "figures")
     if not isinstance(what, str):
         raise Error(f"a frame of a {type(what).__name__}, expected a name")
     make = _FRAMES.get(what)
     return _record(outcome, what, pandas) if make is None else make(outcome, pandas)
 
 
+@_of_results
 def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
     """Of identified modes:
 
@@ -63,7 +86,6 @@ def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
         record, 0 for none.
     """
     pandas = _pandas()
-    _expect(found, "places")
     if what == "modes":
         rows = []
         for mode in found:
@@ -95,6 +117,7 @@ def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
     raise _no_such(what, "modes, shapes or diagram")
 
 
+@_of_results
 def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
     """Of a plan of sensors:
 
@@ -105,7 +128,6 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
     durations: what is reached with shorter records.
     """
     pandas = _pandas()
-    _expect(plan, "deviations")
     if what == "sensors":
         return _rows(pandas, list(plan), "name", ["name"])
     if what == "deviations":
@@ -116,12 +138,12 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
     raise _no_such(what, "sensors, deviations or durations")
 
 
+@_of_results
 def of_simulation(
     simulation: "Mapping[str, Any]", record: str | None = None
 ) -> "pandas.DataFrame":
     """The channels of a simulated record, the first unless named, by time."""
     pandas = _pandas()
-    _expect(simulation, "keys")
     if record is None:
         record = next(iter(simulation))
     if record not in simulation:
@@ -130,11 +152,6 @@ def of_simulation(
     return pandas.DataFrame(
         response["channels"], index=pandas.Index(response["time"], name="time")
     )
-
-
-def _expect(outcome: Any, attribute: str) -> None:
-    if not hasattr(outcome, attribute):
-        raise Error(f"a frame of a {type(outcome).__name__}, expected a result")
 
 
 def _no_such(what: Any, expected: str) -> Error:

@@ -172,7 +172,7 @@ def test_what_is_wrong_is_said(rows):
         pinode.identify_modes(rows, step=STEP, method="magic")
     with pytest.raises(pinode.Error, match="no measured load"):
         pinode.identify_modes(rows, step=STEP, method="input_output")
-    with pytest.raises(pinode.Error, match="references is a str"):
+    with pytest.raises(pinode.Error, match="references is a value of type str"):
         pinode.identify_modes(rows, step=STEP, references="a1")
     with pytest.raises(pinode.Error, match="loads"):
         pinode.identify_modes(rows, step=STEP, loads=[1.0, 2.0])
