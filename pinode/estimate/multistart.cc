@@ -10,6 +10,8 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/prior_cost.h"
 #include "pinode/estimate/pulse_scan.h"
 #include "pinode/estimate/signs.h"
 #include "pinode/estimate/ways.h"
@@ -23,13 +25,8 @@ struct StartResult {
   bool done = false;
   double cost = 0.0;
   double expected_error = 0.0;
+  double prior_cost = 0.0;
   Vector stiffness;  // of the free stiffness groups
-
-  static StartResult Of(const Fit& fit, const std::vector<int>& groups) {
-    const FitState& state = fit.best();
-    return {true, state.cost, state.ExpectedError(),
-            fit.BestParameters()(groups)};
-  }
 };
 
 // What a group may be of its nominal size where nobody has given bounds: from
@@ -169,6 +166,17 @@ class Starts {
         layout_(problem),
         groups_(FreeStiffnessGroups(problem, layout_)) {}
 
+  StartResult ResultOf(const Fit& fit) const {
+    const FitState& state = fit.best();
+    StartResult result;
+    result.cost = state.cost;
+    result.expected_error = state.ExpectedError();
+    result.stiffness = fit.BestParameters()(groups_);
+    // Of single parameters, as the user has given them.
+    result.done = PriorCost(layout_).Evaluate(state.free, &result.prior_cost);
+    return result;
+  }
+
   int count() const {
     return NumStarts(problem_, options_, initial_, groups_.size());
   }
@@ -241,15 +249,17 @@ class Starts {
   const std::vector<int> groups_;
 };
 
-// Whether `other` describes what was measured nearly as well as `best`.
+// Whether `other` describes what was measured nearly as well as `best`, and
+// priors do not tell them apart.
 bool IsAsGood(const IdentificationProblem& problem, const StartResult& best,
               const StartResult& other) {
   // A tenth can be much by chance, but not by what a model lacks: of four
   // storeys seen by their roof alone, with damping of another form, wrong
   // solutions were better by 3 %.
   constexpr double kNearlyAsGood = 1.1;
-  // Half a chi^2 of 6 more, of modes with standard deviations.
+  // Half a chi^2 of 6 more, of priors and of modes with standard deviations.
   constexpr double kSameCost = 3.0;
+  if (other.prior_cost > best.prior_cost + kSameCost) return false;
   return problem.num_train_records() > 0
              ? other.expected_error <= kNearlyAsGood * best.expected_error
              : other.cost <= best.cost + kSameCost;
@@ -266,7 +276,7 @@ std::string OtherSolution(const IdentificationProblem& problem,
       starts.groups().empty()) {
     return "";
   }
-  const StartResult best = StartResult::Of(*fit, starts.groups());
+  const StartResult best = starts.ResultOf(*fit);
   const Vector deviations = starts.DeviationsAt(fit);
   for (const StartResult& result : results) {
     if (!result.done || !IsAsGood(problem, best, result)) continue;
@@ -281,7 +291,7 @@ std::string OtherSolution(const IdentificationProblem& problem,
 // not answer.
 bool RunApart(const Starts& starts, Communicator* ranks,
               std::vector<StartResult>* results) {
-  constexpr int kNumbers = 3;
+  constexpr int kNumbers = 4;
   const auto num_groups = static_cast<Eigen::Index>(starts.groups().size());
   Matrix numbers = Matrix::Zero(kNumbers + num_groups,
                                 static_cast<Eigen::Index>(results->size()));
@@ -289,8 +299,9 @@ bool RunApart(const Starts& starts, Communicator* ranks,
     IdentificationSummary unused;
     const std::unique_ptr<Fit> fit = starts.Run(s, nullptr, &unused);
     if (fit == nullptr) continue;
-    const StartResult result = StartResult::Of(*fit, starts.groups());
-    numbers.col(s) << 1.0, result.cost, result.expected_error, result.stiffness;
+    const StartResult result = starts.ResultOf(*fit);
+    numbers.col(s) << 1.0, result.cost, result.expected_error,
+        result.prior_cost, result.stiffness;
     if (fit->interrupted()) break;
   }
   if (!ranks->Await() || !ranks->Sum(numbers.data(), numbers.size())) {
@@ -298,7 +309,7 @@ bool RunApart(const Starts& starts, Communicator* ranks,
   }
   for (size_t s = 0; s < results->size(); ++s) {
     const Vector column = numbers.col(static_cast<Eigen::Index>(s));
-    (*results)[s] = {column[0] > 0.0, column[1], column[2],
+    (*results)[s] = {column[0] > 0.0, column[1], column[2], column[3],
                      column.tail(num_groups)};
   }
   return true;
@@ -341,12 +352,11 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
         starts.Run(start, options.communicator, &outcome);
     const bool interrupted = fit != nullptr && fit->interrupted();
     StartResult& result = results[static_cast<size_t>(start)];
-    if (fit != nullptr) result = StartResult::Of(*fit, starts.groups());
+    if (fit != nullptr) result = starts.ResultOf(*fit);
     if (fit == nullptr) {
       if (best == nullptr) *summary = outcome;
     } else if (best == nullptr ||
-               IsBetter(problem, result,
-                        StartResult::Of(*best, starts.groups()))) {
+               IsBetter(problem, result, starts.ResultOf(*best))) {
       best = std::move(fit);
       *summary = outcome;
     }
