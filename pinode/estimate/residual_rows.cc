@@ -52,13 +52,9 @@ void AddSensorColumns(const ParameterLayout& layout, int num_states,
   result->rightCols(result->cols() - tangents.cols()).setZero();
 }
 
-ResidualRows::ResidualRows(const IdentificationProblem& problem,
-                           const ParameterLayout& layout, RobustLoss loss,
+ResidualRows::ResidualRows(const ParameterLayout& layout, RobustLoss loss,
                            double loss_scale)
-    : problem_(problem),
-      layout_(layout),
-      loss_(loss),
-      loss_scale_(loss_scale) {}
+    : layout_(layout), loss_(loss), loss_scale_(loss_scale) {}
 
 void ResidualRows::Compute(const IdentificationRecord& record,
                            const Vector& sigmas, const Vector& parameters,

@@ -48,9 +48,8 @@ constexpr Eigen::Index WholeFours(Eigen::Index columns) {
 // what a delayed sensor sees are rows of zeros.
 class ResidualRows {
  public:
-  // Both must outlive this object.
-  ResidualRows(const IdentificationProblem& problem,
-               const ParameterLayout& layout, RobustLoss loss,
+  // `layout` must outlive this object.
+  ResidualRows(const ParameterLayout& layout, RobustLoss loss,
                double loss_scale);
 
   // Of the samples from `first` on that `tangents` holds. `parameters`: all of
@@ -68,7 +67,6 @@ class ResidualRows {
   void Swap(SegmentRows* rows) { std::swap(rows_, *rows); }
 
  private:
-  const IdentificationProblem& problem_;
   const ParameterLayout& layout_;
   RobustLoss loss_;
   double loss_scale_;

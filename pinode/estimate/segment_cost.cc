@@ -104,7 +104,7 @@ SegmentCost::SegmentCost(const IdentificationProblem& problem, int record,
       grid_(GridOf(*problem.dynamics, data_)),
       observation_(*problem.dynamics, data_.Observations()),
       propagator_(*problem.dynamics, options.derivatives),
-      rows_(problem, layout_, RobustLoss::kNone, 1.0) {
+      rows_(layout_, RobustLoss::kNone, 1.0) {
   const int ns = problem.dynamics->num_states();
   const Eigen::Index observed = last - first + (HasGap() ? 0 : 1);
   set_num_residuals(static_cast<int>(observed) * observation_.num_channels() +

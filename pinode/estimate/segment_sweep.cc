@@ -13,12 +13,11 @@ struct SegmentSweep::Thread {
   Thread(const IdentificationProblem& problem, const ParameterLayout& layout,
          const Options& options)
       : propagator(*problem.dynamics, options.derivatives),
-        works{Work(problem, layout, options), Work(problem, layout, options)} {}
+        works{Work(layout, options), Work(layout, options)} {}
 
   struct Work {
-    Work(const IdentificationProblem& problem, const ParameterLayout& layout,
-         const Options& options)
-        : rows(problem, layout, options.loss, options.loss_scale) {}
+    Work(const ParameterLayout& layout, const Options& options)
+        : rows(layout, options.loss, options.loss_scale) {}
     SegmentTangents tangents;
     ResidualRows rows;
   };

@@ -141,7 +141,7 @@ class RecordLinearizer {
                               &tangents)) {
       return false;
     }
-    ResidualRows rows(problem_, layout_, RobustLoss::kNone, 1.0);
+    ResidualRows rows(layout_, RobustLoss::kNone, 1.0);
     const auto count = static_cast<Eigen::Index>(record.channels.size());
     rows.Compute(record, Vector::Ones(count), parameters_, 0, true, columns_,
                  tangents);
