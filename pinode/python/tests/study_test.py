@@ -199,13 +199,14 @@ def test_a_roof_sensor_alone_does_not_tell_storeys_apart():
         noise = 0.03 * floors.std(axis=0) * random.standard_normal(floors.shape)
         return ground, floors + noise
 
-    def identify(seed, factors, dofs):
+    def identify(seed, factors, dofs, prior_sigma=None):
         ground, floors = measure(seed)
         nominal = springs * factors
         return pinode.Case(
             pinode.ShearBuilding(list(masses), list(nominal),
                                  damping={"rayleigh": [0.25, 6e-4]}),
-            groups=[*(pinode.Group(f"k{i + 1}", storey=i + 1) for i in range(4)),
+            groups=[*(pinode.Group(f"k{i + 1}", storey=i + 1, prior_sigma=prior_sigma)
+                      for i in range(4)),
                     pinode.Group("cm", 0.1 * np.diag(masses), adds_to="damping"),
                     pinode.Group("ck", 1e-4 * chain(nominal), adds_to="damping")],
             records=[pinode.Record(
@@ -218,6 +219,8 @@ def test_a_roof_sensor_alone_does_not_tell_storeys_apart():
         roof = identify(seed, factors, [4])
         assert not roof.usable
         assert "another solution describes what was measured nearly as well: k1" in roof.message
+        # Priors that both are within do not tell.
+        assert not identify(seed, factors, [4], prior_sigma=0.3).usable
         several = identify(seed, factors, [1, 2, 4])
         assert several.usable
         found = [(1.0 + several[f"k{i + 1}"]) * f for i, f in enumerate(factors)]
