@@ -30,7 +30,6 @@
 #include "pinode/case/case_file.h"
 #include "pinode/case/case_picture.h"
 #include "pinode/case/case_result.h"
-#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/discover_files.h"
 #include "pinode/case/grown_case.h"
 #include "pinode/case/model_case.h"
@@ -82,15 +81,7 @@ bool CheckModelFlag(const Case& c, std::string* error) {
 // where terms come from records).
 bool ReadInput(Case* c, IdentifiedModel* model, std::string* error) {
   if (!ReadFitFlags(c, error) || !CheckModelFlag(*c, error)) return false;
-  if (FLAGS_model.empty()) return true;
-  Checkpoint checkpoint;
-  if (!ReadCheckpoint(FLAGS_model + "/checkpoint.json", c->problem, &checkpoint,
-                      error)) {
-    return false;
-  }
-  *model = checkpoint.model;
-  if (!LeaveOutOfCase(checkpoint.choice.left_out, c, error)) return false;
-  return !RenewsBasis(*c) || RenewCase(*c, checkpoint.model, c, model, error);
+  return FLAGS_model.empty() || ReadFittedModel(FLAGS_model, c, model, error);
 }
 
 bool FindTerms(const Case& c, IdentifiedModel* model,

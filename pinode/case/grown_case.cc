@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/term_tree.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/estimate/parameter_layout.h"
@@ -183,6 +184,18 @@ void HoldInCase(const std::map<std::string, double>& values, Case* c) {
   }
   KeepProfiles(c, &tree);
   c->source = std::make_shared<const TomlValue>(std::move(tree));
+}
+
+bool ReadFittedModel(const std::string& folder, Case* c, IdentifiedModel* model,
+                     std::string* error) {
+  Checkpoint checkpoint;
+  if (!ReadCheckpoint(folder + "/checkpoint.json", c->problem, &checkpoint,
+                      error) ||
+      !LeaveOutOfCase(checkpoint.choice.left_out, c, error)) {
+    return false;
+  }
+  *model = checkpoint.model;
+  return !RenewsBasis(*c) || RenewCase(*c, checkpoint.model, c, model, error);
 }
 
 bool RenewsBasis(const Case& c) {

@@ -42,6 +42,13 @@ Case CaseAfterChoice(const Case& c, const std::vector<std::string>& left_out,
 [[nodiscard]] bool LeaveOutOfCase(const std::vector<std::string>& left_out,
                                   Case* c, std::string* error);
 
+// The model that pinode_update has left in the result folder `folder` for this
+// case, which becomes the case as it was fitted: without terms that were left
+// out, in the basis of that model. False, with *error, for another folder or
+// another case's.
+[[nodiscard]] bool ReadFittedModel(const std::string& folder, Case* c,
+                                   IdentifiedModel* model, std::string* error);
+
 // The case with these parameters of its groups, by name, fixed at these values;
 // of a curve all of them.
 void HoldInCase(const std::map<std::string, double>& values, Case* c);
