@@ -15,7 +15,9 @@
 #include "pinode/python/case_tree.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
+#include "pinode/python/watch.h"
 #include "pinode/structure/modal_analysis.h"
+#include "pinode/study/reduced_structure.h"
 
 namespace pinode::python {
 namespace {
@@ -178,6 +180,36 @@ py::dict Modes(const CaseHandle& handle) {
   return result;
 }
 
+// (data, row indices, column pointers, size); None where there is none.
+py::object Compressed(const SparseMatrix& matrix) {
+  if (matrix.rows() == 0) return py::none();
+  return py::make_tuple(FromSparse(matrix), matrix.rows());
+}
+
+// The matrices of a finite-element model, of all DOFs of the export, and those
+// of its groups.
+py::dict FullMatrices(const CaseHandle& handle) {
+  if (handle.c.finite_element == nullptr) {
+    throw Error(
+        "the case has no finite-element model; its matrices are mass, damping "
+        "and stiffness");
+  }
+  const ReducedStructure& structure = *handle.c.finite_element;
+  const std::vector<GroupTerm>& terms = handle.c.problem.dynamics->groups();
+  py::dict groups;
+  for (size_t i = 0; i < terms.size() && i < structure.groups.size(); ++i) {
+    groups[py::str(terms[i].group.name)] =
+        Compressed(structure.groups[i].matrix);
+  }
+  py::dict result;
+  result["dofs"] = structure.exported.dof_names;
+  result["mass"] = Compressed(structure.exported.mass);
+  result["damping"] = Compressed(structure.damping);
+  result["stiffness"] = Compressed(structure.exported.stiffness);
+  result["groups"] = std::move(groups);
+  return result;
+}
+
 py::list Steps(const CaseHandle& handle) {
   py::list list;
   const std::vector<IdentificationRecord>& records = handle.c.problem.records;
@@ -196,28 +228,29 @@ py::list Steps(const CaseHandle& handle) {
 }
 
 // With `output`, a folder as pinode_check leaves it.
-py::dict Check(const CaseHandle& handle, const std::string& output,
-               bool overwrite, bool mat) {
+py::dict Check(const std::shared_ptr<const CaseHandle>& given,
+               const std::string& output, bool overwrite, bool mat) {
+  const CaseHandle& handle = *given;
   const IdentificationProblem& problem = handle.c.problem;
   const bool has_measurements = !problem.records.empty() ||
                                 !problem.modal.empty() ||
                                 !problem.ambient.empty();
   if (has_measurements) CheckFit(handle);
-  CaseCheck check;
   ResultFolder folder;
   std::string error;
-  bool ok = false;
-  {
+  Require(output.empty() ||
+              (MayGiveWayToCheck(output, &error) &&
+               folder.Open(output, overwrite, /*resume=*/false, &error)),
+          error);
+  const auto checked = std::make_shared<CaseCheck>();
+  RunInterruptibly([given, checked] { *checked = CheckCase(given->c); });
+  const CaseCheck& check = *checked;
+  bool ok = output.empty();
+  if (!ok) {
     py::gil_scoped_release release;
-    ok = output.empty() ||
-         (MayGiveWayToCheck(output, &error) &&
-          folder.Open(output, overwrite, /*resume=*/false, &error));
-    if (ok) check = CheckCase(handle.c);
-    ok = ok &&
-         (output.empty() ||
-          (WriteCheckFiles(handle.c, check, folder.working_path(), &error) &&
-           (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
-           folder.Commit(&error)));
+    ok = WriteCheckFiles(handle.c, check, folder.working_path(), &error) &&
+         (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
+         folder.Commit(&error);
   }
   Require(ok, error);
   py::dict result;
@@ -320,6 +353,7 @@ void BindCase(py::module_* module) {
       .def("records", &Records)
       .def("measured", &Measured, py::arg("record"))
       .def("modes", &Modes)
+      .def("full_matrices", &FullMatrices)
       .def("check", &Check, py::arg("output") = "",
            py::arg("overwrite") = false, py::arg("mat") = false);
 }

@@ -358,9 +358,14 @@ std::string Json(const Fit& fit) {
 
 py::tuple State(const Fit& fit) {
   const CaseData none;
+  std::string packed;
+  {
+    py::gil_scoped_release release;
+    packed = PackFit(fit);
+  }
   return py::make_tuple(
       TreeToPython(*fit.c.source, fit.c.data != nullptr ? *fit.c.data : none),
-      fit.c.path, py::bytes(PackFit(fit)));
+      fit.c.path, py::bytes(packed));
 }
 
 std::shared_ptr<Fit> FromState(const py::object& tree, const std::string& path,
@@ -368,12 +373,18 @@ std::shared_ptr<Fit> FromState(const py::object& tree, const std::string& path,
   auto data = std::make_shared<CaseData>();
   const TomlValue value = TreeFromPython(tree, data.get());
   auto fit = std::make_shared<Fit>();
+  const std::string packed = bytes;
   std::string error;
-  Require(ReadCaseTree(value, path, data, CasePurpose::kFit, &fit->c, &error),
-          error);
-  if (!UnpackFit(bytes, fit.get())) {
-    throw Error("this is no fit of that case by this version of pinode");
+  bool is_read = false;
+  bool is_unpacked = false;
+  {
+    py::gil_scoped_release release;
+    is_read =
+        ReadCaseTree(value, path, data, CasePurpose::kFit, &fit->c, &error);
+    is_unpacked = is_read && UnpackFit(packed, fit.get());
   }
+  Require(is_read, error);
+  Require(is_unpacked, "this is no fit of that case by this version of pinode");
   return fit;
 }
 

@@ -24,6 +24,7 @@
 #include "pinode/python/case_tree.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
+#include "pinode/python/watch.h"
 #include "pinode/report/modes_report.h"
 #include "pinode/report/structure_view.h"
 
@@ -180,22 +181,55 @@ std::shared_ptr<ModesHandle> FromFile(const std::string& path) {
   return handle;
 }
 
-void Find(ModesHandle* handle, int threads) {
+// A data file by itself, whose columns are the channels, with [modes] of
+// `options`.
+std::shared_ptr<ModesHandle> FromDataFile(
+    const std::string& path, const std::vector<std::string>& columns,
+    const std::vector<std::string>& quantities, const std::string& time,
+    double sampling_rate_hz, bool free_decay, const py::dict& options,
+    const std::string& title) {
+  py::dict tree;
+  tree["modes"] = options;
+  CaseData none;
+  ModesCase asked;
+  std::string error;
+  Require(ReadModesOptions(TreeFromPython(tree, &none), &asked, &error), error);
+  const ModesDataFile file = {path, columns, quantities, time,
+                              sampling_rate_hz};
+  auto handle = std::make_shared<ModesHandle>();
+  ModesCase* c = &handle->c;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = ReadModesDataFile(file, c, &error);
+  }
+  Require(ok, error);
+  c->options = asked.options;
+  c->merge = asked.merge;
+  if (!title.empty()) c->title = title;
+  for (ResponseRecord& record : c->records) record.free_decay = free_decay;
+  return handle;
+}
+
+void Find(const std::shared_ptr<ModesHandle>& handle, int threads) {
   if (threads < 0 || threads > kMostThreads) {
     throw Error("threads is " + std::to_string(threads) +
                 ", it must be from 1 to " + std::to_string(kMostThreads));
   }
   if (threads > 0) handle->c.options.num_threads = threads;
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    const auto begin = Clock::now();
-    ok = FindModes(handle->c, &handle->found, &error);
-    handle->seconds =
-        std::chrono::duration<double>(Clock::now() - begin).count();
-  }
-  Require(ok, error);
+  struct Outcome {
+    FoundModes found;
+    bool ok = false;
+    std::string error;
+  };
+  const auto outcome = std::make_shared<Outcome>();
+  const auto begin = Clock::now();
+  RunInterruptibly([handle, outcome] {
+    outcome->ok = FindModes(handle->c, &outcome->found, &outcome->error);
+  });
+  Require(outcome->ok, outcome->error);
+  handle->found = std::move(outcome->found);
+  handle->seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 void Save(const ModesHandle& handle, const std::string& path, bool overwrite,
@@ -295,6 +329,10 @@ void BindModes(py::module_* module) {
                   py::arg("options"), py::arg("title"))
       .def_static("from_tree", &FromTree, py::arg("tree"), py::arg("path"))
       .def_static("read", &FromFile, py::arg("path"))
+      .def_static("read_data", &FromDataFile, py::arg("path"),
+                  py::arg("columns"), py::arg("quantities"), py::arg("time"),
+                  py::arg("sampling_rate_hz"), py::arg("free_decay"),
+                  py::arg("options"), py::arg("title"))
       .def("find", &Find, py::arg("threads") = 0)
       .def("save", &Save, py::arg("path"), py::arg("overwrite") = false,
            py::arg("mat") = false)

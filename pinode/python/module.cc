@@ -6,6 +6,7 @@
 #include "pinode/dynamics/element_library.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
+#include "pinode/python/watch.h"
 #include "pinode/report/report.h"
 
 PYBIND11_MODULE(_pinode, module) {
@@ -21,5 +22,6 @@ PYBIND11_MODULE(_pinode, module) {
   BindStudy(&module);
   BindModes(&module);
   BindPlan(&module);
+  WaitForWorkAtExit();
   module.def("element_compiler_flags", &pinode::ElementCompilerFlags);
 }

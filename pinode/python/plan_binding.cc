@@ -15,6 +15,7 @@
 #include "pinode/estimate/problem_description.h"
 #include "pinode/python/convert.h"
 #include "pinode/python/fit.h"
+#include "pinode/python/watch.h"
 #include "pinode/report/plan_text.h"
 #include "pinode/study/sensor_plan.h"
 
@@ -65,47 +66,71 @@ py::dict Deviations(const SensorPlan& plan) {
   return deviations;
 }
 
-// The case is read again, for its [plan]; with `force_at` not empty the first
-// force of each record acts at that DOF, and no other load does. With `output`,
-// a folder as pinode_check --plan leaves it, but for excitations.
-py::dict PlanCase(const CaseHandle& handle, int num_sensors,
-                  const std::string& force_at, const std::string& output,
-                  bool overwrite, bool mat) {
+// The case, read again for its [plan], and what was planned.
+struct Plan {
+  Case c;
+  CasePlan planned;
+  bool ok = false;
+  std::string error;
+};
+
+// With `force_at` not empty the first force of each record acts at that DOF,
+// and no other load does.
+void MakePlan(const Case& given, int num_sensors, const std::string& force_at,
+              Plan* plan) {
+  TomlValue tree = *given.source;
+  Case& c = plan->c;
+  CasePlan& planned = plan->planned;
+  std::string* error = &plan->error;
+  if (!MoveForces(given.path, force_at, &tree, error) ||
+      !ReadCaseTree(tree, given.path, given.data, CasePurpose::kPlanning, &c,
+                    error)) {
+    return;
+  }
+  c.plan.options.num_sensors = num_sensors;
+  plan->ok = PlanSensors(c.problem, c.options, c.plan.own, c.plan.candidates,
+                         c.plan.options, &planned.plan, error) &&
+             (c.plan.durations.empty() ||
+              PlanDurations(c.problem, c.options, c.plan.own, c.plan.candidates,
+                            c.plan.options, planned.plan, c.plan.durations,
+                            &planned.durations, error));
+}
+
+// A folder as pinode_check --plan leaves it, but for excitations.
+bool WritePlan(const Plan& made, const std::string& output, bool overwrite,
+               bool mat, std::string* error) {
+  ResultFolder folder;
+  return MayGiveWayToCheck(output, error) &&
+         folder.Open(output, overwrite, /*resume=*/false, error) &&
+         WritePlanFiles(made.c, made.planned, folder.working_path(), error) &&
+         (!mat || WriteMatlabResults(folder.working_path(), error)) &&
+         folder.Commit(error);
+}
+
+py::dict PlanCase(const std::shared_ptr<const CaseHandle>& handle,
+                  int num_sensors, const std::string& force_at,
+                  const std::string& output, bool overwrite, bool mat) {
   if (num_sensors < 1) {
     throw Error("num_sensors is " + std::to_string(num_sensors) +
                 ", expected at least 1");
   }
-  Case c;
-  CasePlan planned;
-  SensorPlan& plan = planned.plan;
-  std::vector<PlannedDuration>& durations = planned.durations;
-  ResultFolder folder;
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    TomlValue tree = *handle.c.source;
-    ok = MoveForces(handle.c.path, force_at, &tree, &error) &&
-         ReadCaseTree(tree, handle.c.path, handle.c.data,
-                      CasePurpose::kPlanning, &c, &error);
-    if (ok) {
-      c.plan.options.num_sensors = num_sensors;
-      ok = PlanSensors(c.problem, c.options, c.plan.own, c.plan.candidates,
-                       c.plan.options, &plan, &error) &&
-           (c.plan.durations.empty() ||
-            PlanDurations(c.problem, c.options, c.plan.own, c.plan.candidates,
-                          c.plan.options, plan, c.plan.durations, &durations,
-                          &error));
+  const auto made = std::make_shared<Plan>();
+  RunInterruptibly([handle, made, num_sensors, force_at] {
+    MakePlan(handle->c, num_sensors, force_at, made.get());
+  });
+  Require(made->ok, made->error);
+  if (!output.empty()) {
+    std::string error;
+    bool ok = false;
+    {
+      py::gil_scoped_release release;
+      ok = WritePlan(*made, output, overwrite, mat, &error);
     }
-    if (ok && !output.empty()) {
-      ok = MayGiveWayToCheck(output, &error) &&
-           folder.Open(output, overwrite, /*resume=*/false, &error) &&
-           WritePlanFiles(c, planned, folder.working_path(), &error) &&
-           (!mat || WriteMatlabResults(folder.working_path(), &error)) &&
-           folder.Commit(&error);
-    }
+    Require(ok, error);
   }
-  Require(ok, error);
+  const Case& c = made->c;
+  const SensorPlan& plan = made->planned.plan;
+  const std::vector<PlannedDuration>& durations = made->planned.durations;
   py::dict result;
   py::list sensors, cut;
   for (const SensorPlan::Step& step : plan.steps) {

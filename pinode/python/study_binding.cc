@@ -77,25 +77,27 @@ std::uint64_t SeedOf(const Case& c, const py::object& seed) {
 }
 
 // Of each record the times, what its sensors show, and the states.
-py::dict Simulate(const CaseHandle& handle, double noise_percent,
-                  const py::object& seed, const py::object& noise_kind) {
-  const IdentificationProblem& problem = handle.c.problem;
+py::dict Simulate(const std::shared_ptr<const CaseHandle>& handle,
+                  double noise_percent, const py::object& seed,
+                  const py::object& noise_kind) {
+  const IdentificationProblem& problem = handle->c.problem;
   if (problem.records.empty()) {
     throw Error(
         "the case has no record, expected one with an excitation or a "
         "start");
   }
-  const NoiseRequest request = NoiseOf(handle.c, noise_percent, noise_kind);
-  SensorNoise noise(SeedOf(handle.c, seed));
+  const NoiseRequest request = NoiseOf(handle->c, noise_percent, noise_kind);
+  SensorNoise noise(SeedOf(handle->c, seed));
   const Vector parameters = ParameterLayout(problem).InitialValues();
   py::dict result;
   for (size_t r = 0; r < problem.records.size(); ++r) {
     const IdentificationRecord& record = problem.records[r];
-    SimulatedResponse response;
-    {
-      py::gil_scoped_release release;
-      response = SimulateRecord(problem, static_cast<int>(r), parameters);
-    }
+    const auto simulated = std::make_shared<SimulatedResponse>();
+    RunInterruptibly([handle, simulated, parameters, r] {
+      *simulated =
+          SimulateRecord(handle->c.problem, static_cast<int>(r), parameters);
+    });
+    const SimulatedResponse& response = *simulated;
     py::dict channels;
     for (size_t i = 0; i < record.channels.size(); ++i) {
       Vector values =
@@ -181,27 +183,39 @@ void SaveSimulation(const CaseHandle& handle, const py::dict& records,
   Require(ok, error);
 }
 
+bool BaselineOfFit(const Fit& fit, size_t number, const Case& c,
+                   Baseline* baseline, std::string* error) {
+  const std::string& title = fit.c.problem.description.title;
+  const std::string name = (title.empty() ? std::string("baseline") : title) +
+                           " " + std::to_string(number);
+  return BaselineFrom(name, fit.c.problem, fit.summary, fit.model, baseline,
+                      error) &&
+         CompareWithCase(fit.c, c, baseline, error);
+}
+
 // The baselines are fits, or folders with results.
 std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
   std::vector<Baseline> baselines;
   for (const py::handle& entry : list) {
     baselines.emplace_back();
-    std::string error;
+    std::string folder;
+    std::shared_ptr<Fit> fit;
     if (py::isinstance<py::str>(entry)) {
-      const auto folder =
+      folder =
           Cast<std::string>(entry, "a baseline", "a fit or a result folder");
-      Require(ReadBaseline(folder, c, &baselines.back(), &error), error);
-      continue;
+    } else {
+      fit = Cast<std::shared_ptr<Fit>>(entry, "a baseline",
+                                       "a fit or a result folder");
     }
-    const auto fit = Cast<std::shared_ptr<Fit>>(entry, "a baseline",
-                                                "a fit or a result folder");
-    const std::string& title = fit->c.problem.description.title;
-    const std::string name = (title.empty() ? std::string("baseline") : title) +
-                             " " + std::to_string(baselines.size());
-    Require(BaselineFrom(name, fit->c.problem, fit->summary, fit->model,
-                         &baselines.back(), &error) &&
-                CompareWithCase(fit->c, c, &baselines.back(), &error),
-            error);
+    std::string error;
+    bool ok = false;
+    {
+      py::gil_scoped_release release;
+      ok = fit == nullptr ? ReadBaseline(folder, c, &baselines.back(), &error)
+                          : BaselineOfFit(*fit, baselines.size(), c,
+                                          &baselines.back(), &error);
+    }
+    Require(ok, error);
   }
   return baselines;
 }
@@ -248,7 +262,12 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
             "there is no baseline, expected a result of "
             "healthy records");
   } else {
-    Require(PrepareForBaselines(healthy, &fit->c, &begin_from, &error), error);
+    bool ok = false;
+    {
+      py::gil_scoped_release release;
+      ok = PrepareForBaselines(healthy, &fit->c, &begin_from, &error);
+    }
+    Require(ok, error);
   }
   ResultFolder folder;
   Require(
@@ -276,6 +295,26 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
   return fit;
 }
 
+// The model in a result folder of the case, as a fit that knows nothing else.
+std::shared_ptr<Fit> FitOfFolder(const CaseHandle& handle,
+                                 const std::string& folder) {
+  CheckFit(handle);
+  if (handle.c.discover.source != DiscoveryOptions::Source::kNetwork) {
+    throw Error(
+        "a model is of no use with source = 'derivatives', expected none");
+  }
+  auto fit = std::make_shared<Fit>();
+  fit->c = handle.c;
+  std::string error;
+  bool ok = false;
+  {
+    py::gil_scoped_release release;
+    ok = ReadFittedModel(folder, &fit->c, &fit->model, &error);
+  }
+  Require(ok, error);
+  return fit;
+}
+
 // The case of a discovery, with the options of `handle`. Throws Error where
 // there is nothing to discover equations from.
 Case CaseToDiscover(const CaseHandle& handle, const Fit* fit,
@@ -291,7 +330,7 @@ Case CaseToDiscover(const CaseHandle& handle, const Fit* fit,
   if (c.discover.source == DiscoveryOptions::Source::kNetwork &&
       fit == nullptr) {
     throw Error(
-        "equations come from the networks of a fit, expected one, or "
+        "equations come from the networks of a model, expected one, or "
         "source = 'derivatives'");
   }
   return c;
@@ -460,6 +499,8 @@ void BindStudy(py::module_* module) {
       py::arg("callback") = py::none(), py::arg("output") = "",
       py::arg("overwrite") = false, py::arg("resume") = false,
       py::arg("mat") = false);
+  module->def("fit_of_folder", &FitOfFolder, py::arg("case"),
+              py::arg("folder"));
   module->def(
       "damage_json",
       [](const Fit& fit) {

@@ -1,4 +1,4 @@
-// Fits that are watched from Python.
+// Work that is watched from Python.
 
 #ifndef PINODE_PYTHON_WATCH_H_
 #define PINODE_PYTHON_WATCH_H_
@@ -7,7 +7,9 @@
 
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "pinode/case/fit_case.h"
 
@@ -49,6 +51,16 @@ class PythonWatch {
   std::exception_ptr failure_;
   std::vector<std::string> troubles_;
 };
+
+// Calls `work` in a thread of its own, without the interpreter's lock, and asks
+// for signals meanwhile. What `work` throws is thrown on. At Ctrl-C, or where
+// a signal's handler throws something else, that is thrown within a twentieth
+// of a second; `work`, which has to own all that it uses and may not touch
+// Python, goes on unheard, and the interpreter waits for it before it ends.
+void RunInterruptibly(std::function<void()> work);
+
+// Has the interpreter wait for such work when it ends.
+void WaitForWorkAtExit();
 
 }  // namespace pinode::python
 

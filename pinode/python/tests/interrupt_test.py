@@ -1,0 +1,109 @@
+"""Ctrl-C in the midst of what is no fit: seen at once, and nothing is broken."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import frame_testing
+import numpy as np
+import pytest
+
+import pinode
+
+RANDOM = np.random.default_rng(1)
+
+
+def hardening(samples, substeps=100):
+    """A case of a few seconds' work: a hardening spring, in many small steps."""
+    return pinode.Case(
+        pinode.Model(frame_testing.MASS, frame_testing.STIFFNESS, frame_testing.DAMPING),
+        groups=[pinode.Group("k1", frame_testing.STOREYS[0])],
+        elements=[pinode.Element("spring", "cubic", ("ground", "u1"),
+                                 {"k3": pinode.Unknown(1e6)})],
+        records=[pinode.Record(
+            "long", step=frame_testing.STEP, ground={"x": RANDOM.standard_normal(samples)},
+            interpolation="linear", start="rest", substeps=substeps,
+            channels=pinode.channels("a", RANDOM.standard_normal((samples, 3)),
+                                     "absolute_acceleration"))])
+
+
+def simulate():
+    return hardening(20000, substeps=250).simulate
+
+
+def check():
+    return hardening(3000).check
+
+
+def plan_sensors():
+    case = hardening(8000)
+    return lambda: case.plan_sensors(2)
+
+
+def identify_modes():
+    records = RANDOM.standard_normal((20000, 16))
+    return lambda: pinode.identify_modes(records, step=0.01)
+
+
+def seconds_to_interrupt(work, handler=None):
+    """From the signal to what it raises, where `work` lasts longer."""
+    sent = []
+
+    def press():
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, handler or signal.default_int_handler)
+    timer = threading.Timer(0.2, press)
+    timer.start()
+    try:
+        with pytest.raises(KeyError if handler else KeyboardInterrupt):
+            work()
+        return time.perf_counter() - sent[0]
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("work", [simulate, check, plan_sensors, identify_modes])
+def test_is_seen_at_once(work):
+    assert seconds_to_interrupt(work()) < 0.3
+
+
+def test_what_a_handler_raises():
+    def fail(number, frame):
+        raise KeyError("mine")
+
+    assert seconds_to_interrupt(check(), fail) < 0.3
+
+
+def test_leaves_no_folder_and_a_case_that_works(tmp_path):
+    case = hardening(3000)
+    seconds_to_interrupt(lambda: case.check(output=tmp_path / "out"))
+    assert not list(tmp_path.iterdir())
+    assert set(case.parameters) == {"k1", "spring.k3"}
+
+
+def test_errors_are_as_ever(healthy):
+    with pytest.raises(pinode.Error, match="too short"):
+        pinode.identify_modes(RANDOM.standard_normal((10, 1)), step=0.1)
+    with pytest.raises(pinode.Error, match="record.force"):
+        healthy.plan_sensors(1, force_at="u9")
+
+
+def test_the_interpreter_ends_when_the_work_does():
+    script = textwrap.dedent("""
+        import os, signal, threading, numpy as np, pinode
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        try:
+            pinode.identify_modes(np.random.rand(15000, 12), step=0.01)
+        except KeyboardInterrupt:
+            print("seen")
+    """)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                          timeout=120)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "seen\n", "")
