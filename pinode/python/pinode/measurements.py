@@ -129,7 +129,7 @@ class Record(Part):
                     f"record '{name}': 'step' beside 'sampling_rate_hz', "
                     "expected one of the two"
                 )
-            sampling_rate_hz = _rate(name, step)
+            sampling_rate_hz = rate_of(name, step)
         if time is not None and not isinstance(time, str):
             time = columns.add("t", time)
         signals: dict[str, list[dict[str, Any]]] = {}
@@ -268,7 +268,7 @@ def _channel_table(
     return columns.signal(channel, str(channel.get("name", "")), {})
 
 
-def _rate(record: str, step: Any) -> float:
+def rate_of(record: str, step: Any) -> float:
     try:
         rate = 1.0 / float(step)
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):

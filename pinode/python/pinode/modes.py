@@ -13,10 +13,14 @@ import numpy as np
 from . import _html, _pinode
 from ._part import as_folder, as_path, as_sequence
 from ._pinode import Error
+from .measurements import rate_of
 
 if TYPE_CHECKING:
     from .structure_view import StructureView
 
+# Ends of the names of data files, which may have .gz behind them.
+_DATA_FILES = (".csv", ".txt", ".tsv", ".dat", ".uff", ".unv", ".mat", ".npz", ".npy", ".h5",
+               ".hdf5", ".at2")
 _DERIVATIVES = {"displacement": 0, "strain": 0, "velocity": 1, "acceleration": 2}
 
 
@@ -142,6 +146,8 @@ def identify_modes(
     quantity: str | Sequence[str] = "acceleration",
     loads: Any = None,
     free_decay: bool = False,
+    columns: str | Sequence[str] | None = None,
+    time: str | None = None,
     method: str | None = None,
     lowest_hz: float | None = None,
     highest_hz: float | None = None,
@@ -161,12 +167,16 @@ def identify_modes(
         dictionary {set-up: {"values": ..., "step": ..., "names": ...}} of several
         that have places in common, with `quantity`, `loads` and `free_decay` of
         their own where they differ; or a case: the path of a file, the tables of
-        one ({"record": [...]}, as Case.from_dict takes them), or a Case. A case
-        needs no model.
+        one ({"record": [...]}, as Case.from_dict takes them), or a Case, which
+        needs no model; or the path of a data file (CSV, universal file, ...), as
+        `pinode_modes --columns` takes it.
     names: of the channels, which are places on the structure.
     quantity: "displacement", "velocity" or "acceleration", for all or for each.
     loads: samples x loads that were measured, in any units.
     free_decay: the structure is left to itself from the first sample on.
+    columns: of a data file, the channels; all but the time unless given.
+    time: its column of the time, in seconds; "t" or "time" where neither this nor
+        `step` is given.
     method: "covariance_driven", "data_driven", "input_output" or "ring_down"; by
         what the record is unless given.
     lowest_hz, highest_hz: what is looked for.
@@ -192,15 +202,14 @@ def identify_modes(
         _pinode.check_output_folder(output, overwrite)
     one = {"step": step, "names": names, "quantity": quantity, "loads": loads,
            "free_decay": free_decay}
-    handle = _of_case(records, options)
-    if handle is not None:
-        given = [key for key, value in {**one, "title": title or None}.items()
-                 if value is not None and value is not False
-                 and not (key == "quantity" and isinstance(value, str)
-                          and value == "acceleration")]
-        if given:
-            raise Error(f"a case says itself what its records are, expected no {given[0]}")
+    of_file = {"columns": columns, "time": time}
+    if _is_data_file(records, of_file):
+        handle = _of_data_file(records, options, **one, **of_file, title=str(title))
+    elif (handle := _of_case(records, options)) is not None:
+        _refuse_given("a case says itself what its records are",
+                      {**one, **of_file, "title": title or None})
     else:
+        _refuse_given("of arrays `names` and `step` say it", of_file)
         setups = records if isinstance(records, Mapping) else {"record": {"values": records}}
         handle = _pinode.ModesHandle.from_setups(
             [_setup(str(name), setup, one) for name, setup in setups.items()],
@@ -212,6 +221,52 @@ def identify_modes(
     if output:
         found.save(output, overwrite=overwrite)
     return found
+
+
+def _refuse_given(why: str, values: Mapping[str, Any]) -> None:
+    """What is given of `values`, where nothing may be."""
+    for key, value in values.items():
+        usual = key == "quantity" and isinstance(value, str) and value == "acceleration"
+        if value is not None and value is not False and not usual:
+            raise Error(f"{why}, expected no {key}")
+
+
+def _is_data_file(records: Any, of_file: Mapping[str, Any]) -> bool:
+    """A path that is no case's: by what is said of it, or by its end."""
+    if not isinstance(records, (str, os.PathLike)):
+        return False
+    name = as_path("records", records).lower().removesuffix(".gz")
+    return name.endswith(_DATA_FILES) or any(value is not None for value in of_file.values())
+
+
+def _of_data_file(
+    records: Any,
+    options: dict[str, Any],
+    *,
+    step: float | None,
+    names: Any,
+    quantity: str | Sequence[str],
+    loads: Any,
+    free_decay: bool,
+    columns: str | Sequence[str] | None,
+    time: str | None,
+    title: str,
+) -> Any:
+    path = as_path("records", records)
+    _refuse_given("channels of a data file are called as its columns", {"names": names})
+    _refuse_given("a data file has no loads, and a case says which columns are some",
+                  {"loads": loads})
+    one_name = isinstance(columns, str)
+    return _pinode.ModesHandle.read_data(
+        path,
+        ["all"] if columns is None else [columns] if one_name else as_sequence("columns", columns),
+        [quantity] if isinstance(quantity, str) else as_sequence("quantity", quantity),
+        time or "",
+        0.0 if step is None else rate_of(os.path.basename(path), step),
+        free_decay,
+        options,
+        title,
+    )
 
 
 def _of_case(records: Any, options: dict[str, Any]) -> Any:

@@ -137,6 +137,90 @@ def test_of_a_case_with_other_options():
     assert max(max(band["order"]) for band in picked.diagram) == 20
 
 
+@pytest.fixture(scope="module")
+def sheet(rows, tmp_path_factory):
+    """Data files of a thousand seconds of wind: without a time, and with one."""
+    folder = tmp_path_factory.mktemp("sheet")
+    np.savetxt(folder / "wind.csv", rows, delimiter=",", header="a1,a2,a3", comments="")
+    timed = np.column_stack([STEP * np.arange(len(rows)), rows])
+    np.savetxt(folder / "timed.csv", timed, delimiter=",", header="time,a1,a2,a3", comments="")
+    np.savez(folder / "wind.npz", a1=rows[:, 0], a2=rows[:, 1], a3=rows[:, 2])
+    return folder
+
+
+def test_of_a_data_file(rows, sheet):
+    arrays = pinode.identify_modes(rows, step=STEP)
+    for path, given in ((sheet / "wind.csv", {"step": STEP}), (str(sheet / "timed.csv"), {}),
+                        (sheet / "timed.csv", {"time": "time"}),
+                        (sheet / "wind.npz", {"step": STEP, "columns": ["a1", "a2", "a3"]})):
+        modes = pinode.identify_modes(path, **given)
+        assert modes.places == ["a1", "a2", "a3"]
+        assert modes.frequencies_hz == pytest.approx(arrays.frequencies_hz, rel=1e-6)
+    some = pinode.identify_modes(sheet / "wind.csv", step=STEP, columns=["a1", "a3"],
+                                 max_order=12)
+    assert some.places == ["a1", "a3"]
+    assert max(max(band["order"]) for band in some.diagram) == 12
+    one = pinode.identify_modes(sheet / "wind.csv", step=STEP, columns="a2")
+    assert one.places == ["a2"]
+    # Of velocities shapes are others, frequencies are not.
+    mixed = pinode.identify_modes(sheet / "wind.csv", step=STEP,
+                                  quantity=["acceleration", "acceleration", "velocity"])
+    assert not np.allclose(mixed.shapes, arrays.shapes, atol=0.1)
+
+
+def test_of_a_decay_in_a_file(tmp_path):
+    decay = accelerations(np.zeros((1500, 3)), start=0.01)
+    decay += 1e-3 * decay.std() * np.random.default_rng(5).standard_normal(decay.shape)
+    np.savetxt(tmp_path / "decay.csv", decay, delimiter=",", header="a1,a2,a3", comments="")
+    modes = pinode.identify_modes(tmp_path / "decay.csv", step=STEP, free_decay=True)
+    arrays = pinode.identify_modes(decay, step=STEP, free_decay=True)
+    assert set(modes.methods.values()) == {"ring_down"}
+    assert modes.frequencies_hz == pytest.approx(arrays.frequencies_hz, rel=1e-6)
+
+
+def test_of_a_data_file_as_the_program_finds_them(sheet, tmp_path):
+    program = Path(os.environ["PINODE_BUILD_DIR"], "apps/pinode_modes")
+    if not program.exists():
+        pytest.skip("pinode_modes is not built")
+    path = sheet / "wind.csv"
+    pinode.identify_modes(path, step=STEP, columns=["a1", "a2"],
+                          quantity=["acceleration", "velocity"], output=tmp_path / "ours")
+    subprocess.run([program, f"--case={path}", "--columns=a1,a2",
+                    "--quantities=acceleration,velocity", "--sampling_rate_hz=50",
+                    f"--output_dir={tmp_path}/theirs"], check=True, capture_output=True)
+    for name in ("modes.json", "modes.csv", "modes.toml", "modes.uff"):
+        assert (tmp_path / "ours" / name).read_bytes() == (
+            tmp_path / "theirs" / name).read_bytes()
+
+
+def test_what_is_wrong_with_a_data_file_is_said(rows, sheet):
+    wind = sheet / "wind.csv"
+    for given, sentence in (
+            ({}, "neither a time column"),
+            ({"step": STEP, "columns": ["a9"]}, "a9"),
+            ({"step": STEP, "columns": 3}, "columns is a value of type int"),
+            ({"step": -1.0}, "'step' is -1.0"),
+            ({"step": STEP, "time": "a1"}, "expected one of them"),
+            ({"step": STEP, "time": 3}, "time is a value of type int"),
+            ({"step": STEP, "quantity": "force"}, "quantity 'force'"),
+            ({"step": STEP, "quantity": ["velocity"] * 2}, "2 quantities for 3 columns"),
+            ({"step": STEP, "names": ["x", "y", "z"]}, "expected no names"),
+            ({"step": STEP, "loads": rows}, "expected no loads"),
+            ({"step": STEP, "max_order": 3}, "max_order"),
+            ({"step": STEP, "max_order": 200}, r"\[modes\] max_order")):
+        with pytest.raises(pinode.Error, match=sentence):
+            pinode.identify_modes(wind, **given)
+    with pytest.raises(pinode.Error, match="nowhere.csv"):
+        pinode.identify_modes("nowhere.csv")
+    # What is no data file by its name, by what is said of it.
+    with pytest.raises(pinode.Error, match="nowhere"):
+        pinode.identify_modes("nowhere", columns=["a1"])
+    with pytest.raises(pinode.Error, match="expected no columns"):
+        pinode.identify_modes(rows, step=STEP, columns=["a1"])
+    with pytest.raises(pinode.Error, match="expected no time"):
+        pinode.identify_modes(pinode.read_case(CASE), time="t")
+
+
 def test_of_tables_in_memory(rows):
     channels = [{"column": f"a{i}", "dof": f"u{i}", "quantity": "absolute_acceleration",
                  "unit": "m/s^2"} for i in (1, 2, 3)]
