@@ -177,6 +177,30 @@ class Case:
         """
         return self._handle.modes()
 
+    def full_matrices(self) -> dict[str, Any]:
+        """Of a case with a finite-element model the matrices of all DOFs of the
+        export, as SciPy's csc_array, where `mass` and the others are those of
+        the coordinates to which it is reduced.
+
+        dofs: names of the rows; mass, damping, stiffness: n x n in the model's
+        units; groups: {name: matrix}. None where one is known for the
+        coordinates alone.
+        """
+        matrices = self._handle.full_matrices()
+        from scipy.sparse import csc_array
+
+        def matrix(compressed: Any) -> Any:
+            if compressed is None:
+                return None
+            parts, size = compressed
+            return csc_array(parts, shape=(size, size))
+
+        return {
+            "dofs": matrices["dofs"],
+            **{key: matrix(matrices[key]) for key in ("mass", "damping", "stiffness")},
+            "groups": {name: matrix(parts) for name, parts in matrices["groups"].items()},
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """The tables of the case as a file has them, with arrays."""
         return self._handle.tree()
@@ -366,6 +390,7 @@ class Case:
     def discover(
         self,
         *,
+        model: "Fit | ResultFolder | str | os.PathLike[str] | None" = None,
         threads: int = 0,
         progress: bool | None = None,
         callback: Progress | None = None,
@@ -374,23 +399,26 @@ class Case:
         resume: bool = False,
         mat: bool = False,
     ) -> "Discovery":
-        """Equations from the derivatives of smoothed records, without a fit
-        (`discover={"source": "derivatives"}` of the case); those in place of
-        trained networks are asked of a Fit.
+        """Closed-form equations in place of the networks of a model, as `discover`
+        of the case says; or without one from the derivatives of smoothed records
+        (`discover={"source": "derivatives"}`).
 
+        model: a fit of this case, or the result folder of one.
         output: a result folder, written as `pinode_discover` does, with a
             checkpoint on the way from which `resume` goes on.
         """
-        from .result import Discovery
+        from .result import Discovery, _model
 
+        output = as_folder(output, mat)
+        handle = _model(self, model, output)
         with watched(progress, callback) as call:
             return Discovery(
                 _pinode.discover(
                     self._handle,
-                    None,
+                    handle,
                     threads=threads,
                     callback=call,
-                    output=as_folder(output, mat),
+                    output=output,
                     overwrite=overwrite,
                     resume=resume,
                     mat=mat,

@@ -15,7 +15,7 @@ from ._pinode import Error
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ["frame", "of_modes", "of_plan", "of_simulation"]
+__all__ = ["frame", "of_modes", "of_plan", "of_simulation", "of_table"]
 
 
 def _of_results(make: Callable[..., Any]) -> Callable[..., Any]:
@@ -152,6 +152,17 @@ def of_simulation(
     return pandas.DataFrame(
         response["channels"], index=pandas.Index(response["time"], name="time")
     )
+
+
+def of_table(columns: "Mapping[str, Any]") -> "pandas.DataFrame":
+    """Columns of equal lengths by name, as ResultFolder.table has them."""
+    pandas = _pandas()
+    if not isinstance(columns, Mapping):
+        raise Error(f"a frame of a {type(columns).__name__}, expected columns by name")
+    try:
+        return pandas.DataFrame(dict(columns))
+    except (TypeError, ValueError) as failure:
+        raise Error(f"the columns are no table: {failure}") from None
 
 
 def _no_such(what: Any, expected: str) -> Error:

@@ -459,6 +459,21 @@ def _restore(kind: type, tree: dict[str, Any], path: str, packed: bytes) -> _Out
     return kind(_pinode.FitHandle.from_state(tree, path, packed))
 
 
+def _model(case: Case, given: Any, output: str) -> Any:
+    """The handle of a model to discover equations from: of a fit, or of what a
+    folder holds of one for this case. None: there is none."""
+    if given is None:
+        return None
+    if isinstance(given, _Outcome):
+        return given._handle
+    if isinstance(given, ResultFolder):
+        given = given.path
+    folder = as_path("model", given)
+    if output and os.path.realpath(output) == os.path.realpath(folder):
+        raise Error("output is the folder of the model, expected another one")
+    return _pinode.fit_of_folder(case._handle, folder)
+
+
 def _baselines(given: Any) -> list[Any]:
     """Handles of fits, and paths."""
     if isinstance(given, (str, os.PathLike, _Outcome, ResultFolder)):

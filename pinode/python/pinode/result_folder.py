@@ -6,7 +6,7 @@ import csv
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,41 +16,70 @@ from ._pinode import Error
 from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# Of each kind of folder the file that has what was found, and what it is of. A
+# fit's may stand beside that of a verdict or of equations.
+_MAIN_FILES = {
+    "result.json": ("pinode-result-", "fit"),
+    "discover.json": ("pinode-discover-", "discovery"),
+    "modes.json": ("pinode-modes-", "modes"),
+    "simulate.json": ("pinode-simulate-", "simulation"),
+    "check.json": ("pinode-check-", "check"),
+    "plan.json": ("pinode-plan-", "plan"),
+}
+
 
 class ResultFolder:
-    """A result folder on disk."""
+    """A result folder on disk, of whatever program.
+
+    kind: "fit", "damage", "discovery", "modes", "simulation", "check" or "plan".
+    json: the content of its main file: result.json, of other kinds modes.json,
+        simulate.json, check.json or plan.json; of a discovery without a fit
+        discover.json.
+
+    What its kind has none of is an Error that says so.
+    """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(as_path("path", path))
-        file = self.path / "result.json"
-        try:
-            self.json: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as failure:
-            raise Error(f"{file}: is no result of pinode: {failure}") from None
-        if not isinstance(self.json, dict) or not str(self.json.get("schema")).startswith(
-            "pinode-result-"
-        ):
-            raise Error(f"{file}: is no result of pinode, expected its schema")
+        there = [name for name in _MAIN_FILES if (self.path / name).exists()]
+        if not there:
+            raise Error(
+                f"{self.path}: is no result of pinode, expected a folder with one of "
+                + ", ".join(_MAIN_FILES)
+            )
+        self._file = self.path / there[0]
+        schema, self.kind = _MAIN_FILES[self._file.name]
+        self.json: dict[str, Any] = _read_json(self._file)
+        if not str(self.json.get("schema")).startswith(schema):
+            raise Error(f"{self._file}: is no result of pinode, expected its schema")
+        if self.kind == "fit":
+            for name, kind in (("damage.json", "damage"), ("discover.json", "discovery")):
+                if (self.path / name).exists():
+                    self.kind = kind
 
     def _get(self, key: str, kind: type) -> Any:
         value = self.json.get(key)
         if not isinstance(value, kind):
-            raise Error(f"{self.path / 'result.json'}: has no '{key}' of a result")
+            what = {"modes": "identified modes"}.get(self.kind, f"a {self.kind}")
+            raise Error(f"{self._file}: has no '{key}'; the folder is of {what}")
         return value
 
     @property
     def usable(self) -> bool:
-        """Whether the programs called the result usable."""
+        """Whether the programs called the result of a fit usable."""
         return self._get("usable", bool)
 
     @property
     def message(self) -> str:
-        """The verdict in a sentence."""
+        """The verdict of a fit, a discovery or a check in a sentence."""
         return self._get("message", str)
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """By name: value, sigma, interval and unit."""
+        """Of a fit by name: value, sigma, interval and unit."""
         return {p["name"]: p for p in self._get("parameters", list)}
 
     def __getitem__(self, name: str) -> float:
@@ -58,33 +87,56 @@ class ResultFolder:
 
     @property
     def records(self) -> dict[str, dict[str, Any]]:
-        """By name: role and errors of each record."""
-        return {r["name"]: r for r in self._get("records", list)}
+        """By name: of a fit role and errors of each record, of a simulation its
+        samples, of a check what it is and its steps; of modes the name alone."""
+        records = [r if isinstance(r, dict) else {"name": r} for r in self._get("records", list)]
+        return {r["name"]: r for r in records}
 
     @property
     def modes(self) -> list[dict[str, Any]]:
-        """Of the model, before and after, ascending."""
-        return self._get("modes", list)
+        """Ascending: of a fit those of the model, before and after; of a check
+        those of the model; identified ones as IdentifiedModes has them, each with
+        its complex `shape` over `places`."""
+        modes = self._get("modes", list)
+        return [_mode(m, self.places) for m in modes] if self.kind == "modes" else modes
+
+    @property
+    def places(self) -> list[str]:
+        """Of identified modes, where their shapes are known."""
+        return self._get("places", list)
+
+    @property
+    def sensors(self) -> list[dict[str, Any]]:
+        """Of a plan, the most telling first, as SensorPlan has them."""
+        return self._get("sensors", list)
 
     def prediction(self, record: str) -> dict[str, np.ndarray]:
-        """Columns of prediction_<record>.csv."""
-        if not isinstance(record, str):
-            raise Error(f"record is a value of type {type(record).__name__}, expected a name")
-        return self.table(f"prediction_{record}.csv")
+        """Of a fit the columns of prediction_<record>.csv."""
+        return self.table(f"prediction_{_name(record)}.csv")
+
+    def response(self, record: str) -> dict[str, np.ndarray]:
+        """Of a simulation the columns of response_<record>.csv."""
+        return self.table(f"response_{_name(record)}.csv")
 
     def table(self, name: str) -> dict[str, np.ndarray]:
-        """The columns of one of its CSV files with numbers."""
-        file = self.path / name
+        """The columns of one of its CSV files: numbers, NaN where a cell is empty,
+        or texts where one is no number."""
+        file = self.path / as_path("name", name)
         try:
             with open(file, newline="", encoding="utf-8") as lines:
-                rows = list(csv.reader(lines))
-            header, body = rows[0], rows[1:]
-            numbers = np.array(
-                [[float(cell) if cell else np.nan for cell in row] for row in body]
-            ).reshape(len(body), len(header))
+                header, *rows = csv.reader(lines)
+            columns = {key: _column([row[i] for row in rows]) for i, key in enumerate(header)}
+            if any(len(row) != len(header) for row in rows):
+                raise ValueError(f"a row has not {len(header)} cells")
         except (OSError, ValueError, IndexError) as failure:
             raise Error(f"{file}: cannot be read as a table: {failure}") from None
-        return {name: numbers[:, i] for i, name in enumerate(header)}
+        return columns
+
+    def to_pandas(self, name: str) -> "DataFrame":
+        """One of its CSV files, such as "parameters.csv", as a frame of pandas."""
+        from . import frames
+
+        return frames.of_table(self.table(name))
 
     def matrix(self, name: str, *, sparse: bool = False) -> Any:
         """One of its matrices, such as "K.mtx", full; `sparse`: as SciPy's CSC."""
@@ -101,27 +153,104 @@ class ResultFolder:
 
     @property
     def case(self) -> Case:
-        """The updated model as a case, model.toml."""
+        """The updated model of a fit or a discovery as a case, model.toml."""
         return Case.read(self.path / "model.toml")
 
     @property
     def damage(self) -> dict[str, Any] | None:
         """The content of damage.json, where there is one."""
-        file = self.path / "damage.json"
-        return json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
+        return self._beside("damage.json")
+
+    @property
+    def discovery(self) -> dict[str, Any] | None:
+        """The content of discover.json, where there is one."""
+        return self._beside("discover.json")
+
+    @property
+    def equations(self) -> list[dict[str, Any]]:
+        """Of a discovery by output the terms, as Discovery has them."""
+        found = self.discovery
+        if found is None:
+            raise Error(f"{self.path}: holds no discover.json, expected the folder of a discovery")
+        return found["equations"]
+
+    @property
+    def terms(self) -> dict[str, dict[str, float]]:
+        """Of a discovery the coefficients by output and basis."""
+        return {
+            e["output"]: {t["basis"]: t["coefficient"] for t in e["terms"]}
+            for e in self.equations
+        }
+
+    def _beside(self, name: str) -> dict[str, Any] | None:
+        file = self.path / name
+        return _read_json(file) if file.exists() else None
 
     def __repr__(self) -> str:
-        return f"ResultFolder({str(self.path)!r}: {self.message})"
+        return f"ResultFolder({str(self.path)!r}: {self.json.get('message', self.kind)})"
 
     def _repr_html_(self) -> str:
         damage = self.damage
+        title = self.json.get("message", self.kind) if damage is None else damage["message"]
         changes = [] if damage is None else [change_row(g) for g in damage["groups"]]
-        return _html.section(
-            f"{self.path}: {self.message if damage is None else damage['message']}",
-            _html.table(CHANGE_HEADER, changes),
-            tables(self.parameters.values(), self.records.values()),
-            _html.sentences("Remarks:", self._get("remarks", list)),
-        )
+        parts = [_html.table(CHANGE_HEADER, changes)]
+        if self.kind in ("fit", "damage", "discovery"):
+            parts.append(tables(self.json.get("parameters", []), self.json.get("records", [])))
+        terms = [[output, basis, value] for output, found in self.terms.items()
+                 for basis, value in found.items()] if self.kind == "discovery" else []
+        parts.append(_html.table(["output", "term", "coefficient"], terms))
+        for key in ("sensors", "expected") if self.kind in ("plan", "check") else ():
+            parts.append(_dictionaries(self.json.get(key, [])))
+        if self.kind in ("modes", "check"):
+            parts.append(_dictionaries(self.json.get("modes", [])))
+        return _html.section(f"{self.path}: {title}", *parts,
+                             _html.sentences("Remarks:", self.json.get("remarks", [])))
+
+
+def _read_json(file: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as failure:
+        raise Error(f"{file}: is no result of pinode: {failure}") from None
+    if not isinstance(content, dict):
+        raise Error(f"{file}: is no result of pinode, expected its schema")
+    return content
+
+
+def _name(record: Any) -> str:
+    if not isinstance(record, str):
+        raise Error(f"record is a value of type {type(record).__name__}, expected a name")
+    return record
+
+
+def _column(cells: list[str]) -> np.ndarray:
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array(cells)
+
+
+def _mode(entry: dict[str, Any], places: list[str]) -> dict[str, Any]:
+    """An identified mode of modes.json, with arrays over `places`."""
+    at = {part["place"]: part for part in entry["shape"]}
+
+    def over_places(key: str) -> np.ndarray:
+        return np.array([at.get(place, {}).get(key) for place in places], dtype=float)
+
+    return {
+        **entry,
+        "shape": over_places("real") + 1j * over_places("imaginary"),
+        "shape_sigma_real": over_places("sigma_real"),
+        "shape_sigma_imaginary": over_places("sigma_imaginary"),
+    }
+
+
+def _dictionaries(rows: list[dict[str, Any]]) -> str:
+    """Their plain values as a table, with the keys of the first."""
+    if not rows:
+        return ""
+    keys = [key for key, value in rows[0].items() if not isinstance(value, (list, dict))]
+    return _html.table(keys, [[row.get(key) for key in keys] for row in rows])
 
 
 def read_result(path: str | os.PathLike[str]) -> ResultFolder:

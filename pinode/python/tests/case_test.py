@@ -44,6 +44,33 @@ def test_takes_sparse_matrices_lists_and_other_numbers():
                        case.natural_modes()["frequencies_hz"])
 
 
+def test_matrices_before_a_reduction_are_sparse(healthy):
+    """A chain of twenty masses of which a reduction keeps four."""
+    springs = np.full(20, 4e6)
+    stiffness = scipy.sparse.diags(
+        [springs + np.append(springs[1:], 0.0), -springs[1:], -springs[1:]], [0, 1, -1])
+    mass = scipy.sparse.diags(np.full(20, 1000.0))
+    dofs = [f"u{i + 1}" for i in range(20)]
+    first = scipy.sparse.csc_array(([4e6], ([0], [0])), shape=(20, 20))
+    case = pinode.Case(
+        pinode.FiniteElementModel(mass, stiffness, dofs=dofs, damping={"rayleigh": [0.1, 1e-4]},
+                                  reduction={"method": "guyan",
+                                             "keep": ["u5", "u10", "u15", "u20"]}),
+        groups=[pinode.Group("first", set_export=first),
+                pinode.Group("kept", matrix=np.eye(4))])
+    full = case.full_matrices()
+    assert case.mass.shape == (4, 4) and full["dofs"] == dofs
+    for key, expected in (("mass", mass), ("stiffness", stiffness),
+                          ("damping", 0.1 * mass + 1e-4 * stiffness)):
+        assert scipy.sparse.issparse(full[key]) and full[key].nnz <= 58
+        assert np.allclose(full[key].toarray(), expected.toarray())
+    assert np.array_equal(full["groups"]["first"].toarray(), first.toarray())
+    # Given for the coordinates alone.
+    assert full["groups"]["kept"] is None
+    with pytest.raises(pinode.Error, match="no finite-element model"):
+        healthy.full_matrices()
+
+
 def test_records_are_the_arrays(healthy):
     ground, floors = frame_testing.measure()
     measured = healthy.measured("healthy")
