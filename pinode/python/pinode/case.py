@@ -131,6 +131,7 @@ class Case:
 
     @property
     def title(self) -> str:
+        """As its file or its maker says; empty: nobody has."""
         return self._handle.title
 
     @property

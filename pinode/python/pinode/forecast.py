@@ -143,6 +143,7 @@ class SensorPlan(Sequence):
 
     @property
     def names(self) -> list[str]:
+        """Of the sensors, the most telling first."""
         return [s["name"] for s in self._sensors]
 
     def to_pandas(self, what: str = "sensors") -> "DataFrame":

@@ -269,6 +269,7 @@ def _channel_table(
 
 
 def rate_of(record: str, step: Any) -> float:
+    """Samples a second of a `step` in seconds; the record's name is for messages."""
     try:
         rate = 1.0 / float(step)
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):

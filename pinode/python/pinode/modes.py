@@ -41,10 +41,12 @@ class IdentifiedModes(Sequence):
 
     @property
     def frequencies_hz(self) -> np.ndarray:
+        """Of each mode, ascending, in Hz."""
         return np.array([m["frequency_hz"] for m in self._modes])
 
     @property
     def damping_ratios(self) -> np.ndarray:
+        """Of each mode, fractions of critical."""
         return np.array([m["damping_ratio"] for m in self._modes])
 
     @property

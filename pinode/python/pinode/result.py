@@ -75,6 +75,7 @@ class _Outcome:
 
     @property
     def message(self) -> str:
+        """What came of the fit, in a sentence."""
         return self._handle.message
 
     @property
@@ -94,6 +95,7 @@ class _Outcome:
 
     @property
     def seconds(self) -> float:
+        """How long it took, on the clock."""
         return self._handle.seconds
 
     @property
@@ -103,6 +105,7 @@ class _Outcome:
 
     @property
     def parameters(self) -> dict[str, Parameter]:
+        """Named parameters as they were found."""
         return {p["name"]: Parameter(**p) for p in self._handle.parameters()}
 
     def __getitem__(self, name: str) -> float:
@@ -122,6 +125,7 @@ class _Outcome:
 
     @property
     def covariance_names(self) -> list[str]:
+        """Of the rows and columns of `covariance`."""
         return self._handle.covariance_names
 
     def record(self, name: str | None = None) -> RecordResult:
@@ -171,10 +175,12 @@ class _Outcome:
 
     @property
     def damping(self) -> np.ndarray:
+        """C likewise."""
         return self._handle.matrices()["damping"]
 
     @property
     def stiffness(self) -> np.ndarray:
+        """K likewise."""
         return self._handle.matrices()["stiffness"]
 
     @property

@@ -2,6 +2,7 @@
 documentation."""
 
 import ast
+import importlib
 import inspect
 import os
 import pathlib
@@ -9,6 +10,8 @@ import re
 import resource
 import subprocess
 import sys
+import textwrap
+import types
 
 import pytest
 
@@ -87,6 +90,66 @@ def test_what_is_public_is_described():
             for part, what in vars(value).items():
                 if inspect.isfunction(what) and not part.startswith("_"):
                     assert what.__annotations__.get("return") is not None, (name, part)
+
+
+def functions_of(kind):
+    """(name, function) of the public parts of a class, those of its bases here too."""
+    for base in kind.__mro__:
+        if not base.__module__.startswith("pinode."):
+            continue
+        for name, part in vars(base).items():
+            if name.startswith("_"):
+                continue
+            part = getattr(part, "__func__", getattr(part, "fget", getattr(part, "func", part)))
+            if inspect.isfunction(part):
+                yield name, part
+
+
+def without_docstring(module):
+    """Names of public functions, classes, methods and properties that are made there."""
+    if not module.__doc__:
+        yield module.__name__
+    for name, value in vars(module).items():
+        if name.startswith("_") or getattr(value, "__module__", None) != module.__name__:
+            continue
+        if inspect.isclass(value):
+            if not vars(value).get("__doc__"):
+                yield name
+            yield from (f"{name}.{part}" for part, what in functions_of(value)
+                        if not what.__doc__)
+        elif inspect.isfunction(value) and not value.__doc__:
+            yield name
+
+
+def test_all_that_is_public_has_a_docstring():
+    names = [p.stem for p in PACKAGE.glob("*.py") if not p.stem.startswith("_")]
+    assert len(names) > 10
+    missing = {name: list(without_docstring(importlib.import_module(f"pinode.{name}")))
+               for name in names}
+    assert not {name: found for name, found in missing.items() if found}
+
+
+def test_a_missing_docstring_is_seen():
+    module = types.ModuleType("pinode.example", "An example.")
+    exec(textwrap.dedent("""
+        import functools
+        class _Base:
+            def of_base(self): pass
+        class Kind(_Base):
+            @property
+            def one(self): pass
+            @functools.cached_property
+            def two(self): pass
+            @classmethod
+            def three(cls): pass
+            @staticmethod
+            def four(): pass
+            def said(self):
+                "Is said."
+        def function(): pass
+        """), vars(module))
+    assert set(without_docstring(module)) == {
+        "Kind", "Kind.of_base", "Kind.one", "Kind.two", "Kind.three", "Kind.four", "function"}
 
 
 PAGES = [str(page.relative_to(SOURCE)) for folder in (".", "pinode", "pinode/*", "data", "tests")

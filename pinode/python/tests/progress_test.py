@@ -1,7 +1,10 @@
 """The bar: when there is one, what it says, and that it ends."""
 
 import signal
+import subprocess
 import sys
+import textwrap
+import types
 
 import pytest
 import study_test
@@ -57,6 +60,52 @@ def test_a_terminal_has_one_unless_it_is_not_wanted(healthy, bars, monkeypatch):
     assert len(bars) == 1
     healthy.identify(progress=False)
     assert len(bars) == 1
+
+
+class Shell:
+    """What IPython has running: in a notebook with the application of its kernel."""
+
+    def __init__(self, *applications):
+        self.config = dict.fromkeys(applications, {})
+
+
+@pytest.mark.parametrize("shell, expected", [
+    (Shell("IPKernelApp"), 1), (Shell("TerminalIPythonApp"), 0), (object(), 0), (None, 0)],
+    ids=["notebook", "terminal", "unknown", "none"])
+def test_a_notebook_has_one(shell, expected, healthy, bars, monkeypatch):
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: False, raising=False)
+    healthy.identify()
+    assert len(bars) == expected
+    healthy.identify(progress=False)
+    assert len(bars) == expected
+
+
+def test_in_a_notebook_it_is_a_notebooks():
+    """tqdm.auto takes widgets where there are some, by the same sign."""
+    script = """
+        import sys, types
+        from unittest.mock import MagicMock
+        widgets = sys.modules["ipywidgets"] = MagicMock(__version__="8.0.0")
+        class Box:
+            layout = MagicMock()
+            def __init__(self, children): self.children = children
+            def close(self): pass
+        widgets.HBox = Box
+        shell = types.SimpleNamespace(config={"IPKernelApp": {}})
+        sys.modules["IPython"] = types.SimpleNamespace(
+            get_ipython=lambda: shell, version_info=(8, 0, 0), __version__="8.0.0")
+        sys.modules["IPython.display"] = types.SimpleNamespace(display=lambda *a: None)
+        from pinode.progress import watched
+        with watched(None, None) as call:
+            call({"fit": "", "stage": 1, "num_stages": 1, "cost": 1.0,
+                  "free_run_error": 0.1, "iteration": 1})
+        import tqdm.auto, tqdm.notebook
+        print(issubclass(tqdm.auto.tqdm, tqdm.notebook.tqdm), widgets.FloatProgress.call_count)
+    """
+    done = subprocess.run([sys.executable, "-W", "error", "-c", textwrap.dedent(script)],
+                          capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("True 1\n", "")
 
 
 def test_counts_the_iterations_beside_a_callback(healthy, bars):
