@@ -1,5 +1,7 @@
 """Models from CalculiX, held against the frequencies that it finds itself."""
 
+import os
+import pathlib
 import shutil
 import subprocess
 
@@ -12,6 +14,7 @@ from pinode import calculix
 pytestmark = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="CalculiX is not installed (calculix-ccx)")
 
+FRAME = pathlib.Path(os.environ["PINODE_SOURCE_DIR"], "data/frame")
 LENGTH, SIDE, ELEMENTS = 1.0, 0.05, 8
 YOUNG, DENSITY = 2.1e11, 7850.0
 
@@ -146,3 +149,33 @@ def test_what_is_not_there(tmp_path):
         calculix.export(tmp_path / "beam.inp", ["far"], ccx="ccy")
     with pytest.raises(pinode.Error, match="factor"):
         calculix.export(tmp_path / "beam.inp", ["far"], factor=1.0)
+
+
+def test_the_frame_as_its_generator_exported_it(tmp_path):
+    """Every matrix of data/frame, which its generate.py had CalculiX write from
+    decks of its own."""
+    theirs = pinode.read_case(FRAME / "healthy_1.toml")
+    names = [g["name"] for g in theirs.to_dict()["group"] if "changed_export" in g]
+    masses = [name.removeprefix("mass_") for name in names if name.startswith("mass_")]
+    export = calculix.export(
+        FRAME / "frame.inp", [name for name in names if not name.startswith("mass_")],
+        masses=[f"beams_{floor}" for floor in masses], folder=tmp_path)
+    assert len(export.groups) == len(names) == 12
+    keep = theirs.to_dict()["model"]["reduction"]
+    ours = pinode.Case(export.model(reduction=keep), groups=export.groups)
+    whole, expected = ours.full_matrices(), theirs.full_matrices()
+    assert whole["dofs"] == expected["dofs"] and len(whole["dofs"]) == 1620
+    for key in ("mass", "stiffness"):
+        assert_same(whole[key], expected[key], 1e-12)
+    for name in names:
+        own = whole["groups"][name.replace("mass_", "mass_beams_")]
+        assert own.nnz > 0
+        # A difference of two exports, which have fifteen digits.
+        assert_same(own, expected["groups"][name], 1e-9)
+    assert ours.natural_modes()["frequencies_hz"] == pytest.approx(
+        theirs.natural_modes()["frequencies_hz"], rel=1e-9)
+
+
+def assert_same(ours, theirs, relative):
+    """All entries, to a part of the largest."""
+    assert abs(ours - theirs).max() <= relative * abs(theirs).max()
