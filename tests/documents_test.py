@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every link and every code block of the project's documents.
+"""Every link and every code block of the project's documents, and the text of
+its notebooks (their code is run by the test python.tutorials).
 
     tests/documents_test.py ROOT
 
@@ -31,7 +32,7 @@ FLAG = re.compile(r"(?<![\w-])--([a-z_]+)")
 
 
 def documents(root):
-    for path in sorted(root.rglob("*.md")):
+    for path in sorted([*root.rglob("*.md"), *root.rglob("*.ipynb")]):
         parts = path.relative_to(root).parts
         if parts[0].startswith(("build", ".")) or "floors_fixture" in parts:
             continue
@@ -45,6 +46,22 @@ def slug(heading):
     return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
 
 
+def lines_of(path):
+    """(line number, text) of a document; of a notebook its cells of text, and the
+    lines of the file that they stand in."""
+    lines = list(enumerate(path.read_text().splitlines(), 1))
+    if path.suffix != ".ipynb":
+        return lines
+    found, rest = [], iter(lines)
+    for cell in json.loads(path.read_text())["cells"]:
+        for text in cell["source"]:
+            quoted = [json.dumps(text, ensure_ascii=plain) for plain in (False, True)]
+            number = next((n for n, line in rest if line.strip().rstrip(",") in quoted), 0)
+            if cell["cell_type"] == "markdown":
+                found.append((number, text.rstrip("\n")))
+    return found
+
+
 class Page:
     """Lines of a document by what they are: blocks, and text with its line numbers."""
 
@@ -54,7 +71,7 @@ class Page:
         self.text = []    # (line, text) outside of fences
         self.anchors = set()
         language, begun, block = None, 0, []
-        for number, line in enumerate(path.read_text().splitlines(), 1):
+        for number, line in lines_of(path):
             fence = FENCE.match(line)
             if fence and language is None:
                 language, begun, block = fence[1], number, []
@@ -99,13 +116,14 @@ class Checker:
         self.presets = presets(root)
         self.floors = {p.parent.name for p in (root / "pinode").glob("*/CMakeLists.txt")}
         self.failures = []
-        self.checked = {"links": 0, "blocks": 0, "commands": 0}
+        self.checked = {"links": 0, "blocks": 0, "commands": 0, "notebooks": 0}
 
     def fail(self, page, line, message):
         self.failures.append(f"{page.path.relative_to(self.root)}:{line}: {message}")
 
     def run(self):
         for page in self.pages.values():
+            self.checked["notebooks"] += page.path.suffix == ".ipynb"
             for line, language, text in page.blocks:
                 self.checked["blocks"] += 1
                 self.block(page, line, language, text)

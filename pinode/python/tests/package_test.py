@@ -156,6 +156,13 @@ PAGES = [str(page.relative_to(SOURCE)) for folder in (".", "pinode", "pinode/*",
          for page in sorted(SOURCE.glob(f"{folder}/*.md")) if "```python" in page.read_text()]
 
 
+def test_ten_lines_are_ten():
+    text = (SOURCE / "README.md").read_text()
+    before, block = re.search(r"(.*?)```python\n(.*?)```", text, re.DOTALL).groups()
+    assert "in ten lines of Python" in before
+    assert len([line for line in block.splitlines() if line.strip()]) == 10
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_python_of_the_documentation_runs(page, tmp_path, monkeypatch, capsys):
     text = (SOURCE / page).read_text()
