@@ -15,13 +15,19 @@ from ._pinode import Error
 if TYPE_CHECKING:
     import pandas
 
+    from .forecast import Simulation
+
 __all__ = ["frame", "of_modes", "of_plan", "of_simulation", "of_table"]
+
+
+# What looks like a result for as long as nobody looks into it.
+_PLAIN = (numbers.Number, str, bytes, list, tuple, set, range, dict, np.ndarray)
 
 
 def _of_results(make: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(make)
     def call(outcome: Any, *args: Any, **kwargs: Any) -> Any:
-        if outcome is None or isinstance(outcome, (numbers.Number, str, bytes)):
+        if outcome is None or isinstance(outcome, _PLAIN):
             raise _no_result(outcome)
         try:
             return make(outcome, *args, **kwargs)
@@ -85,12 +91,14 @@ def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
     diagram: a row a pole of the stabilisation diagram; `mode` from 1, that of the
         record, 0 for none.
     """
-    pandas = _pandas()
+    pandas, places = _pandas(), found.places
+    if not isinstance(what, str):
+        raise _no_such(what, "modes, shapes or diagram")
     if what == "modes":
         rows = []
         for mode in found:
             row = {key: value for key, value in mode.items() if np.ndim(value) == 0}
-            row.update(zip(found.places, mode["shape"].real))
+            row.update(zip(places, mode["shape"].real))
             rows.append(row)
         index = pandas.RangeIndex(1, len(rows) + 1, name="mode")
         return pandas.DataFrame(rows, index=index)
@@ -101,7 +109,7 @@ def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
             columns[number, "imaginary"] = mode["shape"].imag
             columns[number, "sigma_real"] = mode["shape_sigma_real"]
             columns[number, "sigma_imaginary"] = mode["shape_sigma_imaginary"]
-        return pandas.DataFrame(columns, index=pandas.Index(found.places, name="place"))
+        return pandas.DataFrame(columns, index=pandas.Index(places, name="place"))
     if what == "diagram":
         keys = ("order", "frequency_hz", "frequency_sigma", "damping_ratio", "mode")
         parts = []
@@ -127,11 +135,13 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
         ones and one at every place.
     durations: what is reached with shorter records.
     """
-    pandas = _pandas()
+    pandas, deviations = _pandas(), plan.deviations
+    if not isinstance(what, str):
+        raise _no_such(what, "sensors, deviations or durations")
     if what == "sensors":
         return _rows(pandas, list(plan), "name", ["name"])
     if what == "deviations":
-        rows = [{"parameter": name, **row} for name, row in plan.deviations.items()]
+        rows = [{"parameter": name, **row} for name, row in deviations.items()]
         return _rows(pandas, rows, "parameter", ["parameter"])
     if what == "durations":
         return _rows(pandas, plan.durations, "duration", ["duration"])
@@ -140,7 +150,7 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
 
 @_of_results
 def of_simulation(
-    simulation: "Mapping[str, Any]", record: str | None = None
+    simulation: "Simulation", record: str | None = None
 ) -> "pandas.DataFrame":
     """The channels of a simulated record, the first unless named, by time."""
     pandas = _pandas()

@@ -5,11 +5,14 @@ all is what a release is held to.
 """
 
 import copy
+import inspect
 import os
 import pickle
+import shutil
 
 import frame_testing
 import hypothesis
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from hypothesis import strategies as st
@@ -280,6 +283,15 @@ def test_parts_of_anything(data):
         is_sentence(failure)
 
 
+# Long enough for the few orders that are asked for.
+WIND = frame_testing.measure(samples=3000)[1][:, :2]
+
+
+def of_wind(**keys):
+    return pinode.identify_modes(
+        WIND, **{"step": frame_testing.STEP, "block_rows": 4, "max_order": 6, **keys})
+
+
 @pytest.fixture(scope="module")
 def fit():
     return pinode.Case.from_dict(EXAMPLE).identify(callback=lambda s: s["iteration"] < 3)
@@ -322,7 +334,11 @@ def test_files_of_anything(fit, folder, data):
         lambda v: pinode.calculix.export("no.inp", v),
         lambda v: pinode.calculix.export("no.inp", [], factor=v),
         lambda v: pinode.calculix.export(v, ["a"], masses=v),
+        lambda v: folder.to_pandas(v),
+        lambda v: folder.response(v),
         lambda v: pinode.opensees.read_matrix(v),
+        lambda v: pinode.identify_modes(v, columns=["a1"]),
+        lambda v: case.discover(model=v),
         lambda v: pinode.opensees.read(v, v, dofs={1: [0]}),
         lambda v: pinode.opensees.equation_names(v, 2),
         lambda v: pinode.opensees.equation_names({1: [0, v]}, 2),
@@ -363,21 +379,20 @@ def test_functions_of_anything(fit, data):
         lambda v: fit.to_pandas(v),
         lambda v: fit[v],
         lambda v: pinode.identify_modes(v, step=0.1),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, names=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, lowest_hz=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, highest_hz=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, block_rows=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, max_order=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, pick=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, references=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, threads=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, quantity=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, loads=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, free_decay=v),
-        lambda v: pinode.identify_modes(np.random.rand(60, 2), step=0.1, method=v),
-        lambda v: pinode.identify_modes(
-            np.random.rand(60, 2), step=0.1, max_damping_ratio=v),
+        lambda v: of_wind(step=v),
+        lambda v: of_wind(names=v),
+        lambda v: of_wind(lowest_hz=v),
+        lambda v: of_wind(highest_hz=v),
+        lambda v: of_wind(block_rows=v),
+        lambda v: of_wind(max_order=v),
+        lambda v: of_wind(pick=v),
+        lambda v: of_wind(references=v),
+        lambda v: of_wind(threads=v),
+        lambda v: of_wind(quantity=v),
+        lambda v: of_wind(loads=v),
+        lambda v: of_wind(free_decay=v),
+        lambda v: of_wind(method=v),
+        lambda v: of_wind(max_damping_ratio=v),
         lambda v: pinode.identify_modes({"record": v}),
         lambda v: pinode.identify_modes({"one": v}, step=0.1),
         lambda v: pinode.channels("a", v, "displacement"),
@@ -395,4 +410,95 @@ def test_functions_of_anything(fit, data):
     try:
         work(data.draw(any_value))
     except EXPECTED as failure:
+        is_sentence(failure)
+
+
+@pytest.fixture(scope="module")
+def modes():
+    found = of_wind()
+    assert len(found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return pinode.Case.from_dict(EXAMPLE).plan_sensors(1)
+
+
+@pytest.fixture(scope="module")
+def simulation():
+    return pinode.Case.from_dict(EXAMPLE).simulate()
+
+
+@settings
+@hypothesis.given(st.data())
+def test_figures_and_frames_of_anything(fit, modes, plan, simulation, data):
+    """Of what is no result, and with any value beside one."""
+    results = [fit, modes, plan, simulation]
+    figures = [getattr(pinode.figures, name) for name in pinode.figures.__all__]
+    frames = [getattr(pinode.frames, name) for name in pinode.frames.__all__]
+    draw = data.draw(st.sampled_from(figures + frames))
+    outcome = data.draw(st.one_of(st.sampled_from(results), values))
+    keys = [name for name in list(inspect.signature(draw).parameters)[1:]]
+    given = {name: data.draw(values) for name in keys if data.draw(st.booleans())}
+    try:
+        draw(outcome, **given)
+    except EXPECTED as failure:
+        is_sentence(failure)
+    finally:
+        plt.close("all")
+
+
+@settings
+@hypothesis.given(st.data())
+def test_elements_of_anything(folder, data):
+    """No compiler is run that would take its time: false(1) fails at once."""
+    text = "PINODE_ELEMENTS(library) {}"
+    work = data.draw(st.sampled_from([
+        lambda v: pinode.elements.build(v, "x.so", compiler="false"),
+        lambda v: pinode.elements.build(text, v, compiler="false"),
+        lambda v: pinode.elements.build(text, v, compiler="true"),
+        lambda v: pinode.elements.build(text, "x.so", include=v, compiler="false"),
+        lambda v: pinode.elements.build(text, "x.so", include=[v], compiler="false"),
+        lambda v: pinode.elements.build(text, "x.so", compiler=v),
+        lambda v: pinode.Element("e", v, ("ground", "u1"), {}, file=v),
+        lambda v: pinode.Case(pinode.Model(**EXAMPLE["model"]), elements=[
+            pinode.Element("e", "sticky", ("ground", "u1"), {}, file=v)]),
+    ]))
+    value = data.draw(values.filter(lambda v: not isinstance(v, str) or not shutil.which(v)))
+    try:
+        work(value)
+    except EXPECTED + (OSError,) as failure:
+        is_sentence(failure)
+
+
+@settings
+@hypothesis.given(st.data())
+def test_folders_of_anything(fit, folder, modes, simulation, data):
+    """Where results go, and what is done with what is there; all of it below a
+    folder of the test's own."""
+    case = pinode.Case.from_dict(EXAMPLE)
+    stop = {"callback": lambda s: s["iteration"] < 1}
+    work = data.draw(st.sampled_from([
+        lambda **keys: case.identify(**stop, **keys),
+        lambda **keys: case.damage([fit], **stop, **keys),
+        lambda **keys: case.discover(**stop, **keys),
+        lambda **keys: fit.discover(**stop, **keys),
+        case.check,
+        lambda **keys: case.plan_sensors(1, **keys),
+        of_wind,
+        lambda **keys: fit.save(keys.pop("output", "saved"), **keys),
+        lambda **keys: modes.save(keys.pop("output", "saved"), **keys),
+        lambda **keys: simulation.save(keys.pop("output", "saved"), **keys),
+    ]))
+    options = {"output": st.one_of(st.sampled_from(["a", "b/c", "result"]), values),
+               "overwrite": st.one_of(st.booleans(), values), "mat": values,
+               "resume": st.one_of(st.booleans(), values), "deck": values}
+    names = data.draw(st.lists(st.sampled_from(list(options)), max_size=3, unique=True))
+    given = {name: data.draw(options[name]) for name in names}
+    # A folder of nobody's is not replaced; those of others are not looked at.
+    hypothesis.assume(not str(given.get("output", "")).startswith(("/", "..")))
+    try:
+        work(**given)
+    except EXPECTED + (OSError,) as failure:
         is_sentence(failure)
