@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/checkpoint_file.h"
 #include "pinode/case/rod_testing.h"
 #include "pinode/case/testing.h"
 #include "pinode/case/toml_value.h"
@@ -241,6 +242,29 @@ TEST_F(RenewedCaseTest, IsReadAsItWasRenewed) {
   Case again;
   ASSERT_TRUE(RenewCase(renewed, found, &again, &begin, &error)) << error;
   EXPECT_EQ(ProblemIdentity(again.problem), ProblemIdentity(c.problem));
+}
+
+TEST_F(RenewedCaseTest, FittedModelIsReadInItsBasis) {
+  const Case c = RodOrFail();
+  Checkpoint checkpoint;
+  checkpoint.model.parameters = Vector{{-0.5, 0.0, 2.0}};
+  const TemporaryFolder folder;
+  std::string error;
+  ASSERT_TRUE(WriteCheckpoint(folder.Path("checkpoint.json"),
+                              ProblemIdentity(c.problem), checkpoint, &error))
+      << error;
+  Case renewed;
+  IdentifiedModel begin;
+  ASSERT_TRUE(RenewCase(c, checkpoint.model, &renewed, &begin, &error))
+      << error;
+  Case read = c;
+  IdentifiedModel model;
+  ASSERT_TRUE(ReadFittedModel(folder.Path(""), &read, &model, &error)) << error;
+  EXPECT_EQ(ProblemHash(read.problem), ProblemHash(renewed.problem));
+  EXPECT_EQ(model.parameters, checkpoint.model.parameters);
+
+  EXPECT_FALSE(ReadFittedModel(folder.Path("nowhere"), &read, &model, &error));
+  EXPECT_THAT(error, HasSubstr("nowhere/checkpoint.json"));
 }
 
 TEST_F(RenewedCaseTest, RefusesWhatHasNoModes) {

@@ -44,27 +44,20 @@ std::shared_ptr<CaseHandle> ReadFile(const std::string& path,
                                      const std::string& purpose) {
   auto handle = std::make_shared<CaseHandle>();
   handle->purpose = PurposeOf(purpose);
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
+  RequireInterruptibly([handle, path](std::string* error) {
     Case* c = &handle->c;
     switch (handle->purpose) {
       case CasePurpose::kFit:
-        ok = ReadCase(path, c, &error);
-        break;
+        return ReadCase(path, c, error);
       case CasePurpose::kCheck:
-        ok = ReadCaseForCheck(path, c, &error);
-        break;
+        return ReadCaseForCheck(path, c, error);
       case CasePurpose::kSimulation:
-        ok = ReadCaseForSimulation(path, c, &error);
-        break;
+        return ReadCaseForSimulation(path, c, error);
       case CasePurpose::kPlanning:
-        ok = ReadCaseForPlanning(path, /*force_dof=*/"", c, &error);
         break;
     }
-  }
-  Require(ok, error);
+    return ReadCaseForPlanning(path, /*force_dof=*/"", c, error);
+  });
   return handle;
 }
 
@@ -75,13 +68,9 @@ std::shared_ptr<CaseHandle> ReadTree(const py::object& tree,
   handle->purpose = PurposeOf(purpose);
   auto data = std::make_shared<CaseData>();
   const TomlValue value = TreeFromPython(tree, data.get());
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    ok = ReadCaseTree(value, path, data, handle->purpose, &handle->c, &error);
-  }
-  Require(ok, error);
+  RequireInterruptibly([handle, value, path, data](std::string* error) {
+    return ReadCaseTree(value, path, data, handle->purpose, &handle->c, error);
+  });
   return handle;
 }
 

@@ -157,27 +157,19 @@ std::shared_ptr<ModesHandle> FromSetups(const py::list& setups,
 std::shared_ptr<ModesHandle> FromTree(const py::object& tree,
                                       const std::string& path) {
   auto handle = std::make_shared<ModesHandle>();
-  CaseData data;
-  const TomlValue value = TreeFromPython(tree, &data);
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    ok = ReadModesTree(value, path, data, &handle->c, &error);
-  }
-  Require(ok, error);
+  const auto data = std::make_shared<CaseData>();
+  const TomlValue value = TreeFromPython(tree, data.get());
+  RequireInterruptibly([handle, value, path, data](std::string* error) {
+    return ReadModesTree(value, path, *data, &handle->c, error);
+  });
   return handle;
 }
 
 std::shared_ptr<ModesHandle> FromFile(const std::string& path) {
   auto handle = std::make_shared<ModesHandle>();
-  std::string error;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    ok = ReadModesCase(path, &handle->c, &error);
-  }
-  Require(ok, error);
+  RequireInterruptibly([handle, path](std::string* error) {
+    return ReadModesCase(path, &handle->c, error);
+  });
   return handle;
 }
 
@@ -198,12 +190,9 @@ std::shared_ptr<ModesHandle> FromDataFile(
                               sampling_rate_hz};
   auto handle = std::make_shared<ModesHandle>();
   ModesCase* c = &handle->c;
-  bool ok = false;
-  {
-    py::gil_scoped_release release;
-    ok = ReadModesDataFile(file, c, &error);
-  }
-  Require(ok, error);
+  RequireInterruptibly([handle, file](std::string* sentence) {
+    return ReadModesDataFile(file, &handle->c, sentence);
+  });
   c->options = asked.options;
   c->merge = asked.merge;
   if (!title.empty()) c->title = title;
@@ -217,18 +206,12 @@ void Find(const std::shared_ptr<ModesHandle>& handle, int threads) {
                 ", it must be from 1 to " + std::to_string(kMostThreads));
   }
   if (threads > 0) handle->c.options.num_threads = threads;
-  struct Outcome {
-    FoundModes found;
-    bool ok = false;
-    std::string error;
-  };
-  const auto outcome = std::make_shared<Outcome>();
+  const auto found = std::make_shared<FoundModes>();
   const auto begin = Clock::now();
-  RunInterruptibly([handle, outcome] {
-    outcome->ok = FindModes(handle->c, &outcome->found, &outcome->error);
+  RequireInterruptibly([handle, found](std::string* error) {
+    return FindModes(handle->c, found.get(), error);
   });
-  Require(outcome->ok, outcome->error);
-  handle->found = std::move(outcome->found);
+  handle->found = std::move(*found);
   handle->seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
@@ -271,7 +254,7 @@ py::object ModesForCase(const ModesHandle& handle) {
   return entries.contains("mode") ? py::object(entries["mode"]) : py::list();
 }
 
-py::list FoundModes(const ModesHandle& handle) {
+py::list ListOfModes(const ModesHandle& handle) {
   py::list modes;
   for (const MergedMode& mode : handle.found.result.merged.modes) {
     py::dict entry = ModeAsDict(mode.mode);
@@ -338,7 +321,7 @@ void BindModes(py::module_* module) {
            py::arg("mat") = false)
       .def("for_case", &ModesForCase)
       .def("spectra", &Spectra)
-      .def_property_readonly("modes", &FoundModes)
+      .def_property_readonly("modes", &ListOfModes)
       .def_property_readonly("diagram", &Diagram)
       .def_property_readonly(
           "methods",

@@ -10,6 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "pinode/python/convert.h"
+
 namespace pinode::python {
 
 namespace py = pybind11;
@@ -115,6 +117,18 @@ void RunInterruptibly(std::function<void()> work) {
     }
   }
   begun->Rethrow();
+}
+
+void RequireInterruptibly(std::function<bool(std::string* error)> work) {
+  struct Outcome {
+    bool ok = false;
+    std::string error;
+  };
+  const auto outcome = std::make_shared<Outcome>();
+  RunInterruptibly([outcome, work = std::move(work)] {
+    outcome->ok = work(&outcome->error);
+  });
+  Require(outcome->ok, outcome->error);
 }
 
 void WaitForWorkAtExit() {

@@ -59,6 +59,9 @@ class PythonWatch {
 // Python, goes on unheard, and the interpreter waits for it before it ends.
 void RunInterruptibly(std::function<void()> work);
 
+// Calls `work` so, and throws Error with its sentence where it is false.
+void RequireInterruptibly(std::function<bool(std::string* error)> work);
+
 // Has the interpreter wait for such work when it ends.
 void WaitForWorkAtExit();
 

@@ -35,6 +35,10 @@ def simulate():
     return hardening(20000, substeps=250).simulate
 
 
+def read():
+    return lambda: hardening(20000, substeps=250)
+
+
 def check():
     return hardening(3000).check
 
@@ -69,16 +73,30 @@ def seconds_to_interrupt(work, handler=None):
         signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("work", [simulate, check, plan_sensors, identify_modes])
+def test_the_interpreter_ends_when_the_work_does():
+    script = textwrap.dedent("""
+        import os, signal, threading, numpy as np, pinode
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        try:
+            pinode.identify_modes(np.random.rand(15000, 12), step=0.01)
+        except KeyboardInterrupt:
+            print("seen")
+    """)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                          timeout=120)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "seen\n", "")
+
+
+@pytest.mark.parametrize("work", [simulate, read, check, plan_sensors, identify_modes])
 def test_is_seen_at_once(work):
-    assert seconds_to_interrupt(work()) < 0.3
+    assert seconds_to_interrupt(work()) < 0.5
 
 
 def test_what_a_handler_raises():
     def fail(number, frame):
         raise KeyError("mine")
 
-    assert seconds_to_interrupt(check(), fail) < 0.3
+    assert seconds_to_interrupt(check(), fail) < 0.5
 
 
 def test_leaves_no_folder_and_a_case_that_works(tmp_path):
@@ -93,17 +111,3 @@ def test_errors_are_as_ever(healthy):
         pinode.identify_modes(RANDOM.standard_normal((10, 1)), step=0.1)
     with pytest.raises(pinode.Error, match="record.force"):
         healthy.plan_sensors(1, force_at="u9")
-
-
-def test_the_interpreter_ends_when_the_work_does():
-    script = textwrap.dedent("""
-        import os, signal, threading, numpy as np, pinode
-        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
-        try:
-            pinode.identify_modes(np.random.rand(15000, 12), step=0.01)
-        except KeyboardInterrupt:
-            print("seen")
-    """)
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
-                          timeout=120)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "seen\n", "")
