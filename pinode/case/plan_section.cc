@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/toml_table.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/problem_description.h"
@@ -288,10 +289,11 @@ bool MoveForces(const std::string& path, const std::string& force_dof,
     TomlValue* forces = record.Find("force");
     if (forces == nullptr || !forces->IsArrayOfTables() ||
         forces->elements.empty()) {
-      *error = path + ":" + std::to_string(record.line) +
-               ": a record has no [[record.force]], expected one that could "
-               "act at the DOFs of 'excite'";
-      return false;
+      return CaseErrors(path, error)
+          .Fail(record.line,
+                "a record has no [[record.force]], expected one that could act "
+                "at the "
+                "DOFs of 'excite'");
     }
     TomlValue force = forces->elements.front();
     force.Set("dof", TomlValue::String(force_dof));

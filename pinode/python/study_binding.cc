@@ -374,12 +374,34 @@ bool PutInPlace(const Case& c, const std::vector<DiscoveredEquation>& equations,
   return true;
 }
 
-// The terms of networks of `fit` (null: of what the records say), refitted
-// where the case asks for it.
+// What terms are found from, and the terms.
+struct FoundTerms {
+  Case c;
+  IdentifiedModel model;
+  std::vector<DiscoveredEquation> equations;
+};
+
+// The terms of networks of `fit` (null: of what the records say).
+std::shared_ptr<const FoundTerms> FindTerms(Case given, const Fit* fit) {
+  const auto found = std::make_shared<FoundTerms>();
+  found->c = std::move(given);
+  if (fit != nullptr) found->model = fit->model;
+  RequireInterruptibly([found](std::string* error) {
+    const Case& c = found->c;
+    return c.discover.source == DiscoveryOptions::Source::kNetwork
+               ? DiscoverFromNetworks(c.problem, found->model, c.discover,
+                                      &found->equations, error)
+               : DiscoverFromDerivatives(c.problem, c.discover,
+                                         &found->equations, &found->model,
+                                         error);
+  });
+  return found;
+}
+
+// These terms, refitted where the case asks for it.
 std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
                                   const FitRequest& request) {
-  const Case c = CaseToDiscover(handle, fit, request);
-  const bool networks = c.discover.source == DiscoveryOptions::Source::kNetwork;
+  Case c = CaseToDiscover(handle, fit, request);
   ResultFolder folder;
   std::string error;
   Require(
@@ -391,17 +413,13 @@ std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
   PythonWatch python(request.callback);
   const FitWatch watch = python.watch();
   const auto begun = std::chrono::steady_clock::now();
+  const std::shared_ptr<const FoundTerms> found = FindTerms(std::move(c), fit);
   bool ok = false;
   python.Run([&] {
-    RefitCheckpoint checkpoint(folder, c.problem);
-    if (fit != nullptr) result->model = fit->model;
-    std::vector<DiscoveredEquation> equations;
-    ok = (networks ? DiscoverFromNetworks(c.problem, result->model, c.discover,
-                                          &equations, &error)
-                   : DiscoverFromDerivatives(c.problem, c.discover, &equations,
-                                             &result->model, &error)) &&
-         PutInPlace(c, equations, watch, &checkpoint, result.get(),
-                    discovery.get(), &error);
+    RefitCheckpoint checkpoint(folder, found->c.problem);
+    result->model = found->model;
+    ok = PutInPlace(found->c, found->equations, watch, &checkpoint,
+                    result.get(), discovery.get(), &error);
     if (!ok) return;
     if (!discovery->refitted) {
       result->summary.message = discovery->num_terms() == 0

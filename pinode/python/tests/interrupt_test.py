@@ -11,6 +11,7 @@ import time
 import frame_testing
 import numpy as np
 import pytest
+import study_test
 
 import pinode
 
@@ -87,7 +88,15 @@ def test_the_interpreter_ends_when_the_work_does():
     assert (done.returncode, done.stdout, done.stderr) == (0, "seen\n", "")
 
 
-@pytest.mark.parametrize("work", [simulate, read, check, plan_sensors, identify_modes])
+def discover():
+    """Of smoothed records, with many candidates and many draws of each."""
+    return study_test.oscillator(
+        networks=[pinode.Network("nn", ["x[u1]", "v[u1]"], ["u1"], layers=[8])],
+        discover={"source": "derivatives", "polynomial_degree": 6, "bags": 400,
+                  "refit": False}).discover
+
+
+@pytest.mark.parametrize("work", [simulate, read, check, plan_sensors, identify_modes, discover])
 def test_is_seen_at_once(work):
     assert seconds_to_interrupt(work()) < 0.5
 
@@ -109,5 +118,5 @@ def test_leaves_no_folder_and_a_case_that_works(tmp_path):
 def test_errors_are_as_ever(healthy):
     with pytest.raises(pinode.Error, match="too short"):
         pinode.identify_modes(RANDOM.standard_normal((10, 1)), step=0.1)
-    with pytest.raises(pinode.Error, match="record.force"):
+    with pytest.raises(pinode.Error, match=r"^a record has no \[\[record.force\]\]"):
         healthy.plan_sensors(1, force_at="u9")
