@@ -67,6 +67,7 @@ void BindCase(pybind11::module_* module);
 void BindFit(pybind11::module_* module);
 void BindStudy(pybind11::module_* module);
 void BindModes(pybind11::module_* module);
+void BindSimulation(pybind11::module_* module);
 void BindPlan(pybind11::module_* module);
 
 }  // namespace pinode::python

@@ -20,6 +20,7 @@ PYBIND11_MODULE(_pinode, module) {
   BindCase(&module);
   BindFit(&module);
   BindStudy(&module);
+  BindSimulation(&module);
   BindModes(&module);
   BindPlan(&module);
   WaitForWorkAtExit();
