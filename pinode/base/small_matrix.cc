@@ -32,11 +32,11 @@ inline void MultiplyTile(std::integer_sequence<int, J...> /*columns*/,
   ((ColumnMap<kRows>(c + J * ldc) = sums[J]), ...);
 }
 
-// kRows rows of one column, in several sums: one alone would wait for itself.
+// kRows rows of A b, in several sums: one alone would wait for itself.
 template <int kRows, int... S>
-inline void MultiplyColumn(std::integer_sequence<int, S...> /*sums*/, int inner,
-                           const double* a, int lda, const double* b,
-                           double* c) {
+inline Column<kRows> ProductColumn(std::integer_sequence<int, S...> /*sums*/,
+                                   int inner, const double* a, Eigen::Index lda,
+                                   const double* b) {
   constexpr int kSums = sizeof...(S);
   std::array<Column<kRows>, kSums> sums;
   (sums[S].setZero(), ...);
@@ -48,7 +48,7 @@ inline void MultiplyColumn(std::integer_sequence<int, S...> /*sums*/, int inner,
     sums[0] += ConstColumnMap<kRows>(a + k * lda) * b[k];
   }
   ((sums[0] += S > 0 ? sums[S] : Column<kRows>::Zero().eval()), ...);
-  ColumnMap<kRows>{c} = sums[0];
+  return sums[0];
 }
 
 template <int kRows>
@@ -64,7 +64,8 @@ inline void MultiplyRows(int inner, int cols, const double* a, int lda,
     MultiplyTile<kRows>(kFour, inner, a, lda, b + j * inner, c + j * ldc, ldc);
   }
   for (; j < cols; ++j) {
-    MultiplyColumn<kRows>(kFour, inner, a, lda, b + j * inner, c + j * ldc);
+    ColumnMap<kRows>{c + j* ldc} =
+        ProductColumn<kRows>(kFour, inner, a, lda, b + j * inner);
   }
 }
 
@@ -140,11 +141,21 @@ void MultiplySmall(int rows, int inner, int cols, const double* a,
   });
 }
 
-void Multiply(const Matrix& left, const Matrix& right,
+void AddProductSmall(int rows, int cols, const double* a, Eigen::Index stride,
+                     const double* x, double* y) {
+  constexpr std::make_integer_sequence<int, 4> kFour;
+  ForEachRowBlock(rows, [&](auto block, int i) {
+    ColumnMap<block()>(y + i) +=
+        ProductColumn<block()>(kFour, cols, a + i, stride, x);
+  });
+}
+
+void Multiply(const Matrix& left, const Eigen::Ref<const Matrix>& right,
               Eigen::Ref<Matrix> result) {
   // Beyond this packing pays.
   constexpr Eigen::Index kFew = 16;
-  if (left.rows() > kFew || left.cols() > kFew) {
+  if (left.rows() > kFew || left.cols() > kFew ||
+      right.outerStride() != right.rows()) {
     result.noalias() = left * right;
     return;
   }

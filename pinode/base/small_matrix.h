@@ -2,8 +2,8 @@
 // Eigen makes of them packs its operands or asks for their sizes at every
 // entry, which takes longer than the product.
 //
-// All matrices are dense and column-major, without gaps between columns.
-// Nothing here allocates.
+// All matrices are dense and column-major, without gaps between columns where
+// no stride is given. Nothing here allocates.
 
 #ifndef PINODE_BASE_SMALL_MATRIX_H_
 #define PINODE_BASE_SMALL_MATRIX_H_
@@ -21,9 +21,13 @@ void MultiplySmall(int rows, int inner, int cols, const double* a,
 void MultiplySmall(int rows, int inner, int cols, const double* a,
                    const double* b, double* c, Eigen::Index stride);
 
+// y += A x, with A rows x cols and `stride` between its columns.
+void AddProductSmall(int rows, int cols, const double* a, Eigen::Index stride,
+                     const double* x, double* y);
+
 // result = left * right, as above where `left` is small and by Eigen where it
 // is not.
-void Multiply(const Matrix& left, const Matrix& right,
+void Multiply(const Matrix& left, const Eigen::Ref<const Matrix>& right,
               Eigen::Ref<Matrix> result);
 
 // C = A diag(d), all with rows x cols entries but d, which has cols. `c` may be

@@ -34,6 +34,14 @@ TEST(SmallMatrix, AgreesWithEigenAtEverySize) {
         AddOuterProducts(inner, rows, cols, v.data(), r.data(), c.data());
         ExpectEqual(c, 2.0 * a.lazyProduct(b));
 
+        // Of all rows but the first.
+        const Vector x = Vector::Random(inner);
+        Vector y = Vector::Random(rows - 1);
+        const Vector sum = y + a.bottomRows(rows - 1).lazyProduct(x);
+        AddProductSmall(rows - 1, inner, a.data() + 1, rows, x.data(),
+                        y.data());
+        ExpectEqual(y, sum);
+
         const Vector d = Vector::Random(cols);
         const Matrix expected = c * d.asDiagonal();
         ScaleColumnsSmall(rows, cols, c.data(), d.data(), c.data());

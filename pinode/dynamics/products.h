@@ -5,6 +5,7 @@
 #ifndef PINODE_DYNAMICS_PRODUCTS_H_
 #define PINODE_DYNAMICS_PRODUCTS_H_
 
+#include "pinode/base/small_matrix.h"
 #include "pinode/base/types.h"
 
 namespace pinode {
@@ -13,6 +14,14 @@ namespace pinode {
 // can be added to Jets.
 inline void AddProduct(const Eigen::Ref<const Matrix>& matrix,
                        const double* vector, double* sum) {
+  // Beyond this Eigen is no slower.
+  constexpr Eigen::Index kFew = 16;
+  if (matrix.rows() <= kFew) {
+    AddProductSmall(static_cast<int>(matrix.rows()),
+                    static_cast<int>(matrix.cols()), matrix.data(),
+                    matrix.outerStride(), vector, sum);
+    return;
+  }
   Eigen::Map<Vector>(sum, matrix.rows()).noalias() +=
       matrix * Eigen::Map<const Vector>(vector, matrix.cols());
 }

@@ -6,6 +6,28 @@
 #include "pinode/base/logging.h"
 
 namespace pinode {
+namespace {
+
+// Blocks of so many columns are worked on column by column: for products and
+// triangular solves Eigen packs its operands, which takes longer than the
+// work.
+constexpr Eigen::Index kFewColumns = 16;
+
+// *result -= left * right, with a small square matrix on the right.
+template <typename Left, typename Right, typename Result>
+void SubtractProduct(const Left& left, const Right& right, Result* result) {
+  if (right.rows() > kFewColumns) {
+    result->noalias() -= left * right;
+    return;
+  }
+  for (Eigen::Index j = 0; j < right.cols(); ++j) {
+    for (Eigen::Index i = 0; i < right.rows(); ++i) {
+      result->col(j) -= right(i, j) * left.col(i);
+    }
+  }
+}
+
+}  // namespace
 
 BlockTridiagonal::BlockTridiagonal(int num_blocks, int block_size)
     : block_size_(block_size) {
@@ -48,13 +70,22 @@ void BlockTridiagonal::SolveLower(Matrix* right) const {
   for (int k = 0; k < num_blocks(); ++k) {
     auto block = right->middleCols(k * m, m);
     if (k > 0) {
-      block.noalias() -= right->middleCols((k - 1) * m, m) *
-                         below_[static_cast<size_t>(k - 1)].transpose();
+      SubtractProduct(right->middleCols((k - 1) * m, m),
+                      below_[static_cast<size_t>(k - 1)].transpose(), &block);
     }
-    lower_[static_cast<size_t>(k)]
-        .transpose()
-        .triangularView<Eigen::Upper>()
-        .solveInPlace<Eigen::OnTheRight>(block);
+    const Matrix& lower = lower_[static_cast<size_t>(k)];
+    if (m > kFewColumns) {
+      lower.transpose()
+          .triangularView<Eigen::Upper>()
+          .solveInPlace<Eigen::OnTheRight>(block);
+      continue;
+    }
+    for (Eigen::Index j = 0; j < m; ++j) {
+      for (Eigen::Index i = 0; i < j; ++i) {
+        block.col(j) -= lower(j, i) * block.col(i);
+      }
+      block.col(j) /= lower(j, j);
+    }
   }
 }
 
@@ -64,12 +95,21 @@ void BlockTridiagonal::SolveUpper(Matrix* right) const {
   for (int k = num_blocks() - 1; k >= 0; --k) {
     auto block = right->middleCols(k * m, m);
     if (k + 1 < num_blocks()) {
-      block.noalias() -=
-          right->middleCols((k + 1) * m, m) * below_[static_cast<size_t>(k)];
+      SubtractProduct(right->middleCols((k + 1) * m, m),
+                      below_[static_cast<size_t>(k)], &block);
     }
-    lower_[static_cast<size_t>(k)]
-        .triangularView<Eigen::Lower>()
-        .solveInPlace<Eigen::OnTheRight>(block);
+    const Matrix& lower = lower_[static_cast<size_t>(k)];
+    if (m > kFewColumns) {
+      lower.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(
+          block);
+      continue;
+    }
+    for (Eigen::Index j = m - 1; j >= 0; --j) {
+      for (Eigen::Index i = j + 1; i < m; ++i) {
+        block.col(j) -= lower(i, j) * block.col(i);
+      }
+      block.col(j) /= lower(j, j);
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/small_matrix.h"
 #include "pinode/estimate/record_grid.h"
 
 namespace pinode {
@@ -44,7 +45,7 @@ Matrix ShootingRecord::Cut(
   results_.assign(static_cast<size_t>(count), SegmentResult());
   ends_ = Matrix::Zero(num_states_, count);
   system_ = std::make_unique<BlockTridiagonal>(count, num_states_);
-  by_free_.resize(0, 0);
+  right_.resize(0, 0);
   return starts;
 }
 
@@ -64,34 +65,40 @@ void ShootingRecord::Assemble(double mu, const Matrix& starts, int num_free,
   const int segments = num_segments();
   BlockTridiagonal& system = *system_;
   system.SetZero();
-  right->setZero(num_free + 1, ns * segments);
-  const auto cross = [&](int k) {
-    return right->middleCols(k * ns, ns).topRows(num_free);
-  };
+  right->resize(num_free + 1, ns * segments);
   const auto gradient = [&](int k) {
     return right->middleCols(k * ns, ns).row(num_free).transpose();
   };
   const Vector precision = scales().cwiseAbs2().cwiseInverse();
   const Vector weight = mu * precision;
+  Vector force = Vector::Zero(ns);  // of the gap before a segment
+  Matrix weighted(ns, ns), coupling(ns, num_free);
   for (int k = 0; k < segments; ++k) {
     const SegmentResult& part = result(k);
     system.diagonal(k) += part.start_hessian;
-    if (num_free > 0) cross(k) += part.cross;
-    gradient(k) += part.start_gradient;
-    if (k + 1 == segments) break;
-    const auto transition = part.end_sensitivity.leftCols(ns);
-    const Matrix weighted = weight.asDiagonal() * transition;
-    const Vector force = gaps_.Force(mu, ends_, starts, k);
-    system.diagonal(k).noalias() += transition.transpose() * weighted;
-    system.coupling(k) = -weighted.transpose();
-    system.diagonal(k + 1).diagonal() += weight;
-    gradient(k).noalias() += transition.transpose() * force;
-    gradient(k + 1) -= force;
-    if (num_free > 0) {
-      const auto by_parameters = part.end_sensitivity.rightCols(num_free);
-      cross(k).noalias() += by_parameters.transpose() * weighted;
-      cross(k + 1) -= by_parameters.transpose() * weight.asDiagonal();
+    gradient(k) = part.start_gradient - force;
+    const bool has_gap = k + 1 < segments;
+    if (has_gap) {
+      const auto transition = part.end_sensitivity.leftCols(ns);
+      weighted = weight.asDiagonal() * transition;
+      force = gaps_.Force(mu, ends_, starts, k);
+      system.diagonal(k).noalias() += transition.transpose() * weighted;
+      system.coupling(k) = -weighted.transpose();
+      system.diagonal(k + 1).diagonal() += weight;
+      gradient(k).noalias() += transition.transpose() * force;
     }
+    if (num_free == 0) continue;
+    coupling.setZero();
+    if (has_gap) {
+      Multiply(weighted.transpose(), part.end_sensitivity.rightCols(num_free),
+               coupling);
+    }
+    if (k > 0) {
+      coupling -= weight.asDiagonal() *
+                  result(k - 1).end_sensitivity.rightCols(num_free);
+    }
+    right->middleCols(k * ns, ns).topRows(num_free) =
+        -part.cross - coupling.transpose();
   }
   if (start_is_free_) {
     system.diagonal(0).diagonal() += start_precision_ * precision;
@@ -133,26 +140,23 @@ bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
                                FreeEquations* equations) {
   const int nf = static_cast<int>(equations->gradient.size());
   if (!HasFreeStarts()) {
-    by_free_ = Matrix::Zero(nf, num_states_);
+    right_ = Matrix::Zero(nf + 1, num_states_);
     return true;
   }
   Matrix& hessian = equations->hessian;
   Vector& gradient = equations->gradient;
-  // Right-hand sides: the cross terms with theta, then the gradient.
-  Matrix right;
-  Assemble(mu, starts, nf, &right);
+  Assemble(mu, starts, nf, &right_);
   AddGaps(mu, starts, equations);
   double damping = 0.0;
   while (!system_->Factor(damping)) {
     damping = std::max(1e-12, 10.0 * damping);
     if (damping > 1.0) return false;
   }
-  system_->SolveLower(&right);
-  const auto projected = right.topRows(nf);
+  system_->SolveLower(&right_);
+  const auto projected = right_.topRows(nf);
   hessian.selfadjointView<Eigen::Lower>().rankUpdate(projected, -1.0);
-  gradient.noalias() -= projected * right.row(nf).transpose();
-  system_->SolveUpper(&right);
-  by_free_ = -right.topRows(nf);
+  gradient.noalias() += projected * right_.row(nf).transpose();
+  system_->SolveUpper(&right_);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #ifndef PINODE_ESTIMATE_SHOOTING_RECORD_H_
 #define PINODE_ESTIMATE_SHOOTING_RECORD_H_
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -99,8 +100,8 @@ class ShootingRecord {
   double Cost(double mu, const Matrix& starts) const;
 
   // Fills system() with the normal equations of the starts, and *right with
-  // their coupling to the free parameters (num_free rows, 0 to leave them out)
-  // and, in the last row, their gradient.
+  // their coupling to the free parameters, negative (num_free rows, 0 to leave
+  // them out), and, in the last row, their gradient.
   void Assemble(double mu, const Matrix& starts, int num_free, Matrix* right);
   BlockTridiagonal& system() { return *system_; }
 
@@ -109,8 +110,9 @@ class ShootingRecord {
   bool Eliminate(double mu, const Matrix& starts, FreeEquations* equations);
   // d starts / d free after that, (num_states * segments) x num_free; empty
   // after Cut.
-  Eigen::Transpose<const Matrix> start_sensitivity() const {
-    return by_free_.transpose();
+  auto start_sensitivity() const {
+    return right_.topRows(std::max<Eigen::Index>(0, right_.rows() - 1))
+        .transpose();
   }
 
   // Sum over segments of the mean of diag(D J_s'J_s D).
@@ -140,7 +142,9 @@ class ShootingRecord {
   SegmentRows kept_rows_;
   Matrix ends_;
   std::unique_ptr<BlockTridiagonal> system_;
-  Matrix by_free_;  // transposed start_sensitivity()
+  // What Eliminate makes of Assemble's: in its first num_free rows the
+  // transposed start_sensitivity(). Kept, it is too large to be asked for anew.
+  Matrix right_;
 };
 
 }  // namespace pinode
