@@ -33,6 +33,12 @@ void AddResults(const Matrix& map, ActsAs acts_as, const T* results,
   }
 }
 
+inline void AddResults(const Matrix& map, ActsAs acts_as, const double* results,
+                       double* acceleration, double* force_acceleration) {
+  AddProduct(map, results, acceleration);
+  if (acts_as == ActsAs::kForce) AddProduct(map, results, force_acceleration);
+}
+
 // jacobian += [0; slope * d feature / d state; 0], slope with num_dofs entries.
 inline void AddFeatureColumn(const Feature& feature, const double* slope,
                              Eigen::Index num_dofs, Matrix* jacobian) {

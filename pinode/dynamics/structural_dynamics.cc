@@ -403,8 +403,12 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
   Linearization& at = *linearization;
   state = Prescribed(input, state, &at.prescribed_state);
   linear_.Rate(prepared.linear, input, state, at.rate.data());
-  if (num_internal_ > 0) at.jacobian.setZero();
-  at.jacobian.topLeftCorner(2 * n, 2 * n) = prepared.linear.state_jacobian;
+  if (num_internal_ > 0) {
+    at.jacobian.setZero();
+    at.jacobian.topLeftCorner(2 * n, 2 * n) = prepared.linear.state_jacobian;
+  } else {
+    at.jacobian = prepared.linear.state_jacobian;
+  }
   // The mass groups and the sensors refer to the accelerations that forces
   // cause; what acts as an acceleration comes on top.
   at.force_acceleration = at.rate.segment(n, n);

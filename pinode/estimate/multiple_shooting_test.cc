@@ -216,7 +216,7 @@ DenseSystem AssembleDense(const SmallFit& fit,
         wide.leftCols(narrow.cols()) = narrow;
         return wide;
       };
-      Matrix jacobian = widen(tangents.jacobian);
+      Matrix jacobian = widen(tangents.jacobian());
       Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
                                                    tangents.channels.size());
       std::vector<bool> valid(static_cast<size_t>(prediction.size()), true);

@@ -56,35 +56,42 @@ ResidualRows::ResidualRows(const ParameterLayout& layout, RobustLoss loss,
                            double loss_scale)
     : layout_(layout), loss_(loss), loss_scale_(loss_scale) {}
 
+void ResidualRows::Prepare(const IdentificationRecord& record,
+                           const Vector& sigmas, bool whole, int num_states,
+                           SegmentColumns columns,
+                           SegmentTangents* tangents) const {
+  const bool by_parameters = HasParameters(columns);
+  const Eigen::Index derivatives = (HasStart(columns) ? num_states : 0) +
+                                   (by_parameters ? layout_.num_free() : 0);
+  const Eigen::Index sensors =
+      by_parameters ? layout_.num_free() - layout_.num_free_dynamics() : 0;
+  tangents->columns_before = WholeFours(derivatives + 1) - 1 - derivatives;
+  tangents->columns_behind = sensors + 1;
+  tangents->factors = sigmas.cwiseInverse();
+  if (ChangesRows(record, whole)) tangents->factors.resize(0);
+}
+
 void ResidualRows::Compute(const IdentificationRecord& record,
                            const Vector& sigmas, const Vector& parameters,
                            Eigen::Index first, bool whole,
-                           SegmentColumns columns,
-                           const SegmentTangents& tangents) {
-  const int nc = static_cast<int>(tangents.channels.rows());
-  const Eigen::Index samples = tangents.channels.cols();
-  const bool changes = ChangesRows(record, whole);
-  const Matrix& before = tangents.jacobian;
-  const Eigen::Index sensors =
-      HasParameters(columns) ? layout_.num_free() - layout_.num_free_dynamics()
-                             : 0;
-  const Eigen::Index derivatives = before.cols() + sensors;
-  const Eigen::Index all = WholeFours(derivatives + 1);
-  rows_.values.resize(nc * samples, all);
-  rows_.first = all - 1 - derivatives;
+                           SegmentColumns columns, SegmentTangents* tangents) {
+  const int nc = static_cast<int>(tangents->channels.rows());
+  const Eigen::Index samples = tangents->channels.cols();
+  const bool weighted = tangents->factors.size() > 0;
+  const Eigen::Index sensors = tangents->columns_behind - 1;
+  rows_.first = tangents->columns_before;
+  rows_.values.swap(tangents->rows);
+  const Eigen::Index all = rows_.values.cols();
   rows_.values.leftCols(rows_.first).setZero();
-  auto jacobian = rows_.values.middleCols(rows_.first, derivatives);
+  auto jacobian = rows_.values.middleCols(rows_.first, all - 1 - rows_.first);
   auto residuals = rows_.values.col(all - 1);
-  if (changes) {
-    jacobian.leftCols(before.cols()) = before;
-    jacobian.rightCols(sensors).setZero();
-  }
+  jacobian.rightCols(sensors).setZero();
   // Predictions of real sensors, sample-major as the rows are.
-  Vector prediction = Eigen::Map<const Vector>(tangents.channels.data(),
-                                               tangents.channels.size());
+  Vector prediction = Eigen::Map<const Vector>(tangents->channels.data(),
+                                               tangents->channels.size());
   std::vector<bool> valid(
       static_cast<size_t>(nc) * static_cast<size_t>(samples), true);
-  if (changes) {
+  if (ChangesRows(record, whole)) {
     ApplySensors(layout_, parameters, record, HasParameters(columns),
                  prediction, jacobian, &valid);
   }
@@ -93,7 +100,8 @@ void ResidualRows::Compute(const IdentificationRecord& record,
   }
 
   cost_ = 0.0;
-  Vector weights(nc * samples);
+  Vector weights(nc * samples);  // of the derivatives
+  bool all_one = weighted;
   for (Eigen::Index i = 0; i < samples; ++i) {
     for (int c = 0; c < nc; ++c) {
       const Eigen::Index row = i * nc + c;
@@ -103,6 +111,7 @@ void ResidualRows::Compute(const IdentificationRecord& record,
           std::isnan(value)) {
         residuals[row] = 0.0;
         weights[row] = 0.0;
+        all_one = false;
         continue;
       }
       const double residual = (prediction[row] - value) / sigmas[c];
@@ -111,16 +120,11 @@ void ResidualRows::Compute(const IdentificationRecord& record,
       cost_ += 0.5 * rho;
       const double root = std::sqrt(slope);
       residuals[row] = residual * root;
-      weights[row] = root / sigmas[c];
+      weights[row] = weighted ? root : root / sigmas[c];
+      all_one = all_one && root == 1.0;
     }
   }
-  if (changes) {
-    jacobian.array().colwise() *= weights.array();
-    return;
-  }
-  // In one pass over the derivatives, which are most of the work.
-  jacobian.leftCols(before.cols()) = weights.asDiagonal() * before;
-  jacobian.rightCols(sensors).setZero();
+  if (!all_one) jacobian.array().colwise() *= weights.array();
 }
 
 }  // namespace pinode

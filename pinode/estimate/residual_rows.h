@@ -52,12 +52,18 @@ class ResidualRows {
   ResidualRows(const ParameterLayout& layout, RobustLoss loss,
                double loss_scale);
 
+  // How Compute wants a segment's derivatives to be propagated.
+  void Prepare(const IdentificationRecord& record, const Vector& sigmas,
+               bool whole, int num_states, SegmentColumns columns,
+               SegmentTangents* tangents) const;
+
   // Of the samples from `first` on that `tangents` holds. `parameters`: all of
   // the problem's; `sigmas`: one per channel. A filter needs the whole history:
   // it is applied where `whole` says that these are all samples of the record.
+  // `tangents` as Prepare has asked for them; the derivatives become the rows.
   void Compute(const IdentificationRecord& record, const Vector& sigmas,
                const Vector& parameters, Eigen::Index first, bool whole,
-               SegmentColumns columns, const SegmentTangents& tangents);
+               SegmentColumns columns, SegmentTangents* tangents);
 
   // Half the sum of rho(r^2).
   double cost() const { return cost_; }

@@ -126,6 +126,7 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
   Vector all = layout_.InitialValues();
   layout_.SetFree(Eigen::Map<const Vector>(parameters[free_block], nf), &all);
   StructuralDynamics::Prepared prepared;
+  rows_.Prepare(data_, sigmas_, IsWhole(), ns, columns, &tangents_);
   std::string error;
   if (!all.allFinite() ||
       !problem_.dynamics->Prepare(all.head(layout_.num_dynamics()), &prepared,
@@ -135,8 +136,7 @@ bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
                              first_, last_, !HasGap(), columns, &tangents_)) {
     return false;
   }
-  rows_.Compute(data_, sigmas_, all, first_, first_ == 0 && !HasGap(), columns,
-                tangents_);
+  rows_.Compute(data_, sigmas_, all, first_, IsWhole(), columns, &tangents_);
   const auto weighted = rows_.rows().residuals();
   const Eigen::Index count = weighted.size();
   Eigen::Map<Vector> r(residuals, num_residuals());

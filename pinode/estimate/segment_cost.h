@@ -70,6 +70,9 @@ class SegmentCost final : public ceres::CostFunction {
   SegmentCost(const IdentificationProblem& problem, int record,
               Eigen::Index first, Eigen::Index last, const Options& options);
 
+  // Whether the segment is the record.
+  bool IsWhole() const { return first_ == 0 && !HasGap(); }
+
   const IdentificationProblem& problem_;
   const IdentificationRecord& data_;
   const ParameterLayout layout_;

@@ -131,13 +131,16 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
   const bool with_start = record->HasFreeStarts();
   const SegmentColumns columns = ColumnsOf(*record, with_parameters);
   Thread::Work& work = thread->work(with_parameters);
-  const SegmentTangents& tangents = work.tangents;
+  SegmentTangents& tangents = work.tangents;
   SegmentResult& result = record->result(segment);
   const bool is_last = segment + 1 == record->num_segments();
+  const bool is_whole = record->num_segments() == 1;
+  work.rows.Prepare(record->data(), record->sigmas(), is_whole, ns, columns,
+                    &tangents);
   const auto propagate = [&](auto* propagator) {
     return propagator->Propagate(*prepared_, record->observation(),
                                  record->grid(), starts.col(segment), first,
-                                 last, is_last, columns, &work.tangents);
+                                 last, is_last, columns, &tangents);
   };
   result.ok =
       alone && parallel_.IsWorthwhile(record->grid(), first, last, columns)
@@ -149,7 +152,7 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
     return false;
   }
   work.rows.Compute(record->data(), record->sigmas(), *parameters_, first,
-                    record->num_segments() == 1, columns, tangents);
+                    is_whole, columns, &tangents);
   const SegmentRows& rows = work.rows.rows();
   const auto residuals = rows.residuals();
   result.cost = work.rows.cost();
@@ -191,7 +194,7 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
     result.cross = sum->block(start + ns, start, nf, ns);
     result.start_gradient = sum->row(last_row).segment(start, ns).transpose();
   }
-  if (keeps_rows_ && record->num_segments() == 1) {
+  if (keeps_rows_ && is_whole) {
     SegmentRows& kept = record->kept_rows();
     work.rows.Swap(&kept);
   }
@@ -205,13 +208,16 @@ bool SegmentSweep::BendRecord(size_t r, const Vector& start, const Vector& step,
   const SegmentRows& kept = record.kept_rows();
   const Eigen::Index last = record.last_sample(0);
   Thread::Work& work = thread->work(false);
+  work.rows.Prepare(record.data(), record.sigmas(), true,
+                    problem_.dynamics->num_states(), SegmentColumns::kNone,
+                    &work.tangents);
   if (!thread->propagator.Propagate(*prepared_, record.observation(),
                                     record.grid(), start, 0, last, true,
                                     SegmentColumns::kNone, &work.tangents)) {
     return false;
   }
   work.rows.Compute(record.data(), record.sigmas(), *parameters_, 0, true,
-                    SegmentColumns::kNone, work.tangents);
+                    SegmentColumns::kNone, &work.tangents);
   const auto moved = work.rows.rows().residuals();
   if (kept.IsEmpty() || kept.values.rows() != moved.size()) return false;
   const auto jacobian = kept.jacobian();

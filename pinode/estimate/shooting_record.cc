@@ -154,7 +154,13 @@ bool ShootingRecord::Eliminate(double mu, const Matrix& starts,
   }
   system_->SolveLower(&right_);
   const auto projected = right_.topRows(nf);
-  hessian.selfadjointView<Eigen::Lower>().rankUpdate(projected, -1.0);
+  // Of many columns at once Eigen's rank update takes half as long again.
+  constexpr Eigen::Index kColumns = 160;
+  for (Eigen::Index i = 0; i < projected.cols(); i += kColumns) {
+    hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+        projected.middleCols(i, std::min(kColumns, projected.cols() - i)),
+        -1.0);
+  }
   gradient.noalias() += projected * right_.row(nf).transpose();
   system_->SolveUpper(&right_);
   return true;

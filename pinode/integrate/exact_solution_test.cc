@@ -138,7 +138,7 @@ TEST_P(ExactSolution, HasItsOwnDerivatives) {
         const Matrix slope = (16.0 * twice - once) / 15.0;
         const Vector flat =
             Eigen::Map<const Vector>(slope.data(), slope.size());
-        EXPECT_LT((tangents.jacobian.col(j) - flat).norm(),
+        EXPECT_LT((tangents.jacobian().col(j) - flat).norm(),
                   limit * std::max(flat.norm(), 1e-3))
             << j;
       }

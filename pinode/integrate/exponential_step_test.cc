@@ -137,9 +137,9 @@ TEST_P(ExponentialDerivatives, AreThoseOfItsSteps) {
   EXPECT_LT((runner.Run(theta, start, grid) - all.channels).norm(),
             1e-12 * all.channels.norm());
   const int np = dynamics->num_tangent_columns();
-  ASSERT_EQ(all.jacobian.cols(), 7 + np);
-  EXPECT_LT((all.jacobian.rightCols(np) - by_parameters.jacobian).norm(),
-            1e-12 * by_parameters.jacobian.norm());
+  ASSERT_EQ(all.jacobian().cols(), 7 + np);
+  EXPECT_LT((all.jacobian().rightCols(np) - by_parameters.jacobian()).norm(),
+            1e-12 * by_parameters.jacobian().norm());
   for (int j = 0; j < 7 + np; ++j) {
     const auto run = [&](double step) {
       Vector moved_start = start;
@@ -156,7 +156,7 @@ TEST_P(ExponentialDerivatives, AreThoseOfItsSteps) {
     const Matrix fine = (run(0.5 * kStep) - run(-0.5 * kStep)) / kStep;
     const Matrix slope = (4.0 * fine - coarse) / 3.0;
     const Vector flat = Eigen::Map<const Vector>(slope.data(), slope.size());
-    EXPECT_LT((all.jacobian.col(j) - flat).norm(),
+    EXPECT_LT((all.jacobian().col(j) - flat).norm(),
               1e-7 * std::max(flat.norm(), 1e-3))
         << j;
   }

@@ -26,7 +26,8 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
   result->failed_sample = -1;
   result->failed_state = -1;
   result->channels.resize(channels, samples);
-  result->jacobian.resize(channels * samples, columns);
+  result->ResizeJacobian(channels * samples, columns);
+  auto jacobian = result->jacobian();
   result->end_state.resize(ns);
   result->end_sensitivity.resize(ns, columns);
 
@@ -79,7 +80,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
           }
           observation.Observe(value.data(), value_rate.data(), no_input.data(),
                               y.data());
-          result->jacobian.col(begin + c).segment(row, channels) = y;
+          jacobian.col(begin + c).segment(row, channels) = y;
         }
       }
       if (i == last) break;
@@ -100,6 +101,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
       }
     }
   }
+  result->ApplyFactors();
   return true;
 }
 

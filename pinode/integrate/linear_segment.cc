@@ -131,7 +131,8 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   Matrix state_jacobian;
   observation.StateJacobian(at, &state_jacobian);
 
-  result->jacobian.resize(channels * samples, by_start + np);
+  result->ResizeJacobian(channels * samples, by_start + np);
+  auto jacobian = result->jacobian();
   sensitivity_ = Matrix::Zero(ns, by_start + np);
   sensitivity_.leftCols(by_start).setIdentity();
   next_.resize(ns, by_start + np);
@@ -142,12 +143,11 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
     for (Eigen::Index i = begin; i <= std::min(begin + kBlock - 1, last); ++i) {
       if (i - first < samples) {
         const Eigen::Index row = (i - first) * channels;
-        result->jacobian.middleRows(row, channels).noalias() =
+        jacobian.middleRows(row, channels).noalias() =
             state_jacobian * sensitivity_;
         for (int r = 0; r < (np > 0 ? num_rows : 0); ++r) {
           for (int j = 0; j < np; ++j) {
-            result->jacobian(row + rows[static_cast<size_t>(r)],
-                             by_start + j) +=
+            jacobian(row + rows[static_cast<size_t>(r)], by_start + j) +=
                 direct_(j * num_rows + r, i - first);
           }
         }
@@ -161,6 +161,7 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
       sensitivity_.swap(next_);
     }
   }
+  result->ApplyFactors();
   result->end_state = states_.col(last - first);
   result->end_sensitivity = sensitivity_;
   return true;

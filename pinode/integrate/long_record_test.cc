@@ -98,7 +98,7 @@ TEST_F(LongRecordRun, AndSoDoDerivatives) {
                                      kLongSamples - kLongPart, kLongSamples - 1,
                                      true, SegmentColumns::kStart, &end));
     EXPECT_EQ(end.channels, begin.channels);
-    EXPECT_EQ(end.jacobian, begin.jacobian);
+    EXPECT_EQ(end.jacobian(), begin.jacobian());
     EXPECT_EQ(end.end_sensitivity, begin.end_sensitivity);
   }
 }

@@ -83,11 +83,11 @@ class ModalResponseTest : public ::testing::Test {
     double worst =
         (channels - segment.channels).norm() / segment.channels.norm();
     // A column that is zero, as by a state that no channel sees, by the others.
-    const double least = 1e-6 * segment.jacobian.colwise().norm().maxCoeff();
+    const double least = 1e-6 * segment.jacobian().colwise().norm().maxCoeff();
     for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
       worst = testing::Worse(
-          worst, (jacobian.col(j) - segment.jacobian.col(j)).norm() /
-                     std::max(least, segment.jacobian.col(j).norm()));
+          worst, (jacobian.col(j) - segment.jacobian().col(j)).norm() /
+                     std::max(least, segment.jacobian().col(j).norm()));
     }
     const Vector end =
         response.States(contents, start_).transpose() * histories.rightCols(1);

@@ -109,22 +109,24 @@ void ParallelSegment::Chain(const ObservationMap& observation,
   result->end_state = pieces_.back()->tangents.end_state;
   result->end_sensitivity = starts.back();
   result->channels.resize(nc, samples);
-  result->jacobian.resize(nc * samples, beginning.jacobian.cols());
+  result->ResizeJacobian(nc * samples, beginning.jacobian().cols());
   const int count = static_cast<int>(pieces_.size());
   ParallelFor(count, count, [&](int p, int /*thread*/) {
     const Piece& piece = *pieces_[static_cast<size_t>(p)];
     const SegmentTangents& own = piece.tangents;
     result->channels.middleCols(piece.first - first, own.channels.cols()) =
         own.channels;
-    auto rows = result->jacobian.middleRows((piece.first - first) * nc,
-                                            own.jacobian.rows());
+    const auto jacobian = own.jacobian();
+    auto rows = result->jacobian().middleRows((piece.first - first) * nc,
+                                              jacobian.rows());
     if (p == 0) {
-      rows = own.jacobian;
+      rows = jacobian;
       return;
     }
-    rows.noalias() = own.jacobian.leftCols(ns) * starts[static_cast<size_t>(p)];
-    rows.rightCols(by_parameters) += own.jacobian.rightCols(by_parameters);
+    rows.noalias() = jacobian.leftCols(ns) * starts[static_cast<size_t>(p)];
+    rows.rightCols(by_parameters) += jacobian.rightCols(by_parameters);
   });
+  result->ApplyFactors();
 }
 
 }  // namespace pinode

@@ -68,14 +68,14 @@ TEST_P(ParallelSegmentColumns, AreThoseOfOneThread) {
     ASSERT_TRUE(three.Propagate(prepared_, observation_, grid_, start_, 7,
                                 kLongRun - 2, observe_last, GetParam(),
                                 &result));
-    ASSERT_EQ(result.jacobian.rows(), expected.jacobian.rows());
-    ASSERT_EQ(result.jacobian.cols(), expected.jacobian.cols());
+    ASSERT_EQ(result.jacobian().rows(), expected.jacobian().rows());
+    ASSERT_EQ(result.jacobian().cols(), expected.jacobian().cols());
     EXPECT_LT((result.channels - expected.channels).norm(),
               1e-12 * expected.channels.norm());
     EXPECT_LT((result.end_state - expected.end_state).norm(),
               1e-12 * expected.end_state.norm());
-    EXPECT_LT((result.jacobian - expected.jacobian).norm(),
-              1e-11 * expected.jacobian.norm());
+    EXPECT_LT((result.jacobian() - expected.jacobian()).norm(),
+              1e-11 * expected.jacobian().norm());
     EXPECT_LT((result.end_sensitivity - expected.end_sensitivity).norm(),
               1e-11 * expected.end_sensitivity.norm() + 1e-14);
   }

@@ -15,6 +15,16 @@ constexpr Eigen::Index kStepBlock = 32;
 
 }  // namespace
 
+void SegmentTangents::ApplyFactors() {
+  const Eigen::Index count = factors.size();
+  auto own = jacobian();
+  for (Eigen::Index j = 0; count > 0 && j < own.cols(); ++j) {
+    Eigen::Map<Matrix>(own.col(j).data(), count, own.rows() / count)
+        .array()
+        .colwise() *= factors.array();
+  }
+}
+
 int FirstNotFinite(const Vector& state) {
   constexpr double kLargest = 1e100;
   for (int k = 0; k < state.size(); ++k) {
@@ -83,7 +93,7 @@ bool SegmentPropagator::Run(const StructuralDynamics::Prepared& prepared,
   if (!finite) return false;
   const Eigen::Index samples = last - first + (observe_last ? 1 : 0);
   result->channels = trajectory.channels.leftCols(samples);
-  result->jacobian.resize(result->channels.size(), 0);
+  result->ResizeJacobian(result->channels.size(), 0);
   result->end_state = trajectory.states.rightCols(1);
   result->end_sensitivity.resize(dynamics_.num_states(), 0);
   return true;
@@ -104,7 +114,9 @@ bool SegmentPropagator::PropagateTangents(
   result->failed_sample = -1;
   result->failed_state = -1;
   result->channels.resize(channels, samples);
-  result->jacobian.resize(channels * samples, by_start + np);
+  result->ResizeJacobian(channels * samples, by_start + np);
+  auto jacobian = result->jacobian();
+  const Vector& factors = result->factors;
   const bool direct = observation.uses_acceleration() && np > 0;
   if (direct) {
     direct_.resize(observation.rate_map().rows(), np);
@@ -144,14 +156,18 @@ bool SegmentPropagator::PropagateTangents(
       observation.Observe(state_.data(), stage.rate.data(), grid.AtSample(i),
                           result->channels.col(i - first).data());
       observation.StateJacobian(stage, &state_jacobian_);
+      if (factors.size() > 0) {
+        state_jacobian_.array().colwise() *= factors.array();
+      }
       Multiply(state_jacobian_, sensitivity_,
-               result->jacobian.middleRows(row, channels));
+               jacobian.middleRows(row, channels));
       if (direct) {
         direct_.setZero();
         step_.AddParameterTangents(prepared, observation.rate_map(), &direct_);
         const std::vector<int>& rows = observation.acceleration_rows();
         for (size_t r = 0; r < rows.size(); ++r) {
-          result->jacobian.row(row + rows[r]).tail(np) +=
+          jacobian.row(row + rows[r]).tail(np) +=
+              (factors.size() > 0 ? factors[rows[r]] : 1.0) *
               direct_.row(static_cast<Eigen::Index>(r));
         }
       }

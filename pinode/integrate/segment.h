@@ -39,13 +39,36 @@ inline bool HasParameters(SegmentColumns columns) {
 }
 
 struct SegmentTangents {
-  Matrix channels;         // num_channels x samples observed
-  Matrix jacobian;         // (num_channels * samples) x columns
+  Matrix channels;  // num_channels x samples observed
+  // (num_channels * samples) x columns, channels fastest, each channel's times
+  // its factor.
+  auto jacobian() {
+    return rows.middleCols(columns_before,
+                           rows.cols() - columns_before - columns_behind);
+  }
+  auto jacobian() const {
+    return rows.middleCols(columns_before,
+                           rows.cols() - columns_before - columns_behind);
+  }
   Vector end_state;        // num_states
   Matrix end_sensitivity;  // num_states x columns
   // First sample at whose end the state was not finite, and which state.
   Eigen::Index failed_sample = -1;
   int failed_state = -1;
+
+  // Set beforehand by who has use for more columns around the derivatives,
+  // which are left as they are, and for each channel's derivatives times a
+  // factor, e.g. 1 / sigma: a pass of its own over all of them takes longer.
+  Eigen::Index columns_before = 0;
+  Eigen::Index columns_behind = 0;
+  Vector factors;  // empty: 1
+  Matrix rows;     // holds jacobian()
+
+  void ResizeJacobian(Eigen::Index num_rows, Eigen::Index columns) {
+    rows.resize(num_rows, columns_before + columns + columns_behind);
+  }
+  // For who has written derivatives without them.
+  void ApplyFactors();
 };
 
 // The first of the states that has run away or is not a number; -1: none.

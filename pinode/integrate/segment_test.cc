@@ -85,7 +85,7 @@ TEST_P(SegmentDerivatives, TangentsEqualWideJets) {
       worst = testing::Worse(worst, error);
     }
   };
-  compare(tangents.jacobian, jets.jacobian);
+  compare(tangents.jacobian(), jets.jacobian());
   compare(tangents.end_sensitivity, jets.end_sensitivity);
   ReportWorst("wide Jets", kLimit, worst);
 }
@@ -141,10 +141,10 @@ TEST_P(SegmentDerivatives, TangentsMatchRiddersDifferences) {
     // Small enough that no stage crosses the corner of the bilinear spring, and
     // longer where a parameter moves so little that rounding would show.
     const double step =
-        std::clamp(3e-4 / tangents.jacobian.col(j).norm(), 3e-4, 3e-2);
+        std::clamp(3e-4 / tangents.jacobian().col(j).norm(), 3e-4, 3e-2);
     const Vector difference = RiddersDerivative(run, step);
     const double error =
-        (tangents.jacobian.col(j) - difference).norm() / difference.norm();
+        (tangents.jacobian().col(j) - difference).norm() / difference.norm();
     EXPECT_LT(error, kLimit) << "column " << j;
     worst = testing::Worse(worst, error);
   }
@@ -172,9 +172,9 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
                                      false, SegmentColumns::kAll, &full));
     ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
                                      false, SegmentColumns::kStart, &alone));
-    EXPECT_EQ(alone.jacobian.cols(), ns);
-    EXPECT_LT((alone.jacobian - full.jacobian.leftCols(ns)).norm(),
-              1e-13 * alone.jacobian.norm());
+    EXPECT_EQ(alone.jacobian().cols(), ns);
+    EXPECT_LT((alone.jacobian() - full.jacobian().leftCols(ns)).norm(),
+              1e-13 * alone.jacobian().norm());
     EXPECT_LT(
         (alone.end_sensitivity - full.end_sensitivity.leftCols(ns)).norm(),
         1e-13 * alone.end_sensitivity.norm());
@@ -202,13 +202,13 @@ TEST(Segment, ColumnsDoNotDependOnEachOther) {
                                      &parameters));
     ASSERT_TRUE(propagator.Propagate(prepared, observation, grid, start, 0, 7,
                                      true, SegmentColumns::kNone, &none));
-    EXPECT_EQ(parameters.jacobian.cols(), np);
-    EXPECT_LT((parameters.jacobian - all.jacobian.rightCols(np)).norm(),
-              1e-13 * all.jacobian.norm());
+    EXPECT_EQ(parameters.jacobian().cols(), np);
+    EXPECT_LT((parameters.jacobian() - all.jacobian().rightCols(np)).norm(),
+              1e-13 * all.jacobian().norm());
     EXPECT_LT(
         (parameters.end_sensitivity - all.end_sensitivity.rightCols(np)).norm(),
         1e-13 * all.end_sensitivity.norm());
-    EXPECT_EQ(none.jacobian.cols(), 0);
+    EXPECT_EQ(none.jacobian().cols(), 0);
     EXPECT_LT((none.channels - all.channels).norm(),
               1e-13 * all.channels.norm());
     EXPECT_LT((none.end_state - all.end_state).norm(),
@@ -265,16 +265,17 @@ TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
                                        kSamples - 1, observe_last, columns,
                                        &jets));
         ASSERT_EQ(
-            tangents.jacobian.cols(),
+            tangents.jacobian().cols(),
             (HasStart(columns) ? 6 : 0) + (HasParameters(columns) ? 3 : 0));
-        ASSERT_EQ(tangents.jacobian.rows(), jets.jacobian.rows());
+        ASSERT_EQ(tangents.jacobian().rows(), jets.jacobian().rows());
         EXPECT_LT((tangents.channels - jets.channels).norm(),
                   1e-12 * jets.channels.norm());
         EXPECT_LT((tangents.end_state - jets.end_state).norm(),
                   1e-12 * jets.end_state.norm());
-        for (Eigen::Index j = 0; j < jets.jacobian.cols(); ++j) {
-          EXPECT_LT((tangents.jacobian.col(j) - jets.jacobian.col(j)).norm(),
-                    1e-11 * jets.jacobian.col(j).norm())
+        for (Eigen::Index j = 0; j < jets.jacobian().cols(); ++j) {
+          EXPECT_LT(
+              (tangents.jacobian().col(j) - jets.jacobian().col(j)).norm(),
+              1e-11 * jets.jacobian().col(j).norm())
               << j;
           EXPECT_LT(
               (tangents.end_sensitivity.col(j) - jets.end_sensitivity.col(j))
@@ -296,7 +297,7 @@ TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
                                      kSamples - 1, observe_last, columns,
                                      &again));
         EXPECT_EQ(again.channels, tangents.channels);
-        EXPECT_EQ(again.jacobian, tangents.jacobian);
+        EXPECT_EQ(again.jacobian(), tangents.jacobian());
         Trajectory trajectory;
         ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 2,
                             kSamples - 1, &trajectory));
@@ -400,13 +401,13 @@ TEST(PrescribedSegment, TangentsEqualWideJetsAndDifferences) {
   const Vector theta = dynamics->Parameters();
   const auto tangents = propagate(theta, DerivativeMethod::kTangents);
   const auto jets = propagate(theta, DerivativeMethod::kJets);
-  EXPECT_LT((tangents.jacobian - jets.jacobian).norm(),
-            1e-12 * jets.jacobian.norm());
+  EXPECT_LT((tangents.jacobian() - jets.jacobian()).norm(),
+            1e-12 * jets.jacobian().norm());
   EXPECT_LT((tangents.end_sensitivity - jets.end_sensitivity).norm(),
             1e-12 * jets.end_sensitivity.norm());
   for (const int held : {2, 5}) {
     EXPECT_TRUE(tangents.end_sensitivity.row(held).isZero(0.0));
-    EXPECT_TRUE(tangents.jacobian.col(held).isZero(0.0));
+    EXPECT_TRUE(tangents.jacobian().col(held).isZero(0.0));
   }
   constexpr double kStep = 1e-6;
   for (int j = 0; j < dynamics->num_tangent_columns(); ++j) {
@@ -416,7 +417,7 @@ TEST(PrescribedSegment, TangentsEqualWideJetsAndDifferences) {
         (propagate(theta + step, DerivativeMethod::kTangents).channels -
          propagate(theta - step, DerivativeMethod::kTangents).channels) /
         (2.0 * kStep);
-    const Vector column = tangents.jacobian.col(ns + j);
+    const Vector column = tangents.jacobian().col(ns + j);
     EXPECT_LT(
         (Eigen::Map<const Vector>(slope.data(), slope.size()) - column).norm(),
         1e-7 * column.norm())

@@ -136,15 +136,17 @@ class RecordLinearizer {
                   ChannelInformation* information) const {
     SegmentPropagator propagator(*problem_.dynamics, options_.derivatives);
     SegmentTangents tangents;
+    ResidualRows rows(layout_, RobustLoss::kNone, 1.0);
+    const auto count = static_cast<Eigen::Index>(record.channels.size());
+    rows.Prepare(record, Vector::Ones(count), true,
+                 problem_.dynamics->num_states(), columns_, &tangents);
     if (!propagator.Propagate(prepared_, observation, grid_, start_, 0,
                               record.num_samples() - 1, true, columns_,
                               &tangents)) {
       return false;
     }
-    ResidualRows rows(layout_, RobustLoss::kNone, 1.0);
-    const auto count = static_cast<Eigen::Index>(record.channels.size());
     rows.Compute(record, Vector::Ones(count), parameters_, 0, true, columns_,
-                 tangents);
+                 &tangents);
     const auto jacobian = rows.rows().jacobian();
     const auto residuals = rows.rows().residuals();
     const Eigen::Index samples = jacobian.rows() / count;

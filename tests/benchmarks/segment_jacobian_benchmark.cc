@@ -113,7 +113,7 @@ void BM_SegmentJacobian(benchmark::State& state) {
 
   evaluate_tangents();
   Matrix stacked(kRows, kColumns);
-  stacked << tangents.jacobian, tangents.end_sensitivity;
+  stacked << tangents.jacobian(), tangents.end_sensitivity;
   for (const auto& cost : plain_costs) {
     EvaluatePlain(*cost, start, parameters, &plain);
     Matrix plain_stacked(kRows, kColumns);
@@ -130,7 +130,7 @@ void BM_SegmentJacobian(benchmark::State& state) {
     double begin = CpuSeconds();
     for (int i = 0; i < kBatch; ++i) {
       evaluate_tangents();
-      benchmark::DoNotOptimize(tangents.jacobian.data());
+      benchmark::DoNotOptimize(tangents.jacobian().data());
     }
     tangent_seconds.push_back((CpuSeconds() - begin) / kBatch);
     state.SetIterationTime(tangent_seconds.back());
