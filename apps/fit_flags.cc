@@ -19,7 +19,7 @@ DEFINE_bool(progress, true, "show progress on standard error");
 
 namespace pinode {
 
-bool ReadFitFlags(Case* c, std::string* error) {
+bool ReadFitFlags(SharedTables* tables, Case* c, std::string* error) {
   if (FLAGS_case.empty()) {
     *error = "--case=FILE is missing; see --help";
     return false;
@@ -34,7 +34,7 @@ bool ReadFitFlags(Case* c, std::string* error) {
   }
   if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,
                          error) ||
-      !ReadCase(FLAGS_case, c, error)) {
+      !ReadCase(FLAGS_case, tables, c, error)) {
     return false;
   }
   if (FLAGS_threads > 0) c->options.num_threads = FLAGS_threads;

@@ -19,9 +19,10 @@ DECLARE_bool(progress);
 namespace pinode {
 
 // Checks these flags and --threads, which goes into the case's options, and
-// reads the case. False, with one line in *error, where something is wrong;
-// nothing has been written then.
-[[nodiscard]] bool ReadFitFlags(Case* c, std::string* error);
+// reads the case, its tables by `tables`. False, with one line in *error, where
+// something is wrong; nothing has been written then.
+[[nodiscard]] bool ReadFitFlags(SharedTables* tables, Case* c,
+                                std::string* error);
 
 // With --mat, results.mat of what has been written to the folder so far.
 [[nodiscard]] bool WriteForMatlab(const ResultFolder& folder,

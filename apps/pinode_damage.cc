@@ -63,8 +63,8 @@ bool ReadChangeFlags(ChangeOptions* options, std::string* error) {
   return false;
 }
 
-bool ReadCase(Case* c, std::string* error) {
-  if (!ReadFitFlags(c, error)) return false;
+bool ReadCase(SharedTables* tables, Case* c, std::string* error) {
+  if (!ReadFitFlags(tables, c, error)) return false;
   if (!FreeGroups(*c->problem.dynamics).empty()) return true;
   *error = FLAGS_case +
            ": no [[group]] is free, expected those whose change is asked for";
@@ -130,7 +130,8 @@ int main(int argc, char** argv) {
   IdentifiedModel begin_from;
   CatchInterrupts();
   Ranks ranks;
-  if (!ranks.Agree(ReadChangeFlags(&change, &error) && ReadCase(&c, &error) &&
+  if (!ranks.Agree(ReadChangeFlags(&change, &error) &&
+                       ReadCase(ranks.tables(), &c, &error) &&
                        ReadBaselines(c, &baselines, &error) &&
                        PrepareForBaselines(baselines, &c, &begin_from, &error),
                    c, &error)) {

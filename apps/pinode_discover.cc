@@ -79,8 +79,10 @@ bool CheckModelFlag(const Case& c, std::string* error) {
 
 // The case, and the model whose networks are replaced (as it was initially
 // where terms come from records).
-bool ReadInput(Case* c, IdentifiedModel* model, std::string* error) {
-  if (!ReadFitFlags(c, error) || !CheckModelFlag(*c, error)) return false;
+bool ReadInput(SharedTables* tables, Case* c, IdentifiedModel* model,
+               std::string* error) {
+  if (!ReadFitFlags(tables, c, error) || !CheckModelFlag(*c, error))
+    return false;
   return FLAGS_model.empty() || ReadFittedModel(FLAGS_model, c, model, error);
 }
 
@@ -246,7 +248,7 @@ int main(int argc, char** argv) {
   Case c;
   IdentifiedModel model;
   Ranks ranks;
-  if (!ranks.Agree(ReadInput(&c, &model, &error), c, &error)) {
+  if (!ranks.Agree(ReadInput(ranks.tables(), &c, &model, &error), c, &error)) {
     return Refuse(error);
   }
   ranks.ShareWork(&c.options);

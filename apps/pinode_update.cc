@@ -86,8 +86,9 @@ int main(int argc, char** argv) {
   Case c;
   CatchInterrupts();
   Ranks ranks;
-  if (!ranks.Agree(ReadFitFlags(&c, &error) && CheckDeckFlag(c, &error), c,
-                   &error)) {
+  if (!ranks.Agree(
+          ReadFitFlags(ranks.tables(), &c, &error) && CheckDeckFlag(c, &error),
+          c, &error)) {
     return Refuse(error);
   }
   ranks.ShareWork(&c.options);

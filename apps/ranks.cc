@@ -37,7 +37,10 @@ struct Ranks::Mpi {
 };
 
 Ranks::Ranks() {
-  if (NumLaunchedRanks() == 1) return;
+  if (NumLaunchedRanks() == 1) {
+    tables_ = std::make_unique<SharedTables>(nullptr);
+    return;
+  }
   mpi_ = std::make_unique<Mpi>();
   MpiCommunicator::Options options;
   options.timeout_seconds = FLAGS_rank_timeout;
@@ -56,6 +59,7 @@ Ranks::Ranks() {
                       std::freopen("/dev/null", "w", stderr) == nullptr)) {
     mpi_->communicator->Abort(kExitBadInput);
   }
+  tables_ = std::make_unique<SharedTables>(communicator());
 }
 
 Communicator* Ranks::communicator() const {
@@ -74,7 +78,7 @@ void Ranks::ShareWork(IdentificationOptions* options) {
 
 struct Ranks::Mpi {};
 
-Ranks::Ranks() {
+Ranks::Ranks() : tables_(std::make_unique<SharedTables>(nullptr)) {
   if (NumLaunchedRanks() == 1) return;
   std::exit(Refuse("started as one of " + std::to_string(NumLaunchedRanks()) +
                    " ranks, but built without MPI (PINODE_MPI)"));
@@ -93,6 +97,7 @@ bool Ranks::is_first() const {
 }
 
 bool Ranks::Agree(bool ok, const Case& c, std::string* error) {
+  tables_->Finish();
   return Agree(ok, ok ? ProblemIdentity(c.problem) : "", error);
 }
 

@@ -9,6 +9,7 @@
 #include "pinode/base/communicator.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/result_folder.h"
+#include "pinode/case/shared_tables.h"
 
 namespace pinode {
 
@@ -31,6 +32,8 @@ class Ranks {
   // Fits are made by all ranks together, each with its share of the threads.
   void ShareWork(IdentificationOptions* options);
 
+  // For ReadCase: each reads a share of the case's tables.
+  SharedTables* tables() { return tables_.get(); }
   // Whether all ranks have read the case, and the same one; where not, *error
   // says what the first one that has not has to say.
   [[nodiscard]] bool Agree(bool ok, const Case& c, std::string* error);
@@ -50,6 +53,7 @@ class Ranks {
                            std::string* error);
 
   std::unique_ptr<Mpi> mpi_;
+  std::unique_ptr<SharedTables> tables_;
 };
 
 }  // namespace pinode

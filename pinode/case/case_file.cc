@@ -18,9 +18,11 @@
 #include "pinode/case/model_section.h"
 #include "pinode/case/options_section.h"
 #include "pinode/case/record_data.h"
+#include "pinode/case/record_files.h"
 #include "pinode/case/record_section.h"
 #include "pinode/case/reference_curve_section.h"
 #include "pinode/case/sensors_section.h"
+#include "pinode/case/shared_tables.h"
 #include "pinode/case/terms_section.h"
 #include "pinode/case/toml_table.h"
 #include "pinode/case/toml_value.h"
@@ -87,6 +89,8 @@ class CaseReader {
     c_.source = source;
     c_.data = std::move(data);
   }
+
+  void ReadWith(SharedTables* tables) { errors_.set_shared_tables(tables); }
 
   bool Read(Case* result) {
     if (!ReadHead() || !ReadModel() || !ReadDynamics() || !ReadData() ||
@@ -177,8 +181,23 @@ class CaseReader {
                         &group_names, &c_.geometry);
   }
 
+  // What the sections name, in the order in which they are read.
+  std::vector<SharedTables::Wanted> Tables() const {
+    std::vector<SharedTables::Wanted> all;
+    for (const auto* sections : {&sections_, &ambient_sections_}) {
+      for (const RecordSection& section : *sections) {
+        const auto own = RecordFiles::TablesOf(section, simulation_);
+        all.insert(all.end(), own.begin(), own.end());
+      }
+    }
+    return all;
+  }
+
   bool ReadData() {
     IdentificationProblem& problem = c_.problem;
+    if (errors_.shared_tables() != nullptr) {
+      errors_.shared_tables()->Plan(Tables());
+    }
     for (const RecordSection& section : sections_) {
       IdentificationRecord record;
       if (!ReadRecordData(section, units_, *dynamics_, simulation_, &record,
@@ -306,6 +325,15 @@ bool Read(const std::string& path, CasePurpose purpose, Case* result,
 
 bool ReadCase(const std::string& path, Case* c, std::string* error) {
   return Read(path, CasePurpose::kFit, c, error);
+}
+
+bool ReadCase(const std::string& path, SharedTables* tables, Case* c,
+              std::string* error) {
+  auto source = std::make_shared<TomlValue>();
+  if (!ReadSourceTree(path, source.get(), error)) return false;
+  CaseReader reader(source, path, nullptr, CasePurpose::kFit, error);
+  reader.ReadWith(tables);
+  return reader.Read(c);
 }
 
 bool ReadCaseTree(const TomlValue& tree, const std::string& path,

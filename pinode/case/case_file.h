@@ -89,6 +89,11 @@ enum class CasePurpose { kFit, kCheck, kSimulation, kPlanning };
 [[nodiscard]] bool ReadCase(const std::string& path, Case* c,
                             std::string* error);
 
+// As ReadCase, by several ranks that read the tables of its records for each
+// other: all of them call this, with `tables` of their own.
+[[nodiscard]] bool ReadCase(const std::string& path, SharedTables* tables,
+                            Case* c, std::string* error);
+
 // As ReadCase, ReadCaseForCheck or ReadCaseForSimulation, of a case that is a
 // tree already, and names arrays in `data` (null: none) as well as files.
 // `path`, which need not exist, is where it stands for messages and relative

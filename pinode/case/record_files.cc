@@ -19,7 +19,38 @@ namespace {
 // With more somebody has mistyped, and would wait for days.
 constexpr double kMostSamples = 1e8;
 
+// The files that a record names, with what is wanted of tables.
+std::map<std::string, std::vector<std::string>> FilesOf(
+    const RecordSection& section, bool simulation) {
+  std::map<std::string, std::vector<std::string>> wanted;
+  if (!section.file.empty()) wanted[section.file];
+  for (const InputSection& input : section.inputs) {
+    if (input.value.has_value()) continue;
+    wanted[input.signal.file].push_back(input.signal.column);
+  }
+  for (const ChannelSection& channel : section.channels) {
+    if (simulation) continue;
+    wanted[channel.signal.file].push_back(channel.signal.column);
+  }
+  if (section.time_column.empty()) return wanted;
+  for (auto& [path, columns] : wanted) {
+    columns.insert(columns.begin(), section.time_column);
+  }
+  return wanted;
+}
+
 }  // namespace
+
+std::vector<SharedTables::Wanted> RecordFiles::TablesOf(
+    const RecordSection& section, bool simulation) {
+  const CaseData& data = section.table.errors()->data();
+  std::vector<SharedTables::Wanted> tables;
+  for (const auto& [path, columns] : FilesOf(section, simulation)) {
+    if (IsAt2File(path) || data.tables.count(path) > 0) continue;
+    tables.push_back({path, columns});
+  }
+  return tables;
+}
 
 Vector RecordFiles::Source::Column(const std::string& name) const {
   return table.columns.empty()
@@ -28,17 +59,7 @@ Vector RecordFiles::Source::Column(const std::string& name) const {
 }
 
 bool RecordFiles::Read(bool simulation) {
-  std::map<std::string, std::vector<std::string>> wanted;
-  if (!section_.file.empty()) wanted[section_.file];
-  for (const InputSection& input : section_.inputs) {
-    if (input.value.has_value()) continue;
-    wanted[input.signal.file].push_back(input.signal.column);
-  }
-  for (const ChannelSection& channel : section_.channels) {
-    if (simulation) continue;
-    wanted[channel.signal.file].push_back(channel.signal.column);
-  }
-  for (const auto& [path, columns] : wanted) {
+  for (const auto& [path, columns] : FilesOf(section_, simulation)) {
     if (!ReadFile(path, columns)) return false;
   }
   return SetGrid();
@@ -65,10 +86,10 @@ bool RecordFiles::SetGrid() {
 }
 
 bool RecordFiles::ReadFile(const std::string& path,
-                           std::vector<std::string> columns) {
+                           const std::vector<std::string>& columns) {
   Source file;
   if (!(IsAt2File(path) ? ReadMotion(path, &file)
-                        : ReadColumns(path, std::move(columns), &file))) {
+                        : ReadColumns(path, columns, &file))) {
     return false;
   }
   files_.emplace(path, std::move(file));
@@ -92,17 +113,17 @@ bool RecordFiles::ReadMotion(const std::string& path, Source* file) {
 }
 
 bool RecordFiles::ReadColumns(const std::string& path,
-                              std::vector<std::string> columns, Source* file) {
-  if (!section_.time_column.empty()) {
-    columns.insert(columns.begin(), section_.time_column);
-  }
+                              const std::vector<std::string>& columns,
+                              Source* file) {
   Table& table = file->table;
   std::string error;
   const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
   const auto array = arrays.find(path);
+  SharedTables* shared = table_.errors()->shared_tables();
   if (!(array != arrays.end()
             ? SelectColumns(array->second, columns, &table, &error)
-            : ReadTable(path, columns, &table, &error))) {
+        : shared != nullptr ? shared->Read(path, columns, &table, &error)
+                            : ReadTable(path, columns, &table, &error))) {
     return table_.errors()->FailAsIs(error);
   }
   TimeGrid& grid = file->grid;

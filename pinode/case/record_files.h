@@ -10,6 +10,7 @@
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
 #include "pinode/case/record_section.h"
+#include "pinode/case/shared_tables.h"
 #include "pinode/record/record.h"
 #include "pinode/record/table.h"
 #include "pinode/record/time_column.h"
@@ -29,6 +30,10 @@ class RecordFiles {
         table_(section.table),
         units_(units),
         remarks_(*remarks) {}
+
+  // The tables of files that Read wants, in that order.
+  static std::vector<SharedTables::Wanted> TablesOf(
+      const RecordSection& section, bool simulation);
 
   // Everything that the section names, but in a simulation no responses.
   [[nodiscard]] bool Read(bool simulation);
@@ -66,10 +71,11 @@ class RecordFiles {
   };
 
   bool SetGrid();
-  bool ReadFile(const std::string& path, std::vector<std::string> columns);
+  bool ReadFile(const std::string& path,
+                const std::vector<std::string>& columns);
   bool ReadMotion(const std::string& path, Source* file);
-  bool ReadColumns(const std::string& path, std::vector<std::string> columns,
-                   Source* file);
+  bool ReadColumns(const std::string& path,
+                   const std::vector<std::string>& columns, Source* file);
   void FillReadings(const std::string& label, Vector* values);
   bool Align(const SignalSection& signal, const Source& file, bool is_input,
              Vector* values);

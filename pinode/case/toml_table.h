@@ -14,6 +14,8 @@
 
 namespace pinode {
 
+class SharedTables;
+
 // The first error of a case file, and where what it names is. Readers go on
 // with defaults after a failure and ask ok() before they use what they have
 // read.
@@ -29,6 +31,10 @@ class CaseErrors {
   const std::string& path() const { return path_; }
   // Arrays that stand in for files.
   const CaseData& data() const;
+  // Who reads its tables with others; nullptr: nobody. Must outlive this
+  // object.
+  SharedTables* shared_tables() const { return shared_tables_; }
+  void set_shared_tables(SharedTables* tables) { shared_tables_ = tables; }
 
   // Each returns false, so that callers can return it.
   // `path:line: message`; without what is empty or 0.
@@ -40,6 +46,7 @@ class CaseErrors {
   std::string path_;
   std::string* error_;
   const CaseData* data_;
+  SharedTables* shared_tables_ = nullptr;
   bool ok_ = true;
 };
 
