@@ -292,8 +292,7 @@ bool MoveForces(const std::string& path, const std::string& force_dof,
       return CaseErrors(path, error)
           .Fail(record.line,
                 "a record has no [[record.force]], expected one that could act "
-                "at the "
-                "DOFs of 'excite'");
+                "at the DOFs of 'excite'");
     }
     TomlValue force = forces->elements.front();
     force.Set("dof", TomlValue::String(force_dof));

@@ -181,6 +181,61 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
   }
 }
 
+// Factors of the channels and columns around the derivatives, where the whole
+// state is measured in its order, and where one more channel is.
+TEST(Segment, RowsAreWeightedWhereTheyLie) {
+  for (const int n : {1, 3, 4, 5}) {
+    StructuralDynamics dynamics(testing::MakeChain(n, 10.0, 0.5),
+                                {{InputSpec::Kind::kForce, 0, "force"}});
+    std::string error;
+    ASSERT_TRUE(dynamics.AddElement("spring", "cubic", -1, 0, {30.0}, &error))
+        << error;
+    StructuralDynamics::Prepared prepared;
+    ASSERT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
+    Matrix force(1, 9);
+    for (int i = 0; i < 9; ++i) force(0, i) = std::sin(1.3 * i);
+    const IntegrationGrid grid(
+        Excitation(0.0, 0.05, force, Interpolation::kLinear), 2);
+    const Vector start = Vector::LinSpaced(2 * n, -0.5, 0.6);
+    std::vector<Observation> state;
+    for (int k = 0; k < 2 * n; ++k) {
+      state.push_back({"h" + std::to_string(k),
+                       k < n ? Quantity::kDisplacement : Quantity::kVelocity,
+                       Vector::Unit(n, k % n)});
+    }
+    const ObservationMap whole(dynamics, state);
+    state.push_back({"a", Quantity::kAbsoluteAcceleration, Vector::Unit(n, 0)});
+    const ObservationMap more(dynamics, state);
+    for (auto method : {DerivativeMethod::kTangents, DerivativeMethod::kJets}) {
+      SegmentPropagator propagator(dynamics, method);
+      const auto run = [&](const ObservationMap& map, SegmentTangents* result) {
+        return propagator.Propagate(prepared, map, grid, start, 0, 8, true,
+                                    SegmentColumns::kAll, result);
+      };
+      SegmentTangents plain, weighted, plain_whole;
+      weighted.columns_before = 2;
+      weighted.columns_behind = 3;
+      weighted.factors = Vector::LinSpaced(2 * n + 1, 0.5, 7.0);
+      ASSERT_TRUE(run(more, &plain) && run(more, &weighted) &&
+                  run(whole, &plain_whole));
+      EXPECT_EQ(weighted.rows.cols(), plain.rows.cols() + 5);
+      EXPECT_EQ(weighted.channels, plain.channels);
+      Matrix expected = plain.jacobian();
+      Matrix of_state(plain_whole.rows.rows(), expected.cols());
+      for (Eigen::Index i = 0; i < 9; ++i) {
+        of_state.middleRows(i * 2 * n, 2 * n) =
+            expected.middleRows(i * (2 * n + 1), 2 * n);
+        expected.middleRows(i * (2 * n + 1), 2 * n + 1).array().colwise() *=
+            weighted.factors.array();
+      }
+      EXPECT_LT((weighted.jacobian() - expected).norm(),
+                1e-14 * expected.norm());
+      EXPECT_LT((plain_whole.jacobian() - of_state).norm(),
+                1e-14 * of_state.norm());
+    }
+  }
+}
+
 // Columns that are not asked for are left out, and the others are the same.
 TEST(Segment, ColumnsDoNotDependOnEachOther) {
   const auto dynamics = testing::MakeEverything();
