@@ -143,6 +143,7 @@ void MultiplySmall(int rows, int inner, int cols, const double* a,
 
 void AddProductSmall(int rows, int cols, const double* a, Eigen::Index stride,
                      const double* x, double* y) {
+  if (cols == 0) return;  // nothing may have no address
   constexpr std::make_integer_sequence<int, 4> kFour;
   ForEachRowBlock(rows, [&](auto block, int i) {
     ColumnMap<block()>(y + i) +=

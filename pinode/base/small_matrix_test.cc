@@ -42,6 +42,9 @@ TEST(SmallMatrix, AgreesWithEigenAtEverySize) {
                         y.data());
         ExpectEqual(y, sum);
 
+        AddProductSmall(rows - 1, 0, nullptr, rows, nullptr, y.data());
+        ExpectEqual(y, sum);
+
         const Vector d = Vector::Random(cols);
         const Matrix expected = c * d.asDiagonal();
         ScaleColumnsSmall(rows, cols, c.data(), d.data(), c.data());

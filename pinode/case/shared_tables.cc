@@ -90,14 +90,14 @@ bool SharedTables::Pass(int owner, Result* result) {
     while (!head.empty()) table.columns.push_back(TakeText(&head));
     table.values.resize(rows, static_cast<Eigen::Index>(table.columns.size()));
   }
-  const auto bytes = [](auto count, size_t size) {
-    return static_cast<int64_t>(count) * static_cast<int64_t>(size);
+  const auto pass = [&](auto* numbers, auto count) {
+    return count == 0 ||
+           communicator_.Broadcast(owner, numbers,
+                                   static_cast<int64_t>(count) *
+                                       static_cast<int64_t>(sizeof(*numbers)));
   };
-  return communicator_.Broadcast(owner, table.values.data(),
-                                 bytes(table.values.size(), sizeof(double))) &&
-         communicator_.Broadcast(
-             owner, table.line_numbers.data(),
-             bytes(table.line_numbers.size(), sizeof(int64_t)));
+  return pass(table.values.data(), table.values.size()) &&
+         pass(table.line_numbers.data(), table.line_numbers.size());
 }
 
 bool SharedTables::Read(const std::string& path,
