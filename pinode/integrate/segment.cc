@@ -16,11 +16,11 @@ constexpr Eigen::Index kStepBlock = 32;
 // kRows rows of diag(map) * sensitivity.
 template <int kRows>
 void ScaleRows(const Matrix& map, const Matrix& sensitivity, Eigen::Index first,
-               Eigen::Ref<Matrix> rows) {
+               Eigen::Ref<Matrix>* rows) {
   using Column = Eigen::Array<double, kRows, 1>;
   const Column factors = map.diagonal().segment<kRows>(first);
   for (Eigen::Index j = 0; j < sensitivity.cols(); ++j) {
-    Eigen::Map<Column>(rows.col(j).data() + first) =
+    Eigen::Map<Column>(rows->col(j).data() + first) =
         factors * Eigen::Map<const Column>(sensitivity.col(j).data() + first);
   }
 }
@@ -36,12 +36,12 @@ void MapColumns(const Matrix& map, const Matrix& sensitivity,
   // take as long as the step itself.
   Eigen::Index first = 0;
   for (; first + 8 <= map.rows(); first += 8) {
-    ScaleRows<8>(map, sensitivity, first, rows);
+    ScaleRows<8>(map, sensitivity, first, &rows);
   }
   for (; first + 2 <= map.rows(); first += 2) {
-    ScaleRows<2>(map, sensitivity, first, rows);
+    ScaleRows<2>(map, sensitivity, first, &rows);
   }
-  if (first < map.rows()) ScaleRows<1>(map, sensitivity, first, rows);
+  if (first < map.rows()) ScaleRows<1>(map, sensitivity, first, &rows);
 }
 
 }  // namespace
