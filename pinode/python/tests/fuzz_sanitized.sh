@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # By hand: fuzz_test.py under the address and undefined-behaviour sanitizers,
-# 10,000 examples in all, or EXAMPLES of each of its five tests.
+# 2000 examples of each of its tests (16,000 in all), or EXAMPLES of each.
 #
 #   pinode/python/tests/fuzz_sanitized.sh [EXAMPLES]
 #
