@@ -64,8 +64,8 @@ inline void MultiplyRows(int inner, int cols, const double* a, int lda,
     MultiplyTile<kRows>(kFour, inner, a, lda, b + j * inner, c + j * ldc, ldc);
   }
   for (; j < cols; ++j) {
-    ColumnMap<kRows>{c + j* ldc} =
-        ProductColumn<kRows>(kFour, inner, a, lda, b + j * inner);
+    ColumnMap<kRows> column(c + j * ldc);
+    column = ProductColumn<kRows>(kFour, inner, a, lda, b + j * inner);
   }
 }
 

@@ -138,6 +138,14 @@ def is_sentence(failure):
         assert len(text) > 10
 
 
+def works_or_says_why(work, *values, **keys):
+    """Of functions that open files: what cannot be opened is Python's to say."""
+    try:
+        work(*values, **keys)
+    except EXPECTED + (OSError,) as failure:
+        is_sentence(failure)
+
+
 def try_all(case):
     """Everything that can be asked of a case, briefly."""
     for work in (
@@ -345,10 +353,7 @@ def test_files_of_anything(fit, folder, data):
     ]))
     # An integer is an open file to Python, of standard input for one.
     value = data.draw(values.filter(lambda v: not isinstance(v, (int, np.integer, np.bool_))))
-    try:
-        work(value)
-    except EXPECTED + (OSError,) as failure:
-        is_sentence(failure)
+    works_or_says_why(work, value)
 
 
 @settings
@@ -466,10 +471,7 @@ def test_elements_of_anything(folder, data):
             pinode.Element("e", "sticky", ("ground", "u1"), {}, file=v)]),
     ]))
     value = data.draw(values.filter(lambda v: not isinstance(v, str) or not shutil.which(v)))
-    try:
-        work(value)
-    except EXPECTED + (OSError,) as failure:
-        is_sentence(failure)
+    works_or_says_why(work, value)
 
 
 @settings
@@ -498,7 +500,4 @@ def test_folders_of_anything(fit, folder, modes, simulation, data):
     given = {name: data.draw(options[name]) for name in names}
     # A folder of nobody's is not replaced; those of others are not looked at.
     hypothesis.assume(not str(given.get("output", "")).startswith(("/", "..")))
-    try:
-        work(**given)
-    except EXPECTED + (OSError,) as failure:
-        is_sentence(failure)
+    works_or_says_why(work, **given)
