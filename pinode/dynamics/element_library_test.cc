@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pinode/base/file.h"
+#include "pinode/base/fnv.h"
 #include "pinode/base/temporary_folder_testing.h"
 #include "pinode/dynamics/own_element.h"
 
@@ -119,6 +123,38 @@ extern "C" unsigned long PinodeElementInterface() { return 7; }
 extern "C" void PinodeElements(pinode::ElementLibrary*) {}
 )")),
               HasSubstr("another version of pinode"));
+}
+
+// What C++ reads of a header: neither comments nor spaces.
+std::string CodeOf(const std::string& header) {
+  std::string text, error;
+  EXPECT_TRUE(
+      ReadTextFile(std::string(PINODE_SOURCE_DIR "/pinode/dynamics/") + header,
+                   &text, &error))
+      << error;
+  std::istringstream lines(text);
+  std::string code;
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(std::min(line.find("//"), line.size()));
+    line.erase(std::remove(line.begin(), line.end(), ' '), line.end());
+    code += line;
+  }
+  return code;
+}
+
+// Libraries that were compiled before must be refused once what they are
+// compiled against is not the same.
+TEST(ElementInterface, IsCountedUpWithEveryChange) {
+  std::string code =
+      CodeOf("law.h") + CodeOf("wide_jet.h") + CodeOf("element_library.h");
+  const std::string elements = CodeOf("elements.h");
+  const size_t begin = elements.find("structElementParameterInfo{");
+  ASSERT_NE(begin, std::string::npos);
+  code += elements.substr(begin, elements.find("};", begin) - begin);
+  EXPECT_EQ(Fnv1a(code.data(), code.size()), 17841534116898893781u)
+      << "The interface to elements of one's own has another text: unless "
+         "libraries compiled before can go on as they are, count kVersion in "
+         "own_element.h up; then this figure is that of the new one.";
 }
 
 struct Spring {

@@ -46,9 +46,9 @@
 
 namespace pinode {
 
-// Which interface between pinode and such a library this is, to be counted up
-// with any change to Law, ElementLibrary or ElementParameterInfo, and how what
-// passes through it lies in memory.
+// Which interface between pinode and such a library this is, and how what
+// passes through it lies in memory. To be counted up with any change to Law,
+// ElementLibrary or ElementParameterInfo: element_library_test.cc notices one.
 inline unsigned long ElementInterface() {
   constexpr unsigned long kVersion = 1;
   return 100000000 * kVersion + 10000 * sizeof(ElementParameterInfo) +
