@@ -1,7 +1,10 @@
 #include "pinode/python/convert.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "pinode/base/file.h"
@@ -14,6 +17,8 @@ namespace py = pybind11;
 using Dense = py::array_t<double, py::array::forcecast>;
 using InColumns =
     py::array_t<double, py::array::f_style | py::array::forcecast>;
+
+using InOneRow = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 std::string TypeName(const py::handle& value) {
   return py::str(py::type::handle_of(value).attr("__name__"));
@@ -78,46 +83,104 @@ Dense ToDense(const py::handle& value, int dimensions,
   return dense;
 }
 
-SparseMatrix FromCompressed(const py::object& columns,
-                            const std::string& where) {
-  const Vector data = ToVector(columns.attr("data"), where + ".data");
-  const auto rows = py::array_t<std::int64_t, py::array::forcecast>::ensure(
-      columns.attr("indices"));
-  const auto starts = py::array_t<std::int64_t, py::array::forcecast>::ensure(
-      columns.attr("indptr"));
-  const py::tuple shape = columns.attr("shape");
-  const auto num_rows = shape[0].cast<std::int64_t>();
-  const auto num_columns = shape[1].cast<std::int64_t>();
-  const std::string broken = where + " is no consistent sparse matrix";
-  if (!rows || !starts || rows.ndim() != 1 || starts.ndim() != 1) {
+// The array of NumPy as one of an object's attributes; none of its entries is
+// copied where they are of this type.
+template <typename Index>
+py::array_t<Index> IndicesOf(const py::object& columns, const char* name,
+                             const std::string& broken) {
+  const auto indices =
+      py::array_t<Index, py::array::c_style | py::array::forcecast>::ensure(
+          columns.attr(name));
+  if (!indices || indices.ndim() != 1) {
     PyErr_Clear();
     throw Error(broken);
   }
-  if (num_rows > kMaxFiniteElementDofs || num_columns > kMaxFiniteElementDofs) {
-    throw Error(where + " is " + std::to_string(num_rows) + " x " +
-                std::to_string(num_columns) + ", expected at most " +
-                std::to_string(kMaxFiniteElementDofs) + " rows");
-  }
-  if (starts.size() != num_columns + 1 || starts.at(0) != 0 ||
-      rows.size() < starts.at(num_columns) ||
-      data.size() < starts.at(num_columns)) {
-    throw Error(broken);
-  }
-  std::vector<Eigen::Triplet<double>> entries;
+  return indices;
+}
+
+// Throws Error(broken) unless the columns begin and end within the `size`
+// entries that there are, and all rows are rows of the matrix. Whether the
+// entries of each column have ascending rows, as Eigen's have.
+template <typename Index>
+bool IsInOrder(const py::array_t<Index>& rows, const py::array_t<Index>& starts,
+               std::int64_t num_rows, std::int64_t size,
+               const std::string& broken) {
+  const std::int64_t num_columns = starts.size() - 1;
+  const Index* start = starts.data();
+  const Index* row = rows.data();
+  if (start[0] != 0 || start[num_columns] > size) throw Error(broken);
+  bool in_order = true;
   for (std::int64_t j = 0; j < num_columns; ++j) {
-    if (starts.at(j + 1) < starts.at(j) ||
-        starts.at(j + 1) > starts.at(num_columns)) {
+    if (start[j + 1] < start[j] || start[j + 1] > start[num_columns]) {
       throw Error(broken);
     }
-    for (std::int64_t k = starts.at(j); k < starts.at(j + 1); ++k) {
-      const std::int64_t i = rows.at(k);
-      if (i < 0 || i >= num_rows) throw Error(broken);
-      entries.emplace_back(static_cast<int>(i), static_cast<int>(j), data[k]);
+    for (Index k = start[j]; k < start[j + 1]; ++k) {
+      if (row[k] < 0 || row[k] >= num_rows) throw Error(broken);
+      if (k > start[j] && row[k] <= row[k - 1]) in_order = false;
+    }
+  }
+  return in_order;
+}
+
+template <typename Index>
+SparseMatrix FromIndices(const py::object& columns, const InOneRow& data,
+                         std::int64_t num_rows, std::int64_t num_columns,
+                         const std::string& broken) {
+  const auto rows = IndicesOf<Index>(columns, "indices", broken);
+  const auto starts = IndicesOf<Index>(columns, "indptr", broken);
+  if (starts.size() != num_columns + 1) throw Error(broken);
+  const std::int64_t size = std::min<std::int64_t>(rows.size(), data.size());
+  const bool in_order = IsInOrder(rows, starts, num_rows, size, broken);
+  if constexpr (std::is_same_v<Index, int>) {
+    if (in_order) {
+      return Eigen::Map<const SparseMatrix>(
+          num_rows, num_columns, starts.at(num_columns), starts.data(),
+          rows.data(), data.data());
+    }
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<size_t>(starts.at(num_columns)));
+  for (std::int64_t j = 0; j < num_columns; ++j) {
+    for (Index k = starts.at(j); k < starts.at(j + 1); ++k) {
+      entries.emplace_back(static_cast<int>(rows.at(k)), static_cast<int>(j),
+                           data.at(k));
     }
   }
   SparseMatrix matrix(num_rows, num_columns);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
+}
+
+SparseMatrix FromCompressed(const py::object& columns,
+                            const std::string& where) {
+  const py::tuple shape = columns.attr("shape");
+  const auto num_rows = shape[0].cast<std::int64_t>();
+  const auto num_columns = shape[1].cast<std::int64_t>();
+  if (num_rows > kMaxFiniteElementDofs || num_columns > kMaxFiniteElementDofs) {
+    throw Error(where + " is " + std::to_string(num_rows) + " x " +
+                std::to_string(num_columns) + ", expected at most " +
+                std::to_string(kMaxFiniteElementDofs) + " rows");
+  }
+  const std::string broken = where + " is no consistent sparse matrix";
+  const InOneRow data =
+      InOneRow::ensure(ToDense(columns.attr("data"), 1, where + ".data"));
+  if (!data) {
+    PyErr_Clear();
+    throw Error(broken);
+  }
+  const auto is_int = [&](const char* name) {
+    return py::isinstance<py::array_t<int>>(columns.attr(name));
+  };
+  return is_int("indices") && is_int("indptr")
+             ? FromIndices<int>(columns, data, num_rows, num_columns, broken)
+             : FromIndices<std::int64_t>(columns, data, num_rows, num_columns,
+                                         broken);
+}
+
+// Keeps `kept` for as long as an array looks at what it has.
+template <typename Kept>
+py::capsule Keep(Kept* kept) {
+  return py::capsule(kept, [](void* old) { delete static_cast<Kept*>(old); });
 }
 
 }  // namespace
@@ -185,15 +248,20 @@ SparseMatrix ToSparse(const py::handle& value, const std::string& where) {
   return FromCompressed(columns, where);
 }
 
-py::array_t<double> FromVector(const Vector& vector) {
-  return py::array_t<double>(vector.size(), vector.data());
+py::array_t<double> FromVector(Vector vector) {
+  auto kept = std::make_unique<Vector>(std::move(vector));
+  const Vector& values = *kept;
+  return py::array_t<double>(values.size(), values.data(),
+                             Keep(kept.release()));
 }
 
-py::array_t<double> FromMatrix(const Matrix& matrix) {
+py::array_t<double> FromMatrix(Matrix matrix) {
+  auto kept = std::make_unique<Matrix>(std::move(matrix));
+  const Matrix& values = *kept;
   return py::array_t<double>(
-      {matrix.rows(), matrix.cols()},
-      {sizeof(double), sizeof(double) * static_cast<size_t>(matrix.rows())},
-      matrix.data());
+      {values.rows(), values.cols()},
+      {sizeof(double), sizeof(double) * static_cast<size_t>(values.rows())},
+      values.data(), Keep(kept.release()));
 }
 
 py::array View(const Matrix& matrix, const py::handle& owner) {
@@ -213,12 +281,15 @@ py::array View(const Vector& vector, const py::handle& owner) {
 }
 
 py::tuple FromSparse(const SparseMatrix& matrix) {
-  SparseMatrix compressed = matrix;
-  compressed.makeCompressed();
+  if (!matrix.isCompressed()) {
+    SparseMatrix compressed = matrix;
+    compressed.makeCompressed();
+    return FromSparse(compressed);
+  }
   return py::make_tuple(
-      py::array_t<double>(compressed.nonZeros(), compressed.valuePtr()),
-      py::array_t<int>(compressed.nonZeros(), compressed.innerIndexPtr()),
-      py::array_t<int>(compressed.cols() + 1, compressed.outerIndexPtr()));
+      py::array_t<double>(matrix.nonZeros(), matrix.valuePtr()),
+      py::array_t<int>(matrix.nonZeros(), matrix.innerIndexPtr()),
+      py::array_t<int>(matrix.cols() + 1, matrix.outerIndexPtr()));
 }
 
 }  // namespace pinode::python

@@ -53,9 +53,9 @@ Matrix ToMatrix(const pybind11::handle& value, const std::string& where);
 SparseMatrix ToSparse(const pybind11::handle& value, const std::string& where);
 bool IsSparse(const pybind11::handle& value);
 
-// Arrays of NumPy with the numbers copied.
-pybind11::array_t<double> FromVector(const Vector& vector);
-pybind11::array_t<double> FromMatrix(const Matrix& matrix);
+// Arrays of NumPy that own the numbers: those of a temporary are not copied.
+pybind11::array_t<double> FromVector(Vector vector);
+pybind11::array_t<double> FromMatrix(Matrix matrix);
 // One that looks at the numbers of `matrix`, for as long as `owner` lives, and
 // cannot be written to.
 pybind11::array View(const Matrix& matrix, const pybind11::handle& owner);

@@ -44,6 +44,46 @@ def test_takes_sparse_matrices_lists_and_other_numbers():
                        case.natural_modes()["frequencies_hz"])
 
 
+class _Compressed:
+    """Looks like one of SciPy's, and has whatever it is given."""
+
+    def __init__(self, data, indices, indptr, shape=(3, 3)):
+        self.data, self.indices, self.indptr, self.shape = data, indices, indptr, shape
+
+    def tocsc(self):
+        return self
+
+
+def _whole(mass):
+    return pinode.Case(pinode.FiniteElementModel(
+        mass, scipy.sparse.eye(3), dofs=["a", "b", "c"])).full_matrices()["mass"].toarray()
+
+
+def test_sparse_matrices_of_any_order_and_index_type():
+    """Entries in order are taken as they lie; others are sorted and added up."""
+    ordered = scipy.sparse.csc_array(frame_testing.MASS)
+    for index in (np.int32, np.int64):
+        for values in (ordered.data, ordered.data[::-1][::-1], ordered.data.astype(np.int64)):
+            assert np.array_equal(_whole(_Compressed(
+                values, ordered.indices.astype(index), ordered.indptr.astype(index))),
+                frame_testing.MASS)
+        # (0, 0) twice, and rows that descend.
+        data, rows, starts = [1.0, 2.0, 0.5, 4.0, 0.5, 5.0], [0, 0, 2, 1, 1, 2], [0, 2, 4, 6]
+        twice = _whole(_Compressed(
+            np.array(data), np.array(rows, index), np.array(starts, index)))
+        assert np.array_equal(twice, [[3.0, 0.0, 0.0], [0.0, 4.0, 0.5], [0.0, 0.5, 5.0]])
+    for data, rows, starts in (
+            ([1.0], [3], [0, 1, 1, 1]),  # a row that is not there
+            ([1.0], [-1], [0, 1, 1, 1]),
+            ([1.0], [0], [0, 1, 0, 1]),  # columns that go back
+            ([1.0], [0], [0, 2, 2, 2]),  # more entries than there are
+            ([1.0], [0], [1, 1, 1, 1]),
+            ([1.0], [0], [0, 1])):
+        with pytest.raises(pinode.Error, match="no consistent sparse matrix"):
+            _whole(_Compressed(np.array(data), np.array(rows, np.int32),
+                               np.array(starts, np.int32)))
+
+
 def test_matrices_before_a_reduction_are_sparse(healthy):
     """A chain of twenty masses of which a reduction keeps four."""
     springs = np.full(20, 4e6)
