@@ -93,9 +93,12 @@ class ModelReader {
     if (are_names_listed_ && !AreListedOnce()) return false;
     model_.dof_names = NumberRepeatedNames(std::move(names_), &model_.notes);
     std::string what;
-    if (!model_.IsValid(&what)) {
-      *error_ = sources_[kStiffness]->path + ": " + what;
-      return false;
+    const SparseMatrix* culprit = nullptr;
+    if (!model_.IsValid(&what, &culprit)) {
+      const int role = culprit == &model_.mass      ? kMass
+                       : culprit == &model_.damping ? kDamping
+                                                    : kStiffness;
+      return Fail(sources_[role]->path, what);
     }
     for (std::string& sentence : DescribeSpecialDofs(model_)) {
       model_.notes.push_back(std::move(sentence));

@@ -391,7 +391,7 @@ TEST_F(FiniteElementFilesTest, RefusesFilesThatDoNotFitEachOther) {
                                   "%%MatrixMarket matrix coordinate real "
                                   "general\n2 2 2\n1 1 1\n2 2 1\n"),
                      ""})),
-      HasSubstr("M is not symmetric"));
+      HasSubstr("M.mtx: M is not symmetric"));
 }
 
 TEST_F(FiniteElementFilesTest, FindsMatricesByName) {

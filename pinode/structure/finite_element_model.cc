@@ -164,8 +164,12 @@ int FiniteElementModel::DofIndex(const std::string& name) const {
                                   : static_cast<int>(found - dof_names.begin());
 }
 
-bool FiniteElementModel::IsValid(std::string* error) const {
+bool FiniteElementModel::IsValid(std::string* error,
+                                 const SparseMatrix** culprit) const {
   CHECK(error != nullptr);
+  const SparseMatrix* ignored = nullptr;
+  if (culprit == nullptr) culprit = &ignored;
+  *culprit = nullptr;
   if (dof_names.empty()) {
     *error = "the model has no DOFs";
     return false;
@@ -182,12 +186,17 @@ bool FiniteElementModel::IsValid(std::string* error) const {
       return false;
     }
   }
-  if (!CheckMatrix("M", mass, dof_names, error) ||
-      !CheckMatrix("K", stiffness, dof_names, error) ||
-      (has_damping() && !CheckMatrix("C", damping, dof_names, error))) {
+  *culprit = &mass;
+  if (!CheckMatrix("M", mass, dof_names, error)) return false;
+  *culprit = &stiffness;
+  if (!CheckMatrix("K", stiffness, dof_names, error)) return false;
+  *culprit = &damping;
+  if (has_damping() && !CheckMatrix("C", damping, dof_names, error)) {
     return false;
   }
+  *culprit = &mass;
   if (!CheckMass(mass, dof_names, error)) return false;
+  *culprit = nullptr;
   std::vector<bool> used(dof_names.size(), false);
   for (const SparseMatrix* matrix : {&mass, &stiffness}) {
     for (Eigen::Index j = 0; j < matrix->outerSize(); ++j) {

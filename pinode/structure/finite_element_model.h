@@ -49,8 +49,10 @@ struct FiniteElementModel {
   // 1e-10), that M is positive semidefinite (relative 1e-10) and that no DOF is
   // without both mass and stiffness. K may be singular or indefinite;
   // ComputeLowestModes reports it. The test of M takes up to one sparse
-  // factorisation. On failure *error names matrix, DOFs and the remedy.
-  [[nodiscard]] bool IsValid(std::string* error) const;
+  // factorisation. On failure *error names matrix, DOFs and the remedy, and
+  // *culprit is the matrix, null where it is the DOFs.
+  [[nodiscard]] bool IsValid(std::string* error,
+                             const SparseMatrix** culprit = nullptr) const;
 };
 
 // Names as they are if each occurs once. Those that occur several times, as
