@@ -313,6 +313,8 @@ TextTable MakeStageTable(const ReportInput& input) {
                    {"", Align::kLeft}});
   int number = 0;
   for (const StageRecord& stage : input.summary->stages) {
+    // Modes and ambient records have stages without a segment.
+    if (stage.num_segments == 0) continue;
     table.AddRow(
         {std::to_string(++number), std::to_string(stage.segment_samples),
          std::to_string(stage.num_segments), std::to_string(stage.iterations),

@@ -153,7 +153,7 @@ class PageMaker {
             (origin.case_path.empty() ? "" : ", case " + origin.case_path));
     page_.set("usable", summary_.usable);
     page_.set("verdict", Verdict(input_));
-    page_.set("command", origin.command_line);
+    SetIf("command", !origin.command_line.empty(), origin.command_line, &page_);
     page_.set("footer", "pinode " + input_.version + ", " +
                             Duration(origin.wall_seconds) + " in all.");
   }

@@ -272,7 +272,8 @@ std::string RenderModesReport(const ModesReportInput& input,
   page.set("records", records);
   page.set("has_remarks", !input.remarks.empty());
   page.set("remarks", PageTexts(input.remarks));
-  page.set("command", input.origin.command_line);
+  SetIf("command", !input.origin.command_line.empty(),
+        input.origin.command_line, &page);
   page.set("footer", "pinode " + PinodeVersion() + ", " +
                          Duration(input.origin.wall_seconds) + " in all.");
   return RenderPage(kModesTemplate, page);

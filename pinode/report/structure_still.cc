@@ -13,6 +13,7 @@ namespace pinode {
 namespace {
 
 constexpr double kLetter = 8.5;  // no letter of the names is wider on average
+constexpr double kAscent = 12.0, kDescent = 3.0;
 
 // Axes of the still picture, the same view without perspective.
 struct Axes {
@@ -89,14 +90,16 @@ class SvgMaker {
     // Names may reach beyond what is drawn.
     const double left = std::min(0.0, low_text_);
     const double right = std::max(scale * width, high_text_);
+    const double top = std::min(0.0, top_text_);
+    const double bottom = std::max(scale * height, bottom_text_);
     char head[256];
-    std::snprintf(head, sizeof(head),
-                  "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"%.0f 0 "
-                  "%.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\" "
-                  "font-family=\"sans-serif\" stroke-linejoin=\"round\">"
-                  "<title>The structure</title>\n",
-                  left, right - left, scale * height, right - left,
-                  scale * height);
+    std::snprintf(
+        head, sizeof(head),
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"%.0f %.0f "
+        "%.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\" "
+        "font-family=\"sans-serif\" stroke-linejoin=\"round\">"
+        "<title>The structure</title>\n",
+        left, top, right - left, bottom - top, right - left, bottom - top);
     return head + text_ + "</svg>";
   }
 
@@ -195,13 +198,41 @@ class SvgMaker {
     }
   }
 
-  void AddText(const Eigen::RowVector2d& at, const char* anchor,
+  // Up or down by as many lines as it takes for no name to lie over another.
+  Eigen::RowVector2d FreePlace(const Eigen::RowVector2d& at, bool ends,
+                               const std::string& text) {
+    constexpr int kMostMoves = 16;
+    const double width = kLetter * static_cast<double>(text.size());
+    const double left = at[0] - (ends ? width : 0.0);
+    const auto box_at = [&](double y) {
+      return Eigen::AlignedBox2d(Eigen::Vector2d(left, y - kAscent),
+                                 Eigen::Vector2d(left + width, y + kDescent));
+    };
+    double y = at[1];
+    for (int i = 0; i <= kMostMoves; ++i) {
+      const double moved = at[1] + (i % 2 == 0 ? -1.0 : 1.0) * ((i + 1) / 2) *
+                                       (kAscent + kDescent);
+      const Eigen::AlignedBox2d box = box_at(moved);
+      if (std::none_of(names_.begin(), names_.end(), [&](const auto& name) {
+            return name.intersects(box);
+          })) {
+        y = moved;
+        break;
+      }
+    }
+    names_.push_back(box_at(y));
+    low_text_ = std::min(low_text_, left);
+    high_text_ = std::max(high_text_, left + width);
+    top_text_ = std::min(top_text_, y - kAscent);
+    bottom_text_ = std::max(bottom_text_, y + kDescent);
+    return {at[0], y};
+  }
+
+  void AddText(const Eigen::RowVector2d& wanted, const char* anchor,
                const std::string& color, const std::string& text,
                const char* more = "") {
-    const double width = kLetter * static_cast<double>(text.size());
-    const bool ends = std::string(anchor) == "end";
-    low_text_ = std::min(low_text_, at[0] - (ends ? width : 0.0));
-    high_text_ = std::max(high_text_, at[0] + (ends ? 0.0 : width));
+    const Eigen::RowVector2d at =
+        FreePlace(wanted, std::string(anchor) == "end", text);
     char place[96];
     std::snprintf(place, sizeof(place),
                   "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" ", at[0],
@@ -244,7 +275,8 @@ class SvgMaker {
   Matrix flat_;
   Eigen::RowVector2d origin_ = Eigen::RowVector2d::Zero();
   double scale_ = 1.0;
-  double low_text_ = 0.0, high_text_ = 0.0;
+  std::vector<Eigen::AlignedBox2d> names_;  // that are there
+  double low_text_ = 0.0, high_text_ = 0.0, top_text_ = 0.0, bottom_text_ = 0.0;
   std::string text_;
 };
 

@@ -1,7 +1,9 @@
 #include "pinode/report/structure_view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -82,6 +84,26 @@ TEST(StructureViewTest, StillPicture) {
   EXPECT_THAT(svg, HasSubstr(">k&lt;2&gt; -10.0 %<"));
   EXPECT_THAT(svg, HasSubstr("a&lt;/script&gt;1"));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+// Sensors along three axes of one node have three names beside each other.
+TEST(StructureViewTest, NamesDoNotLieOverEachOther) {
+  StructurePicture picture = TwoCubes();
+  picture.sensors.clear();
+  for (int i = 0; i < 6; ++i) {
+    picture.sensors.push_back({"channel", 8, Eigen::Vector3d::UnitX()});
+  }
+  const std::string svg = StructureSvg(picture);
+  EXPECT_EQ(testing::FindHtmlFault(svg), "");
+  std::vector<double> lines;
+  for (size_t at = svg.find("<text x="); at != std::string::npos;
+       at = svg.find("<text x=", at + 1)) {
+    const size_t y = svg.find(" y=\"", at) + 4;
+    lines.push_back(std::stod(svg.substr(y)));
+  }
+  ASSERT_EQ(lines.size(), 7u);
+  std::sort(lines.begin(), lines.end() - 1);
+  for (size_t i = 1; i < 6; ++i) EXPECT_GE(lines[i] - lines[i - 1], 13.0);
 }
 
 TEST(StructureViewTest, SectionHoldsAllThatItNeeds) {
