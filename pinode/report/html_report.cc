@@ -108,11 +108,11 @@ class PageMaker {
     AddHead();
     AddDamage();
     AddStructure();
-    AddScores();
     AddEquations();
+    AddForces();
     AddParameters();
     AddProfiles();
-    AddForces();
+    AddScores();
     AddModes();
     AddHistories();
     AddLoops();

@@ -95,8 +95,8 @@ TEST(HtmlReport, ComesInTheOrderOfImportance) {
   const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
   size_t at = 0;
   for (const char* part :
-       {"Three-storey frame", "Usable. The updated model", "3.12",
-        "How well the model predicts", "What changed", "Modes before and after",
+       {"Three-storey frame", "Usable. The updated model", "What changed",
+        "How well the model predicts", "3.12", "Modes before and after",
         ">Records<", "Restoring forces", "How it was solved",
         "What the data cannot tell", "Remarks about the data", "To reproduce",
         "pinode_update --case="}) {
@@ -243,7 +243,8 @@ TEST(HtmlReport, ShowsEquations) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   EXPECT_THAT(html, Not(HasSubstr("inclusion probability")));
-  EXPECT_LT(html.find("How well the model predicts"), html.find("Equations"));
+  EXPECT_LT(html.find("Equations"), html.find("What changed"));
+  EXPECT_LT(html.find("Equations"), html.find("How well the model predicts"));
   equations[0].terms[0].inclusion_probability = 0.875;
   html = RenderHtmlReport(example->input, WithoutGnuplot());
   ExpectSelfContained(html);
@@ -268,6 +269,9 @@ TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {
   ExpectSelfContained(html);
   EXPECT_THAT(html, HasSubstr(heading));
   EXPECT_THAT(html, HasSubstr("&lt;blow&gt;, the force identified in"));
+  // It is what was asked for.
+  EXPECT_LT(html.find(heading), html.find("What changed"));
+  EXPECT_LT(html.find(heading), html.find("How well the model predicts"));
 }
 
 TEST(HtmlReport, ShowsProfiles) {

@@ -71,25 +71,8 @@ class DrawingMaker {
     drawing_.colors.emplace_back(picture_.groups.empty() ? kUnchangedColor
                                                          : kNoGroupColor);
     drawing_.told.emplace_back(picture_.groups.empty() ? "" : "Of no group.");
-    group_of_.assign(geometry_.elements.size(), 0);
-    // Stiffness over mass, but where only the mass has changed.
-    const auto color = [this](bool mass, bool only_changed) {
-      for (size_t g = 0; g < picture_.groups.size(); ++g) {
-        const StructurePicture::Group& group = picture_.groups[g];
-        if (group.is_mass != mass || (only_changed && !group.changed)) continue;
-        for (const int element : group.elements) {
-          int& own = group_of_[static_cast<size_t>(element)];
-          if (own == 0 ||
-              (only_changed &&
-               !picture_.groups[static_cast<size_t>(own - 1)].changed)) {
-            own = static_cast<int>(g) + 1;
-          }
-        }
-      }
-    };
-    color(false, false);
-    color(true, false);
-    color(true, true);
+    group_of_ = ShownGroups(picture_);
+    for (int& group : group_of_) ++group;
     for (const StructurePicture::Group& group : picture_.groups) {
       drawing_.colors.push_back(ColorOf(group));
       drawing_.told.push_back(ChangeText(picture_, group));

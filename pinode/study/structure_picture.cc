@@ -232,4 +232,21 @@ StructurePicture MakeStructurePicture(
   return picture;
 }
 
+std::vector<int> ShownGroups(const StructurePicture& picture) {
+  std::vector<int> shown(picture.geometry.elements.size(), -1);
+  for (const auto& [mass, changed] :
+       {std::pair(false, true), std::pair(true, true), std::pair(false, false),
+        std::pair(true, false)}) {
+    for (size_t g = 0; g < picture.groups.size(); ++g) {
+      const StructurePicture::Group& group = picture.groups[g];
+      if (group.is_mass != mass || group.changed != changed) continue;
+      for (const int element : group.elements) {
+        int& own = shown[static_cast<size_t>(element)];
+        if (own < 0) own = static_cast<int>(g);
+      }
+    }
+  }
+  return shown;
+}
+
 }  // namespace pinode

@@ -102,10 +102,16 @@ std::vector<Eigen::MatrixXcd> MotionsOfNodes(
     const PlacedGeometry& placed, const std::vector<PlaceOfShape>& places,
     const MergedModes& merged);
 
+// Of each element the group that it is shown as, -1 where it is of none: one of
+// stiffness over one of mass, but what has changed over what has not.
+std::vector<int> ShownGroups(const StructurePicture& picture);
+
 // The picture as an unstructured grid of VTK (.vtu, ASCII XML), which ParaView
 // and others read: cells with `group` (an index, -1 for none), `change`,
-// `probability`, `changed`, and `known` where there is a change; points with
-// the mode shapes, `mode_1` and so on.
+// `probability`, `changed`, and `known` where there is a change, of the groups
+// that are shown (ShownGroups), and `change_<index>` of those that share
+// elements with what is shown in their place; points with the mode shapes,
+// `mode_1` and so on.
 std::string FormatVtu(const StructurePicture& picture);
 
 }  // namespace pinode

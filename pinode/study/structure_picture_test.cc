@@ -20,6 +20,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // Three floors of two corners each; DOFs u1, u2, u3 move floors along x.
 PlacedGeometry Frame() {
@@ -272,6 +273,7 @@ TEST(VtuTest, CellsAndPoints) {
                              "format=\"ascii\">\n1 1 0 0"));
   EXPECT_THAT(vtu, HasSubstr("Name=\"mode_1\" NumberOfComponents=\"3\""));
   EXPECT_EQ(vtu.find("nan"), std::string::npos);
+  EXPECT_THAT(vtu, Not(HasSubstr("\"change_")));
   // Two hyphens end a comment of XML.
   for (const char* name : {"a--b", "a---b", "a----", "-----"}) {
     picture.groups[0].name = name;
@@ -279,6 +281,35 @@ TEST(VtuTest, CellsAndPoints) {
     const size_t begin = named.find("<!--") + 4;
     EXPECT_EQ(named.find("--", begin), named.find("-->", begin)) << name;
   }
+}
+
+// Where a set's stiffness is as it was and its mass is not, its mass is shown;
+// where both have changed, the other one has figures of its own.
+TEST(VtuTest, ShowsWhatHasChanged) {
+  StructurePicture picture;
+  picture.geometry = Frame().geometry;
+  for (const bool is_mass : {false, true}) {
+    StructurePicture::Group group;
+    group.name = is_mass ? "mass" : "stiffness";
+    group.is_mass = is_mass;
+    group.elements = is_mass ? std::vector<int>{1, 2} : std::vector<int>{0, 1};
+    group.change = is_mass ? 0.3 : -0.25;
+    group.changed = is_mass;
+    picture.groups.push_back(group);
+  }
+  EXPECT_THAT(ShownGroups(picture),
+              ElementsAre(0, 1, 1, -1, -1, -1, -1, -1, -1));
+  std::string vtu = FormatVtu(picture);
+  EXPECT_THAT(vtu, HasSubstr("format=\"ascii\">\n-0.25 0.3 0.3 0 "));
+  EXPECT_THAT(vtu, HasSubstr("Name=\"change_0\" NumberOfComponents=\"1\" "
+                             "format=\"ascii\">\n-0.25 -0.25 0 0"));
+  EXPECT_THAT(vtu, Not(HasSubstr("\"change_1")));
+  picture.groups[0].changed = true;
+  EXPECT_THAT(ShownGroups(picture),
+              ElementsAre(0, 0, 1, -1, -1, -1, -1, -1, -1));
+  vtu = FormatVtu(picture);
+  EXPECT_THAT(vtu, HasSubstr("Name=\"change_1\" NumberOfComponents=\"1\" "
+                             "format=\"ascii\">\n0 0.3 0.3 0"));
 }
 
 }  // namespace

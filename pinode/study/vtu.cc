@@ -67,26 +67,40 @@ void AddCells(const StructureGeometry& geometry, VtuText* text) {
   text->Close("Cells");
 }
 
+// Changes of one group, where elements are of others too: what is shown of
+// these may be another's.
+void AddHiddenChanges(const StructurePicture& picture,
+                      const std::vector<int>& shown, VtuText* text) {
+  for (size_t g = 0; g < picture.groups.size(); ++g) {
+    const StructurePicture::Group& own = picture.groups[g];
+    std::vector<double> change(shown.size(), 0.0);
+    bool is_hidden = false;
+    for (const int element : own.elements) {
+      const auto e = static_cast<size_t>(element);
+      if (shown[e] != static_cast<int>(g)) is_hidden = true;
+      change[e] = own.change;
+    }
+    if (is_hidden && std::isfinite(own.change)) {
+      text->Array("Float64", "change_" + std::to_string(g), 1, change);
+    }
+  }
+}
+
 void AddCellData(const StructurePicture& picture, VtuText* text) {
-  const size_t count = picture.geometry.elements.size();
+  const std::vector<int> group = ShownGroups(picture);
+  const size_t count = group.size();
   // Readers of ASCII files take no "nan": what is not known is zero, and
   // `known` says so.
-  std::vector<int> group(count, -1), changed(count, 0), known(count, 0);
+  std::vector<int> changed(count, 0), known(count, 0);
   std::vector<double> change(count, 0.0), probability(count, 0.0);
-  // Groups of stiffness over those of mass.
-  for (const bool mass : {true, false}) {
-    for (size_t g = 0; g < picture.groups.size(); ++g) {
-      const StructurePicture::Group& own = picture.groups[g];
-      if (own.is_mass != mass) continue;
-      for (const int element : own.elements) {
-        const auto e = static_cast<size_t>(element);
-        group[e] = static_cast<int>(g);
-        known[e] = std::isfinite(own.change) ? 1 : 0;
-        change[e] = known[e] == 1 ? own.change : 0.0;
-        probability[e] = std::isfinite(own.probability) ? own.probability : 0.0;
-        changed[e] = own.changed ? 1 : 0;
-      }
-    }
+  for (size_t e = 0; e < count; ++e) {
+    if (group[e] < 0) continue;
+    const StructurePicture::Group& own =
+        picture.groups[static_cast<size_t>(group[e])];
+    known[e] = std::isfinite(own.change) ? 1 : 0;
+    change[e] = known[e] == 1 ? own.change : 0.0;
+    probability[e] = std::isfinite(own.probability) ? own.probability : 0.0;
+    changed[e] = own.changed ? 1 : 0;
   }
   text->Open("CellData Scalars=\"change\"");
   text->Array("Int32", "group", 1, group);
@@ -94,6 +108,7 @@ void AddCellData(const StructurePicture& picture, VtuText* text) {
   text->Array("Float64", "probability", 1, probability);
   text->Array("Int32", "changed", 1, changed);
   text->Array("Int32", "known", 1, known);
+  AddHiddenChanges(picture, group, text);
   text->Close("CellData");
 }
 
