@@ -230,6 +230,29 @@ TEST(Identify, StopsWhenTheCallbackSaysSo) {
   }
 }
 
+// What was found until then is not lost: the step that was accepted last.
+TEST(Identify, KeepsTheBestSoFarWhenItIsStopped) {
+  ChainProblem chain(2, 40.0, 0.5, 300, 0.05, 1, StartTwentyPercentOff);
+  std::vector<double> costs;
+  Vector first, best;
+  IdentificationOptions options;
+  options.callback = [&](const IdentificationProgress& progress) {
+    if (costs.empty()) first = progress.model->parameters;
+    if (costs.empty() || progress.cost < costs.back()) {
+      costs.push_back(progress.cost);
+      best = progress.model->parameters;
+    }
+    return costs.size() < 4;
+  };
+  chain.Run(options);
+  EXPECT_EQ(chain.summary.termination, Termination::kInterrupted);
+  ASSERT_EQ(costs.size(), 4u);
+  EXPECT_LT(costs.back(), 0.1 * costs.front());
+  EXPECT_GT((best - first).norm(), 1e-3);
+  EXPECT_LT((chain.model.parameters - best).norm(), 1e-9 * best.norm());
+  EXPECT_LT(chain.summary.final_cost, 1.001 * costs.back());
+}
+
 // The callback sees the parameters of the iteration, not those of the start.
 TEST(Identify, CallbackSeesTheCurrentParameters) {
   ChainProblem chain(1, 40.0, 0.5, 300, 0.05, 1, StartTwentyPercentOff);

@@ -46,7 +46,8 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
 }
 
 // At the fit's best point: what is known of the parameters, and from which
-// starts the training records run.
+// starts the training records run. Of a fit that was stopped nothing is known,
+// and nobody waits for it to be computed.
 struct Certainty {
   // Whether the covariance stands for intervals; and, where it does not,
   // whether it is at least the curvature of a minimum.
@@ -75,7 +76,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
     InputNoiseFit with_noise = *fit->input_noise();
     certainty.starts = with_noise.starts;
     certainty.known =
-        problem.dynamics->unknown_forces().empty() ||
+        problem.dynamics->unknown_forces().empty() || fit->interrupted() ||
         InputNoiseCovariance(problem, fit->layout(), fit->shooting_options(),
                              band_decays, &with_noise);
     certainty.covariance = with_noise.covariance;
@@ -84,10 +85,10 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
     const bool evaluated = placed && objective.Evaluate(best.free, &cost);
     certainty.starts = shooting.starts();
     objective.priors().SetDecays(band_decays);
-    certainty.known =
-        evaluated && EstimateCovariance(
-                         problem, fit->layout(), options.covariance, best.free,
-                         best.sigmas, &objective, &certainty.covariance);
+    certainty.known = evaluated && !fit->interrupted() &&
+                      EstimateCovariance(
+                          problem, fit->layout(), options.covariance, best.free,
+                          best.sigmas, &objective, &certainty.covariance);
   }
   return certainty;
 }
@@ -335,7 +336,8 @@ void ReportOutcome(const IdentificationProblem& problem,
 
   Certainty certainty = MeasureCertainty(problem, options, fit);
   // Intervals are those of a minimum.
-  if (summary->termination == Termination::kNoConvergence) {
+  if (summary->termination == Termination::kNoConvergence ||
+      summary->termination == Termination::kInterrupted) {
     certainty.known = false;
   }
   certainty.is_curved = certainty.known;

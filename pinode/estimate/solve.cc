@@ -93,7 +93,11 @@ class Solver::Callback final : public ceres::IterationCallback {
     *radius_ = iteration.trust_region_radius;
     const Vector free =
         bounded_.Unscaled(bent_ == nullptr ? scaled_ : bent_->PointOf(scaled_));
-    if (!solver_.progress_->Note(record, free)) return ceres::SOLVER_ABORT;
+    if (!solver_.progress_->Note(record, free)) {
+      // Of what is aborted Ceres gives back the point where it began.
+      is_stopped_ = true;
+      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    }
     if (!iteration.step_is_successful || iteration.iteration == 0) {
       return ceres::SOLVER_CONTINUE;
     }
@@ -106,6 +110,9 @@ class Solver::Callback final : public ceres::IterationCallback {
                : ceres::SOLVER_CONTINUE;
   }
 
+  // Whether the caller wanted an end.
+  bool is_stopped() const { return is_stopped_; }
+
  private:
   const Solver& solver_;
   const FitContext& context_;
@@ -116,6 +123,7 @@ class Solver::Callback final : public ceres::IterationCallback {
   double* radius_;
   int crawling_steps_ = 0;  // one after the other
   int first_iteration_;
+  bool is_stopped_ = false;
 };
 
 Solver::Solver(const FitContext& context, Progress* progress)
@@ -226,10 +234,13 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   }
   if (bends) scaled = bent->PointOf(scaled);
   state->free = bounded.Unscaled(scaled);
-  *converged = ceres_summary.termination_type == ceres::CONVERGENCE ||
-               ceres_summary.termination_type == ceres::USER_SUCCESS;
+  *converged = !callback.is_stopped() &&
+               (ceres_summary.termination_type == ceres::CONVERGENCE ||
+                ceres_summary.termination_type == ceres::USER_SUCCESS);
   CondensedSystem system;
-  if (!objective.Linearize(state->free, &system)) {
+  // Whoever stopped it does not wait for derivatives.
+  if (!(callback.is_stopped() ? objective.Evaluate(state->free, &system.cost)
+                              : objective.Linearize(state->free, &system))) {
     summary.message = objective.Failure();
     return false;
   }
