@@ -142,7 +142,11 @@ std::string LegendHtml(const StructurePicture& picture,
             ? "groups without a change that counts"
             : "groups as in the model, within their intervals");
   }
-  if (!picture.groups.empty()) add(kNoGroupColor, "of no group");
+  const std::vector<int> shown = ShownGroups(picture);
+  if (!picture.groups.empty() &&
+      std::find(shown.begin(), shown.end(), -1) != shown.end()) {
+    add(kNoGroupColor, "of no group");
+  }
   if (!picture.sensors.empty()) add(kSensorColor, "sensors");
   if (!picture.forces.empty()) add(kForceColor, "measured forces");
   if (!picture.unknown_forces.empty()) {
