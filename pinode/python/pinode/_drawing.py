@@ -25,7 +25,7 @@ BAND: Mapping[str, Any] = {"color": BLUE, "alpha": 0.2, "lw": 0}
 def blank(width: float, height: float) -> Any:
     """An empty figure, inches."""
     try:
-        from matplotlib.figure import Figure
+        from ._figure import Figure
     except ImportError:
         raise Error("matplotlib is missing, expected it for figures") from None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -24,7 +25,11 @@ def watched(
     bar = None
     if progress:
         try:
-            from tqdm.auto import tqdm
+            # In a notebook without ipywidgets it takes the bar of a terminal, which
+            # is no fault of the notebook's.
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", message="IProgress not found")
+                from tqdm.auto import tqdm
 
             bar = tqdm(desc="identify", unit=" iterations", leave=False)
         except ImportError:

@@ -1,8 +1,10 @@
 """Figures show what the results have."""
 
+import copy
 import json
 import os
 import pathlib
+import pickle
 import types
 
 import frame_testing
@@ -49,6 +51,22 @@ def test_which_there_are(baseline, damage):
     common = {"parameters", "modes", "mode_shapes", "convergence"}
     assert set(baseline.figures()) == common | {"prediction_healthy"}
     assert set(damage.figures()) == common | {"changes", "prediction_now"}
+
+
+def test_they_are_matplotlibs_with_a_picture_of_their_own(baseline):
+    import matplotlib.figure
+
+    figure = baseline.figures()["modes"]
+    assert isinstance(figure, matplotlib.figure.Figure)
+    for shown in (figure, pickle.loads(pickle.dumps(figure)), copy.deepcopy(figure)):
+        picture = shown._repr_png_()
+        assert picture.startswith(b"\x89PNG")
+        # Tight around what is drawn, at the figure's own resolution.
+        width = int.from_bytes(picture[16:20], "big")
+        assert width == pytest.approx(figure.get_figwidth() * figure.dpi, rel=0.05)
+    assert len(baseline.figures()["modes"].axes) == 1
+    figure.clear()
+    assert figure._repr_png_() is None
 
 
 def test_histories(with_holdout):

@@ -108,6 +108,25 @@ def test_in_a_notebook_it_is_a_notebooks():
     assert (done.stdout, done.stderr) == ("True 1\n", "")
 
 
+def test_in_a_notebook_without_widgets_it_is_a_terminals():
+    script = """
+        import sys, types
+        sys.modules["ipywidgets"] = None
+        shell = types.SimpleNamespace(config={"IPKernelApp": {}})
+        sys.modules["IPython"] = types.SimpleNamespace(get_ipython=lambda: shell)
+        from pinode.progress import watched
+        with watched(None, None) as call:
+            call({"fit": "", "stage": 1, "num_stages": 1, "cost": 1.0,
+                  "free_run_error": 0.1, "iteration": 1})
+        import tqdm.auto, tqdm.std
+        print(tqdm.auto.tqdm.__mro__[1] is tqdm.std.tqdm)
+    """
+    done = subprocess.run([sys.executable, "-W", "always", "-c", textwrap.dedent(script)],
+                          capture_output=True, text=True)
+    assert done.stdout == "True\n" and "Warning" not in done.stderr
+    assert "identify" in done.stderr and not done.stderr.splitlines()[-1].strip()
+
+
 def test_counts_the_iterations_beside_a_callback(healthy, bars):
     seen = []
     fit = healthy.identify(progress=True, callback=seen.append)
