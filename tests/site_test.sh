@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The documentation site, but for running the tutorials, builds without a
-# warning, and has a page for each document, each floor and the Python package.
+# The documentation site builds without a warning, and has a page for each
+# document, each floor and the Python package. Of the tutorials two are run: one
+# with a figure, one with a structure.
 #
 #   tests/site_test.sh BUILD_DIR
 #
@@ -23,7 +24,8 @@ if ! PYTHONPATH=$build/pinode/python /usr/bin/python3 -c 'import pinode' \
 fi
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
-"$root/pinode/site/build.sh" "$build" --tutorials_as_they_are "$scratch"
+"$root/pinode/site/build.sh" "$build" --tutorials=unknown_force,model_updating \
+  "$scratch"
 for page in index pinode/theory pinode/case/README pinode/coming_from \
   data/README tests/benchmarks/README third_party_notes/eigen \
   pinode/python/tutorials/unknown_force api_python api/base api/estimate; do
@@ -41,9 +43,55 @@ grep -q 'What the fit says of an ambient record' "$scratch/api/estimate.html" ||
   echo "the API has not what the headers say"
   exit 1
 }
-for name in identify_modes figures.changes frames.of_plan opensees.read calculix.export; do
+modules=$(PYTHONPATH=$build/pinode/python /usr/bin/python3 -c '
+import pinode
+print(*(f"pinode.{name}" for name in pinode.MODULES))')
+for module in pinode $modules; do
+  if ! grep -q "id=\"module-$module\"" "$scratch/api_python.html"; then
+    echo "the API has no module $module"
+    exit 1
+  fi
+done
+for name in identify_modes figures.changes frames.of_plan opensees.read calculix.export \
+  elements.build Fit.save Damage.to_pandas; do
   if ! grep -q "id=\"pinode.$name\"" "$scratch/api_python.html"; then
     echo "the API has no pinode.$name"
     exit 1
   fi
 done
+# Docstrings: examples can be copied, arguments have what is said of them, and
+# `names` are code.
+grep -q '<span class="n">pinode</span><span class="o">.</span><span class="n">Case</span>' \
+  "$scratch/api_python.html" || {
+  echo "the API has no example of Python"
+  exit 1
+}
+if grep -qE '</strong>( \(.*\))? –( |</p>|$)*<|“|”' "$scratch/api_python.html"; then
+  echo "the API has arguments of which nothing is said, or quotes that are none"
+  exit 1
+fi
+if sed 's/<[^>]*>//g' "$scratch"/api/*.html "$scratch/api_python.html" | grep -m1 '`'; then
+  echo "the API has names between backquotes"
+  exit 1
+fi
+
+# What notebooks show, the pages of the tutorials do.
+cd -- "$scratch/pinode/python/tutorials"
+for tutorial in unknown_force model_updating; do
+  picture=$(sed -n 's/.*<img [^>]*src="\([^"]*\)".*/\1/p' $tutorial.html)
+  if [[ -z $picture || ! -s $picture ]]; then
+    echo "the tutorial $tutorial has no figure"
+    exit 1
+  fi
+  if grep -qE 'Warning|&lt;Figure|iterations \[' $tutorial.html; then
+    echo "the tutorial $tutorial has what nobody wants to see"
+    exit 1
+  fi
+done
+# A page inside the page, in one piece.
+grep -q '^<iframe title="The structure".*</iframe>' model_updating.html || {
+  echo "the tutorial model_updating has no structure"
+  exit 1
+}
+
+"$root/tests/pages/site_width_test.py" "$scratch" || (($? == 77))

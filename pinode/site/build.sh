@@ -2,22 +2,22 @@
 # Builds the documentation site: the project's documents as they are, the
 # tutorials as they run, and the API of both languages.
 #
-#   pinode/site/build.sh BUILD_DIR [--tutorials_as_they_are] [OUTPUT]
+#   pinode/site/build.sh BUILD_DIR [--tutorials=NAME,...] [OUTPUT]
 #
 # BUILD_DIR: a build folder with the Python package, which the tutorials run and
 # whose docstrings are read. OUTPUT: where the pages go, BUILD_DIR/site unless
-# given. --tutorials_as_they_are: not run, so without figures. What Sphinx warns
-# of is an error. Installs nothing; the packages are in
+# given. --tutorials: only these are run, the others have no figures. What Sphinx
+# warns of is an error. Installs nothing; the packages are in
 # pinode/site/packages.txt.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
 build=
 output=
-as_they_are=
+options=()
 for argument in "$@"; do
   case $argument in
-    --tutorials_as_they_are) as_they_are=$argument ;;
+    --tutorials=*) options+=("$argument") ;;
     *) if [[ -z $build ]]; then build=$argument; else output=$argument; fi ;;
   esac
 done
@@ -41,7 +41,7 @@ mkdir -p -- "$build/site_doxygen"
   cd -- "$root"
   OUTPUT=$build/site_doxygen doxygen pinode/site/Doxyfile
 )
-"$python" "$root/pinode/site/stage.py" $as_they_are "$root" "$source"
+"$python" "$root/pinode/site/stage.py" "${options[@]}" "$root" "$source"
 # Once a header, the namespace is one and the same.
 "$python" -m sphinx -q -b html -w "$source/warnings" "$source" "$output" 2>/dev/null
 if grep -v -e 'namespacepinode' -e 'Duplicate C++ declaration' -e '^Declaration is' \

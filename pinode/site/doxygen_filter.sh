@@ -4,10 +4,12 @@
 #
 #   doxygen_filter.sh HEADER
 exec awk '
-  # What Doxygen and reStructuredText would take for commands.
+  # What Doxygen and reStructuredText would take for commands; `names`, which may
+  # go on in the next line, are code.
   function Plain(text) {
     gsub(/[\\@]/, "\\\\&", text)
     gsub(/</, "\\&lt;", text)
+    while (sub(/`/, is_code ? "</tt>" : "<tt>", text)) is_code = !is_code
     return text
   }
   FNR == 1 && /^\/\// { print "/// \\file" }
@@ -20,5 +22,5 @@ exec awk '
     print substr($0, 1, RSTART) " ///< " Plain(substr($0, RSTART + RLENGTH))
     next
   }
-  { print }
+  { is_code = 0; print }
 ' "$1"

@@ -1,21 +1,22 @@
 """Lays the project's documents out for Sphinx.
 
-    stage.py [--tutorials_as_they_are] ROOT SOURCE
+    stage.py [--tutorials=NAME,...] ROOT SOURCE
 
 SOURCE gets the documents in the folders that they have in ROOT, so that their
 links hold, beside the files that they link to; ROOT's README becomes the index.
-Tutorials are run, unless they are to stay as they are, and become pages with
-their figures. There is a page of C++ for each floor.
+Tutorials are run, all or those that are named (the others stay as they are), and
+become pages with their figures. There is a page of C++ for each floor.
 """
 
+import argparse
 import os
 import pathlib
 import re
 import shutil
-import sys
 
 import nbconvert
 import nbformat
+import pinode
 from nbconvert.preprocessors import ExecutePreprocessor
 
 TUTORIALS = pathlib.Path("pinode/python/tutorials")
@@ -27,8 +28,6 @@ CONTENTS = [
     ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
                    "third_party_notes/README", "CHANGELOG"]),
 ]
-PYTHON_MODULES = ["pinode", "pinode.figures", "pinode.frames", "pinode.opensees",
-                  "pinode.calculix"]
 LINK = re.compile(r"\]\(([^()\s#]+)((?:#[^()\s]*)?)\)")
 
 
@@ -41,9 +40,35 @@ def toctree(title, pages, **options):
     return f"\n```{{toctree}}\n:caption: {title}\n{lines}\n" + "\n".join(pages) + "\n```\n"
 
 
+def as_seen(text):
+    """What a terminal shows in the end of lines that were written over."""
+    return "\n".join(line.rstrip("\r").split("\r")[-1].rstrip() for line in text.split("\n"))
+
+
+def for_a_page(outputs):
+    """Outputs of a cell as they fit into Markdown."""
+    shown = []
+    # A progress bar is written piece by piece, and leaves nothing.
+    for name in ("stderr", "stdout"):
+        text = as_seen("".join(o.text for o in outputs
+                               if o.output_type == "stream" and o.name == name))
+        if text.strip():
+            shown.append({"text/plain": text})
+    shown += [o.data for o in outputs if o.output_type in ("display_data", "execute_result")]
+    for data in shown:
+        # In Markdown HTML ends at the first empty line.
+        if data.get("text/html", "").startswith("<iframe"):
+            data["text/html"] = data["text/html"].replace("\n", "&#10;")
+        elif set(data) == {"text/plain"}:
+            text = data["text/plain"].strip("\n")
+            data["text/markdown"] = f"````{{code-block}} none\n:class: output\n\n{text}\n````"
+    return [nbformat.v4.new_output("display_data", data) for data in shown]
+
+
 class Stage:
-    def __init__(self, root, source, run_tutorials):
-        self.root, self.source, self.run_tutorials = root, source, run_tutorials
+    def __init__(self, root, source, to_run):
+        """to_run: names of the tutorials, None for all."""
+        self.root, self.source, self.to_run = root, source, to_run
 
     def linked(self, page, text):
         """`text` with links to what the site has; files are laid beside it."""
@@ -103,16 +128,18 @@ class Stage:
             page = TUTORIALS / path.with_suffix(".md").name
             folder = self.source / TUTORIALS
             folder.mkdir(parents=True, exist_ok=True)
-            if self.run_tutorials:
+            if self.to_run is None or path.stem in self.to_run:
                 ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(
                     book, {"metadata": {"path": str(folder)}})
+            for cell in book.cells:
+                if cell.cell_type == "code":
+                    cell.outputs = for_a_page(cell.outputs)
             text, resources = nbconvert.MarkdownExporter().from_notebook_node(book, {
                 "output_files_dir": f"{path.stem}_files", "unique_key": path.stem})
             for name, data in resources.get("outputs", {}).items():
                 file = folder / name
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_bytes(data)
-            # Tables in HTML by themselves are for notebooks; their text is there too.
             self.write(page, text)
             titles.append(str(page.with_suffix("")))
         self.write(pathlib.Path("tutorials.md"), "# Tutorials\n\nNotebooks, as they run.\n" +
@@ -138,18 +165,27 @@ class Stage:
 
     def python(self):
         text = "# Python\n\nWhat [pinode/python/README.md](pinode/python/README.md) tells in words.\n"
-        for module in PYTHON_MODULES:
-            text += f"\n## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n"
+        for module in ["pinode", *(f"pinode.{name}" for name in pinode.MODULES)]:
+            text += (f"\n## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n"
+                     # Of bases that are not told of; those of Python's own are known.
+                     "   :inherited-members: dict, tuple, Sequence, Mapping\n")
             # Its classes stand in modules that are nobody's business.
             text += "   :imported-members:\n```\n" if module == "pinode" else "```\n"
         self.write(pathlib.Path("api_python.md"), text)
 
 
 def main():
-    option = "--tutorials_as_they_are"
-    root, source = map(pathlib.Path, [a for a in sys.argv[1:] if a != option])
-    stage = Stage(root, source, run_tutorials=option not in sys.argv)
-    shutil.copyfile(root / "pinode" / "site" / "conf.py", source / "conf.py")
+    options = argparse.ArgumentParser()
+    options.add_argument("--tutorials", type=lambda names: names.split(","))
+    options.add_argument("root", type=pathlib.Path)
+    options.add_argument("source", type=pathlib.Path)
+    chosen = options.parse_args()
+    root, source = chosen.root, chosen.source
+    stage = Stage(root, source, chosen.tutorials)
+    own = root / "pinode" / "site"
+    shutil.copyfile(own / "conf.py", source / "conf.py")
+    (source / "_static").mkdir()
+    shutil.copyfile(own / "site.css", source / "_static" / "site.css")
     stage.documents()
     stage.tutorials()
     stage.cpp()

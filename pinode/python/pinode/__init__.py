@@ -36,7 +36,7 @@ from .parts import (
     Unknown,
     UnknownForce,
 )
-from .result import Damage, Discovery, Fit, Parameter
+from .result import Damage, Discovery, Fit, Parameter, RecordResult
 from .result_folder import ResultFolder, read_result
 from .structure_view import StructureView
 
@@ -44,10 +44,14 @@ Error.__module__ = "pinode"
 _checked.install(_pinode)
 
 
+# Bridges, frames, figures and a compiler's caller, which are read when they are
+# asked for.
+MODULES = ("calculix", "elements", "figures", "frames", "opensees")
+
+
 def __getattr__(name: str):
-    """Bridges, frames, figures and a compiler's caller, which are read when they are
-    asked for."""
-    if name in ("calculix", "elements", "figures", "frames", "opensees"):
+    """The modules that are read when they are asked for."""
+    if name in MODULES:
         import importlib
 
         return importlib.import_module("." + name, __name__)
@@ -72,6 +76,7 @@ __all__ = [
     "Network",
     "Parameter",
     "Record",
+    "RecordResult",
     "ResultFolder",
     "SensorPlan",
     "ShearBuilding",

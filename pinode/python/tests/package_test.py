@@ -92,6 +92,25 @@ def test_what_is_public_is_described():
                     assert what.__annotations__.get("return") is not None, (name, part)
 
 
+# Of the way from a case to a fit, nothing to be called.
+INTERNAL = {"progress.watched", "measurements.rate_of"}
+
+
+def test_what_has_a_public_name_is_public():
+    """In the package itself, or in a module that it has: these are what the site tells of."""
+    apart = []
+    for path in PACKAGE.glob("[a-z]*.py"):
+        if path.stem not in pinode.MODULES:
+            module = importlib.import_module(f"pinode.{path.stem}")
+            apart += [f"{path.stem}.{name}" for name, value in vars(module).items()
+                      if inspect.isclass(value) or inspect.isfunction(value)
+                      if value.__module__ == module.__name__ and not name.startswith("_")
+                      if name not in pinode.__all__]
+    assert set(apart) == INTERNAL
+    for name in pinode.MODULES:
+        assert inspect.ismodule(getattr(pinode, name)) and getattr(pinode, name).__doc__
+
+
 def functions_of(kind):
     """(name, function) of the public parts of a class, those of its bases here too."""
     for base in kind.__mro__:
