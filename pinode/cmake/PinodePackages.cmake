@@ -52,15 +52,43 @@ endfunction()
 
 # Their text: the licence, and the news of the version.
 set(debian ${PROJECT_BINARY_DIR}/debian)
-file(STRINGS ${PROJECT_SOURCE_DIR}/LICENSE licence)
-list(POP_FRONT licence)  # its title
-set(indented)
-foreach(line IN LISTS licence)
-  if(line STREQUAL "")
-    set(line .)
-  endif()
-  string(APPEND indented " ${line}\n")
-endforeach()
+# As one text: it has semicolons, at which lists of CMake end their entries.
+file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
+string(FIND "${licence}" "\n\n" title)
+string(SUBSTRING "${licence}" ${title} -1 licence)
+string(STRIP "${licence}" licence)
+string(REPLACE "\n\n" "\n.\n" licence "${licence}")
+string(REPLACE "\n" "\n " licence "${licence}")
+# Nothing of others is in the source; three.js comes in when it is built.
+set(packed)
+if(THREE_JS OR THREE_MODULE)
+  set(packed "
+Files: pinode/report/three_packed.cc
+Copyright: 2010-2017 three.js authors
+License: Expat
+Comment: Of three.js, packed into the library when it is built, and by it into
+ the pages that draw a structure.
+
+License: Expat
+ Permission is hereby granted, free of charge, to any person obtaining a copy of
+ this software and associated documentation files (the \"Software\"), to deal in
+ the Software without restriction, including without limitation the rights to
+ use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies
+ of the Software, and to permit persons to whom the Software is furnished to do
+ so, subject to the following conditions:
+ .
+ The above copyright notice and this permission notice shall be included in all
+ copies or substantial portions of the Software.
+ .
+ THE SOFTWARE IS PROVIDED \"AS IS\", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
+ IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
+ FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+ AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+ LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
+ OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+ SOFTWARE.
+")
+endif()
 file(CONFIGURE OUTPUT ${debian}/copyright @ONLY CONTENT
 "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: pinode
@@ -68,7 +96,8 @@ Upstream-Name: pinode
 Files: *
 Copyright: The pinode authors
 License: BSD-3-clause
-@indented@")
+ @licence@
+@packed@")
 string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(CONFIGURE OUTPUT ${debian}/changelog @ONLY CONTENT
 "pinode (@PROJECT_VERSION@) unstable; urgency=medium
@@ -116,6 +145,13 @@ This package has the programs, which read case files.")
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS libpinode-dev,python3-pinode)
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/case/README.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME case_files.md
+    COMPONENT programs)
+  install(FILES ${PROJECT_SOURCE_DIR}/pinode/matlab.md
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode COMPONENT programs)
+  set(sample three_storey.toml C_mass.csv C_stiffness.csv train.csv holdout.csv)
+  list(TRANSFORM sample PREPEND ${PROJECT_SOURCE_DIR}/data/three_storey/)
+  install(FILES ${sample}
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode/examples/three_storey
     COMPONENT programs)
 endif()
 

@@ -53,7 +53,12 @@ for name in pinode libpinode-dev python3-pinode; do
 done
 
 echo "== lintian"
-lintian --allow-root --tag-display-limit 0 --fail-on error "$packages"/*.deb
+lintian --allow-root --tag-display-limit 0 --fail-on error "$packages"/*.deb |
+  tee -- "$build/lintian.log"
+if grep copyright "$build/lintian.log"; then
+  echo "what the packages say of copyright is not in order"
+  exit 1
+fi
 
 echo "== a clean $suite"
 scratch=$(mktemp -d)
@@ -91,6 +96,11 @@ fi
   --case=three_storey/three_storey.toml --output_dir=plain --progress=false
 test -s plain/report.html
 pinode_check --version
+grep -q 'three.js authors' /usr/share/doc/libpinode0.*/copyright
+grep -q 'SERVICES; LOSS OF USE' /usr/share/doc/libpinode0.*/copyright
+test -s /usr/share/doc/pinode/case_files.md
+test -s /usr/share/doc/pinode/matlab.md
+pinode_check --case=/usr/share/doc/pinode/examples/three_storey/three_storey.toml
 pinode_check --case=three_storey/three_storey.toml >check.txt
 grep -q 'Every named parameter' check.txt
 pinode_update --case=three_storey/three_storey.toml --output_dir=out --progress=false
