@@ -3,7 +3,9 @@
 #include "pinode/case/matlab_results.h"
 #include "pinode/case/result_folder.h"
 
-DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+DEFINE_string(case, "",
+              "case file (TOML); what it has, the page on case files says "
+              "(case_files.md, in the source tree pinode/case/README.md)");
 DEFINE_string(output_dir, "",
               "folder for the results; must not exist without --overwrite or "
               "--resume");

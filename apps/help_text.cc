@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/strings.h"
+
 namespace pinode {
 namespace {
 
@@ -52,8 +54,14 @@ std::string ValueName(const gflags::CommandLineFlagInfo& flag,
   const std::string start = "--" + flag.name + "=";
   const size_t found = usage.find(start);
   if (found != std::string::npos) {
-    const size_t value = found + start.size();
-    return usage.substr(value, usage.find_first_of(" \n", value) - value);
+    // As far as the bracket that the flag itself may stand in.
+    size_t end = found + start.size();
+    for (int open = 0; end < usage.size() && usage[end] != ' ' &&
+                       usage[end] != '\n' && (usage[end] != ']' || open > 0);
+         ++end) {
+      open += (usage[end] == '[') - (usage[end] == ']');
+    }
+    return usage.substr(found + start.size(), end - found - start.size());
   }
   if (flag.type == "string") return "TEXT";
   return flag.type == "double" ? "NUMBER" : "INTEGER";
@@ -66,7 +74,12 @@ std::string FlagText(const gflags::CommandLineFlagInfo& flag,
   if (!description.empty() && description.back() == '.') description.pop_back();
   if (flag.type != "bool") {
     if (!flag.default_value.empty()) {
-      description += "; default: " + flag.default_value;
+      // gflags has 17 digits of a number.
+      double number;
+      const bool is_number =
+          flag.type == "double" && ParseDouble(flag.default_value, &number);
+      description += "; default: " +
+                     (is_number ? FormatNumber(number) : flag.default_value);
     }
   } else if (flag.default_value == "true") {
     description += ", unless --no" + flag.name;

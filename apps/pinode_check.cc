@@ -27,7 +27,9 @@
 #include "pinode/case/result_folder.h"
 #include "pinode/record/excitation.h"
 
-DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+DEFINE_string(case, "",
+              "case file (TOML); what it has, the page on case files says "
+              "(case_files.md, in the source tree pinode/case/README.md)");
 DEFINE_int32(plan, 0,
              "plan this many sensors: those that tell most about the groups, "
              "of the places that [plan] names or all; responses need not have "
@@ -332,10 +334,8 @@ int WriteFolder(int status,
 }
 
 }  // namespace
-}  // namespace pinode
 
-int main(int argc, char** argv) {
-  using namespace pinode;
+int RunProgram(int argc, char** argv) {
   int status;
   if (!ParseFlags(argc, argv,
                   "pinode_check --case=FILE [--output_dir=FOLDER]\n\n"
@@ -371,3 +371,5 @@ int main(int argc, char** argv) {
                        return WriteCheckFiles(c, check, folder, failure);
                      });
 }
+
+}  // namespace pinode

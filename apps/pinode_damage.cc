@@ -108,10 +108,8 @@ void PrintChange(const DamageResult& result) {
 }
 
 }  // namespace
-}  // namespace pinode
 
-int main(int argc, char** argv) {
-  using namespace pinode;
+int RunProgram(int argc, char** argv) {
   const auto begin = std::chrono::steady_clock::now();
   int status;
   if (!ParseFlags(argc, argv,
@@ -200,3 +198,5 @@ int main(int argc, char** argv) {
   }
   return status_of_fit;
 }
+
+}  // namespace pinode

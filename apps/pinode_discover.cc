@@ -229,10 +229,8 @@ void Print(const Discovery& discovery) {
 }
 
 }  // namespace
-}  // namespace pinode
 
-int main(int argc, char** argv) {
-  using namespace pinode;
+int RunProgram(int argc, char** argv) {
   const auto begin = Clock::now();
   int status;
   if (!ParseFlags(argc, argv,
@@ -311,3 +309,5 @@ int main(int argc, char** argv) {
   }
   return status_of_fit;
 }
+
+}  // namespace pinode

@@ -83,10 +83,8 @@ bool ReadInput(ModesCase* c, std::string* error) {
 }
 
 }  // namespace
-}  // namespace pinode
 
-int main(int argc, char** argv) {
-  using namespace pinode;
+int RunProgram(int argc, char** argv) {
   const auto begin = Clock::now();
   int status;
   if (!ParseFlags(argc, argv,
@@ -145,3 +143,5 @@ int main(int argc, char** argv) {
   std::printf("Results: %s\n", folder.final_path().c_str());
   return result.merged.modes.empty() ? kExitNotUsable : kExitDone;
 }
+
+}  // namespace pinode

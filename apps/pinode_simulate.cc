@@ -24,7 +24,9 @@
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/study/simulation.h"
 
-DEFINE_string(case, "", "case file (TOML); see pinode/case/README.md");
+DEFINE_string(case, "",
+              "case file (TOML); what it has, the page on case files says "
+              "(case_files.md, in the source tree pinode/case/README.md)");
 DEFINE_string(output_dir, "",
               "folder for the responses; must not exist without --overwrite");
 DEFINE_bool(overwrite, false, "replace an existing output folder");
@@ -103,10 +105,8 @@ bool WriteResponse(const IdentificationProblem& problem, size_t r,
 }
 
 }  // namespace
-}  // namespace pinode
 
-int main(int argc, char** argv) {
-  using namespace pinode;
+int RunProgram(int argc, char** argv) {
   int status;
   if (!ParseFlags(argc, argv,
                   "pinode_simulate --case=FILE --output_dir=FOLDER\n\n"
@@ -163,3 +163,5 @@ int main(int argc, char** argv) {
   std::printf("Responses: %s\n", folder.final_path().c_str());
   return all_finite ? kExitDone : kExitNotUsable;
 }
+
+}  // namespace pinode

@@ -67,17 +67,16 @@ bool LooksAtStates(const Case& c) {
 }
 
 }  // namespace
-}  // namespace pinode
 
-int main(int argc, char** argv) {
-  using namespace pinode;
+int RunProgram(int argc, char** argv) {
   const auto begin = std::chrono::steady_clock::now();
   int status;
-  if (!ParseFlags(argc, argv,
-                  "pinode_update --case=FILE --output_dir=FOLDER\n\n"
-                  "Identifies the unknowns of a case from its records and "
-                  "writes the updated model\nand a report.",
-                  &status)) {
+  if (!ParseFlags(
+          argc, argv,
+          "pinode_update --case=FILE --output_dir=FOLDER [--deck=FILE]\n\n"
+          "Identifies the unknowns of a case from its records and "
+          "writes the updated model\nand a report.",
+          &status)) {
     return status;
   }
 
@@ -160,3 +159,5 @@ int main(int argc, char** argv) {
   }
   return status_of_fit;
 }
+
+}  // namespace pinode

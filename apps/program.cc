@@ -2,9 +2,11 @@
 
 #include <gflags/gflags.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -178,3 +180,13 @@ void CatchInterrupts() {
 bool Interrupted() { return interrupts > 0; }
 
 }  // namespace pinode
+
+int main(int argc, char** argv) {
+  const int status = pinode::RunProgram(argc, argv);
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  const char* why =
+      errno != 0 ? std::strerror(errno) : "an earlier write failed";
+  std::fprintf(stderr, "standard output cannot be written: %s\n", why);
+  return status == pinode::kExitDone ? pinode::kExitNotUsable : status;
+}

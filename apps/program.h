@@ -15,6 +15,11 @@ inline constexpr int kExitNotUsable = 1;    // ran; files, or one line, say so
 inline constexpr int kExitBadInput = 2;     // one line on standard error
 inline constexpr int kExitInterrupted = 3;  // best so far written
 
+// The program, of which each has one; returns what it is to exit with. `main`
+// is in program.cc: what could not be written to standard output, which may be
+// all that there is, does not pass for done.
+int RunProgram(int argc, char** argv);
+
 // Sets the flags from the command line and starts logging to standard error.
 // gflags' own parser leaves with status 1 on help and on mistakes alike, so
 // names and values are checked here. Returns true where the program is to go

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The manual page and the completion of a program name all its flags.
+# The manual page and the completion of a program name all its flags, values as
+# they are.
 #
 #   tests/program_documents_test.sh PROGRAM FOLDER
 #
@@ -42,6 +43,33 @@ offered=$(
 for flag in "${flags[@]}"; do
   grep -qx -e "--$flag=\?" <<<"$offered" ||
     Fail "its completion does not offer --$flag"
+done
+
+# Of the value of a flag, which bash completes with files or folders.
+Completes() {
+  (
+    flag=$1
+    _init_completion() { cur='' prev=$flag; }
+    _filedir() { echo "files $*"; }
+    source "$completion"
+    "_$name"
+  )
+}
+[[ $(Completes --case) == "files " ]] || Fail "no files are offered for --case"
+[[ $(Completes --output_dir) == "files -d" ]] ||
+  Fail "no folders are offered for --output_dir"
+if [[ $name == pinode_update && $(Completes --deck) != "files " ]]; then
+  Fail "no files are offered for --deck"
+fi
+
+help=$("$program" --help)
+wrong=$(grep -E '^  --[^[]*\]' <<<"$help" || true)
+[[ -z $wrong ]] || Fail "a bracket belongs to no value: $wrong"
+wrong=$(grep -E '[0-9]{15}' <<<"$help" || true)
+[[ -z $wrong ]] || Fail "more digits than were given: $wrong"
+# The one with the packages, the other in the source tree.
+for document in case_files.md pinode/case/README.md; do
+  grep -q -F "$document" <<<"$help" || Fail "--help does not name $document"
 done
 
 page=$folder/$name.1

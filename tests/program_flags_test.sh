@@ -5,7 +5,8 @@
 #
 # --help exits 0 and shows --case; an unknown flag exits 2 with one line on
 # standard error that names it, and so does a call without a case. In neither
-# is anything else written.
+# is anything else written. Standard output that cannot be written is status 1
+# and one line that says so.
 set -euo pipefail
 
 program=$1
@@ -37,5 +38,13 @@ grep -q no_such_flag "$scratch/err" || Fail "unknown flag: expected its name"
 Run
 [[ $status -eq 2 ]] || Fail "no case: expected status 2"
 [[ $(wc -l <"$scratch/err") -eq 1 ]] || Fail "no case: expected one line"
+
+status=0
+"$program" --help >/dev/full 2>"$scratch/err" || status=$?
+[[ $status -eq 1 ]] || Fail "a full standard output: expected status 1"
+[[ $(wc -l <"$scratch/err") -eq 1 ]] ||
+  Fail "a full standard output: expected one line"
+grep -q 'standard output .*: No space left' "$scratch/err" ||
+  Fail "a full standard output: expected it to be named, and why"
 
 [[ -z $(ls -A) ]] || Fail "expected no file, found $(ls -A)"
