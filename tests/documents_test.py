@@ -9,7 +9,8 @@ language: cpp is built by tests/consumer (only pages that it is given have any),
 python is run by the test python.package, matlab by programs.octave (only the
 page that it is given has any), toml and json are read here, and of cmake the
 targets are there. Of command lines, in indented blocks and between
-backquotes: programs, their flags, scripts and presets are there.
+backquotes: programs, their flags, scripts and presets are there. Every program
+is in the tables of README.md and apps/README.md.
 
 Prints `file:line: what, and what was expected` for each that is not so and
 exits 1.
@@ -125,6 +126,7 @@ class Checker:
         self.failures.append(f"{page.path.relative_to(self.root)}:{line}: {message}")
 
     def run(self):
+        self.programs()
         for page in self.pages.values():
             self.checked["notebooks"] += page.path.suffix == ".ipynb"
             for line, language, text in page.blocks:
@@ -138,6 +140,14 @@ class Checker:
                     self.command(page, line, text)
                 for quoted in re.findall(r"`([^`]+)`", text):
                     self.command(page, line, quoted)
+
+    def programs(self):
+        """Each has a sample run, and the project's README says what it is for."""
+        for name in ("README.md", "apps/README.md"):
+            page = self.pages[self.root / name]
+            for program in self.flags:
+                if not any(re.match(rf"\| `{program}[` ]", text) for _, text in page.text):
+                    self.fail(page, 1, f"{program} is in no table")
 
     def link(self, page, line, target):
         if re.match(r"https?://", target):
