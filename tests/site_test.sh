@@ -75,6 +75,13 @@ if sed 's/<[^>]*>//g' "$scratch"/api/*.html "$scratch/api_python.html" | grep -m
   exit 1
 fi
 
+picture=$(sed -n 's/.*<img [^>]*src="\([^"]*times[^"]*\)".*/\1/p' \
+  "$scratch/tests/benchmarks/README.html")
+if [[ -z $picture || ! -s $scratch/tests/benchmarks/$picture ]]; then
+  echo "the page of benchmarks has no figure"
+  exit 1
+fi
+
 # What notebooks show, the pages of the tutorials do.
 cd -- "$scratch/pinode/python/tutorials"
 for tutorial in unknown_force model_updating; do

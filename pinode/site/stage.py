@@ -14,6 +14,7 @@ import pathlib
 import re
 import shutil
 
+import benchmark_figure
 import nbconvert
 import nbformat
 import pinode
@@ -107,6 +108,8 @@ class Stage:
             if page.parts[0].startswith(("build", ".")) or "floors_fixture" in page.parts:
                 continue
             text = self.linked(page, path.read_text())
+            if page == benchmark_figure.PAGE:
+                text = benchmark_figure.with_figure(text, self.source / page.parent)
             if page == pathlib.Path("README.md"):
                 page = pathlib.Path("index.md")
                 for title, pages in CONTENTS:
