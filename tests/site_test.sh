@@ -74,6 +74,10 @@ if sed 's/<[^>]*>//g' "$scratch"/api/*.html "$scratch/api_python.html" | grep -m
   echo "the API has names between backquotes"
   exit 1
 fi
+if grep -m1 '&amp;lt;' "$scratch"/api/*.html; then
+  echo "the API has what stands for <"
+  exit 1
+fi
 
 picture=$(sed -n 's/.*<img [^>]*src="\([^"]*times[^"]*\)".*/\1/p' \
   "$scratch/tests/benchmarks/README.html")

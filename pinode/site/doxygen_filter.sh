@@ -4,13 +4,21 @@
 #
 #   doxygen_filter.sh HEADER
 exec awk '
-  # What Doxygen and reStructuredText would take for commands; `names`, which may
-  # go on in the next line, are code.
-  function Plain(text) {
-    gsub(/[\\@]/, "\\\\&", text)
-    gsub(/</, "\\&lt;", text)
-    while (sub(/`/, is_code ? "</tt>" : "<tt>", text)) is_code = !is_code
-    return text
+  # What Doxygen and reStructuredText would take for commands, but for what stands
+  # between quotes, which they leave alone; `names`, which may go on in the next
+  # line, are code.
+  function Plain(text,   parts, count, i, plain) {
+    count = split(text, parts, "\"")
+    for (i = 1; i <= count; ++i) {
+      # Of quotes that are one too many the last is none.
+      if (i % 2 == 1 || i == count) {
+        gsub(/[\\@]/, "\\\\&", parts[i])
+        gsub(/</, "\\&lt;", parts[i])
+      }
+      plain = plain (i > 1 ? "\"" : "") parts[i]
+    }
+    while (sub(/`/, is_code ? "</tt>" : "<tt>", plain)) is_code = !is_code
+    return plain
   }
   FNR == 1 && /^\/\// { print "/// \\file" }
   match($0, /^ *\/\/( |$)/) {
