@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/result_files.h"
 #include "pinode/structure/deck_properties.h"
 #include "pinode/study/finite_element_result.h"
@@ -33,11 +35,37 @@ std::vector<DeckFactor> DeckFactorsOf(
   return of_deck;
 }
 
-// What a reader of the deck alone would not know.
-std::string HeadOf(const IdentificationSummary& summary) {
-  return summary.usable ? std::string()
-                        : "** From a fit that is not usable: see the report "
-                          "beside this deck.\n";
+// Groups that have changed what no property of a deck says: of a matrix of
+// their own, between two DOFs, of damping, following time or a covariate.
+std::vector<std::string> GroupsLeftOut(const ReducedStructure& structure,
+                                       const StructuralDynamics& dynamics) {
+  std::vector<std::string> left_out;
+  for (size_t j = 0; j < structure.groups.size(); ++j) {
+    const GroupTerm& term = dynamics.groups()[j];
+    const bool in_deck = structure.groups[j].is_element_set &&
+                         term.follows == GroupTerm::Follows::kNothing &&
+                         term.group.target != MatrixGroup::Target::kDamping;
+    if (in_deck || term.alpha.value == 0.0) continue;
+    left_out.push_back(Quote(term.group.name));
+  }
+  return left_out;
+}
+
+// What a reader of the deck alone would not know. A line a group: decks take
+// no long ones.
+std::string HeadOf(const IdentificationSummary& summary,
+                   const std::vector<std::string>& left_out) {
+  std::string head;
+  if (!summary.usable) {
+    head =
+        "** From a fit that is not usable: see the report beside this deck.\n";
+  }
+  if (left_out.empty()) return head;
+  head +=
+      "** Not in this deck is the change of these groups, which are no factors "
+      "of element sets:\n";
+  for (const std::string& group : left_out) head += "**   " + group + "\n";
+  return head;
 }
 
 }  // namespace
@@ -85,10 +113,21 @@ bool WriteUpdatedDeck(const Case& c, const IdentificationSummary& summary,
   namespace fs = std::filesystem;
   const fs::path updated =
       fs::path(folder) / (fs::path(path).stem().string() + "_updated.inp");
+  const std::vector<std::string> left_out =
+      GroupsLeftOut(*c.finite_element, dynamics);
   std::string content, scaled;
-  return ReadTextFile(path, &content, error) &&
-         ScaleDeck(path, content, factors, &scaled, error) &&
-         WriteFileAtomically(updated.string(), HeadOf(summary) + scaled, error);
+  if (!ReadTextFile(path, &content, error) ||
+      !ScaleDeck(path, content, factors, &scaled, error) ||
+      !WriteFileAtomically(updated.string(), HeadOf(summary, left_out) + scaled,
+                           error)) {
+    return false;
+  }
+  if (!left_out.empty()) {
+    *remark = "The updated deck does not have the change of " +
+              Join(left_out, ", ") +
+              ": it holds factors of element sets' stiffness and mass alone.";
+  }
+  return true;
 }
 
 }  // namespace pinode

@@ -19,9 +19,11 @@ namespace pinode {
 
 // Writes `folder`/<name>_updated.inp for a deck <name>.inp: the same with the
 // properties of each group's element sets times its factor, see ScaleDeck in
-// structure/deck_properties.h. Of a fit that is not usable a comment at its
-// head says so. A set that has lost all it had cannot be written: true without
-// a deck, and *remark says why; empty otherwise.
+// structure/deck_properties.h. Comments at its head say that a fit is not
+// usable, and which groups' changes are none of element sets' stiffness or mass
+// and so are not in it; *remark says the latter too. A set that has lost all it
+// had cannot be written: true without a deck, and *remark says why. Otherwise
+// *remark is empty.
 [[nodiscard]] bool WriteUpdatedDeck(const Case& c,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,

@@ -23,20 +23,22 @@ constexpr char kRodDeck[] =
 class UpdatedDeckTest : public RodCaseTest {
  protected:
   // The deck that a fit with these changes leaves.
-  std::string Write(double lower, double upper, bool usable) {
-    const Case c = ReadOrFail(kRodCase);
+  std::string Write(double lower, double upper, bool usable,
+                    double brace = 0.0) {
+    const Case c = ReadOrFail(case_);
     IdentifiedModel model;
     model.parameters = c.problem.dynamics->Parameters();
-    model.parameters << lower, upper, 0.0;
+    model.parameters << lower, upper, brace;
     IdentificationSummary summary;
     summary.usable = usable;
     const std::string deck = folder_.Write("rod.inp", kRodDeck);
     good_ = CheckDeck(c, deck, &error_) &&
             WriteUpdatedDeck(c, summary, model, deck, out_, &remark_, &error_);
-    return good_ && remark_.empty() ? folder_.Read("rod_updated.inp")
-                                    : std::string();
+    const bool written = good_ && remark_.rfind("No updated deck", 0) != 0;
+    return written ? folder_.Read("rod_updated.inp") : std::string();
   }
 
+  std::string case_ = kRodCase;
   bool good_ = false;
   std::string out_ = folder_.Path("");
   std::string remark_, error_;
@@ -49,6 +51,29 @@ TEST_F(UpdatedDeckTest, SaysOfWhatFitItIs) {
   const std::string doubtful = Write(-0.1, 0.0, false);
   EXPECT_THAT(doubtful, StartsWith("** From a fit that is not usable"));
   EXPECT_EQ(doubtful.substr(doubtful.find('\n') + 1), deck);
+}
+
+// The deck cannot hold a spring between two nodes that it does not have,
+// whether it has an element set of that name or not.
+TEST_F(UpdatedDeckTest, NamesTheGroupsThatItDoesNotHold) {
+  const std::string plain = Write(-0.1, 0.0, true);
+  EXPECT_THAT(remark_, IsEmpty());
+  for (const char* name : {"brace", "stay"}) {
+    case_ = Replaced(kRodCase, "\"brace\"", "\"" + std::string(name) + "\"");
+    const std::string deck = Write(-0.1, 0.0, true, 0.3);
+    EXPECT_THAT(remark_, HasSubstr("does not have the change of '" +
+                                   std::string(name) + "'"));
+    EXPECT_THAT(deck, StartsWith("** Not in this deck"));
+    EXPECT_THAT(deck,
+                HasSubstr("\n**   '" + std::string(name) + "'\n** A rod"));
+    EXPECT_EQ(deck.substr(deck.find("** A rod")), plain);
+  }
+  // One that follows time is no constant factor.
+  case_ = Replaced(kRodCase, "lower = -0.9",
+                   "follows = {time = \"linear\", reference = 0.5}");
+  const std::string deck = Write(0.1, 0.2, true);
+  EXPECT_THAT(remark_, HasSubstr("'lower'"));
+  EXPECT_THAT(deck, HasSubstr("ELSET=lower\n\n100.\n"));
 }
 
 TEST_F(UpdatedDeckTest, ALossOfAllIsARemarkOtherTroubleAnError) {
