@@ -30,7 +30,7 @@ bool AddBlocks(const std::string& path, const std::string& content, int depth,
       if (!more.empty() && more.substr(0, 2) != "**") whole += more;
     }
     block.keyword = ParseDeckKeyword(whole);
-    if (block.keyword.name != "*INCLUDE") {
+    if (!block.keyword.Is("*INCLUDE")) {
       if (block.keyword.Find("INPUT") != nullptr) {
         *error = block.place + ": " + block.keyword.name +
                  " has INPUT, expected its data below it";

@@ -9,14 +9,20 @@
 
 namespace pinode {
 
-// *NODE, *ELEMENT (TYPE, ELSET) and *ELSET (GENERATE), with *INCLUDE, in the
-// order of the deck; all other keywords are passed over. Nodes are called by
-// their numbers. Of elements of higher order the corners are taken. Elements of
-// types that are not known (springs and masses are) are left out, with a note;
-// so are nodes that no coordinates are given for. Positions are those of the
-// deck: *NODE with SYSTEM=C or S, *SYSTEM, *NGEN, *NFILL, *ELGEN, data of
-// nodes, elements and sets in files of INPUT, and parts that an assembly moves
-// are refused. An element set that holds another set by name has its elements.
+// *NODE, *ELEMENT (TYPE, ELSET) and *ELSET (GENERATE, INSTANCE), with *INCLUDE;
+// of Abaqus *PART and *INSTANCE, moved and turned as its lines say; all other
+// keywords are passed over. Of elements of higher order the corners are taken.
+// Elements of types that are not known (springs and masses are) are left out,
+// with a note. Sets have the elements of sets that they hold by name, in any
+// order. *NODE with SYSTEM=C or S, *SYSTEM, *NGEN, *NFILL, *ELGEN, and data of
+// nodes, elements and sets in files of INPUT are refused.
+//
+// Nodes are called by their numbers; with several instances those of an
+// instance "instance.number". Of a node of the assembly that has the number of
+// one in the only instance the name is "ASSEMBLY.number". A part's set is that
+// of all its instances by its own name, and that of one as "instance.set".
+// Where several parts, or a part and the assembly, have different sets of a
+// name, only the long names (of the assembly's "ASSEMBLY.set") are there.
 //
 // False, with `file:line: what, and what was expected`.
 [[nodiscard]] bool ReadDeckGeometry(const std::string& path,

@@ -129,8 +129,6 @@ TEST(DeckGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(ErrorOf(nodes + "*ELSET,ELSET=a,GENERATE\n3,1,1\n"),
               HasSubstr("first, last, step"));
   EXPECT_THAT(ErrorOf(nodes + "*NGEN\n1,2,1\n"), HasSubstr("*NGEN"));
-  EXPECT_THAT(ErrorOf(nodes + "*INSTANCE,NAME=a\n1.,0.,0.\n"),
-              HasSubstr("moved"));
   EXPECT_THAT(ErrorOf("*INCLUDE,INPUT=not_there.inp\n"),
               HasSubstr("not_there.inp"));
   EXPECT_THAT(ErrorOf("*INCLUDE\n"),

@@ -7,10 +7,28 @@
 #include "pinode/base/strings.h"
 
 namespace pinode {
+namespace {
+
+// But for blanks.
+bool SameKeyword(std::string_view a, std::string_view b) {
+  size_t i = 0, j = 0;
+  for (;;) {
+    while (i < a.size() && (a[i] == ' ' || a[i] == '\t')) ++i;
+    while (j < b.size() && (b[j] == ' ' || b[j] == '\t')) ++j;
+    if (i == a.size() || j == b.size()) return i == a.size() && j == b.size();
+    if (a[i++] != b[j++]) return false;
+  }
+}
+
+}  // namespace
+
+bool DeckKeyword::Is(std::string_view other) const {
+  return SameKeyword(name, other);
+}
 
 const std::string* DeckKeyword::Find(const std::string& key) const {
   for (const auto& [own, value] : parameters) {
-    if (own == key) return &value;
+    if (SameKeyword(own, key)) return &value;
   }
   return nullptr;
 }
@@ -41,6 +59,20 @@ std::string DeckUpperCase(std::string_view text) {
     if (letter >= 'a' && letter <= 'z') letter -= 'a' - 'A';
   }
   return upper;
+}
+
+std::string DeckKey(std::string_view name) {
+  std::string key;
+  for (const char letter : DeckUpperCase(name)) {
+    if (letter != '"' && letter != ' ' && letter != '\t') key += letter;
+  }
+  return key;
+}
+
+std::string WithoutDeckQuotes(const std::string& name) {
+  const bool quoted =
+      name.size() > 1 && name.front() == '"' && name.back() == '"';
+  return quoted ? name.substr(1, name.size() - 2) : name;
 }
 
 bool ReadDeckInclude(const LineReader& lines, const DeckKeyword& keyword,

@@ -18,14 +18,21 @@ struct DeckKeyword {
   // In their order; keys in upper case, values as they are, "" without one.
   std::vector<std::pair<std::string, std::string>> parameters;
 
+  // Whether it is `other`, "*SOLID SECTION": solvers read past blanks.
+  bool Is(std::string_view other) const;
   // nullptr: there is none of that key.
   const std::string* Find(const std::string& key) const;
 };
 
 DeckKeyword ParseDeckKeyword(const std::string& line);
 
-// A name as decks compare it.
 std::string DeckUpperCase(std::string_view text);
+
+// A name as it is compared: in upper case, without blanks and quotes. Names
+// that Abaqus tells apart by these are taken as one.
+std::string DeckKey(std::string_view name);
+
+std::string WithoutDeckQuotes(const std::string& name);
 
 // What an *INCLUDE in the file `path` stands for: the file and its text. Paths
 // are relative to the file that names them. `depth`: how many files are around

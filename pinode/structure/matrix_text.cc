@@ -40,6 +40,10 @@ bool LineReader::NextContent(char comment, std::string_view* line) {
   return false;
 }
 
+std::string LineReader::Place() const {
+  return path_ + ":" + std::to_string(std::max(number_, 1));
+}
+
 bool LineReader::Fail(const std::string& message, std::string* error) const {
   return FailAt(std::max(number_, 1), message, error);
 }

@@ -30,6 +30,9 @@ class LineReader {
   // Line number of the last line read, from 1.
   int number() const { return number_; }
 
+  // "path:line" of the last line read.
+  std::string Place() const;
+
   // Sets *error to a message about the last line read; returns false.
   bool Fail(const std::string& message, std::string* error) const;
   // The same about another line.
