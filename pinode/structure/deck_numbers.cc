@@ -27,7 +27,7 @@ std::string FormatDeckNumber(double value) {
 bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
               std::string* error) {
   const std::string* given = block.keyword.Find("TYPE");
-  const std::string type = given == nullptr ? "ISO" : DeckUpperCase(*given);
+  const std::string type = given == nullptr ? "ISO" : DeckKey(*given);
   if (type == "ISO" || type == "ISOTROPIC") {
     *by_line = {{0}};
   } else if (block.keyword.Find("DEPENDENCIES") != nullptr) {
@@ -35,7 +35,7 @@ bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
                            "*ELASTIC with DEPENDENCIES, expected constants of "
                            "temperature alone",
                            error);
-  } else if (type == "ENGINEERING CONSTANTS") {
+  } else if (type == "ENGINEERINGCONSTANTS") {
     *by_line = {{0, 1, 2, 6, 7}, {0}};
   } else if (type == "ORTHO" || type == "ORTHOTROPIC") {
     *by_line = {{0, 1, 2, 3, 4, 5, 6, 7}, {0}};
@@ -46,7 +46,7 @@ bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
         {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4}};
   } else {
     return FailInDeckBlock(block,
-                           "*ELASTIC, TYPE=" + type +
+                           "*ELASTIC, TYPE=" + *given +
                                ", expected ISO, ENGINEERING CONSTANTS, ORTHO, "
                                "LAMINA or ANISO",
                            error);
@@ -54,37 +54,43 @@ bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
   return true;
 }
 
+// One or two of 1 to 6, a comma behind them or not.
+bool AreDirections(const std::string& line) {
+  std::vector<std::string_view> fields = FieldsOf(line);
+  if (fields.size() > 1 && StripBlanks(fields.back()).empty()) {
+    fields.pop_back();
+  }
+  bool directions = fields.size() <= 2;
+  for (const std::string_view field : fields) {
+    int direction = 0;
+    directions = directions && ParseInt(StripBlanks(field), &direction) &&
+                 direction >= 1 && direction <= 6;
+  }
+  return directions;
+}
+
 // Which lines below *SPRING have constants or forces.
 bool DropDirections(const DeckBlock& block, SpringStart start,
                     std::vector<size_t>* data, std::string* error) {
   if (start == SpringStart::kConstants || data->empty()) return true;
   const std::string& first = block.lines[data->front()];
+  const bool must = start == SpringStart::kDirections;
   // A blank line in the place of directions says that there are none.
   const bool blank =
       data->front() > 0 && StripBlanks(block.lines[data->front() - 1]).empty();
-  bool directions = start == SpringStart::kDirections;
-  if (!directions && !blank && data->size() > 1 &&
-      first.find_first_not_of("0123456789, \t\r") == std::string::npos) {
-    // Directions are one or two of 1 to 6, a comma behind them or not.
-    std::vector<std::string_view> fields = FieldsOf(first);
-    if (fields.size() > 1 && StripBlanks(fields.back()).empty()) {
-      fields.pop_back();
-    }
-    directions = fields.size() <= 2;
-    for (const std::string_view field : fields) {
-      int direction = 0;
-      directions = directions && ParseInt(StripBlanks(field), &direction) &&
-                   direction >= 1 && direction <= 6;
-    }
-    if (!directions) {
-      return FailInDeckBlock(
-          block,
-          "*SPRING begins with '" + std::string(StripBlanks(first)) +
-              "', expected directions, or numbers with a point",
-          error);
-    }
+  const bool maybe =
+      !blank && data->size() > 1 &&
+      first.find_first_not_of("0123456789, \t\r") == std::string::npos;
+  if (!must && !maybe) return true;
+  if (!AreDirections(first)) {
+    return FailInDeckBlock(block,
+                           "*SPRING begins with '" +
+                               std::string(StripBlanks(first)) +
+                               "', expected directions" +
+                               (must ? "" : ", or numbers with a point"),
+                           error);
   }
-  if (directions) data->erase(data->begin());
+  data->erase(data->begin());
   return true;
 }
 
@@ -94,10 +100,11 @@ bool ScaledFieldsOf(const DeckBlock& block,
                     std::vector<std::vector<size_t>>* by_line,
                     std::string* error) {
   *by_line = {{0}};
-  if (block.keyword.name == "*ELASTIC") return ModuliOf(block, by_line, error);
+  if (block.keyword.Is("*ELASTIC")) return ModuliOf(block, by_line, error);
+  if (block.keyword.Is("*ROTARY INERTIA")) *by_line = {{0, 1, 2, 3, 4, 5}};
   const std::string* type = block.keyword.Find("TYPE");
-  if (block.keyword.name == "*MASS" && type != nullptr &&
-      DeckUpperCase(*type) != "ISOTROPIC") {
+  if (block.keyword.Is("*MASS") && type != nullptr &&
+      DeckKey(*type) != "ISOTROPIC") {
     return FailInDeckBlock(
         block, "*MASS, TYPE=" + *type + ", expected an isotropic one", error);
   }
@@ -117,7 +124,7 @@ bool FindDeckNumbers(const DeckBlock& block, SpringStart start,
   std::vector<size_t> data = block.DataLines();
   std::vector<std::vector<size_t>> by_line;
   if (!ScaledFieldsOf(block, &by_line, error) ||
-      (block.keyword.name == "*SPRING" &&
+      (block.keyword.Is("*SPRING") &&
        !DropDirections(block, start, &data, error))) {
     return false;
   }

@@ -24,10 +24,10 @@ enum class SpringStart {
   kDirections,  // SPRING1, SPRING2
 };
 
-// Moduli of *ELASTIC, constants or forces of *SPRING, *DENSITY, *MASS and
-// *NONSTRUCTURAL MASS. False with `file:line: what` for kinds that are not
-// known, for data that are no numbers, and for springs of an unknown type whose
-// first line may be either.
+// Moduli of *ELASTIC, constants or forces of *SPRING, *DENSITY, *MASS,
+// *ROTARY INERTIA and *NONSTRUCTURAL MASS. False with `file:line: what` for
+// kinds that are not known, for data that are no numbers, and for springs of an
+// unknown type whose first line may be either.
 [[nodiscard]] bool FindDeckNumbers(const DeckBlock& block, SpringStart start,
                                    std::vector<DeckNumber>* numbers,
                                    std::string* error);

@@ -15,7 +15,7 @@ struct DeckProperty {
   std::string set;  // elements that have it
   // Moduli of *ELASTIC (no Poisson's ratios), constants or forces of *SPRING.
   std::vector<double> stiffness;
-  // *DENSITY, *MASS, *NONSTRUCTURAL MASS.
+  // *DENSITY, *MASS, *ROTARY INERTIA, *NONSTRUCTURAL MASS.
   std::vector<double> mass;
 };
 
@@ -27,8 +27,8 @@ struct DeckFactor {
 };
 
 // Of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION with MATERIAL,
-// *SPRING, *MASS and *NONSTRUCTURAL MASS, in the deck's order. False, with
-// `file:line: what, and what was expected`.
+// *SPRING, *MASS, *ROTARY INERTIA and *NONSTRUCTURAL MASS, in the deck's order.
+// False, with `file:line: what, and what was expected`.
 [[nodiscard]] bool ReadDeckProperties(const std::string& path,
                                       const std::string& content,
                                       std::vector<DeckProperty>* properties,
@@ -36,14 +36,18 @@ struct DeckFactor {
 
 // *scaled: the deck, included files in their places, with the properties of
 // each set times its factors and everything else as it is. A material that
-// other sections share, composites and general ones too, gets a copy. Refused
-// are sets of which a section, spring or mass has elements outside, sets that
-// two factors of a kind would change, elements without a property that could be
-// changed (general sections, composites, types that pictures do not know; no
-// mass have springs, dashpots, gaps and sections of a material without
-// *DENSITY), materials that something else than a section uses, *ELASTIC of
-// other kinds than isotropic, engineering constants, orthotropic, lamina and
-// anisotropic, *MASS that is not isotropic, and keywords with INPUT.
+// other sections share, composites and general ones too, gets a copy. Sets are
+// called as in deck_geometry.h; the section of a part is that of all its
+// instances. Refused are names that several sets have, sets of which a section,
+// spring or mass has elements outside, sets that two factors of a kind would
+// change, elements without a property that could be changed (general sections,
+// composites, types that pictures do not know; no mass have springs, dashpots,
+// gaps and sections of a material without *DENSITY, no stiffness masses and
+// dashpots), sections with stiffness or mass in keywords of their own
+// (*TRANSVERSE SHEAR STIFFNESS, *BEAM ADDED INERTIA, *REBAR LAYER), materials
+// that something else than a section uses, *ELASTIC of other kinds than
+// isotropic, engineering constants, orthotropic, lamina and anisotropic, *MASS
+// that is not isotropic, and keywords with INPUT.
 [[nodiscard]] bool ScaleDeck(const std::string& path,
                              const std::string& content,
                              const std::vector<DeckFactor>& factors,

@@ -401,7 +401,8 @@ TEST(DeckPropertiesTest, ConstantsOfSpringsAreNoDirections) {
   };
   for (const char* line : {"1000,,20", "7", "1,2,3", ",", "1,0"}) {
     EXPECT_THAT(ScalingErrorOf({{"ground", false, 2.0}}, of_set(line)),
-                HasSubstr("expected directions, or numbers with a point"))
+                HasSubstr("bridge.inp:57: *SPRING begins with '" +
+                          std::string(line) + "', expected directions"))
         << line;
   }
   for (const char* line : {"2", "2,", "1, 6"}) {
@@ -409,6 +410,112 @@ TEST(DeckPropertiesTest, ConstantsOfSpringsAreNoDirections) {
                 ElementsAre(5000.0))
         << line;
   }
+}
+
+// The type of the elements says what the first line is, whatever set they are
+// in.
+TEST(DeckPropertiesTest, SpringsAreWhatTheirElementsAre) {
+  const auto of_set = [](const std::string& members) {
+    return DeckWith(
+        "*SPRING,ELSET=soil\n2\n5000.\n",
+        "*ELEMENT,TYPE=SPRING1\n30,2\n*ELEMENT,TYPE=SPRINGA\n31,2,3\n"
+        "*ELSET,ELSET=ties\n" +
+            members + "\n*SPRING,ELSET=ties,NONLINEAR\n1,1\n2,2\n3,3\n");
+  };
+  EXPECT_THAT(PropertiesOrFail(of_set("31"))[5].stiffness,
+              ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(PropertiesOrFail(of_set("30"))[5].stiffness,
+              ElementsAre(2.0, 3.0));
+  // A spring to the ground is a point and has stiffness nevertheless.
+  EXPECT_THAT(
+      ScalingErrorOf({{"both", false, 2.0}},
+                     "*ELSET,ELSET=both\nstay,soil\n" +
+                         DeckWith("*SPRING,ELSET=soil\n2\n5000.\n", "")),
+      HasSubstr("elements without a section"));
+}
+
+TEST(DeckPropertiesTest, SetsMayNameWhatStandsBelow) {
+  for (const char* set :
+       {"*ELSET,ELSET=all\n1,2,4,5\n", "*ELSET,ELSET=all,GENERATE\n1,5\n",
+        "*ELSET,ELSET=all\nlater,1,2\n"}) {
+    std::string deck = set + DeckWith("*SOLID SECTION,ELSET=low",
+                                      "*ELSET,ELSET=later\ndeck,all\n"
+                                      "*SOLID SECTION,ELSET=all");
+    EXPECT_THAT(ScalingErrorOf({{"low", false, 2.0}}, deck),
+                HasSubstr("'all' has elements outside of it"))
+        << set;
+  }
+}
+
+TEST(DeckPropertiesTest, UnknownKeywordsEndNoMaterial) {
+  for (const char* keyword :
+       {"*CONCRETE DAMAGED PLASTICITY", "*NOBODY KNOWS"}) {
+    const std::string deck = DeckWith(
+        "*DENSITY\n450", keyword + std::string("\n36,.1\n*DENSITY\n450"));
+    EXPECT_THAT(PropertiesOrFail(deck)[3].mass, ElementsAre(450.0));
+    const std::string scaled = ScaledOrFail({{"deck", true, 2.0}}, deck);
+    EXPECT_THAT(PropertiesOrFail(scaled)[3].mass, ElementsAre(900.0));
+    EXPECT_THAT(scaled, HasSubstr("\n36,.1\n"));
+  }
+  // Nor do sections, as CalculiX reads it; but then there is no copy.
+  const std::string apart = DeckWith(
+      "*DENSITY\n7850.\n*DAMPING, ALPHA=0.5\n",
+      "*SOLID SECTION,ELSET=low,MATERIAL=steel\n1e-3\n*DENSITY\n7850.\n");
+  const std::string without_twin =
+      apart.substr(0, apart.find("*SOLID SECTION,ELSET=low,MATERIAL=STEEL")) +
+      apart.substr(apart.find("*SOLID SECTION,ELSET=mid"));
+  EXPECT_THAT(PropertiesOrFail(
+                  ScaledOrFail({{"all_steel", true, 2.0}}, without_twin))[0]
+                  .mass,
+              ElementsAre(15700.0));
+  EXPECT_THAT(ScalingErrorOf({{"low", true, 2.0}}, without_twin),
+              HasSubstr("*DENSITY behind a material"));
+}
+
+TEST(DeckPropertiesTest, WhatSectionsHaveOfTheirOwnIsRefused) {
+  const auto with = [](const std::string& keyword) {
+    return DeckWith(".2,.3\n0,0,1\n", ".2,.3\n0,0,1\n" + keyword + "\n3.,3.\n");
+  };
+  const auto error = [&with](const std::string& keyword, bool mass) {
+    return ScalingErrorOf({{"deck", mass, 2.0}}, with(keyword));
+  };
+  EXPECT_THAT(error("*Transverse Shear Stiffness", false),
+              HasSubstr("the section of 'deck' has *TRANSVERSE SHEAR STIFFNESS "
+                        "(bridge.inp:51)"));
+  EXPECT_THAT(error("*BEAM ADDED INERTIA", true), HasSubstr("*BEAM ADDED"));
+  EXPECT_THAT(error("*REBAR LAYER", true), HasSubstr("*REBAR LAYER"));
+  EXPECT_THAT(error("*REBAR LAYER", false), HasSubstr("*REBAR LAYER"));
+  EXPECT_THAT(error("*REBAR,ELEMENT=BEAM", false), HasSubstr("*REBAR"));
+  // Where it is none of what is scaled, it may stay.
+  ScaledOrFail({{"deck", true, 2.0}}, with("*TRANSVERSE SHEAR STIFFNESS"));
+  ScaledOrFail({{"deck", false, 2.0}}, with("*BEAM ADDED INERTIA"));
+  ScaledOrFail({{"mid", false, 2.0}}, with("*REBAR LAYER"));
+}
+
+TEST(DeckPropertiesTest, RotaryInertiasAreMasses) {
+  const std::string deck =
+      DeckWith("*MASS,ELSET=ballast",
+               "*ELEMENT,TYPE=ROTARYI,ELSET=ballast\n9,4\n"
+               "*ROTARY INERTIA,ELSET=ballast\n1.,2.,3.,,.5,.25\n"
+               "*MASS,ELSET=ballast");
+  const std::vector<DeckProperty> scaled =
+      PropertiesOrFail(ScaledOrFail({{"ballast", true, 2.0}}, deck));
+  EXPECT_THAT(scaled[6].mass, ElementsAre(2.0, 4.0, 6.0, 1.0, 0.5));
+  EXPECT_THAT(scaled[7].mass, ElementsAre(240.0));
+}
+
+// CalculiX reads past blanks in keywords, parameters and names.
+TEST(DeckPropertiesTest, BlanksMakeNoDifference) {
+  std::string deck = DeckWith("*SOLID SECTION,ELSET=mid,MATERIAL=steel",
+                              "*SOLIDSECTION,ELSET= m id,MATERIAL=st eel");
+  deck.replace(deck.find("TYPE=ENGINEERING CONSTANTS"), 26,
+               "T YPE=ENGINEERINGCONSTANTS");
+  const std::vector<DeckProperty> scaled = PropertiesOrFail(
+      ScaledOrFail({{"mid", false, 2.0}, {"deck", false, 2.0}}, deck));
+  EXPECT_THAT(scaled[1].stiffness, ElementsAre(4.2e11, 4.0e11));
+  EXPECT_THAT(scaled[0].stiffness, ElementsAre(2.1e11, 2.0e11));
+  EXPECT_THAT(scaled[3].stiffness,
+              ElementsAre(2.2e10, 16e8, 10e8, 12e8, 10e8, 8e7));
 }
 
 }  // namespace
