@@ -162,8 +162,8 @@ std::string WithoutGz(const std::string& path) {
   return ends ? path.substr(0, path.size() - kLength) : path;
 }
 
-bool ReadTextFile(const std::string& path, std::string* content,
-                  std::string* error) {
+bool ReadTextOfAnyEncoding(const std::string& path, std::string* content,
+                           std::string* error) {
   std::string text;
   if (!ReadBinaryFile(path, &text, error)) return false;
   if (WithoutGz(path) != path) {
@@ -174,6 +174,14 @@ bool ReadTextFile(const std::string& path, std::string* content,
       return false;
     }
   }
+  *content = std::move(text);
+  return true;
+}
+
+bool ReadTextFile(const std::string& path, std::string* content,
+                  std::string* error) {
+  std::string text;
+  if (!ReadTextOfAnyEncoding(path, &text, error)) return false;
   const size_t bad = FirstInvalidUtf8(text);
   if (bad != std::string::npos) {
     const auto line =

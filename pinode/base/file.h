@@ -20,6 +20,11 @@ namespace pinode {
 [[nodiscard]] bool ReadTextFile(const std::string& path, std::string* content,
                                 std::string* error);
 
+// As ReadTextFile, of any encoding.
+[[nodiscard]] bool ReadTextOfAnyEncoding(const std::string& path,
+                                         std::string* content,
+                                         std::string* error);
+
 // `path` without .gz at its end, by which a reader tells what a compressed file
 // holds.
 std::string WithoutGz(const std::string& path);

@@ -94,6 +94,9 @@ TEST_F(FileTest, SaysWhatCannotBeRead) {
   EXPECT_THAT(error, HasSubstr("not a regular file"));
 
   const std::string latin1 = Write("latin1.csv", "t,a\n0,1\n1,\xE9t\xE9\n");
+  std::string bytes;
+  EXPECT_TRUE(ReadTextOfAnyEncoding(latin1, &bytes, &error)) << error;
+  EXPECT_THAT(bytes, HasSubstr("\xE9t\xE9"));
   EXPECT_FALSE(ReadTextFile(latin1, &content, &error));
   EXPECT_THAT(error, StartsWith(latin1 + ":3: "));
   EXPECT_THAT(error, HasSubstr("0xE9"));

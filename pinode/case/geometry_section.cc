@@ -9,7 +9,6 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/model_section.h"
-#include "pinode/case/signal_section.h"
 #include "pinode/record/universal_file.h"
 #include "pinode/structure/bulk_geometry.h"
 #include "pinode/structure/deck_geometry.h"
@@ -117,7 +116,6 @@ class GeometryReader {
     const std::string name = table_.RequiredString("file");
     if (!table_.errors()->ok()) return false;
     const std::string path = ResolvePath(table_.errors()->path(), name);
-    if (!FileExists(table_, path)) return false;
     std::string error;
     const bool good =
         IsUniversalFile(path) ? FromUniversalFile(path, &geometry_, &error)

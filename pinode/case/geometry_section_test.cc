@@ -68,6 +68,20 @@ TEST_F(GeometrySectionTest, Files) {
   const auto deck = Read("[geometry]\nfile = \"frame.inp\"\n");
   ASSERT_NE(deck, nullptr);
   EXPECT_EQ(deck->geometry.SetIndex("post"), 0);
+  for (const char* name : {"missing.inp", "missing.bdf", "missing.uff"}) {
+    const std::string error =
+        ErrorOf("[geometry]\nfile = \"" + std::string(name) + "\"\n");
+    EXPECT_THAT(error, HasSubstr(std::string(name) +
+                                 ": cannot open the file: No such file"));
+    EXPECT_EQ(error.find("CSV"), std::string::npos);
+  }
+}
+
+TEST_F(GeometrySectionTest, DecksInOtherEncodings) {
+  folder_.Write("frame.inp",
+                "** Gr\xF6\xDF"
+                "e\n*NODE\n1,0,0,0\n");
+  EXPECT_NE(Read("[geometry]\nfile = \"frame.inp\"\n"), nullptr);
 }
 
 TEST_F(GeometrySectionTest, BulkData) {

@@ -68,6 +68,15 @@ std::string HeadOf(const IdentificationSummary& summary,
   return head;
 }
 
+// With the deck's line ends.
+std::string WithHead(std::string head, const std::string& deck) {
+  const size_t end = deck.find('\n');
+  if (end != std::string::npos && end > 0 && deck[end - 1] == '\r') {
+    ReplaceAll("\n", "\r\n", &head);
+  }
+  return head + deck;
+}
+
 }  // namespace
 
 bool CheckDeck(const Case& c, const std::string& path, std::string* error) {
@@ -88,7 +97,7 @@ bool CheckDeck(const Case& c, const std::string& path, std::string* error) {
     return false;
   }
   std::string content, scaled;
-  return ReadTextFile(path, &content, error) &&
+  return ReadTextOfAnyEncoding(path, &content, error) &&
          ScaleDeck(path, content, of_deck, &scaled, error);
 }
 
@@ -116,9 +125,10 @@ bool WriteUpdatedDeck(const Case& c, const IdentificationSummary& summary,
   const std::vector<std::string> left_out =
       GroupsLeftOut(*c.finite_element, dynamics);
   std::string content, scaled;
-  if (!ReadTextFile(path, &content, error) ||
+  if (!ReadTextOfAnyEncoding(path, &content, error) ||
       !ScaleDeck(path, content, factors, &scaled, error) ||
-      !WriteFileAtomically(updated.string(), HeadOf(summary, left_out) + scaled,
+      !WriteFileAtomically(updated.string(),
+                           WithHead(HeadOf(summary, left_out), scaled),
                            error)) {
     return false;
   }

@@ -4,6 +4,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/rod_testing.h"
 
@@ -31,14 +32,14 @@ class UpdatedDeckTest : public RodCaseTest {
     model.parameters << lower, upper, brace;
     IdentificationSummary summary;
     summary.usable = usable;
-    const std::string deck = folder_.Write("rod.inp", kRodDeck);
+    const std::string deck = folder_.Write("rod.inp", deck_);
     good_ = CheckDeck(c, deck, &error_) &&
             WriteUpdatedDeck(c, summary, model, deck, out_, &remark_, &error_);
     const bool written = good_ && remark_.rfind("No updated deck", 0) != 0;
     return written ? folder_.Read("rod_updated.inp") : std::string();
   }
 
-  std::string case_ = kRodCase;
+  std::string case_ = kRodCase, deck_ = kRodDeck;
   bool good_ = false;
   std::string out_ = folder_.Path("");
   std::string remark_, error_;
@@ -74,6 +75,24 @@ TEST_F(UpdatedDeckTest, NamesTheGroupsThatItDoesNotHold) {
   const std::string deck = Write(0.1, 0.2, true);
   EXPECT_THAT(remark_, HasSubstr("'lower'"));
   EXPECT_THAT(deck, HasSubstr("ELSET=lower\n\n100.\n"));
+}
+
+TEST_F(UpdatedDeckTest, KeepsLineEndsAndEncodings) {
+  const std::string plain = Write(-0.1, 0.0, false, 0.3);
+  ReplaceAll("\n", "\r\n", &deck_);
+  ReplaceAll("A rod",
+             "Stra\xDF"
+             "e",
+             &deck_);
+  std::string deck = Write(-0.1, 0.0, false, 0.3);
+  EXPECT_THAT(deck, HasSubstr("\r\n** Stra\xDF"
+                              "e\r\n"));
+  ReplaceAll("\r\n", "\n", &deck);
+  ReplaceAll(
+      "Stra\xDF"
+      "e",
+      "A rod", &deck);
+  EXPECT_EQ(deck, plain);
 }
 
 TEST_F(UpdatedDeckTest, ALossOfAllIsARemarkOtherTroubleAnError) {

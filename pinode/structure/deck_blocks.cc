@@ -9,9 +9,14 @@
 namespace pinode {
 namespace {
 
-bool AddBlocks(const std::string& path, const std::string& content, int depth,
+bool AddBlocks(const std::string& path, const std::string& main,
+               const std::string& content, int depth,
                std::vector<DeckBlock>* blocks, std::string* error) {
-  LineReader lines(path, content);
+  // The last line gets an end, that of the others.
+  const bool cut = !content.empty() && content.back() != '\n' &&
+                   content.find("\r\n") != std::string::npos;
+  const std::string completed = cut ? content + "\r\n" : std::string();
+  LineReader lines(path, cut ? completed : content);
   std::string_view line;
   while (lines.NextRaw(&line)) {
     const std::string_view text = StripBlanks(line);
@@ -40,9 +45,9 @@ bool AddBlocks(const std::string& path, const std::string& content, int depth,
       continue;
     }
     std::string other, included;
-    if (!ReadDeckInclude(lines, block.keyword, path, depth, &other, &included,
-                         error) ||
-        !AddBlocks(other, included, depth + 1, blocks, error)) {
+    if (!ReadDeckInclude(lines, block.keyword, path, main, depth, &other,
+                         &included, error) ||
+        !AddBlocks(other, main, included, depth + 1, blocks, error)) {
       return false;
     }
   }
@@ -63,7 +68,11 @@ std::vector<size_t> DeckBlock::DataLines() const {
 bool ReadDeckBlocks(const std::string& path, const std::string& content,
                     std::vector<DeckBlock>* blocks, std::string* error) {
   blocks->clear();
-  return AddBlocks(path, content, 0, blocks, error);
+  return AddBlocks(path, path, content, 0, blocks, error);
+}
+
+std::string DeckLineEnd(const std::string& line) {
+  return !line.empty() && line.back() == '\r' ? "\r" : "";
 }
 
 std::string FormatDeckBlocks(const std::vector<DeckBlock>& blocks) {

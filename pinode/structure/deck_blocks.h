@@ -26,6 +26,10 @@ struct DeckBlock {
                                   std::vector<DeckBlock>* blocks,
                                   std::string* error);
 
+// "\r" where a line, without its "\n", ends so, as on Windows; else empty: for
+// what takes the line's place.
+std::string DeckLineEnd(const std::string& line);
+
 std::string FormatDeckBlocks(const std::vector<DeckBlock>& blocks);
 
 }  // namespace pinode

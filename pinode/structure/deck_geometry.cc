@@ -18,7 +18,7 @@ bool ParseDeckGeometry(const std::string& path, const std::string& content,
 bool ReadDeckGeometry(const std::string& path, StructureGeometry* geometry,
                       std::string* error) {
   std::string content;
-  return ReadTextFile(path, &content, error) &&
+  return ReadTextOfAnyEncoding(path, &content, error) &&
          ParseDeckGeometry(path, content, geometry, error);
 }
 

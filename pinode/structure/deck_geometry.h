@@ -14,8 +14,9 @@ namespace pinode {
 // keywords are passed over. Of elements of higher order the corners are taken.
 // Elements of types that are not known (springs and masses are) are left out,
 // with a note. Sets have the elements of sets that they hold by name, in any
-// order. *NODE with SYSTEM=C or S, *SYSTEM, *NGEN, *NFILL, *ELGEN, and data of
-// nodes, elements and sets in files of INPUT are refused.
+// order. Comments and headings may be in any encoding. *NODE with SYSTEM=C or
+// S, *SYSTEM, *NGEN, *NFILL, *ELGEN, and data of nodes, elements and sets in
+// files of INPUT are refused.
 //
 // Nodes are called by their numbers; with several instances those of an
 // instance "instance.number". Of a node of the assembly that has the number of

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,29 @@ TEST(DeckGeometryTest, IncludesAreBesideTheDeck) {
   ASSERT_TRUE(ReadDeckGeometry(path, &geometry, &error)) << error;
   EXPECT_EQ(geometry.num_nodes(), 2);
   EXPECT_EQ(geometry.elements.size(), 1u);
+}
+
+// A file names others from where it is, or from where the deck is.
+TEST(DeckGeometryTest, IncludesMayNameOthers) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder.Path("sub"));
+  folder.Write("sub/all.inp",
+               "*INCLUDE,INPUT=nodes.inp\n*INCLUDE,INPUT=sub/bars.inp\n"
+               "*ELSET,ELSET=some\n*INCLUDE,INPUT=numbers.inp\n");
+  folder.Write("sub/nodes.inp",
+               "** Gr\xF6\xDF"
+               "e\n*NODE\n1,0,0,0\n2,0,0,1\n");
+  folder.Write("nodes.inp", "not this one");
+  folder.Write("sub/bars.inp", "*ELEMENT,TYPE=T3D2\n1,1,2\n");
+  folder.Write("numbers.inp", "1\n");
+  const std::string path =
+      folder.Write("deck.inp", "*INCLUDE, INPUT=\"sub/all.inp\"\n");
+  StructureGeometry geometry;
+  std::string error;
+  ASSERT_TRUE(ReadDeckGeometry(path, &geometry, &error)) << error;
+  EXPECT_EQ(geometry.num_nodes(), 2);
+  EXPECT_EQ(geometry.elements.size(), 1u);
+  EXPECT_THAT(geometry.sets[0].elements, ElementsAre(0));
 }
 
 TEST(DeckGeometryTest, RefusesWithTheLine) {

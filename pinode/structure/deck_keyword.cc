@@ -1,6 +1,7 @@
 #include "pinode/structure/deck_keyword.h"
 
 #include <filesystem>
+#include <system_error>
 
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
@@ -76,8 +77,9 @@ std::string WithoutDeckQuotes(const std::string& name) {
 }
 
 bool ReadDeckInclude(const LineReader& lines, const DeckKeyword& keyword,
-                     const std::string& path, int depth, std::string* file,
-                     std::string* content, std::string* error) {
+                     const std::string& path, const std::string& main,
+                     int depth, std::string* file, std::string* content,
+                     std::string* error) {
   constexpr int kMostDepth = 10;
   const std::string* input = keyword.Find("INPUT");
   if (input == nullptr || input->empty()) {
@@ -90,8 +92,14 @@ bool ReadDeckInclude(const LineReader& lines, const DeckKeyword& keyword,
                       error);
   }
   namespace fs = std::filesystem;
-  *file = (fs::path(path).parent_path() / fs::path(*input)).string();
-  return ReadTextFile(*file, content, error);
+  const fs::path name(WithoutDeckQuotes(*input));
+  *file = (fs::path(path).parent_path() / name).string();
+  const fs::path beside_main = fs::path(main).parent_path() / name;
+  std::error_code status;
+  if (!fs::exists(*file, status) && fs::exists(beside_main, status)) {
+    *file = beside_main.string();
+  }
+  return ReadTextOfAnyEncoding(*file, content, error);
 }
 
 }  // namespace pinode

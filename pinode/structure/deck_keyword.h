@@ -35,11 +35,13 @@ std::string DeckKey(std::string_view name);
 std::string WithoutDeckQuotes(const std::string& name);
 
 // What an *INCLUDE in the file `path` stands for: the file and its text. Paths
-// are relative to the file that names them. `depth`: how many files are around
-// it; at most ten. False with an error at the reader's line, or the file's own.
+// are relative to the file that names them or else to the deck `main`. `depth`:
+// how many files are around it; at most ten. False with an error at the
+// reader's line, or the file's own.
 [[nodiscard]] bool ReadDeckInclude(const LineReader& lines,
                                    const DeckKeyword& keyword,
-                                   const std::string& path, int depth,
+                                   const std::string& path,
+                                   const std::string& main, int depth,
                                    std::string* file, std::string* content,
                                    std::string* error);
 

@@ -30,7 +30,7 @@ void SetMaterialOf(const std::string& name, DeckBlock* section) {
       head += "=" + value;
     }
   }
-  section->head = {head};
+  section->head = {head + DeckLineEnd(section->head[0])};
 }
 
 class MaterialScaling {
@@ -92,7 +92,8 @@ class MaterialScaling {
       std::vector<DeckBlock> blocks(
           blocks_.begin() + static_cast<long>(material.first),
           blocks_.begin() + static_cast<long>(material.end));
-      blocks[0].head = {"*MATERIAL,NAME=" + copy};
+      blocks[0].head = {"*MATERIAL,NAME=" + copy +
+                        DeckLineEnd(blocks[0].head[0])};
       for (DeckBlock& block : blocks) {
         if (!Scale(kind.first, &block)) return false;
         added.push_back(std::move(block));

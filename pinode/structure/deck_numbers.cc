@@ -164,7 +164,7 @@ void ScaleDeckNumbers(const std::vector<DeckNumber>& numbers, double factor,
     double value = 0.0;
     if (!ParseDouble(StripBlanks(fields[number.field]), &value)) continue;
     fields[number.field] = FormatDeckNumber(factor * value);
-    line = Join(fields, ",");
+    line = Join(fields, ",") + DeckLineEnd(line);
   }
 }
 

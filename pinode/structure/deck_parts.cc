@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/matrix_text.h"
@@ -20,21 +21,24 @@ int PositionOf(const std::vector<DeckScope>& scopes, const std::string& name) {
 
 class DeckReader {
  public:
-  DeckReader(DeckParts* parts, std::string* error)
-      : parts_(parts), error_(error) {}
+  DeckReader(const std::string& path, DeckParts* parts, std::string* error)
+      : main_path_(path), parts_(parts), error_(error) {}
 
   // Data of a keyword may stand in a file that is included below it.
   bool ReadFile(const std::string& path, const std::string& content,
                 int depth) {
     LineReader lines(path, content);
     std::string_view line;
+    const bool is_utf8 = FirstInvalidUtf8(content) == std::string::npos;
     while (NextLine(&lines, &line)) {
+      if (!is_utf8 && !CheckEncoding(lines, line)) return false;
       if (line[0] != '*') {
         if (!ReadData(lines, line)) return false;
         continue;
       }
       std::string whole(line);
       while (!whole.empty() && whole.back() == ',' && NextLine(&lines, &line)) {
+        if (!is_utf8 && !CheckEncoding(lines, line)) return false;
         whole += line;
       }
       const int number = lines.number();
@@ -50,7 +54,7 @@ class DeckReader {
   }
 
  private:
-  enum class Section { kOther, kNodes, kElements, kSet, kInstance };
+  enum class Section { kOther, kHeading, kNodes, kElements, kSet, kInstance };
 
   // Neither blank nor a comment.
   static bool NextLine(LineReader* lines, std::string_view* line) {
@@ -58,6 +62,16 @@ class DeckReader {
       if (!line->empty() && line->substr(0, 2) != "**") return true;
     }
     return false;
+  }
+
+  // Names and messages are UTF-8; comments and headings stay as they are.
+  bool CheckEncoding(const LineReader& lines, std::string_view line) const {
+    if (line[0] != '*' && section_ == Section::kHeading) return true;
+    return FirstInvalidUtf8(std::string(line)) == std::string::npos ||
+           lines.Fail(
+               "the line is not valid UTF-8, expected other encodings in "
+               "comments and the heading alone",
+               error_);
   }
 
   DeckScope* Scope() {
@@ -92,6 +106,7 @@ class DeckReader {
           number, keyword.name + " has INPUT, expected its data below it",
           error_);
     }
+    if (keyword.Is("*HEADING")) section_ = Section::kHeading;
     if (keyword.Is("*NODE")) return BeginNodes(lines, keyword, number);
     if (keyword.Is("*ELEMENT")) return BeginElements(lines, keyword, number);
     if (keyword.Is("*ELSET")) return BeginSet(lines, keyword, number);
@@ -212,6 +227,7 @@ class DeckReader {
         return ReadSet(lines, line);
       case Section::kInstance:
         return ReadMotion(lines, line);
+      case Section::kHeading:
       case Section::kOther:
         break;
     }
@@ -404,11 +420,12 @@ class DeckReader {
   bool Include(const LineReader& lines, const DeckKeyword& keyword,
                const std::string& path, int depth) {
     std::string other, content;
-    return ReadDeckInclude(lines, keyword, path, depth, &other, &content,
-                           error_) &&
+    return ReadDeckInclude(lines, keyword, path, main_path_, depth, &other,
+                           &content, error_) &&
            ReadFile(other, content, depth + 1);
   }
 
+  const std::string main_path_;
   DeckParts* parts_;
   std::string* error_;
   DeckPlace place_;
@@ -457,7 +474,7 @@ int DeckParts::FindInstance(const std::string& name) const {
 bool ReadDeckParts(const std::string& path, const std::string& content,
                    DeckParts* parts, std::string* error) {
   *parts = DeckParts();
-  return DeckReader(parts, error).ReadFile(path, content, 0);
+  return DeckReader(path, parts, error).ReadFile(path, content, 0);
 }
 
 }  // namespace pinode

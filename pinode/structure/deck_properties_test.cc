@@ -7,6 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/file.h"
+#include "pinode/base/strings.h"
 #include "pinode/base/temporary_folder_testing.h"
 
 namespace pinode {
@@ -516,6 +517,39 @@ TEST(DeckPropertiesTest, BlanksMakeNoDifference) {
   EXPECT_THAT(scaled[0].stiffness, ElementsAre(2.1e11, 2.0e11));
   EXPECT_THAT(scaled[3].stiffness,
               ElementsAre(2.2e10, 16e8, 10e8, 12e8, 10e8, 8e7));
+}
+
+TEST(DeckPropertiesTest, LineEndsStayAsTheyAre) {
+  const auto windows = [](std::string text) {
+    ReplaceAll("\n", "\r\n", &text);
+    return text;
+  };
+  const std::vector<DeckFactor> factors = {{"mid", false, 0.8},
+                                           {"low", true, 1.5},
+                                           {"deck", false, 1.1},
+                                           {"soil", false, 3.0},
+                                           {"ballast", true, 0.9}};
+  const std::string scaled = ScaledOrFail(factors);
+  std::string deck = windows(kDeck);
+  EXPECT_EQ(ScaledOrFail(factors, deck), windows(scaled));
+  deck.resize(deck.size() - 2);
+  EXPECT_EQ(ScaledOrFail(factors, deck), windows(scaled));
+}
+
+TEST(DeckPropertiesTest, CommentsMayBeInAnyEncoding) {
+  const std::string deck =
+      "*HEADING\n\xDC"
+      "bersicht\n** Gr\xF6\xDF"
+      "e\n" +
+      std::string(kDeck);
+  EXPECT_EQ(ScaledOrFail({}, deck), deck);
+  EXPECT_THAT(ScaledOrFail({{"mid", false, 2.0}}, deck),
+              HasSubstr("\n** Gr\xF6\xDF"
+                        "e\n"));
+  for (const char* place : {"low, mid", "NAME=Steel", "2.1E11"}) {
+    EXPECT_THAT(ScalingErrorOf({}, DeckWith(place, "\xFC")),
+                HasSubstr("not valid UTF-8"));
+  }
 }
 
 }  // namespace
