@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "apps/console_watch.h"
+#include "apps/deck_flag.h"
 #include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
@@ -130,6 +131,7 @@ int RunProgram(int argc, char** argv) {
   Ranks ranks;
   if (!ranks.Agree(ReadChangeFlags(&change, &error) &&
                        ReadCase(ranks.tables(), &c, &error) &&
+                       CheckDeckFlag(c, &error) &&
                        ReadBaselines(c, &baselines, &error) &&
                        PrepareForBaselines(baselines, &c, &begin_from, &error),
                    c, &error)) {
@@ -172,6 +174,8 @@ int RunProgram(int argc, char** argv) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
           .count();
+  std::string deck_error;
+  const bool has_deck = WriteDeck(c, model, folder, &summary, &deck_error);
   ReturnFreedMemory();
   // Before the report, whose runs of the model before take memory of their own.
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
@@ -195,6 +199,10 @@ int RunProgram(int argc, char** argv) {
               folder.final_path().c_str());
   if (judgement.interrupted) {
     std::fprintf(stderr, "interrupted; continue with --resume\n");
+  }
+  if (!has_deck) {
+    PrintNoDeck(deck_error);
+    if (status_of_fit == kExitDone) return kExitNotUsable;
   }
   return status_of_fit;
 }

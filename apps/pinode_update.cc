@@ -16,6 +16,7 @@
 #include <string>
 
 #include "apps/console_watch.h"
+#include "apps/deck_flag.h"
 #include "apps/fit_flags.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
@@ -26,7 +27,6 @@
 #include "pinode/case/case_result.h"
 #include "pinode/case/fit_case.h"
 #include "pinode/case/result_folder.h"
-#include "pinode/case/updated_deck.h"
 #include "pinode/report/console.h"
 #include "pinode/report/html_report.h"
 
@@ -34,31 +34,8 @@ DEFINE_bool(profiles, false,
             "profile the likelihood of each named free parameter after the "
             "fit, as [profiles] in the case does");
 
-DEFINE_string(deck, "",
-              "input deck of CalculiX or Abaqus that the case's matrices came "
-              "from; the output folder then has it as <name>_updated.inp with "
-              "the properties of the groups' element sets as found");
-
 namespace pinode {
 namespace {
-
-// The deck, before any work.
-bool CheckDeckFlag(const Case& c, std::string* error) {
-  return FLAGS_deck.empty() || CheckDeck(c, FLAGS_deck, error);
-}
-
-// False, with *error, is no reason to lose the result: both are in its remarks.
-bool WriteDeck(const Case& c, const IdentifiedModel& model,
-               const ResultFolder& folder, IdentificationSummary* summary,
-               std::string* error) {
-  if (FLAGS_deck.empty()) return true;
-  std::string remark;
-  const bool good = WriteUpdatedDeck(c, *summary, model, FLAGS_deck,
-                                     folder.working_path(), &remark, error);
-  if (!good) remark = "No updated deck: " + *error;
-  if (!remark.empty()) summary->remarks.push_back(remark);
-  return good;
-}
 
 // Restoring forces, searches for terms, responses of all DOFs.
 bool LooksAtStates(const Case& c) {
@@ -154,7 +131,7 @@ int RunProgram(int argc, char** argv) {
                  folder.final_path().c_str());
   }
   if (!has_deck) {
-    std::fprintf(stderr, "no updated deck: %s\n", deck_error.c_str());
+    PrintNoDeck(deck_error);
     if (status_of_fit == kExitDone) return kExitNotUsable;
   }
   return status_of_fit;

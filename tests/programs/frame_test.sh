@@ -144,11 +144,17 @@ awk '!/^%/ && ++line == 2 { $3 *= 1.01 } { print }' D1/K_full.mtx \
 tested=pinode_damage
 Refused 'other/K_full.mtx: cannot be the updated matrix' --baseline=other \
   --case="$data/healthy_4.toml" --output_dir=E
+Refused "'brace_2' cannot be changed" --baseline=D1 \
+  --case="$data/healthy_4.toml" --output_dir=E --deck=other.inp
 
 missed=()
 for state in "$@"; do
   Run 0 pinode_damage --baseline=D1,D2,D3 --case="$data/$state.toml" \
-    --output_dir="$state" --progress=false
+    --output_dir="$state" --progress=false --deck="$data/frame.inp"
+  # With the factors that the folder has, as pinode_update writes it.
+  [[ -s $state/frame_updated.inp ]] || Fail "no updated deck of $state"
+  ! cmp -s "$state/frame_updated.inp" D1/frame_updated.inp ||
+    Fail "the deck of $state is that of the baseline"
   Truth "$state" changes >changes
   Groups "$state" >groups
   [[ -s groups ]] || Fail "no groups in $state/damage.json"

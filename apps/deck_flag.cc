@@ -1,0 +1,36 @@
+#include "apps/deck_flag.h"
+
+#include <gflags/gflags.h>
+
+#include <cstdio>
+
+#include "pinode/case/updated_deck.h"
+
+DEFINE_string(deck, "",
+              "input deck of CalculiX or Abaqus that the case's matrices came "
+              "from; the output folder then has it as <name>_updated.inp with "
+              "the properties of the groups' element sets as found");
+
+namespace pinode {
+
+bool CheckDeckFlag(const Case& c, std::string* error) {
+  return FLAGS_deck.empty() || CheckDeck(c, FLAGS_deck, error);
+}
+
+bool WriteDeck(const Case& c, const IdentifiedModel& model,
+               const ResultFolder& folder, IdentificationSummary* summary,
+               std::string* error) {
+  if (FLAGS_deck.empty()) return true;
+  std::string remark;
+  const bool good = WriteUpdatedDeck(c, *summary, model, FLAGS_deck,
+                                     folder.working_path(), &remark, error);
+  if (!good) remark = "No updated deck: " + *error;
+  if (!remark.empty()) summary->remarks.push_back(remark);
+  return good;
+}
+
+void PrintNoDeck(const std::string& error) {
+  std::fprintf(stderr, "no updated deck: %s\n", error.c_str());
+}
+
+}  // namespace pinode
