@@ -125,6 +125,21 @@ def test_what_was_found_goes_back_into_the_deck(export, tmp_path):
     assert not (tmp_path / "other").exists()
 
 
+def test_a_changed_state_goes_back_into_the_deck(export, tmp_path):
+    def state(change):
+        measured = case(export, Near=change).natural_modes()["frequencies_hz"][:4]
+        return case(export).replace(
+            groups=[pinode.Group(**g) for g in export.groups if g["name"] == "Near"],
+            modes=[pinode.Mode(hz, frequency_sigma=1e-4 * hz) for hz in measured])
+
+    damage = state(-0.1).damage([state(-0.02).identify()])
+    (tmp_path / "beam.inp").write_text(deck())
+    damage.save(tmp_path / "out", deck=tmp_path / "beam.inp")
+    updated = (tmp_path / "out/beam_updated.inp").read_text()
+    modulus = updated.split("NAME=STEEL_NEAR\n*ELASTIC\n")[1].split(",")[0]
+    assert float(modulus) == pytest.approx(0.9 * YOUNG, rel=1e-6)
+
+
 @pytest.mark.parametrize("change, sets, message", [
     ({}, ["nowhere"], "no section has the element set 'nowhere', expected one of far, Near"),
     ({"*SPRING,ELSET=tie": "*SPRING,ELSET=tie,NONLINEAR"}, ["tie"], "nonlinear"),
