@@ -18,6 +18,16 @@ constexpr size_t kMostSetEntries = 10 * kMostDeckItems;
 
 constexpr char kAssemblyName[] = "ASSEMBLY";
 
+std::string InInstance(const std::string& name) {
+  return name.empty() ? "" : " in instance '" + name + "'";
+}
+
+void SortAndReduce(std::vector<int>* elements) {
+  std::sort(elements->begin(), elements->end());
+  elements->erase(std::unique(elements->begin(), elements->end()),
+                  elements->end());
+}
+
 Eigen::Vector3d Moved(const DeckInstance* instance,
                       const std::array<double, 3>& position) {
   Eigen::Vector3d moved(position[0], position[1], position[2]);
@@ -37,6 +47,7 @@ Eigen::Vector3d Moved(const DeckInstance* instance,
 
 bool DeckAssembly::Read(const std::string& path, const std::string& content,
                         std::string* error) {
+  path_ = path;
   geometry_ = StructureGeometry();
   types_.clear();
   copies_.clear();
@@ -82,11 +93,13 @@ bool DeckAssembly::MakeCopies(const std::string& path, std::string* error) {
                 static_cast<int>(i),
                 {{&part}, {&instance.own}}});
   }
+  Copy rest = {"", -1, -1, {{&parts_.assembly}}};
   // Solvers that know no assemblies take a part as it stands.
   if (parts_.instances.empty() && !parts_.parts.empty()) {
-    good = add({parts_.parts[0].name, 0, -1, {{&parts_.parts[0]}}});
+    rest.part = 0;
+    rest.pieces.push_back({&parts_.parts[0]});
   }
-  good = good && add({"", -1, -1, {{&parts_.assembly}}});
+  good = good && add(std::move(rest));
   if (good && nodes > 0) return true;
   *error = path + (good ? ": it has no *NODE, expected an input deck"
                         : ": its instances have more than " +
@@ -120,10 +133,9 @@ size_t DeckAssembly::CopyOf(size_t from, int instance) const {
 }
 
 bool DeckAssembly::AddNodes(const std::string& path, std::string* error) {
-  const Copy& last = copies_.back();
+  const Copy::Piece& last = copies_.back().pieces.back();
   geometry_.positions.resize(
-      last.pieces[0].first_node +
-          static_cast<Eigen::Index>(last.pieces[0].scope->positions.size()),
+      last.first_node + static_cast<Eigen::Index>(last.scope->positions.size()),
       3);
   Eigen::Index row = 0;
   // One instance needs no name before its numbers.
@@ -138,8 +150,8 @@ bool DeckAssembly::AddNodes(const std::string& path, std::string* error) {
         const int number = piece.scope->node_numbers[i];
         if (FindNode(copy, number) != row) {
           *error = path + ": node " + std::to_string(number) +
-                   " is there twice in instance '" + copy.name +
-                   "', expected different numbers";
+                   " is there twice" + InInstance(copy.name) +
+                   ", expected different numbers";
           return false;
         }
         std::string name = std::to_string(number);
@@ -167,8 +179,8 @@ bool DeckAssembly::AddElements(const std::string& path, std::string* error) {
         const auto index = static_cast<int>(geometry_.elements.size());
         if (FindElement(copies_[c], number) != index) {
           *error = path + ": element " + std::to_string(number) +
-                   " is there twice in instance '" + copies_[c].name +
-                   "', expected different numbers";
+                   " is there twice" + InInstance(copies_[c].name) +
+                   ", expected different numbers";
           return false;
         }
         StructureGeometry::Element element;
@@ -222,6 +234,27 @@ void DeckAssembly::AddRange(const Copy& copy, const DeckSet::Range& range,
       }
     }
   }
+}
+
+bool DeckAssembly::AddRanges(size_t copy, const DeckSet& set,
+                             std::vector<int>* elements,
+                             std::string* error) const {
+  for (const DeckSet::Range& range : set.ranges) {
+    const size_t before = elements->size();
+    AddRange(copies_[CopyOf(copy, range.instance)], range, elements);
+    // In an assembly plain numbers are those of its own elements, whatever the
+    // instances have. Elements of unknown types are not there to be seen.
+    if (elements->size() == before && copies_[copy].part < 0 &&
+        range.instance < 0 && !parts_.instances.empty() &&
+        parts_.unknown_types.empty()) {
+      *error = path_ + ": set '" + set.name + "' of the assembly has element " +
+               std::to_string(range.first) +
+               ", which is none of its own, expected INSTANCE=... for others";
+      return false;
+    }
+    if (elements->size() > 2 * kMostDeckItems) SortAndReduce(elements);
+  }
+  return true;
 }
 
 bool DeckAssembly::AddNamed(size_t copy, const DeckSet& set,
@@ -281,9 +314,7 @@ bool DeckAssembly::Collect(const SetKey& wanted, std::vector<int>* elements,
       for (const int own : set.own) {
         elements->push_back(piece.first_element + own);
       }
-      for (const DeckSet::Range& range : set.ranges) {
-        AddRange(copies_[CopyOf(key.first, range.instance)], range, elements);
-      }
+      if (!AddRanges(key.first, set, elements, error)) return false;
       for (const DeckSet::Name& name : set.names) {
         std::vector<SetKey> further;
         if (!AddNamed(key.first, set, name, &further, elements, error)) {
@@ -295,9 +326,7 @@ bool DeckAssembly::Collect(const SetKey& wanted, std::vector<int>* elements,
       }
     }
   }
-  std::sort(elements->begin(), elements->end());
-  elements->erase(std::unique(elements->begin(), elements->end()),
-                  elements->end());
+  SortAndReduce(elements);
   return true;
 }
 
@@ -362,7 +391,7 @@ void DeckAssembly::NameSets() {
       for (const std::string& full : meaning.full_names) {
         ambiguous_[key].push_back(full);
       }
-      const bool listed = meaning.part >= 0 && !parts_.instances.empty();
+      const bool listed = meaning.part >= 0;
       if (listed) continue;
       of_instances.push_back(
           {meaning.full_names[0], std::move(meaning.elements)});

@@ -17,6 +17,11 @@ namespace pinode {
 
 class DeckAssembly {
  public:
+  DeckAssembly() = default;
+  // Its pieces point into it.
+  DeckAssembly(const DeckAssembly&) = delete;
+  DeckAssembly& operator=(const DeckAssembly&) = delete;
+
   // As ReadDeckGeometry in deck_geometry.h, which says how things are called.
   [[nodiscard]] bool Read(const std::string& path, const std::string& content,
                           std::string* error);
@@ -79,7 +84,10 @@ class DeckAssembly {
                 std::string* error) const;
   void AddRange(const Copy& copy, const DeckSet::Range& range,
                 std::vector<int>* elements) const;
+  bool AddRanges(size_t copy, const DeckSet& set, std::vector<int>* elements,
+                 std::string* error) const;
 
+  std::string path_;
   DeckParts parts_;
   // Instances in their order, then the assembly.
   std::vector<Copy> copies_;

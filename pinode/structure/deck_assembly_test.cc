@@ -199,7 +199,13 @@ TEST(DeckAssemblyTest, InstancesMayHaveTheirOwnMesh) {
 // As solvers take it that know no assemblies.
 TEST(DeckAssemblyTest, OnePartNeedsNoAssembly) {
   const std::string part = "*PART,NAME=P\n*NODE\n1,0,0,0\n*END PART\n";
-  EXPECT_THAT(GeometryOrFail(part).node_names, ElementsAre("1"));
+  const StructureGeometry geometry = GeometryOrFail(
+      part + "*ELEMENT,TYPE=MASS,ELSET=a\n1,1\n*ELSET,ELSET=b\n1\n");
+  EXPECT_THAT(geometry.node_names, ElementsAre("1"));
+  EXPECT_THAT(SetOf(geometry, "b"), ElementsAre(0));
+  EXPECT_EQ(geometry.sets.size(), 2u);
+  EXPECT_THAT(GeometryErrorOf(part + "*NODE\n1,0,0,0\n"),
+              HasSubstr("node 1 is there twice, expected"));
   EXPECT_THAT(GeometryErrorOf(part + "*PART,NAME=Q\n*NODE\n1,0,0,0\n"),
               HasSubstr("2 parts and no *INSTANCE"));
 }
@@ -226,8 +232,11 @@ TEST(DeckAssemblyTest, RefusesWithTheLine) {
   }
   EXPECT_THAT(error("*Elset, elset=a, instance=b\n1\n"),
               HasSubstr("*ELSET has INSTANCE=b"));
-  EXPECT_THAT(error(kOne + std::string("*Elset, elset=a\n1, Column-1.x\n")),
+  EXPECT_THAT(error(kOne + std::string("*Elset, elset=a\nColumn-1.x\n")),
               HasSubstr("deck.inp:23: set 'a' has 'Column-1.x'"));
+  EXPECT_THAT(
+      error(kOne + std::string("*Elset, elset=a\n2\n")),
+      HasSubstr("set 'a' of the assembly has element 2, which is none"));
   EXPECT_THAT(
       error(kOne + std::string("*Element, type=T3D2\n1,Column-1.9,2\n")),
       HasSubstr("element 1 has node 9"));

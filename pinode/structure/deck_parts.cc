@@ -11,12 +11,10 @@
 namespace pinode {
 namespace {
 
-int PositionOf(const std::vector<DeckScope>& scopes, const std::string& name) {
-  const std::string key = DeckKey(name);
-  for (size_t i = 0; i < scopes.size(); ++i) {
-    if (DeckKey(scopes[i].name) == key) return static_cast<int>(i);
-  }
-  return -1;
+int PositionOf(const std::unordered_map<std::string, int>& index,
+               const std::string& name) {
+  const auto place = index.find(DeckKey(name));
+  return place == index.end() ? -1 : place->second;
 }
 
 class DeckReader {
@@ -186,8 +184,8 @@ class DeckReader {
       return lines.FailAt(number, what + " has no NAME, expected one", error_);
     }
     place_.Pass(keyword);
-    const int known = is_part ? PositionOf(parts_->parts, *name)
-                              : parts_->FindInstance(*name);
+    const int known =
+        is_part ? parts_->FindPart(*name) : parts_->FindInstance(*name);
     if (known >= 0) {
       return lines.FailAt(number,
                           what + " " + Quote(*name) +
@@ -195,6 +193,8 @@ class DeckReader {
                           error_);
     }
     if (is_part) {
+      parts_->part_index[DeckKey(*name)] =
+          static_cast<int>(parts_->parts.size());
       parts_->parts.emplace_back();
       parts_->parts.back().name = WithoutDeckQuotes(*name);
       return true;
@@ -202,7 +202,7 @@ class DeckReader {
     const std::string* part = keyword.Find("PART");
     DeckInstance instance;
     instance.own.name = WithoutDeckQuotes(*name);
-    instance.part = part == nullptr ? -1 : PositionOf(parts_->parts, *part);
+    instance.part = part == nullptr ? -1 : parts_->FindPart(*part);
     if (instance.part < 0) {
       return lines.FailAt(
           number,
@@ -211,6 +211,8 @@ class DeckReader {
               ", expected a *PART before it",
           error_);
     }
+    parts_->instance_index[DeckKey(*name)] =
+        static_cast<int>(parts_->instances.size());
     parts_->instances.push_back(std::move(instance));
     section_ = Section::kInstance;
     instance_lines_ = 0;
@@ -463,12 +465,12 @@ DeckSet* DeckScope::SetOf(const std::string& set) {
   return &sets[place->second];
 }
 
+int DeckParts::FindPart(const std::string& name) const {
+  return PositionOf(part_index, name);
+}
+
 int DeckParts::FindInstance(const std::string& name) const {
-  const std::string key = DeckKey(name);
-  for (size_t i = 0; i < instances.size(); ++i) {
-    if (DeckKey(instances[i].own.name) == key) return static_cast<int>(i);
-  }
-  return -1;
+  return PositionOf(instance_index, name);
 }
 
 bool ReadDeckParts(const std::string& path, const std::string& content,

@@ -90,8 +90,11 @@ struct DeckParts {
   DeckScope assembly;
   // Types that are not known, and how many elements there are of each.
   std::vector<std::pair<std::string, int>> unknown_types;
+  // Positions by the name as decks compare it.
+  std::unordered_map<std::string, int> part_index, instance_index;
 
   // Position by name; -1: none.
+  int FindPart(const std::string& name) const;
   int FindInstance(const std::string& name) const;
 };
 
