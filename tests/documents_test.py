@@ -102,6 +102,8 @@ def own_flags(root):
         shared = {"help", "version", "v", "vmodule"} | defined(root / "apps" / "ranks.cc")
         if re.search(r'"apps/fit_flags.h"|^DECLARE_string\(case\)', path.read_text(), re.M):
             shared |= defined(root / "apps" / "fit_flags.cc")
+        if '"apps/deck_flag.h"' in path.read_text():
+            shared |= defined(root / "apps" / "deck_flag.cc")
         flags[path.stem] = shared | defined(path)
     return flags
 

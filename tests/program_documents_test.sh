@@ -24,6 +24,8 @@ mapfile -t flags < <(
   grep -hoP '^DEFINE_\w+\(\K\w+' "$name.cc"
   grep -q -e '"apps/fit_flags.h"' -e '^DECLARE_string(case)' "$name.cc" &&
     grep -hoP '^DEFINE_\w+\(\K\w+' fit_flags.cc
+  ! grep -q '"apps/deck_flag.h"' "$name.cc" ||
+    grep -hoP '^DEFINE_\w+\(\K\w+' deck_flag.cc
 )
 flags+=(help version v vmodule)
 [[ ${#flags[@]} -gt 5 ]] || Fail "expected more flags than ${flags[*]}"
