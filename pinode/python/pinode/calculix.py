@@ -114,7 +114,8 @@ def element_sets(deck: str | os.PathLike[str]) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _read(path: Path, depth: int = 0) -> list[_Card]:
+def _read(path: Path, depth: int = 0, main: Path | None = None) -> list[_Card]:
+    main = main or path
     try:
         lines = path.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
     except OSError as failure:
@@ -138,7 +139,12 @@ def _read(path: Path, depth: int = 0) -> list[_Card]:
         if card.name == "*INCLUDE":
             if depth > 8:
                 raise Error(f"{path}:{number}: includes are nested too deeply")
-            cards += _read(path.parent / options.get("INPUT", "").strip('"'), depth + 1)
+            name = options.get("INPUT", "").strip('"')
+            # Beside the file that names it, or else beside the deck.
+            other = path.parent / name
+            if not other.exists() and (main.parent / name).exists():
+                other = main.parent / name
+            cards += _read(other, depth + 1, main)
         else:
             cards.append(card)
     return cards

@@ -81,6 +81,16 @@ def test_sets_of_a_deck(tmp_path):
     assert calculix.element_sets(tmp_path / "beam.inp") == ["tie", "far", "Near"]
 
 
+def test_included_files(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub/all.inp").write_text(
+        '*INCLUDE,INPUT="sub/beam.inp"\n*INCLUDE,INPUT=more.inp\n')
+    (tmp_path / "sub/beam.inp").write_text("** Gr\xf6\xdfe\n" + deck(), encoding="latin-1")
+    (tmp_path / "sub/more.inp").write_text("*SPRING,ELSET=more\n")
+    (tmp_path / "main.inp").write_text('*INCLUDE, INPUT="sub/all.inp"\n')
+    assert calculix.element_sets(tmp_path / "main.inp") == ["tie", "far", "Near", "more"]
+
+
 def test_frequencies_are_calculix_own(export, tmp_path):
     own = frequencies(tmp_path, deck(step=FREQUENCY))
     ours = case(export).natural_modes()["frequencies_hz"]
