@@ -201,7 +201,7 @@ class TreeReader {
   TomlValue ReadArray(const py::handle& value, const std::string& where,
                       const std::string& parent, const std::string& key,
                       int depth) {
-    const py::array array = py::array::ensure(value);
+    const py::array array = py::array::ensure(Unmasked(value));
     if (!array) {
       PyErr_Clear();
       throw Error(where + " cannot be read, expected an array of numbers");

@@ -51,16 +51,10 @@ Eigen::Index StrideOf(const Dense& array, py::ssize_t dimension) {
 // doubles with strides that Eigen takes.
 Dense ToDense(const py::handle& value, int dimensions,
               const std::string& where) {
-  py::object source = py::reinterpret_borrow<py::object>(value);
   const std::string expected = dimensions == 1
                                    ? "a one-dimensional array of numbers"
                                    : "a two-dimensional array of numbers";
-  // Of NumPy's masked arrays.
-  if (py::hasattr(source, "filled")) {
-    source = source.attr("astype")("float64").attr("filled")(
-        std::numeric_limits<double>::quiet_NaN());
-  }
-  const py::array array = py::array::ensure(source);
+  const py::array array = py::array::ensure(Unmasked(value));
   if (!array) {
     PyErr_Clear();
     throw Error(where + " is a value of type " + TypeName(value) +
@@ -210,7 +204,6 @@ Vector ToVector(const py::handle& value, const std::string& where) {
 Matrix ToMatrix(const py::handle& value, const std::string& where) {
   // No matrix of the states of an identification is larger.
   constexpr double kMost = 1e8;
-  py::object source = py::reinterpret_borrow<py::object>(value);
   if (IsSparse(value)) {
     const SparseMatrix sparse = ToSparse(value, where);
     if (static_cast<double>(sparse.rows()) *
@@ -222,12 +215,23 @@ Matrix ToMatrix(const py::handle& value, const std::string& where) {
     }
     return sparse;
   }
-  const Dense dense = ToDense(source, 2, where);
+  const Dense dense = ToDense(value, 2, where);
   return Eigen::Map<const Matrix, 0,
                     Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>(
       dense.data(), dense.shape(0), dense.shape(1),
       Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(StrideOf(dense, 1),
                                                     StrideOf(dense, 0)));
+}
+
+py::object Unmasked(const py::handle& value) {
+  if (py::isinstance<py::array>(value) && py::hasattr(value, "filled")) {
+    const char kind = py::reinterpret_borrow<py::array>(value).dtype().kind();
+    if (kind == 'f' || kind == 'i' || kind == 'u') {
+      return value.attr("astype")("float64").attr("filled")(
+          std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return py::reinterpret_borrow<py::object>(value);
 }
 
 bool IsSparse(const py::handle& value) { return py::hasattr(value, "tocsc"); }

@@ -52,6 +52,9 @@ Matrix ToMatrix(const pybind11::handle& value, const std::string& where);
 // Of a full array, or of one of SciPy's sparse ones.
 SparseMatrix ToSparse(const pybind11::handle& value, const std::string& where);
 bool IsSparse(const pybind11::handle& value);
+// A masked array as one with NaN in place of what is masked, where its entries
+// are real numbers; any other value as it is.
+pybind11::object Unmasked(const pybind11::handle& value);
 
 // Arrays of NumPy that own the numbers: those of a temporary are not copied.
 pybind11::array_t<double> FromVector(Vector vector);

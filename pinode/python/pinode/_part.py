@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ._arrays import as_array, plain
 from ._pinode import Error
 
 ArrayLike = Any  # of numbers: a NumPy array, or what becomes one
@@ -36,7 +37,7 @@ def as_matrix(value: Any) -> Any:
     if not isinstance(value, (list, tuple)):
         return value
     try:
-        array = np.asarray(value)
+        array = as_array(value)
     except (TypeError, ValueError):
         return value
     # Others are refused by name when the case is made.
@@ -45,6 +46,7 @@ def as_matrix(value: Any) -> Any:
 
 def as_list(values: Any) -> Any:
     """An array as a list."""
+    values = plain(values)
     return values.tolist() if hasattr(values, "tolist") else values
 
 

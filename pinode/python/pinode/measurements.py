@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ._arrays import as_array
 from ._part import ArrayLike, Part, as_list, as_matrix, as_sequence
 from ._pinode import Error
 
@@ -18,7 +19,7 @@ from ._pinode import Error
 class Channel(Part):
     """A measured response.
 
-    values: one a sample, NaN where missing; or the name of a column of the
+    values: one a sample, NaN (or masked) where missing; or the name of a column of the
         record's file; None in a case that is simulated.
     quantity: "displacement", "velocity", "acceleration" (relative to the
         ground), "absolute_acceleration", "absolute_displacement", "strain".
@@ -68,7 +69,7 @@ def channels(
     They are called prefix + "1", ... and are at u1, u2, ... unless `dofs` names
     others. Further keys are those of Channel.
     """
-    array = np.asarray(values)
+    array = as_array(values)
     if array.ndim != 2:
         raise Error(
             f"channels '{prefix}': values of {array.ndim} dimensions, expected "
@@ -174,7 +175,8 @@ class Mode(Part):
     """A measured mode.
 
     frequency_hz: with `frequency_sigma` (Hz) where there are records too.
-    shape: {dof: value}, or an array and the `dofs` of its entries.
+    shape: {dof: value}, or an array and the `dofs` of its entries, NaN or masked
+        where nobody measured.
     """
 
     def __init__(
@@ -194,7 +196,8 @@ class Mode(Part):
                     "the shape of a mode is an array, expected 'dofs' with a "
                     "name for each of its entries"
                 )
-            shape = dict(zip(dofs, as_list(shape)))
+            shape = {dof: value for dof, value in zip(dofs, as_list(shape))
+                     if not (isinstance(value, float) and np.isnan(value))}
         super().__init__(
             name=name,
             frequency=frequency_hz,

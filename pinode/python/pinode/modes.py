@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
+from ._arrays import as_array
 from ._part import as_folder, as_path, as_sequence
 from ._pinode import Error
 from .measurements import rate_of
@@ -316,7 +317,7 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def _columns(values: Any) -> np.ndarray:
-    values = np.asarray(values)
+    values = as_array(values)
     return values[:, None] if values.ndim == 1 else values
 
 

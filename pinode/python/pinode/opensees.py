@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._arrays import as_array
 from ._pinode import Error
 
 # Entries below this fraction of the largest are no mass.
@@ -50,7 +51,7 @@ class CondensedModel(NamedTuple):
     def condense(self, matrix: np.ndarray) -> np.ndarray:
         """Of a matrix over all equations, such as the part of a group, what it
         is over `dofs`, the others following as they do in the model."""
-        matrix = np.asarray(matrix, dtype=float)
+        matrix = np.asarray(as_array(matrix), dtype=float)
         n = len(self.equations)
         if matrix.shape != (n, n):
             raise Error(
@@ -244,7 +245,7 @@ def _ties(equal: Any) -> list[tuple[int, int, list[int]]]:
 def _square(name: str, value: Any) -> np.ndarray:
     value = value.toarray() if hasattr(value, "toarray") else value
     try:
-        matrix = np.asarray(value, dtype=float)
+        matrix = np.asarray(as_array(value), dtype=float)
     except (TypeError, ValueError):
         raise Error(f"the {name} matrix is no array of numbers") from None
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
