@@ -5,10 +5,12 @@ group for each element set.
     case = pinode.Case(
         export.model(reduction={"method": "craig_bampton", "modes": 4},
                      damping={"ratios": [0.01]}),
-        groups=export.groups, records=[...])
+        groups=export.groups, geometry=export.geometry, records=[...])
+    case.identify().save("found", deck="frame.inp")
 
 Of each set the modulus is multiplied by a factor and the stiffness exported
-again; alpha = -0.1 of its group then means a tenth of the modulus lost.
+again; alpha = -0.1 of its group then means a tenth of the modulus lost. With the
+geometry the structure can be drawn, and what was found goes back into the deck.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,17 +30,29 @@ from .parts import FiniteElementModel, Group
 
 class Export(NamedTuple):
     """Matrices of a deck in `folder`: `mass`, `stiffness` (files), and a group
-    for each set that was changed."""
+    for each set that was changed. All paths are whole ones.
+
+    geometry: that of a Case with these groups: where the deck is, and the element
+        sets of groups that are not called like them. A case with some of the
+        groups takes geometry_of(these).
+    """
 
     folder: Path
     mass: Path
     stiffness: Path
     groups: list[Group]
+    geometry: dict[str, Any]
 
     def model(self, **keys: Any) -> FiniteElementModel:
         """The model of these files; keys as for FiniteElementModel, such as
         `reduction` and `damping`."""
         return FiniteElementModel(str(self.mass), str(self.stiffness), **keys)
+
+    def geometry_of(self, groups: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """`geometry` of a Case with these groups alone."""
+        names = {group["name"] for group in groups}
+        sets = {name: s for name, s in self.geometry["groups"].items() if name in names}
+        return {**self.geometry, "groups": sets}
 
 
 class _Card(NamedTuple):
@@ -72,16 +86,17 @@ def export(
     Steps of the deck are left out, but for the supports of the first. Raises
     pinode.Error where the deck or `ccx` do not do.
     """
-    deck = Path(as_path("deck", deck))
+    deck = Path(as_path("deck", deck)).absolute()
     sets = as_sequence("sets", sets)
+    masses = as_sequence("masses", masses)
     if not factor > 0.0 or factor in (1.0, float("inf")):
         raise Error(f"factor is {factor!r}, expected a positive number other than 1")
     if shutil.which(ccx) is None:
         raise Error(f"there is no program '{ccx}', expected CalculiX (Debian: calculix-ccx)")
-    if isinstance(sets, str) or isinstance(masses, str):
-        raise Error("sets are one text, expected a list of names")
     cards = _model_of(_read(deck))
-    place = Path(folder) if folder is not None else deck.with_name(deck.stem + "_export")
+    place = deck.with_name(deck.stem + "_export")
+    if folder is not None:
+        place = Path(as_path("folder", folder)).absolute()
     # All that can be wrong with a name, before anything is run.
     jobs = [(name, name, "stiffness", _changed(cards, name, factor, deck)) for name in sets]
     jobs += [
@@ -102,7 +117,10 @@ def export(
                   factor=factor, lower=-0.95)
         )
         (place / f"{name}.{'mas' if suffix == 'sti' else 'sti'}").unlink(missing_ok=True)
-    return Export(place, place / "model.mas", place / "model.sti", groups)
+    # A set of the same name needs no mention.
+    geometry = {"file": str(deck),
+                "groups": {name: of for name, of, *_ in jobs if name != of}}
+    return Export(place, place / "model.mas", place / "model.sti", groups, geometry)
 
 
 def element_sets(deck: str | os.PathLike[str]) -> list[str]:

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import pickle
 import shutil
 import subprocess
 
@@ -148,6 +149,51 @@ def test_a_changed_state_goes_back_into_the_deck(export, tmp_path):
     updated = (tmp_path / "out/beam_updated.inp").read_text()
     modulus = updated.split("NAME=STEEL_NEAR\n*ELASTIC\n")[1].split(",")[0]
     assert float(modulus) == pytest.approx(0.9 * YOUNG, rel=1e-6)
+
+
+def test_an_export_is_all_that_its_deck_needs(export, tmp_path, monkeypatch):
+    """Drawn, fitted and written back with what the export hands out."""
+    monkeypatch.chdir(tmp_path)
+    assert export.geometry["groups"] == {"mass_near": "near"}
+    reduction = {"method": "modal", "modes": 12}
+
+    def with_groups(**initial):
+        groups = [pinode.Group(**{**g, "initial": initial.get(g["name"], 0.0)})
+                  for g in export.groups if g["name"] in ("Near", "mass_near")]
+        return pinode.Case(export.model(reduction=reduction), groups=groups,
+                           geometry=export.geometry_of(groups))
+
+    truth = with_groups(Near=-0.1, mass_near=0.2).natural_modes()["frequencies_hz"][:6]
+    fit = with_groups().replace(
+        modes=[pinode.Mode(hz, frequency_sigma=1e-5 * hz) for hz in truth]).identify()
+    assert "tie" in {g["name"] for g in export.groups}
+    assert fit.structure() is not None
+    deck_path = pathlib.Path(export.geometry["file"])
+    fit.save("out", deck=deck_path)
+    updated = (tmp_path / "out/beam_updated.inp").read_text()
+    numbers = [float(w) for line in updated.splitlines() if not line.startswith("*")
+               for w in line.split(",") if w.strip()]
+    for name, before in (("Near", YOUNG), ("mass_near", DENSITY)):
+        assert fit[name] == pytest.approx({"Near": -0.1, "mass_near": 0.2}[name], abs=0.01)
+        assert any(n == pytest.approx(before * (1.0 + fit[name]), rel=1e-9) for n in numbers), name
+    # All groups at once need no thought of names.
+    assert pinode.Case(export.model(reduction=reduction), groups=export.groups,
+                       geometry=export.geometry).dofs
+
+
+def test_paths_of_an_export_are_whole_ones(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "beam.inp").write_text(deck())
+    for keys in ({}, {"folder": "elsewhere"}):
+        found = calculix.export("beam.inp", ["far"], **keys)
+        files = [found.folder, found.mass, found.geometry["file"], found.groups[0]["changed_export"]]
+        assert all(os.path.isabs(file) and os.path.exists(file) for file in files)
+    case = pinode.Case(found.model(reduction={"method": "modal", "modes": 4}), groups=found.groups,
+                       geometry=found.geometry)
+    kept = pickle.dumps(case)
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path / "other")
+    assert pickle.loads(kept).parameters == case.parameters
 
 
 @pytest.mark.parametrize("change, sets, message", [
