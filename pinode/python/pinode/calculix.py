@@ -80,7 +80,7 @@ def export(
     sets: element sets of a section or of springs, whose stiffness becomes a
         group of that name.
     masses: element sets of a section, whose density becomes a group called
-        "mass_<set>".
+        "mass_<set>", or of *MASS.
     folder: where the files stay; beside the deck, "<deck>_export", unless given.
 
     Steps of the deck are left out, but for the supports of the first. Raises
@@ -125,20 +125,30 @@ def export(
 
 def element_sets(deck: str | os.PathLike[str]) -> list[str]:
     """The sets of a deck that `export` can change."""
-    found = []
-    for card in _model_of(_read(Path(deck))):
-        if (card.name.endswith(" SECTION") or card.name == "*SPRING") and "ELSET" in card.options:
-            found.append(card.options["ELSET"])
-    return list(dict.fromkeys(found))
+    cards = _model_of(_read(Path(deck)))
+    return _sets_of(cards, "*SPRING", "*MASS")
 
 
-def _read(path: Path, depth: int = 0, main: Path | None = None) -> list[_Card]:
-    main = main or path
+def _sets_of(cards: list[_Card], *kinds: str) -> list[str]:
+    """Element sets of sections and of other cards of these kinds."""
+    return list(dict.fromkeys(
+        card.options["ELSET"] for card in cards
+        if (card.name.endswith(" SECTION") or card.name in kinds) and "ELSET" in card.options))
+
+
+def _read(path: Path) -> list[_Card]:
+    cards: list[_Card] = []
+    _read_into(cards, path, path, 0)
+    return cards
+
+
+def _read_into(cards: list[_Card], path: Path, main: Path, depth: int) -> None:
+    """Adds the cards of a file; one that is included may go on with the data of the
+    card before it."""
     try:
         lines = path.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
     except OSError as failure:
         raise Error(f"{path}: cannot be read: {failure.strerror}") from None
-    cards: list[_Card] = []
     for number, line in enumerate(lines, 1):
         text = line.strip()
         if not text or text.startswith("**"):
@@ -162,10 +172,9 @@ def _read(path: Path, depth: int = 0, main: Path | None = None) -> list[_Card]:
             other = path.parent / name
             if not other.exists() and (main.parent / name).exists():
                 other = main.parent / name
-            cards += _read(other, depth + 1, main)
+            _read_into(cards, other, main, depth + 1)
         else:
             cards.append(card)
-    return cards
 
 
 def _model_of(cards: list[_Card]) -> list[_Card]:
@@ -192,19 +201,21 @@ def _changed(
     def is_of(card: _Card) -> bool:
         return card.options.get("ELSET", "").upper() == wanted
 
-    springs = [i for i, card in enumerate(cards) if card.name == "*SPRING" and is_of(card)]
-    if springs and what == "*ELASTIC":
+    # What has a number of its own, beside sections and their materials.
+    kind = "*SPRING" if what == "*ELASTIC" else "*MASS"
+    own = [i for i, card in enumerate(cards) if card.name == kind and is_of(card)]
+    if own:
+        scaled = _scaled_spring if kind == "*SPRING" else _scaled_mass
         result = list(cards)
-        for i in springs:
-            result[i] = _scaled_spring(cards[i], factor, deck)
+        for i in own:
+            result[i] = scaled(cards[i], factor, deck)
         return result
     sections = [i for i, card in enumerate(cards)
                 if card.name.endswith(" SECTION") and is_of(card)]
     if not sections:
-        known = ", ".join(dict.fromkeys(
-            card.options["ELSET"] for card in cards
-            if card.name.endswith(" SECTION") and "ELSET" in card.options))
-        raise Error(f"{deck}: no section has the element set '{name}', expected one of {known}")
+        known = ", ".join(_sets_of(cards, kind)) or "those of a section"
+        raise Error(f"{deck}: no section and no {kind} has the element set '{name}', expected one "
+                    f"of {known}")
     result = list(cards)
     for number, i in enumerate(sections):
         material = cards[i].options.get("MATERIAL", "")
@@ -226,8 +237,11 @@ def _scaled_material(
     block = [_Card("*MATERIAL", {"NAME": copy}, f"*MATERIAL,NAME={copy}", [])]
     found = False
     for card in cards[begin + 1:]:
-        if card.name not in _OF_MATERIALS:
+        # Properties go to the last material, whatever stands between.
+        if card.name == "*MATERIAL":
             break
+        if card.name not in _OF_MATERIALS:
+            continue
         if card.name == what:
             kind = card.options.get("TYPE", "ISO").upper()
             if what == "*ELASTIC" and kind not in ("ISO", "ISOTROPIC", ""):
@@ -243,7 +257,9 @@ def _scaled_material(
 
 _OF_MATERIALS = {
     "*ELASTIC", "*DENSITY", "*EXPANSION", "*DAMPING", "*PLASTIC", "*CONDUCTIVITY",
-    "*SPECIFIC HEAT", "*DEPVAR", "*HYPERELASTIC", "*CREEP",
+    "*SPECIFIC HEAT", "*DEPVAR", "*HYPERELASTIC", "*CREEP", "*USER MATERIAL",
+    "*CYCLIC HARDENING", "*DEFORMATION PLASTICITY", "*MOHR COULOMB",
+    "*MOHR COULOMB HARDENING",
 }
 
 
@@ -269,6 +285,10 @@ def _scaled_spring(card: _Card, factor: float, deck: Path) -> _Card:
         raise Error(f"{deck}: springs '{card.options['ELSET']}' have no constant with a "
                     "decimal point")
     return card._replace(data=data)
+
+
+def _scaled_mass(card: _Card, factor: float, deck: Path) -> _Card:
+    return card._replace(data=[_scaled(line, factor, deck) for line in card.data])
 
 
 def _run(ccx: str, folder: Path, name: str, cards: list[_Card], threads: int) -> None:

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import pickle
+import re
 import shutil
 import subprocess
 
@@ -197,7 +198,8 @@ def test_paths_of_an_export_are_whole_ones(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("change, sets, message", [
-    ({}, ["nowhere"], "no section has the element set 'nowhere', expected one of far, Near"),
+    ({}, ["nowhere"], "no section and no *SPRING has the element set 'nowhere', expected "
+     "one of tie, far, Near"),
     ({"*SPRING,ELSET=tie": "*SPRING,ELSET=tie,NONLINEAR"}, ["tie"], "nonlinear"),
     ({"*ELASTIC\n": "*ELASTIC,TYPE=ORTHO\n"}, ["far"], "of type ORTHO"),
     ({"MATERIAL=steel": "MATERIAL=tin"}, ["far"], "no material 'tin'"),
@@ -208,8 +210,60 @@ def test_decks_that_do_not_do(tmp_path, change, sets, message):
     for old, new in change.items():
         text = text.replace(old, new)
     (tmp_path / "beam.inp").write_text(text)
-    with pytest.raises(pinode.Error, match=message):
+    with pytest.raises(pinode.Error, match=re.escape(message)):
         calculix.export(tmp_path / "beam.inp", sets)
+
+
+def matrices(export):
+    case = pinode.Case(export.model(reduction={"method": "modal", "modes": 4}),
+                       groups=export.groups)
+    full = case.full_matrices()
+    return [full["mass"], full["stiffness"], *full["groups"].values()]
+
+
+def test_data_in_a_file_of_their_own(tmp_path):
+    text = deck()
+    (tmp_path / "beam.inp").write_text(text)
+    expected = matrices(calculix.export(tmp_path / "beam.inp", ["far", "tie"]))
+    first = text.index("1, 0.0")
+    last = text.index("*Element")
+    (tmp_path / "nodes.txt").write_text(text[first:last])
+    (tmp_path / "split.inp").write_text(
+        text[:first] + "*INCLUDE,INPUT=nodes.txt\n" + text[last:])
+    found = matrices(calculix.export(tmp_path / "split.inp", ["far", "tie"]))
+    assert all(abs(a - b).max() == 0.0 for a, b in zip(found, expected))
+    (tmp_path / "nothing.inp").write_text("1, 2\n" + text)
+    with pytest.raises(pinode.Error, match="data before the first card"):
+        calculix.export(tmp_path / "nothing.inp", ["far"])
+
+
+def test_materials_with_other_cards_between(tmp_path):
+    text = deck()
+    (tmp_path / "beam.inp").write_text(text)
+    expected = matrices(calculix.export(tmp_path / "beam.inp", ["far"], masses=["far"]))
+    between = "*ELSET,ELSET=some\n1\n"
+    (tmp_path / "mixed.inp").write_text(text.replace(
+        "*MATERIAL,NAME=steel\n", "*MATERIAL,NAME=steel\n" + between))
+    found = matrices(calculix.export(tmp_path / "mixed.inp", ["far"], masses=["far"]))
+    assert all(abs(a - b).max() == 0.0 for a, b in zip(found, expected))
+
+
+def test_masses_of_points(tmp_path):
+    tip = 4 * ELEMENTS + 3
+    (tmp_path / "beam.inp").write_text(deck(step=(
+        f"*ELEMENT,TYPE=MASS,ELSET=tip\n200,{tip}\n*MASS,ELSET=tip\n5.0\n"
+        "*STEP\n*STATIC\n*END STEP\n")))
+    assert calculix.element_sets(tmp_path / "beam.inp") == ["tie", "far", "Near", "tip"]
+    export = calculix.export(tmp_path / "beam.inp", [], masses=["Tip"])
+    case = pinode.Case(export.model(reduction={"method": "modal", "modes": 4}),
+                       groups=export.groups, geometry=export.geometry)
+    full = case.full_matrices()
+    group = full["groups"]["mass_Tip"].tocoo()
+    where = {full["dofs"][i] for i in group.row}
+    assert where == {f"{tip}.{d}" for d in (1, 2, 3)}
+    assert group.data == pytest.approx(5.0) and (group.row == group.col).all()
+    with pytest.raises(pinode.Error, match=r"no \*MASS has the element set 'tie', expected one of"):
+        calculix.export(tmp_path / "beam.inp", [], masses=["tie"])
 
 
 def test_what_is_not_there(tmp_path):
