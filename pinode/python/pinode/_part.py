@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -33,28 +34,42 @@ class Part(dict):
 
 
 def as_matrix(value: Any) -> Any:
-    """Lists of numbers, or of rows of them, as an array, where they are one."""
-    if not isinstance(value, (list, tuple)):
+    """Lists of numbers, or of rows of them, as an array, where they are one; columns
+    and frames of pandas too."""
+    is_list = isinstance(value, (list, tuple))
+    if not is_list and not hasattr(value, "to_numpy"):
         return value
     try:
         array = as_array(value)
     except (TypeError, ValueError):
         return value
     # Others are refused by name when the case is made.
+    if not is_list:
+        return array
     return array.astype(float) if array.dtype.kind in "biuf" else value
 
 
 def as_list(values: Any) -> Any:
     """An array as a list."""
-    values = plain(values)
+    values = as_array(values) if hasattr(values, "to_numpy") else plain(values)
     return values.tolist() if hasattr(values, "tolist") else values
 
 
 def as_sequence(name: str, values: Any) -> list[Any]:
     """The values of an argument that is to be a list."""
-    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
-        raise Error(f"{name} is a value of type {type(values).__name__}, expected a list")
-    return list(values)
+    if not isinstance(values, (str, bytes)) and hasattr(values, "__iter__"):
+        try:
+            return list(values)
+        except TypeError:  # such as an array of no dimension
+            pass
+    raise Error(f"{name} is a value of type {type(values).__name__}, expected a list")
+
+
+def as_names(name: str, names: Any) -> Any:
+    """as_strings of what cannot be the name of a file."""
+    if isinstance(names, str):
+        raise Error(f"{name} is the text '{names:.40}', expected a list of names")
+    return as_strings(name, names)
 
 
 def as_mapping(name: str, values: Any) -> dict[str, Any]:
@@ -65,10 +80,36 @@ def as_mapping(name: str, values: Any) -> dict[str, Any]:
 
 
 def as_strings(name: str, names: Any) -> Any:
-    """Names of NumPy as Python's own."""
+    """Names of NumPy as Python's own; whole numbers are names too."""
     if names is None or isinstance(names, str):
         return names
-    return [str(n) if isinstance(n, np.str_) else n for n in as_sequence(name, names)]
+    return [str(n) if isinstance(n, (np.str_, int, np.integer)) and not isinstance(n, bool) else n
+            for n in as_sequence(name, names)]
+
+
+def as_text(name: str, value: Any) -> str:
+    """The value of an argument that is to be a text."""
+    if not isinstance(value, str):
+        raise Error(f"{name} is a value of type {type(value).__name__}, expected a text")
+    return value
+
+
+def as_number(name: str, value: Any) -> float:
+    """The value of an argument that is to be a number."""
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        raise Error(f"{name} is a value of type {type(value).__name__}, expected a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise Error(f"{name} is beyond all numbers of a machine, expected a smaller one") from None
+
+
+def as_flag(name: str, value: Any) -> bool:
+    """The value of an argument that is to be True or False."""
+    is_one = isinstance(value, (bool, np.bool_)) or (isinstance(value, int) and value in (0, 1))
+    if not is_one:
+        raise Error(f"{name} is a value of type {type(value).__name__}, expected True or False")
+    return bool(value)
 
 
 def as_path(name: str, path: Any) -> str:
@@ -79,13 +120,25 @@ def as_path(name: str, path: Any) -> str:
         text = None
     if not isinstance(text, str):
         raise Error(f"{name} is a value of type {type(path).__name__}, expected a path")
-    return text
+    try:
+        if b"\0" not in os.fsencode(text):
+            return text
+    except UnicodeEncodeError:
+        pass
+    raise Error(f"{name} is {text!r:.60}, which no file can be called")
+
+
+def as_watcher(progress: Any, callback: Any) -> tuple[Any, Any]:
+    """The arguments `progress` and `callback` of a fit."""
+    if callback is not None and not callable(callback):
+        raise Error(f"callback is a value of type {type(callback).__name__}, expected a function")
+    return None if progress is None else as_flag("progress", progress), callback
 
 
 def as_folder(output: Any, mat: bool = False) -> str:
     """The folder `output` of results; "": none is written."""
     path = as_path("output", output)
-    if mat and not path:
+    if as_flag("mat", mat) and not path:
         raise Error(
             "mat=True writes results.mat into the folder of results, and there is "
             "none; expected output, its path"

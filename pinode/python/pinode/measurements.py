@@ -5,14 +5,15 @@ Tables of a case as those of `parts` are, with arrays or the columns of a file.
 
 from __future__ import annotations
 
-import numbers
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ._arrays import as_array
-from ._part import ArrayLike, Part, as_list, as_matrix, as_sequence
+from ._arrays import as_array, plain
+from ._case_tables import is_for_simulation
+from ._columns import Columns
+from ._part import ArrayLike, Part, as_list, as_sequence, as_text
 from ._pinode import Error
 
 
@@ -69,7 +70,12 @@ def channels(
     They are called prefix + "1", ... and are at u1, u2, ... unless `dofs` names
     others. Further keys are those of Channel.
     """
-    array = as_array(values)
+    try:
+        array = as_array(values)
+    except (TypeError, ValueError):
+        raise Error(
+            f"channels '{prefix}': the values are no array, expected samples x channels"
+        ) from None
     if array.ndim != 2:
         raise Error(
             f"channels '{prefix}': values of {array.ndim} dimensions, expected "
@@ -77,6 +83,7 @@ def channels(
         )
     if dofs is None:
         dofs = [f"u{i + 1}" for i in range(array.shape[1])]
+    dofs = as_sequence("dofs", dofs)
     if len(dofs) != array.shape[1]:
         raise Error(
             f"channels '{prefix}': {array.shape[1]} columns and {len(dofs)} "
@@ -92,24 +99,29 @@ class Record(Part):
     """What was measured at one go, on a uniform grid of samples.
 
     step: seconds between samples; or `sampling_rate_hz`, or `time`: an array of
-        times in seconds, or the column of the file that has them.
-    channels: the responses.
+        times in seconds, or the column of the file that has them; dates count from
+        the first.
+    channels: the responses; none to plan sensors.
     ground: {direction: accelerations}; force, motion: {dof: values};
         covariate: {name: values}. In place of the values may stand the name of
         a column of the file, or a dictionary with `values` (or `column`) and
-        further keys such as `unit`; of a covariate one number as well.
+        further keys such as `unit`; of a covariate one number as well. A motion
+        takes a list of dictionaries, where its displacement was measured and its
+        velocity (`quantity`) too. Beside a file arrays have the record's `step`, or
+        a `time` of their own in their dictionary.
     interpolation: of these between samples: "held", "linear", "cubic" or
         "band_limited". Needed where there are any.
     start: "rest", "free", or {"x": [...], "v": [...]}.
     role: "train" or "holdout".
-    file: a CSV file or another; or a dictionary of columns, or a pandas frame.
+    file: a CSV file or another; or a dictionary of columns, or a pandas frame, whose
+        index is a column too where it has a name.
     """
 
     def __init__(
         self,
         name: str,
         *,
-        channels: Sequence[Channel | Mapping[str, Any]],
+        channels: Sequence[Channel | Mapping[str, Any]] = (),
         step: float | None = None,
         sampling_rate_hz: float | None = None,
         time: ArrayLike | str | None = None,
@@ -123,7 +135,7 @@ class Record(Part):
         file: Any = None,
         **keys: Any,
     ) -> None:
-        columns = _Columns(name, file)
+        columns = Columns(name, file)
         if step is not None:
             if sampling_rate_hz is not None:
                 raise Error(
@@ -131,8 +143,11 @@ class Record(Part):
                     "expected one of the two"
                 )
             sampling_rate_hz = rate_of(name, step)
-        if time is not None and not isinstance(time, str):
-            time = columns.add("t", time)
+        time = columns.time(time)
+        if columns.has_dates and keys.get("time_unit", "s") != "s":
+            raise Error(
+                f"record '{name}': 'time_unit' of dates, which are read in seconds, expected none"
+            )
         signals: dict[str, list[dict[str, Any]]] = {}
         for key, place, given in (
             ("ground", "direction", ground),
@@ -149,7 +164,8 @@ class Record(Part):
                 )
             signals[key] = [
                 columns.signal(value, f"{key}_{at}", {place: at})
-                for at, value in given.items()
+                for at, values in given.items()
+                for value in _tables(values)
             ]
         tables = [_channel_table(name, columns, channel) for channel in as_sequence("channels", channels)]
         super().__init__(
@@ -168,7 +184,7 @@ class Record(Part):
     @property
     def is_for_simulation(self) -> bool:
         """Whether it has a channel without values."""
-        return any("column" not in c and "file" not in c for c in self.get("channel", ()))
+        return is_for_simulation(self)
 
 
 class Mode(Part):
@@ -191,12 +207,15 @@ class Mode(Part):
         **keys: Any,
     ) -> None:
         if shape is not None and not isinstance(shape, Mapping):
-            if dofs is None or len(dofs) != len(shape):
+            shape = as_list(shape)
+            if dofs is not None:
+                dofs = [as_text("dofs", name) for name in as_sequence("dofs", dofs)]
+            if dofs is None or not isinstance(shape, (list, tuple)) or len(dofs) != len(shape):
                 raise Error(
                     "the shape of a mode is an array, expected 'dofs' with a "
                     "name for each of its entries"
                 )
-            shape = {dof: value for dof, value in zip(dofs, as_list(shape))
+            shape = {dof: value for dof, value in zip(dofs, shape)
                      if not (isinstance(value, float) and np.isnan(value))}
         super().__init__(
             name=name,
@@ -208,60 +227,14 @@ class Mode(Part):
         )
 
 
-class _Columns:
-    """The table that stands in for a record's file."""
-
-    def __init__(self, record: str, file: Any) -> None:
-        self._record = record
-        self._path = None
-        self._columns: dict[str, Any] = {}
-        if file is None:
-            return
-        if hasattr(file, "columns") and hasattr(file, "to_numpy"):
-            self._columns = {str(c): file[c].to_numpy() for c in file.columns}
-        elif isinstance(file, Mapping):
-            self._columns = dict(file)
-        else:
-            self._path = file
-
-    def file(self) -> Any:
-        return self._path if self._path is not None else self._columns or None
-
-    def add(self, name: str, values: Any) -> str:
-        if self._path is not None:
-            raise Error(
-                f"record '{self._record}': an array for '{name}' beside a file, "
-                "expected the name of a column"
-            )
-        if name in self._columns:
-            raise Error(
-                f"record '{self._record}': two columns are called '{name}', "
-                "expected different names"
-            )
-        self._columns[name] = as_matrix(values)
-        return name
-
-    def signal(
-        self, value: Any, name: str, table: dict[str, Any]
-    ) -> dict[str, Any]:
-        """The table of an input: its values, or keys with them among these."""
-        keys = dict(value) if isinstance(value, Mapping) else {"values": value}
-        values = keys.pop("values", None)
-        is_covariate = "name" in table
-        if isinstance(values, str):
-            keys["column"] = values
-        elif is_covariate and isinstance(values, numbers.Real):
-            keys["value"] = float(values)
-        elif values is not None:
-            keys["column"] = self.add(name, values)
-        # A covariate is a number of any kind.
-        if self._path is None and not is_covariate:
-            keys.setdefault("unit", "model")
-        return {**table, **keys}
+def _tables(values: Any) -> list[Any]:
+    """Of one place: its values, or what was measured of it, a dictionary each."""
+    several = isinstance(values, (list, tuple)) and len(values) > 0
+    return list(values) if several and all(isinstance(v, Mapping) for v in values) else [values]
 
 
 def _channel_table(
-    record: str, columns: _Columns, channel: Mapping[str, Any]
+    record: str, columns: Columns, channel: Mapping[str, Any]
 ) -> dict[str, Any]:
     if not isinstance(channel, Mapping):
         raise Error(
@@ -274,7 +247,7 @@ def _channel_table(
 def rate_of(record: str, step: Any) -> float:
     """Samples a second of a `step` in seconds; the record's name is for messages."""
     try:
-        rate = 1.0 / float(step)
+        rate = 1.0 / float(plain(step))
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         rate = float("nan")
     if not 0.0 < rate < float("inf"):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._arrays import as_array
+from ._arrays import as_array, is_frame
 from ._part import as_folder, as_path, as_sequence
 from ._pinode import Error
 from .measurements import rate_of
@@ -173,8 +173,10 @@ def identify_modes(
         one ({"record": [...]}, as Case.from_dict takes them), or a Case, which
         needs no model; or the path of a data file (CSV, universal file, ...), as
         `pinode_modes --columns` takes it.
-    names: of the channels, which are places on the structure.
-    quantity: "displacement", "velocity" or "acceleration", for all or for each.
+    names: of the channels, which are places on the structure; those of the columns
+        of a frame of pandas unless given.
+    quantity: "displacement", "velocity", "acceleration" or "strain", for all or for
+        each; "absolute_acceleration" and others of a Channel are these.
     loads: samples x loads that were measured, in any units.
     free_decay: the structure is left to itself from the first sample on.
     columns: of a data file, the channels; all but the time unless given.
@@ -295,11 +297,15 @@ def _of_case(records: Any, options: dict[str, Any]) -> Any:
 
 def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
     """`one`: what set-ups have that do not say."""
+    if is_frame(setup):
+        setup = {"values": setup}
     if not isinstance(setup, Mapping) or "values" not in setup:
         raise Error(f"set-up '{name}': expected {{'values': ..., 'step': ...}}")
     values = _columns(setup["values"])
     count = values.shape[1] if values.ndim == 2 else 0
     places = setup.get("names", one["names"])
+    if places is None and is_frame(setup["values"]):
+        places = [str(name) for name in setup["values"].columns]
     places = [f"a{i + 1}" for i in range(count)] if places is None else as_sequence("names", places)
     step = setup.get("step", one["step"])
     if step is None:

@@ -14,16 +14,59 @@ from typing import Any
 
 import numpy as np
 
+from ._arrays import is_frame, rows_of_file
 from ._part import (
     ArrayLike,
     Part,
     as_list,
     as_mapping,
     as_matrix,
+    as_names,
     as_path,
     as_sequence,
     as_strings,
 )
+from ._pinode import Error
+
+
+def _names_of_columns(**matrices: Any) -> list[str] | None:
+    """Those of frames whose columns are called by texts; None: there are none."""
+    found: dict[str, list[str]] = {}
+    for key, matrix in matrices.items():
+        if not is_frame(matrix):
+            continue
+        names = list(matrix.columns)
+        if not all(isinstance(name, str) for name in names):
+            continue
+        index = list(getattr(matrix, "index", names))
+        if all(isinstance(name, str) for name in index) and index != names:
+            raise Error(f"{key} has rows and columns of different names, expected the same, in "
+                        "the same order")
+        found[key] = names
+    for key, names in found.items():
+        first = next(iter(found))
+        if names != found[first]:
+            raise Error(f"{key} has columns of other names than {first}, expected the same, in "
+                        "the same order")
+    return next(iter(found.values()), None)
+
+
+def _size_of(mass: Any) -> int:
+    """The rows of a mass matrix, or of one in a file."""
+    if isinstance(mass, (str, os.PathLike)):
+        rows = rows_of_file(as_path("mass", mass))
+        if rows:
+            return rows
+        raise Error(f"{mass}: nobody knows how many rows it has, expected 'dofs', a name for each")
+    try:
+        shape = mass.shape if hasattr(mass, "tocsc") else np.shape(as_matrix(mass))
+    except ValueError:  # rows of different lengths
+        shape = ()
+    if len(shape) != 2:
+        raise Error(
+            f"mass is {' x '.join(map(str, shape)) or 'no array'}, expected n x n numbers"
+        )
+    return shape[0]
 
 
 class Model(Part):
@@ -33,7 +76,7 @@ class Model(Part):
         the case's `units` say otherwise).
     damping: n x n; or {"ratios": [0.02]}, {"rayleigh": [a0, a1]} or "none".
         Needed where there are records.
-    dofs: n names; u1, u2, ... unless given.
+    dofs: n names; u1, u2, ... unless given, or those of the columns of frames.
     influence: {direction: n numbers}, what an acceleration of the ground does
         at each DOF; {"x": all ones} unless given.
     """
@@ -49,10 +92,11 @@ class Model(Part):
         **keys: Any,
     ) -> None:
         if dofs is None:
-            shape = np.shape(mass) if not hasattr(mass, "tocsc") else mass.shape
-            dofs = [f"u{i + 1}" for i in range(shape[0] if shape else 0)]
+            dofs = _names_of_columns(mass=mass, stiffness=stiffness, damping=damping)
+        if dofs is None:
+            dofs = [f"u{i + 1}" for i in range(_size_of(mass))]
         super().__init__(
-            dofs=as_strings("dofs", dofs),
+            dofs=as_names("dofs", dofs),
             mass=as_matrix(mass),
             stiffness=as_matrix(stiffness),
             damping=as_matrix(damping),
@@ -85,7 +129,7 @@ class ShearBuilding(Part):
                 dampers=as_list(dampers),
             ),
             damping=damping,
-            dofs=as_strings("dofs", dofs),
+            dofs=as_names("dofs", dofs),
             **keys,
         )
 
@@ -120,7 +164,7 @@ class FiniteElementModel(Part):
                 stiffness=as_matrix(stiffness),
                 damping=as_matrix(exported_damping),
                 dofs=as_strings("dofs", dofs),
-                remove_dofs=as_strings("remove_dofs", remove_dofs),
+                remove_dofs=as_names("remove_dofs", remove_dofs),
                 ground_directions=ground_directions,
                 expected_frequencies=as_list(expected_frequencies),
             ),
@@ -188,7 +232,7 @@ class Group(Part):
             name=name,
             adds_to=adds_to,
             matrix=as_matrix(matrix),
-            between=as_strings("between", between),
+            between=as_names("between", between),
             storey=storey,
             scale=scale,
             changed_export=as_matrix(changed_export),
@@ -225,7 +269,7 @@ class Element(Part):
             name=name,
             type=type,
             file=None if file is None else as_path("file", file),
-            between=as_strings("between", between),
+            between=as_names("between", between),
             parameters=None if parameters is None else as_mapping("parameters", parameters),
             optional=optional,
             **keys,
@@ -254,7 +298,7 @@ class Library(Part):
     ) -> None:
         super().__init__(
             name=name,
-            inputs=as_strings("inputs", inputs),
+            inputs=as_names("inputs", inputs),
             output=output,
             terms=as_sequence("terms", terms),
             acts_as=acts_as,
@@ -284,8 +328,8 @@ class Network(Part):
     ) -> None:
         super().__init__(
             name=name,
-            inputs=as_strings("inputs", inputs),
-            outputs=as_strings("outputs", outputs),
+            inputs=as_names("inputs", inputs),
+            outputs=as_names("outputs", outputs),
             layers=as_list(layers),
             activation=activation,
             acts_as=acts_as,

@@ -1,0 +1,77 @@
+"""The tables of a case, and what it is for: its responses are there ("check", which
+is for fits too), it is simulated, or sensors for it are planned."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from ._columns import curves
+from ._pinode import Error
+
+# Keywords of a case, and their tables in a case file.
+KEYS = {
+    "model": "model",
+    "groups": "group",
+    "elements": "element",
+    "libraries": "library",
+    "networks": "network",
+    "unknown_forces": "unknown_force",
+    "records": "record",
+    "modes": "mode",
+    "reference_curves": "reference_curve",
+}
+
+
+# Those of which there may be several.
+_LISTS = tuple(key for key in KEYS if key != "model")
+
+
+def check_parts(parts: Mapping[str, Any]) -> None:
+    """What a reader of files would call by other names."""
+    for key in _LISTS:
+        part = parts.get(key)
+        if isinstance(part, Mapping):
+            raise Error(
+                f"{key} is a {type(part).__name__} by itself, expected a list: {key}=[...]"
+            )
+        if isinstance(part, (list, tuple)) and not part:
+            raise Error(
+                f"{key} is an empty list, expected one entry at least, or no {key} at all"
+            )
+
+
+def tables_of(parts: Mapping[str, Any]) -> dict[str, Any]:
+    """The parts of a case as its file has them."""
+    tables = {KEYS.get(key, key): part for key, part in parts.items()}
+    if "reference_curve" in tables:
+        tables["reference_curve"] = curves(tables["reference_curve"])
+    return tables
+
+
+def purpose_of(tree: Mapping[str, Any]) -> str:
+    """Of the tables of a case: what its records can be for."""
+    given = tree.get("record")
+    listed = given if isinstance(given, (list, tuple)) else ()
+    records = [r for r in listed
+               if isinstance(r, Mapping) and r.get("excitation") != "ambient"]
+    simulated = any(is_for_simulation(r) for r in records)
+    if any(not _channels(r) for r in records) or (simulated and tree.get("plan") is not None):
+        return "planning"
+    return "simulation" if simulated else "check"
+
+
+def is_for_simulation(record: Mapping[str, Any]) -> bool:
+    """Whether a record has a channel without values."""
+    file = record.get("file")
+    # A file of PEER has one motion, which needs no name.
+    if isinstance(file, (str, os.PathLike)) and str(file).lower().endswith(".at2"):
+        return False
+    return any(isinstance(c, Mapping) and "column" not in c and "file" not in c
+               for c in _channels(record))
+
+
+def _channels(record: Mapping[str, Any]) -> tuple[Any, ...]:
+    channels = record.get("channel") or ()
+    return tuple(channels) if isinstance(channels, (list, tuple)) else (channels,)
