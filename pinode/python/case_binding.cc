@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "pinode/base/file.h"
 #include "pinode/case/case_check.h"
 #include "pinode/case/check_files.h"
 #include "pinode/case/matlab_results.h"
@@ -40,11 +41,36 @@ const char* PurposeName(CasePurpose purpose) {
                                                : "planning";
 }
 
+// To be fitted or looked at, unless a record has no channel, as for plans alone.
+bool FindPurpose(const std::string& path, CasePurpose* purpose,
+                 std::string* error) {
+  std::string text;
+  TomlValue tree;
+  if (!ReadTextFile(path, &text, error) ||
+      !ParseToml(text, path, &tree, error)) {
+    return false;
+  }
+  *purpose = CasePurpose::kCheck;
+  const TomlValue* records = tree.Find("record");
+  if (records == nullptr) return true;
+  for (const TomlValue& record : records->elements) {
+    const TomlValue* excitation = record.Find("excitation");
+    const TomlValue* channels = record.Find("channel");
+    if ((excitation == nullptr || excitation->text != "ambient") &&
+        (channels == nullptr || channels->elements.empty())) {
+      *purpose = CasePurpose::kPlanning;
+    }
+  }
+  return true;
+}
+
 std::shared_ptr<CaseHandle> ReadFile(const std::string& path,
                                      const std::string& purpose) {
   auto handle = std::make_shared<CaseHandle>();
-  handle->purpose = PurposeOf(purpose);
-  RequireInterruptibly([handle, path](std::string* error) {
+  const bool any = purpose == "any";
+  if (!any) handle->purpose = PurposeOf(purpose);
+  RequireInterruptibly([handle, path, any](std::string* error) {
+    if (any && !FindPurpose(path, &handle->purpose, error)) return false;
     Case* c = &handle->c;
     switch (handle->purpose) {
       case CasePurpose::kFit:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._part import as_folder, as_mapping, as_path
+from ._case_tables import check_parts, purpose_of, tables_of
+from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher
 from ._pinode import Error
-from .measurements import Record
 from .progress import watched
 
 if TYPE_CHECKING:
@@ -20,20 +20,6 @@ if TYPE_CHECKING:
     from .result_folder import ResultFolder
 
 Progress = Callable[[Mapping[str, Any]], Any]
-
-# Keywords of a case, and their tables in a case file.
-_TABLES = {
-    "model": "model",
-    "groups": "group",
-    "elements": "element",
-    "libraries": "library",
-    "networks": "network",
-    "unknown_forces": "unknown_force",
-    "records": "record",
-    "modes": "mode",
-    "reference_curves": "reference_curve",
-}
-
 
 class Case:
     """What is to be identified from what.
@@ -47,8 +33,11 @@ class Case:
     records, modes: what was measured.
     units: {"force": "kN", "length": "mm"}; N, m and s unless given.
     options: of the fit, as [options] of a case file.
+    reference_curves: known force curves, {"term": "damper", "deformation": values,
+        "force": values}, drawn beside what is found.
     Further tables of a case file (`modal`, `damage`, `profiles`, `discover`,
-        `simulate`, `plan`, `geometry`) by name. With `plan` records need no channels.
+        `simulate`, `plan`, `geometry`) by name. To plan sensors records need no
+        channels.
     """
 
     def __init__(
@@ -82,16 +71,9 @@ class Case:
             **tables,
         }
         self._parts = {k: v for k, v in given.items() if v is not None}
-        for key, value in self._parts.items():
-            if key in _TABLES and isinstance(value, (list, tuple)) and not value:
-                raise Error(
-                    f"{key} is an empty list, expected one entry at least, or "
-                    f"no {key} at all"
-                )
-        tree = {_TABLES.get(k, k): v for k, v in self._parts.items()}
-        self._handle = _pinode.CaseHandle.from_tree(
-            tree, "", _purpose(records, "plan" in self._parts)
-        )
+        check_parts(self._parts)
+        tree = tables_of(self._parts)
+        self._handle = _pinode.CaseHandle.from_tree(tree, "", purpose_of(tree))
 
     @classmethod
     def _of(cls, handle: Any, parts: dict[str, Any] | None = None) -> "Case":
@@ -101,9 +83,22 @@ class Case:
         return case
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], *, simulation: bool = False) -> "Case":
-        """The case of a file; `simulation`: its responses are not read."""
-        purpose = "simulation" if simulation else "check"
+    def read(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        simulation: bool = False,
+        planning: bool = False,
+    ) -> "Case":
+        """The case of a file.
+
+        simulation: its responses are not read. planning: neither are they, and
+        records need no channels, as for `pinode_check --plan`; a case with a record
+        without channels is read so by itself.
+        """
+        for name, value in (("simulation", simulation), ("planning", planning)):
+            as_flag(name, value)
+        purpose = "planning" if planning else "simulation" if simulation else "any"
         return cls._of(_pinode.CaseHandle.read(as_path("path", path), purpose))
 
     @classmethod
@@ -112,14 +107,21 @@ class Case:
 
         path: where it would stand, for messages and relative paths.
         """
-        return cls._of(_pinode.CaseHandle.from_tree(as_mapping("tree", tree), path, "check"))
+        tree = as_mapping("tree", tree)
+        return cls._of(_pinode.CaseHandle.from_tree(tree, path, purpose_of(tree)))
 
     def replace(self, **parts: Any) -> "Case":
         """The same case with other parts, such as the records of another day."""
         if self._parts is None:
             tree = self._handle.tree()
-            tree.update((_TABLES.get(k, k), v) for k, v in parts.items())
-            return Case.from_dict(tree, path=self.path)
+            check_parts(parts)
+            other = tables_of(parts)
+            tree.update(other)
+            purpose = purpose_of(tree)
+            # What it was read for, its tables do not say.
+            if "record" not in other and purpose != "planning":
+                purpose = self._handle.purpose.replace("fit", "check")
+            return Case._of(_pinode.CaseHandle.from_tree(tree, self.path, purpose))
         return Case(**{**self._parts, **parts})
 
     # What it is.
@@ -255,7 +257,8 @@ class Case:
         from .forecast import Simulation
 
         wanted = {
-            "noise_percent": -1.0 if noise_percent is None else noise_percent,
+            # Below zero: as the case says.
+            "noise_percent": -1.0 if noise_percent is None else _percent(noise_percent),
             "seed": seed,
             "noise": noise,
         }
@@ -331,7 +334,7 @@ class Case:
         """
         from .result import Fit
 
-        with watched(progress, callback) as call:
+        with watched(*as_watcher(progress, callback)) as call:
             return Fit(
                 _pinode.identify(
                     self._handle,
@@ -371,7 +374,7 @@ class Case:
         """
         from .result import Damage, _baselines
 
-        with watched(progress, callback) as call:
+        with watched(*as_watcher(progress, callback)) as call:
             return Damage(
                 _pinode.damage(
                     self._handle,
@@ -412,7 +415,7 @@ class Case:
 
         output = as_folder(output, mat)
         handle = _model(self, model, output)
-        with watched(progress, callback) as call:
+        with watched(*as_watcher(progress, callback)) as call:
             return Discovery(
                 _pinode.discover(
                     self._handle,
@@ -453,6 +456,13 @@ class Case:
         return _restore, (tree, self.path, self._handle.purpose)
 
 
+def _percent(noise: Any) -> float:
+    percent = as_number("noise_percent", noise)
+    if percent < 0.0:
+        raise Error(f"noise_percent is {percent:g}, expected 0 or more")
+    return percent
+
+
 def _handle_of_fit(fit: Any) -> Any:
     if fit is None:
         return None
@@ -462,23 +472,15 @@ def _handle_of_fit(fit: Any) -> Any:
     return handle
 
 
-def _purpose(records: Sequence[Mapping[str, Any]] | None, plan: bool) -> str:
-    """What a case with these records can be for: "check", which is for fits too,
-    where all responses are there."""
-    listed = records if isinstance(records, (list, tuple)) else ()
-    own = [r for r in listed if isinstance(r, Record)]
-    if plan and any(r.is_for_simulation or not r.get("channel") for r in own):
-        return "planning"
-    return "simulation" if any(r.is_for_simulation for r in own) else "check"
-
-
 def _restore(tree: dict[str, Any], path: str, purpose: str) -> Case:
     return Case._of(_pinode.CaseHandle.from_tree(tree, path, purpose))
 
 
-def read_case(path: str | os.PathLike[str], *, simulation: bool = False) -> Case:
+def read_case(
+    path: str | os.PathLike[str], *, simulation: bool = False, planning: bool = False
+) -> Case:
     """The case of a file; see Case.read."""
-    return Case.read(path, simulation=simulation)
+    return Case.read(path, simulation=simulation, planning=planning)
 
 
 __all__ = ["Case", "read_case"]
