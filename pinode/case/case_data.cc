@@ -8,12 +8,15 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/csv_file.h"
+#include "pinode/case/model_section.h"
 #include "pinode/case/toml_value.h"
 #include "pinode/structure/matrix_io.h"
 #include "pinode/structure/matrix_market.h"
 
 namespace pinode {
 namespace {
+
+namespace fs = std::filesystem;
 
 // "<record[0].file>" as part of a file's name, record_0_.file.
 std::string FileStem(const std::string& name) {
@@ -55,7 +58,7 @@ class DataWriter {
 
  private:
   std::string Path(const std::string& file) const {
-    return (std::filesystem::path(folder_) / file).string();
+    return (fs::path(folder_) / file).string();
   }
 
   bool WriteArray(std::string* name) {
@@ -82,6 +85,40 @@ class DataWriter {
   const std::string folder_;
   std::string* error_;
 };
+
+// Keys whose text is the name of a file, and those that may have another text.
+bool NamesFile(const std::string& key) {
+  return key == "file" || key == "weights" || key == "changed_export" ||
+         key == "set_export";
+}
+
+bool MayNameFile(const std::string& key) {
+  return key == "mass" || key == "stiffness" || key == "damping" ||
+         key == "matrix" || key == "dofs" || key == "shape" ||
+         key == "shape_covariance";
+}
+
+void MoveFileNames(const CaseData& data, const std::string& path,
+                   const fs::path& folder, const std::string& key,
+                   TomlValue* value) {
+  for (TomlValue& element : value->elements) {
+    MoveFileNames(data, path, folder, "", &element);
+  }
+  for (auto& [name, entry] : value->entries) {
+    MoveFileNames(data, path, folder, name, &entry);
+  }
+  if (value->type != TomlValue::Type::kString || data.Has(value->text)) return;
+  std::error_code status;
+  const fs::path from = ResolvePath(path, value->text);
+  if (!NamesFile(key) &&
+      !(MayNameFile(key) && fs::is_regular_file(from, status))) {
+    return;
+  }
+  const fs::path whole =
+      fs::weakly_canonical(fs::absolute(from, status), status);
+  const fs::path to = whole.lexically_proximate(folder);
+  value->text = (to.empty() ? whole : to).string();
+}
 
 }  // namespace
 
@@ -129,18 +166,25 @@ bool WriteCaseData(const CaseData& data, const std::string& folder,
 }
 
 bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
-                     const std::string& folder, std::string* error) {
+                     const std::string& path, const std::string& folder,
+                     std::string* error) {
   std::error_code status;
-  std::filesystem::create_directories(folder, status);
+  const std::string file = (fs::path(folder) / "case.toml").string();
+  if (!path.empty() && fs::equivalent(path, file, status)) {
+    *error = file + ": is the file of the case itself, expected another folder";
+    return false;
+  }
+  fs::create_directories(folder, status);
   if (status) {
     *error = folder + ": cannot be created: " + status.message();
     return false;
   }
   TomlValue named = tree;
+  MoveFileNames(data, path,
+                fs::weakly_canonical(fs::absolute(folder, status), status), "",
+                &named);
   return WriteCaseData(data, folder, &named, error) &&
-         WriteFileAtomically(
-             (std::filesystem::path(folder) / "case.toml").string(),
-             FormatToml(named), error);
+         WriteFileAtomically(file, FormatToml(named), error);
 }
 
 }  // namespace pinode

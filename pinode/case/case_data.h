@@ -41,7 +41,10 @@ struct CaseData {
                                  std::string* error);
 
 // Writes the case that `tree` says as <folder>/case.toml, with the files of its
-// arrays beside it; `folder` is created where it is not there.
+// arrays beside it; `folder` is created where it is not there. Files that it
+// names, from where it is (`path`; empty: the working directory), stay where
+// they are and are named as seen from `folder`. False, with *error, where that
+// would take the place of the case itself.
 [[nodiscard]] bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
                                    const std::string& folder,
                                    std::string* error);

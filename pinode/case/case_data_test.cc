@@ -80,9 +80,25 @@ TEST_F(CaseDataTest, ArraysAreReadAsFilesAre) {
 }
 
 TEST_F(CaseDataTest, CasesAreWrittenWithTheirArrays) {
-  ASSERT_TRUE(WriteCaseFolder(tree_, data_, folder_.Path("out"), &error_))
+  ASSERT_TRUE(WriteCaseFolder(tree_, data_, "", folder_.Path("out"), &error_))
       << error_;
   ExpectSameProblem(from_files_, ReadOrFail(folder_.Path("out/case.toml")));
+}
+
+TEST_F(CaseDataTest, FilesOfACaseThatIsWrittenStayWhereTheyAre) {
+  ASSERT_TRUE(WriteCaseFolder(*from_files_.source, CaseData(),
+                              from_files_.path, folder_.Path("deep/out"),
+                              &error_))
+      << error_;
+  const std::string path = folder_.Path("deep/out/case.toml");
+  ExpectSameProblem(from_files_, ReadOrFail(path));
+  std::string text;
+  ASSERT_TRUE(ReadTextFile(path, &text, &error_)) << error_;
+  EXPECT_THAT(text, HasSubstr("file = \"../../quake.csv\""));
+  // Not in place of itself.
+  EXPECT_FALSE(WriteCaseFolder(*from_files_.source, CaseData(), path,
+                               folder_.Path("deep/out"), &error_));
+  EXPECT_THAT(error_, HasSubstr("is the file of the case itself"));
 }
 
 TEST_F(CaseDataTest, ModelCasesHaveTheirRecordsBesideThem) {

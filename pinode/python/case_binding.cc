@@ -327,8 +327,8 @@ void BindCase(py::module_* module) {
           "save",
           [](const CaseHandle& handle, const std::string& folder) {
             std::string error;
-            Require(WriteCaseFolder(*handle.c.source, DataOf(handle.c), folder,
-                                    &error),
+            Require(WriteCaseFolder(*handle.c.source, DataOf(handle.c),
+                                    handle.c.path, folder, &error),
                     error);
           },
           py::arg("folder"))

@@ -213,9 +213,8 @@ class Case:
         return self._handle.toml()
 
     def save(self, folder: str | os.PathLike[str]) -> None:
-        """Writes case.toml, and files for its arrays, to `folder`."""
-        if self.path:
-            raise Error(f"the case is in a file already: {self.path}")
+        """Writes case.toml, and files for its arrays, to `folder`. Files that it names
+        stay where they are and are named as seen from there."""
         self._handle.save(as_path("folder", folder))
 
     # What can be done with it.

@@ -4,6 +4,7 @@ pickled."""
 import os
 import pathlib
 import pickle
+import shutil
 import subprocess
 
 import conftest
@@ -80,3 +81,54 @@ def test_replacing_a_part_leaves_a_case_what_it_is_for():
     assert read.title == "y" and read.simulate()
     with pytest.raises(pinode.Error, match="for a simulation"):
         read.identify()
+
+
+def copied(tmp_path):
+    shutil.copytree(DATA / "three_storey", tmp_path / "three_storey")
+    return tmp_path / "three_storey" / "three_storey.toml"
+
+
+def same(a, b):
+    assert a.parameters == b.parameters and np.array_equal(a.stiffness, b.stiffness)
+    for record in a.records:
+        ours, theirs = a.measured(record), b.measured(record)
+        assert all(np.array_equal(ours[k], theirs[k], equal_nan=True) for k in ours)
+
+
+def test_cases_of_files_can_be_saved_elsewhere(tmp_path):
+    path = copied(tmp_path)
+    read = pinode.read_case(path)
+    before = path.read_text()
+    read.replace(title="b").save(tmp_path / "changed" / "deep")
+    again = pinode.read_case(tmp_path / "changed" / "deep" / "case.toml")
+    assert again.title == "b"
+    same(read, again)
+    read.save(tmp_path / "plain")
+    same(read, pinode.read_case(tmp_path / "plain" / "case.toml"))
+    # Data files stay where they are.
+    assert sorted(p.name for p in (tmp_path / "plain").iterdir()) == ["case.toml"]
+    assert "three_storey/" in (tmp_path / "plain" / "case.toml").read_text()
+    # Arrays of new parts are written beside it.
+    other = read.replace(groups=[pinode.Group("k1", np.eye(len(read.dofs)))])
+    other.save(tmp_path / "arrays")
+    same(other, pinode.read_case(tmp_path / "arrays" / "case.toml"))
+    assert path.read_text() == before
+
+
+def test_a_case_is_not_saved_over_itself(tmp_path):
+    path = copied(tmp_path)
+    path = path.rename(path.with_name("case.toml"))
+    before = path.read_text()
+    with pytest.raises(pinode.Error, match="is the file of the case itself, expected another"):
+        pinode.read_case(path).replace(title="b").save(path.parent)
+    assert path.read_text() == before
+
+
+def test_files_named_in_memory_are_found_from_where_a_case_is_saved(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    np.savetxt("a.csv", np.column_stack([LOAD, LOAD]), delimiter=",", header="F,a", comments="")
+    made = pinode.Case(conftest.model(), groups=conftest.groups(), records=[pinode.Record(
+        "load", file="a.csv", step=0.01, force={"u3": {"column": "F", "unit": "N"}},
+        interpolation="linear", channels=[pinode.Channel("a", "a", dof="u1", unit="m/s^2")])])
+    made.save("saved")
+    same(made, pinode.read_case(tmp_path / "saved" / "case.toml"))
