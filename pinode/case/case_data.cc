@@ -160,6 +160,15 @@ bool SelectColumns(const Table& table, const std::vector<std::string>& wanted,
   return true;
 }
 
+bool ReadColumns(const CaseData& data, const std::string& path,
+                 const std::vector<std::string>& wanted, Table* selected,
+                 std::string* error) {
+  const auto array = data.tables.find(path);
+  return array != data.tables.end()
+             ? SelectColumns(array->second, wanted, selected, error)
+             : ReadCsvTable(path, wanted, selected, error);
+}
+
 bool WriteCaseData(const CaseData& data, const std::string& folder,
                    TomlValue* tree, std::string* error) {
   return DataWriter(data, folder, error).Write(tree);

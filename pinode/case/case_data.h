@@ -34,6 +34,11 @@ struct CaseData {
                                  const std::vector<std::string>& wanted,
                                  Table* selected, std::string* error);
 
+// The same of what `path` names: a table of `data`, or else a CSV file.
+[[nodiscard]] bool ReadColumns(const CaseData& data, const std::string& path,
+                               const std::vector<std::string>& wanted,
+                               Table* selected, std::string* error);
+
 // Writes to `folder`, which is there, a file for each array that a text in
 // *tree names, and names that file instead.
 [[nodiscard]] bool WriteCaseData(const CaseData& data,

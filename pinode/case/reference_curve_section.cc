@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/case_data.h"
 #include "pinode/case/model_section.h"
 #include "pinode/record/table.h"
 
@@ -67,8 +68,8 @@ bool ReadReferenceCurves(const TomlTable& root,
     }
     Table values;
     std::string error;
-    if (!ReadCsvTable(ResolvePath(table.errors()->path(), file),
-                      {deformation, force}, &values, &error)) {
+    if (!ReadColumns(table.errors()->data(), ResolvePath(table, file),
+                     {deformation, force}, &values, &error)) {
       return table.errors()->FailAsIs(error);
     }
     curve.deformation = values.values.col(values.FindColumn(deformation));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/case_data.h"
 #include "pinode/case/parameter_keys.h"
 #include "pinode/record/table.h"
 #include "pinode/record/time_column.h"
@@ -354,7 +355,8 @@ bool ReadForceTruths(const TomlTable& root, const UnitSystem& units,
       options.unit = units.time;
       options.interpolate_irregular = true;
       std::string error;
-      if (!ReadCsvTable(section->file, columns, &values, &error) ||
+      if (!ReadColumns(table.errors()->data(), section->file, columns, &values,
+                       &error) ||
           !(section->time_column.empty()
                 ? TimeGridFromStep(values, section->sampling_step, &grid,
                                    &error)
