@@ -22,8 +22,10 @@ class Channel(Part):
 
     values: one a sample, NaN (or masked) where missing; or the name of a column of the
         record's file; None in a case that is simulated.
-    quantity: "displacement", "velocity", "acceleration" (relative to the
-        ground), "absolute_acceleration", "absolute_displacement", "strain".
+    quantity: "absolute_acceleration", what accelerometers show,
+        "relative_acceleration", "displacement" and "velocity" (these relative to
+        the ground), "absolute_displacement", "strain", or "force", of the actuator
+        that moves a DOF.
     dof: where; or `combination`, {dof: weight}.
     unit: of the values; the model's own for arrays unless given.
     sigma: standard deviation of its noise, in `unit`; estimated unless given.
@@ -43,6 +45,12 @@ class Channel(Part):
         fit: bool | None = None,
         **keys: Any,
     ) -> None:
+        if isinstance(quantity, str) and quantity == "acceleration":
+            raise Error(
+                f"channel '{name}': quantity 'acceleration' does not say of what, expected "
+                "'absolute_acceleration', as accelerometers show it, or 'relative_acceleration', "
+                "to the ground"
+            )
         super().__init__(
             name=name,
             values=values,

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 _DATA_FILES = (".csv", ".txt", ".tsv", ".dat", ".uff", ".unv", ".mat", ".npz", ".npy", ".h5",
                ".hdf5", ".at2")
 _DERIVATIVES = {"displacement": 0, "strain": 0, "velocity": 1, "acceleration": 2}
+# As channels of a case have them; modes are the same of both.
+_LONGER = {"absolute_displacement": "displacement", "absolute_acceleration": "acceleration",
+           "relative_acceleration": "acceleration"}
 
 
 class IdentifiedModes(Sequence):
@@ -265,7 +268,8 @@ def _of_data_file(
     return _pinode.ModesHandle.read_data(
         path,
         ["all"] if columns is None else [columns] if one_name else as_sequence("columns", columns),
-        [quantity] if isinstance(quantity, str) else as_sequence("quantity", quantity),
+        [_short(quantity)] if isinstance(quantity, str) else
+        [_short(name) for name in as_sequence("quantity", quantity)],
         time or "",
         0.0 if step is None else rate_of(os.path.basename(path), step),
         free_decay,
@@ -330,8 +334,12 @@ def _columns(values: Any) -> np.ndarray:
 def _derivatives(quantity: str | Sequence[str], count: int) -> list[int]:
     quantities = [quantity] * count if isinstance(quantity, str) else as_sequence("quantity", quantity)
     for name in quantities:
-        if name not in _DERIVATIVES:
+        if not isinstance(name, str) or _short(name) not in _DERIVATIVES:
             raise Error(
                 f"'{name}' is no quantity, expected one of {', '.join(_DERIVATIVES)}"
             )
-    return [_DERIVATIVES[name] for name in quantities]
+    return [_DERIVATIVES[_short(name)] for name in quantities]
+
+
+def _short(quantity: Any) -> Any:
+    return _LONGER.get(quantity, quantity) if isinstance(quantity, str) else quantity

@@ -168,6 +168,19 @@ def test_of_a_data_file(rows, sheet):
     assert not np.allclose(mixed.shapes, arrays.shapes, atol=0.1)
 
 
+def test_quantities_as_channels_have_them(rows, sheet):
+    keys = dict(step=STEP, block_rows=8, max_order=12)
+    for longer, short in (("absolute_acceleration", "acceleration"),
+                          ("relative_acceleration", "acceleration"),
+                          ("absolute_displacement", "displacement")):
+        for records in (rows, sheet / "wind.csv"):
+            ours, theirs = (pinode.identify_modes(records, quantity=quantity, **keys)
+                            for quantity in ([longer] * 3, short))
+            assert np.array_equal(ours.shapes, theirs.shapes)
+    with pytest.raises(pinode.Error, match="'speed' is no quantity, expected one of displacement"):
+        pinode.identify_modes(rows, quantity="speed", **keys)
+
+
 def test_of_a_decay_in_a_file(tmp_path):
     decay = accelerations(np.zeros((1500, 3)), start=0.01)
     decay += 1e-3 * decay.std() * np.random.default_rng(5).standard_normal(decay.shape)
