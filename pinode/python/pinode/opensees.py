@@ -11,6 +11,11 @@ which DOF of which node it is, `nodeDOFs(tag)` says (-1: fixed).
     model = pinode.opensees.read("M.out", "K.out", dofs={2: [0, 1, 2], ...})
     case = pinode.Case(pinode.Model(model.mass, model.stiffness, {"ratios": [0.02]},
                                     dofs=model.dofs, influence=model.influence))
+
+or, where groups of elements with rotations without mass may have changed much,
+
+    case = pinode.Case(model.whole(damping={"ratios": [0.02]}),
+                       groups=[model.group("k1", K1)])
 """
 
 from __future__ import annotations
@@ -23,7 +28,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._arrays import as_array
+from ._constrained import ConstrainedModel
+from ._part import as_path
 from ._pinode import Error
+from .parts import FiniteElementModel, Group
 
 # Entries below this fraction of the largest are no mass.
 _NO_MASS = 1e-12
@@ -37,6 +45,7 @@ class CondensedModel(NamedTuple):
     influence: {"x": r, ...}: what ground accelerations do at each DOF.
     expansion: motion of all equations = expansion @ motion of `dofs`.
     equations: the names of all equations.
+    constrained: the model before DOFs without mass were left out.
     damping: None where it was not given.
     """
 
@@ -47,21 +56,46 @@ class CondensedModel(NamedTuple):
     influence: dict[str, np.ndarray]
     expansion: np.ndarray
     equations: list[str]
+    constrained: ConstrainedModel
 
     def condense(self, matrix: np.ndarray) -> np.ndarray:
         """Of a matrix over all equations, such as the part of a group, what it
-        is over `dofs`, the others following as they do in the model."""
-        matrix = np.asarray(as_array(matrix), dtype=float)
+        is over `dofs`, the others following as they do in the model.
+
+        They go on doing so where the group has changed, which is exact without
+        DOFs without mass, and else to first order: of a column with free rotations
+        that has lost a fifth, the shift of a frequency is some 5 % too large, at
+        two fifths 11 %. `whole` has them follow the group too.
+        """
+        return _symmetric(self.expansion.T @ self._of_equations(matrix) @ self.expansion)
+
+    def whole(self, **keys: Any) -> FiniteElementModel:
+        """The model with its DOFs without mass, which follow `dofs` in the structure
+        as a fit finds it (a reduction that is renewed); keys as for
+        FiniteElementModel. Its groups are those of `group`."""
+        return self.constrained.model(self.dofs, **keys)
+
+    def group(
+        self, name: str, matrix: np.ndarray, *, adds_to: str = "stiffness", **keys: Any
+    ) -> Group:
+        """A group of `whole`, of a part of its matrix over all equations; keys as for
+        Group."""
+        return self.constrained.group(name, self._of_equations(matrix), adds_to, **keys)
+
+    def _of_equations(self, matrix: Any) -> np.ndarray:
+        matrix = _numbers("group's", matrix)
         n = len(self.equations)
         if matrix.shape != (n, n):
             raise Error(
                 f"the matrix is {' x '.join(map(str, matrix.shape))}, expected {n} x {n}"
             )
-        return _symmetric(self.expansion.T @ matrix @ self.expansion)
+        return matrix
 
 
 def read_matrix(path: str | os.PathLike[str]) -> np.ndarray:
     """A full square matrix as `printA -file` writes it."""
+    # A number is an open file to Python.
+    path = as_path("path", path)
     try:
         with open(path, encoding="utf-8") as file:
             lines = file.read().splitlines()
@@ -142,7 +176,8 @@ def condense(
     translations: 2 or 3, the directions along which nodes move.
 
     Constraints come first, u = L q with L'ML and so on; then DOFs without mass
-    follow the others statically (Guyan's reduction, which is exact there).
+    follow the others statically (Guyan's reduction, which is exact there; of
+    groups see CondensedModel.condense).
     """
     mass, stiffness = _square("mass", mass), _square("stiffness", stiffness)
     size = len(mass)
@@ -189,6 +224,13 @@ def condense(
         if number <= translations and (direction == number).any()
     }
     whole = link @ expansion
+    constrained = ConstrainedModel(
+        _symmetric(mass),
+        None if damping is None else _symmetric(link.T @ damping @ link),
+        _symmetric(stiffness),
+        [names[i] for i in kept],
+        link,
+    )
     return CondensedModel(
         _symmetric(expansion.T @ mass @ expansion),
         None if damping is None else _symmetric(whole.T @ damping @ whole),
@@ -197,6 +239,7 @@ def condense(
         influence,
         whole,
         names,
+        constrained,
     )
 
 
@@ -242,12 +285,18 @@ def _ties(equal: Any) -> list[tuple[int, int, list[int]]]:
         ) from None
 
 
-def _square(name: str, value: Any) -> np.ndarray:
-    value = value.toarray() if hasattr(value, "toarray") else value
+def _numbers(name: str, value: Any) -> np.ndarray:
     try:
-        matrix = np.asarray(as_array(value), dtype=float)
+        matrix = as_array(value.toarray() if hasattr(value, "toarray") else value)
+        if matrix.dtype.kind in "biuf":
+            return matrix.astype(float)
     except (TypeError, ValueError):
-        raise Error(f"the {name} matrix is no array of numbers") from None
+        pass
+    raise Error(f"the {name} matrix is no array of numbers")
+
+
+def _square(name: str, value: Any) -> np.ndarray:
+    matrix = _numbers(name, value)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
         raise Error(
             f"the {name} matrix is {' x '.join(map(str, matrix.shape)) or 'a number'}, "
@@ -270,7 +319,7 @@ def _places(coordinates: Any, translations: int) -> dict[int, np.ndarray]:
     try:
         places = {
             operator.index(node): np.array([float(x) for x in place])
-            for node, place in (coordinates or {}).items()
+            for node, place in ({} if coordinates is None else coordinates).items()
         }
     except (AttributeError, TypeError, ValueError):
         raise Error(
@@ -312,7 +361,7 @@ def _link_rows(kind: Any, offset: np.ndarray, retained: int, constrained: int,
 
 def _rigid_rows(dofs: Mapping[int, Sequence[int]], rigid: Any, coordinates: Any,
                 translations: int) -> list[_Row]:
-    if translations not in (2, 3):
+    if not isinstance(translations, (int, np.integer)) or translations not in (2, 3):
         raise Error(f"translations is {translations!r:.40}, expected 2 or 3")
     try:
         links = [
@@ -328,7 +377,7 @@ def _rigid_rows(dofs: Mapping[int, Sequence[int]], rigid: Any, coordinates: Any,
     kinds = ["beam", "bar"] + ([1, 2, 3] if translations == 3 else [])
     rows = []
     for kind, retained, constrained in links:
-        if isinstance(kind, bool) or kind not in kinds:
+        if not isinstance(kind, (str, int, np.integer)) or isinstance(kind, bool) or kind not in kinds:
             raise Error(
                 f"rigid: kind {kind!r:.40}, expected one of {', '.join(map(repr, kinds))}"
                 + ("" if translations == 3 else " (rigidDiaphragm needs translations=3)")

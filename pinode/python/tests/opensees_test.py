@@ -178,6 +178,43 @@ def test_groups_follow_the_model():
     assert slope == pytest.approx((omega_squared(moved)[0] - values[0]) / step, rel=1e-3)
 
 
+def test_groups_with_rotations_without_mass():
+    """A column whose rotations have no mass: how they follow is another matter in the
+    structure that has lost stiffness."""
+    frame = Frame([6.0], [4.0, 4.0])
+    young, inertia, area = 2e11, 1e-4, 1e-2
+    parts = {}
+    for name, ends in {"low": [(1, 3), (2, 4)], "high": [(3, 5), (4, 6)],
+                       "beams": [(3, 4), (5, 6)]}.items():
+        before = frame.stiffness.copy()
+        for one, other in ends:
+            frame.add(one, other, area, inertia, young)
+        parts[name] = frame.stiffness - before
+    for node in (3, 4, 5, 6):
+        frame.add_mass(node, 1e4)
+
+    def frequencies(stiffness):
+        model = opensees.condense(frame.mass, stiffness, dofs=frame.dofs)
+        return np.sqrt(omega_squared(model)) / (2 * np.pi)
+
+    model = opensees.condense(frame.mass, frame.stiffness, dofs=frame.dofs)
+    modes = [pinode.Mode(hz, frequency_sigma=1e-6 * hz)
+             for hz in frequencies(frame.stiffness - 0.4 * parts["low"])[:2]]
+    linear = pinode.Case(
+        pinode.Model(model.mass, model.stiffness, dofs=model.dofs, influence=model.influence),
+        groups=[pinode.Group("low", model.condense(parts["low"]))], modes=modes)
+    whole = pinode.Case(model.whole(), modes=modes, groups=[
+        model.group("low", parts["low"], lower=-0.9)])
+    assert whole.dofs == model.dofs and len(model.constrained.dofs) == 12
+    assert np.allclose(whole.stiffness, model.stiffness)
+    assert abs(linear.identify()["low"] + 0.4) > 0.01
+    assert whole.identify()["low"] == pytest.approx(-0.4, abs=1e-4)
+    with pytest.raises(pinode.Error, match="expected 12 x 12"):
+        model.group("low", np.eye(3))
+    with pytest.raises(pinode.Error, match="expected one of mass, stiffness"):
+        model.group("low", parts["low"], adds_to="damping")
+
+
 @pytest.mark.parametrize("text, message", [
     ("", "0 rows"), ("1 2\n3\n", ":2: 1 numbers, expected 2"), ("1 a\n", ":1: '1 a'"),
     ("1 2\n", "1 rows of 2"), ("nan\n", "not finite")])
