@@ -23,7 +23,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ._part import as_path, as_sequence
+from ._part import as_number, as_path, as_sequence, as_text
 from ._pinode import Error
 from .parts import FiniteElementModel, Group
 
@@ -87,11 +87,13 @@ def export(
     pinode.Error where the deck or `ccx` do not do.
     """
     deck = Path(as_path("deck", deck)).absolute()
-    sets = as_sequence("sets", sets)
-    masses = as_sequence("masses", masses)
+    sets = [as_text("a set", name) for name in as_sequence("sets", sets)]
+    masses = [as_text("a set of masses", name) for name in as_sequence("masses", masses)]
+    factor, ccx = as_number("factor", factor), as_path("ccx", ccx)
     if not factor > 0.0 or factor in (1.0, float("inf")):
         raise Error(f"factor is {factor!r}, expected a positive number other than 1")
-    if shutil.which(ccx) is None:
+    program = shutil.which(ccx)
+    if program is None:
         raise Error(f"there is no program '{ccx}', expected CalculiX (Debian: calculix-ccx)")
     cards = _model_of(_read(deck))
     place = deck.with_name(deck.stem + "_export")
@@ -106,7 +108,25 @@ def export(
     for name, *_ in jobs:
         if not re.fullmatch(r"[A-Za-z0-9_.+-]+", name) or name == "model":
             raise Error(f"set '{name}' cannot be the name of a group and a file")
-    place.mkdir(parents=True, exist_ok=True)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        groups = _export_all(os.path.abspath(program), place, cards, jobs, factor, threads)
+    except OSError as failure:
+        raise Error(f"{place}: cannot be written: {failure.strerror}") from None
+    # A set of the same name needs no mention.
+    geometry = {"file": str(deck),
+                "groups": {name: of for name, of, *_ in jobs if name != of}}
+    return Export(place, place / "model.mas", place / "model.sti", groups, geometry)
+
+
+def _export_all(
+    ccx: str,
+    place: Path,
+    cards: list[_Card],
+    jobs: list[tuple[str, str, str, list[_Card]]],
+    factor: float,
+    threads: int,
+) -> list[Group]:
     _run(ccx, place, "model", cards, threads)
     groups = []
     for name, _, target, changed in jobs:
@@ -117,15 +137,12 @@ def export(
                   factor=factor, lower=-0.95)
         )
         (place / f"{name}.{'mas' if suffix == 'sti' else 'sti'}").unlink(missing_ok=True)
-    # A set of the same name needs no mention.
-    geometry = {"file": str(deck),
-                "groups": {name: of for name, of, *_ in jobs if name != of}}
-    return Export(place, place / "model.mas", place / "model.sti", groups, geometry)
+    return groups
 
 
 def element_sets(deck: str | os.PathLike[str]) -> list[str]:
     """The sets of a deck that `export` can change."""
-    cards = _model_of(_read(Path(deck)))
+    cards = _model_of(_read(Path(as_path("deck", deck))))
     return _sets_of(cards, "*SPRING", "*MASS")
 
 

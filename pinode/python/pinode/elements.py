@@ -68,18 +68,20 @@ def build(
     """
     if not isinstance(source, (str, os.PathLike)):
         raise Error(f"source is a value of type {type(source).__name__}, expected a text or a path")
+    compiler = as_path("compiler", compiler)
     if shutil.which(compiler) is None:
         raise Error(f"the compiler '{compiler}' is not installed, expected one of C++")
     target = Path(as_path("library", library)).absolute()
     paths = [*(as_path("include", path) for path in as_sequence("include", include)), *include_paths()]
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(source, os.PathLike) or "{" not in source:
-            file = Path(source)
-            if not file.is_file():
+            file = Path(as_path("source", source))
+            if not os.path.isfile(file):
                 raise Error(f"{file}: is no file, expected a source of C++")
         else:
             file = Path(folder, "elements.cc")
-            file.write_text(f'#include "{_HEADER}"\n#line 1 "source"\n{source}', encoding="utf-8")
+            text = f'#include "{_HEADER}"\n#line 1 "source"\n{source}'
+            file.write_text(text, encoding="utf-8", errors="replace")
         made = Path(folder, "elements.so")
         command = [compiler, "-std=c++17", "-O2", "-shared", "-fPIC",
                    *shlex.split(_pinode.element_compiler_flags()),

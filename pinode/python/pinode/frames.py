@@ -156,7 +156,7 @@ def of_simulation(
     pandas = _pandas()
     if record is None:
         record = next(iter(simulation))
-    if record not in simulation:
+    if not isinstance(record, str) or record not in simulation:
         raise Error(f"there is no record '{record}' in the simulation")
     response = simulation[record]
     return pandas.DataFrame(

@@ -327,7 +327,13 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def _columns(values: Any) -> np.ndarray:
-    values = as_array(values)
+    try:
+        values = as_array(values)
+    except (TypeError, ValueError):
+        raise Error(
+            f"records: a value of type {type(values).__name__} that is no array, expected "
+            "samples x channels"
+        ) from None
     return values[:, None] if values.ndim == 1 else values
 
 

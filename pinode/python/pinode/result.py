@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
-from ._part import as_folder, as_mapping, as_path, as_sequence
+from ._part import as_folder, as_mapping, as_path, as_sequence, as_watcher
 from ._pinode import Error
 from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case, Progress
@@ -300,7 +300,7 @@ class Fit(_Outcome):
             checkpoint on the way from which `resume` goes on.
         """
         case = self.case if options is None else self.case.replace(discover=as_mapping("options", options))
-        with watched(progress, callback) as call:
+        with watched(*as_watcher(progress, callback)) as call:
             return Discovery(
                 _pinode.discover(
                     case._handle,
@@ -327,7 +327,7 @@ class Fit(_Outcome):
         """What has changed since healthy records; see Case.damage, which begins
         the fit from the first of these, and holds what these alone tell of how
         the structure follows a covariate."""
-        with watched(progress, callback) as call:
+        with watched(*as_watcher(progress, callback)) as call:
             return Damage(
                 _pinode.damage(
                     self.case._handle,
@@ -491,7 +491,7 @@ def _baselines(given: Any) -> list[Any]:
         elif isinstance(entry, ResultFolder):
             result.append(str(entry.path))
         elif isinstance(entry, (str, os.PathLike)):
-            result.append(os.fspath(entry))
+            result.append(as_path("a baseline", entry))
         else:
             raise Error(
                 f"a baseline is a value of type {type(entry).__name__}, expected "

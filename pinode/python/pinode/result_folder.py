@@ -44,7 +44,10 @@ class ResultFolder:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(as_path("path", path))
-        there = [name for name in _MAIN_FILES if (self.path / name).exists()]
+        try:
+            there = [name for name in _MAIN_FILES if (self.path / name).exists()]
+        except OSError as failure:
+            raise Error(f"{self.path}: cannot be read: {failure.strerror}") from None
         if not there:
             raise Error(
                 f"{self.path}: is no result of pinode, expected a folder with one of "

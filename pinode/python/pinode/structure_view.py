@@ -6,6 +6,9 @@ import os
 from html import escape
 from pathlib import Path
 
+from ._part import as_path
+from ._pinode import Error
+
 
 class StructureView:
     """A structure drawn in 3-D, for a notebook or a page of its own.
@@ -24,7 +27,11 @@ class StructureView:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the page."""
-        Path(path).write_text(self.html, encoding="utf-8")
+        file = Path(as_path("path", path))
+        try:
+            file.write_text(self.html, encoding="utf-8")
+        except OSError as failure:
+            raise Error(f"{file}: cannot be written: {failure.strerror}") from None
 
     def _repr_html_(self) -> str:
         return (

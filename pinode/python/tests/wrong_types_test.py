@@ -1,12 +1,15 @@
 """A value of a type that an argument cannot be is a pinode.Error that names it."""
 
 import json
+import os
+import shutil
 
 import numpy as np
 import pytest
+import scipy.sparse
 
 import pinode
-from pinode import calculix, elements, figures, frames
+from pinode import calculix, elements, figures, frames, opensees
 
 MODEL = pinode.ShearBuilding([1.0, 1.0], [100.0, 100.0], damping={"ratios": [0.02, 0.02]})
 
@@ -16,6 +19,16 @@ def record(**keys):
     channels = [pinode.Channel("a", values, "absolute_acceleration", dof="u1")]
     return pinode.Record("r", channels=channels, step=0.01, ground={"x": values},
                          interpolation="linear", **keys)
+
+
+def fitted():
+    return pinode.Case(MODEL, records=[record()], groups=[pinode.Group("k1", storey=1)])
+
+
+def shaken():
+    return pinode.Case(MODEL, records=[pinode.Record(
+        "r", step=0.01, ground={"x": np.ones(50)}, interpolation="linear", start="rest",
+        channels=[pinode.Channel("a", dof="u1")])])
 
 
 @pytest.mark.parametrize("name", figures.__all__)
@@ -52,11 +65,72 @@ def test_figures(name):
     (lambda: pinode.Case(MODEL, records=[record()], groups=[
         pinode.Group("k1", storey=1)]).damage(3), "baselines"),
     (lambda: pinode.Case(MODEL).replace(records=3), "record"),
+    (lambda: pinode.Case(MODEL, records=record()), r"records is a Record by itself, expected a list"),
+    (lambda: pinode.Case(MODEL).replace(groups={"name": "k"}), "groups is a dict by itself"),
+    (lambda: pinode.Model(np.eye(2), np.eye(2), dofs="ab"), "dofs is the text 'ab', expected a list"),
+    (lambda: pinode.Group("k", between="u1"), "between is the text 'u1', expected a list"),
+    (lambda: pinode.Model([1.0, 1.0], np.eye(2)), "mass is 2, expected n x n"),
+    (lambda: pinode.Model([[1.0, 1.0], [2.0]], np.eye(2)), "mass is no array, expected n x n"),
+    (lambda: pinode.identify_modes([[1, 2], [3]], step=0.1), "no array"),
+    (lambda: pinode.identify_modes(np.zeros((9, 1)), step=0.1, quantity=[[1]]), "quantity"),
+    (lambda: pinode.channels("a", np.zeros((4, 1)), "strain", dofs=3), "dofs"),
+    (lambda: pinode.channels("a", [[1.0, 2.0], [3.0]], "strain"), "no array"),
+    (lambda: pinode.Channel("a", quantity="acceleration"), "absolute_acceleration"),
+    (lambda: pinode.Mode(1.0, shape=3, dofs=["u1"]), "shape"),
+    (lambda: pinode.Mode(1.0, shape=[1.0], dofs=3), "dofs"),
+    (lambda: shaken().simulate().to_pandas([]), "no record"),
+    (lambda: fitted().identify(callback=3), "callback"),
+    (lambda: fitted().identify(progress=np.zeros(2)), "progress"),
+    (lambda: fitted().identify(output="x", mat=np.zeros(2)), "mat"),
+    (lambda: fitted().identify(mat=np.zeros(2)), "mat"),
+    (lambda: fitted().discover(callback="x"), "callback"),
+    (lambda: fitted().check(output="a\0b"), "output is 'a.*no file can be called"),
+    (lambda: fitted().save("\ud800"), "folder is .*no file can be called"),
+    (lambda: pinode.read_case("a.toml", simulation=np.zeros(2)), "simulation"),
+    (lambda: pinode.read_case("\0"), "path"),
+    (lambda: pinode.read_result("x" * 5000), "cannot be read"),
+    (lambda: opensees.read_matrix(1), "path"),
+    (lambda: opensees.read_matrix(True), "path"),
+    (lambda: opensees.read(3, 4, dofs={1: [0]}), "path"),
+    (lambda: opensees.condense(np.eye(1), np.eye(1), dofs={1: [0]}).condense("x"), "group's matrix"),
+    (lambda: calculix.element_sets(3), "deck"),
+    (lambda: calculix.export("a.inp", ["a"], factor="2"), "factor"),
+    (lambda: calculix.export("a.inp", ["a"], factor=10**400), "factor"),
+    (lambda: calculix.export("a.inp", ["a"], masses=None), "masses"),
+    (lambda: calculix.export("a.inp", [3]), "a set"),
+    (lambda: calculix.export("a.inp", ["a"], ccx=None), "ccx"),
+    (lambda: calculix.export("a\0.inp", ["a"]), "deck"),
+    (lambda: elements.build("struct A {};", "a.so", compiler=None), "compiler"),
+    (lambda: elements.build("\0", "a.so", compiler="true"), "source"),
 ])
 def test_is_named(call, named):
     with pytest.raises(pinode.Error, match=named) as failure:
         call()
     assert "\n" not in str(failure.value)
+
+
+def test_numbers_are_no_files(capfd):
+    """To Python they are those that are open: standard output was closed."""
+    with pytest.raises(pinode.Error, match="path"):
+        opensees.read_matrix(1)
+    os.write(1, b"still there")
+    assert capfd.readouterr().out == "still there"
+
+
+def test_folders_that_cannot_be_made(tmp_path):
+    if shutil.which("ccx") is None:
+        pytest.skip("CalculiX is not installed")
+    (tmp_path / "a.inp").write_text(
+        "*NODE\n1,0,0,0\n*ELEMENT,TYPE=SPRINGA,ELSET=s\n1,1,1\n*SPRING,ELSET=s\n\n1.0\n")
+    for keys in ({"folder": "/proc/x"}, {"folder": 3}):
+        with pytest.raises(pinode.Error, match="/proc/x: cannot be written|folder is a value"):
+            calculix.export(tmp_path / "a.inp", ["s"], **keys)
+
+
+def test_groups_of_sparse_matrices():
+    condensed = opensees.condense(np.eye(2), 2.0 * np.eye(2), dofs={1: [0, 1]})
+    part = scipy.sparse.csc_matrix(np.diag([1.0, 0.0]))
+    assert np.array_equal(condensed.condense(part), part.toarray())
 
 
 def test_results_of_nothing(tmp_path):
