@@ -100,7 +100,8 @@ class TreeReader {
     if (py::isinstance<py::str>(value)) {
       return TomlValue::String(TextOf(value, where));
     }
-    if (py::isinstance<py::dict>(value)) {
+    // Some of SciPy's are dictionaries too.
+    if (py::isinstance<py::dict>(value) && !IsSparse(value)) {
       const auto dict = py::reinterpret_borrow<py::dict>(value);
       return key == "file" ? ReadFile(dict, where)
                            : ReadTable(dict, where, key, depth);

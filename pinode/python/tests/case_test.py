@@ -84,6 +84,37 @@ def test_sparse_matrices_of_any_order_and_index_type():
                                np.array(starts, np.int32)))
 
 
+@pytest.mark.parametrize("kind", ["bsr", "coo", "csc", "csr", "dia", "dok", "lil"])
+def test_every_kind_of_scipys_sparse_matrices(kind):
+    """One of them is a dictionary."""
+    def sparse(matrix):
+        return getattr(scipy.sparse, f"{kind}_matrix")(matrix)
+
+    first = sparse(frame_testing.STOREYS[0])
+    for model in (pinode.Model(sparse(frame_testing.MASS), sparse(frame_testing.STIFFNESS),
+                               sparse(frame_testing.DAMPING)),
+                  pinode.FiniteElementModel(sparse(frame_testing.MASS),
+                                            sparse(frame_testing.STIFFNESS),
+                                            dofs=["u1", "u2", "u3"])):
+        case = pinode.Case(model, groups=[pinode.Group("k1", first)])
+        assert np.array_equal(case.stiffness, frame_testing.STIFFNESS)
+
+
+def test_names_of_dofs_may_be_numbers_or_those_of_files(tmp_path):
+    stiffness = scipy.sparse.diags([2.0 * np.ones(90), -np.ones(89), -np.ones(89)], [0, 1, -1])
+    model = pinode.FiniteElementModel(scipy.sparse.eye(90), stiffness, dofs=range(90))
+    assert pinode.Case(model).dofs[:3] == ["0", "1", "2"]
+    np.savetxt(tmp_path / "M.csv", frame_testing.MASS, delimiter=",", header="kg")
+    np.savetxt(tmp_path / "K.csv", frame_testing.STIFFNESS, delimiter=",")
+    scipy.io.mmwrite(tmp_path / "K.mtx", scipy.sparse.coo_matrix(frame_testing.STIFFNESS))
+    for mass, other in (("M.csv", "K.csv"), ("M.csv", "K.mtx"), ("K.mtx", "K.csv")):
+        case = pinode.Case(pinode.Model(str(tmp_path / mass), tmp_path / other))
+        assert case.dofs == ["u1", "u2", "u3"]
+    (tmp_path / "M.mat").write_bytes(b"MATLAB")
+    with pytest.raises(pinode.Error, match="nobody knows how many rows it has, expected 'dofs'"):
+        pinode.Model(tmp_path / "M.mat", tmp_path / "K.csv")
+
+
 def test_matrices_before_a_reduction_are_sparse(healthy):
     """A chain of twenty masses of which a reduction keeps four."""
     springs = np.full(20, 4e6)
@@ -190,6 +221,8 @@ def test_simulation_agrees_with_another_integration():
         case.simulate(noise="sigma")
     with pytest.raises(pinode.Error, match="noise"):
         case.simulate(noise="loud")
+    with pytest.raises(pinode.Error, match="noise_percent is -3, expected 0 or more"):
+        case.simulate(noise_percent=-3)
 
 
 def test_simulations_are_written_as_the_program_does(healthy, tmp_path):
