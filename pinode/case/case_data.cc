@@ -127,12 +127,8 @@ bool CaseData::Has(const std::string& name) const {
          sparse_matrices.count(name) > 0;
 }
 
-bool SelectColumns(const Table& table, const std::vector<std::string>& wanted,
-                   Table* selected, std::string* error) {
-  Table result;
-  result.path = table.path;
-  result.line_numbers = table.line_numbers;
-  std::vector<int> places;
+bool CheckColumns(const Table& table, const std::vector<std::string>& wanted,
+                  std::string* error) {
   for (const std::string& name : wanted.empty() ? table.columns : wanted) {
     const int place = table.FindColumn(name);
     if (place < 0) {
@@ -140,15 +136,27 @@ bool SelectColumns(const Table& table, const std::vector<std::string>& wanted,
                NameHint(name, table.columns);
       return false;
     }
-    if (result.FindColumn(name) >= 0) continue;
     if (table.values.col(place).array().isInf().any()) {
       *error = table.path + ": column '" + name +
                "' has an infinite number, expected finite ones, or NaN where "
                "one is missing";
       return false;
     }
+  }
+  return true;
+}
+
+bool SelectColumns(const Table& table, const std::vector<std::string>& wanted,
+                   Table* selected, std::string* error) {
+  if (!CheckColumns(table, wanted, error)) return false;
+  Table result;
+  result.path = table.path;
+  result.line_numbers = table.line_numbers;
+  std::vector<int> places;
+  for (const std::string& name : wanted.empty() ? table.columns : wanted) {
+    if (result.FindColumn(name) >= 0) continue;
     result.columns.push_back(name);
-    places.push_back(place);
+    places.push_back(table.FindColumn(name));
   }
   result.values.resize(table.values.rows(),
                        static_cast<Eigen::Index>(places.size()));

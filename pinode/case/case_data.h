@@ -27,6 +27,12 @@ struct CaseData {
   bool Has(const std::string& name) const;
 };
 
+// Whether a table in memory has these columns (all where none is named), without
+// an infinite number; else *error says what is wrong.
+[[nodiscard]] bool CheckColumns(const Table& table,
+                                const std::vector<std::string>& wanted,
+                                std::string* error);
+
 // The columns `wanted` of a table in memory as ReadCsvTable has them of a file:
 // in that order, a name twice once, all where none is named. False, with
 // *error, for a column that is not there, or that holds an infinite number.
@@ -51,6 +57,7 @@ struct CaseData {
 // they are and are named as seen from `folder`. False, with *error, where that
 // would take the place of the case itself.
 [[nodiscard]] bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
+                                   const std::string& path,
                                    const std::string& folder,
                                    std::string* error);
 

@@ -126,16 +126,27 @@ class RecordDataReader {
       last = std::max(first, nearest(*section_.window_to));
     }
     std::vector<WatchedSignal> signals;
+    // Channels whose samples are lent for that long, by their signal.
+    std::vector<std::pair<Channel*, size_t>> lent;
+    const bool is_whole = first == 0 && last == merged_.num_samples() - 1;
     const auto add = [&](const SignalSection& section,
                          WatchedSignal::Kind kind) {
       WatchedSignal signal;
       signal.label = section.label;
       signal.unit = section.unit;
       signal.kind = kind;
-      signal.values = merged_.FindChannel(section.label)
-                          ->values.segment(first, last - first + 1);
-      signal.values.array() += files_.SubtractedMean(section.label);
-      signal.values /= section.factor;
+      const auto channel = std::find_if(
+          merged_.channels.begin(), merged_.channels.end(),
+          [&](const Channel& c) { return c.name == section.label; });
+      const double mean = files_.SubtractedMean(section.label);
+      if (is_whole && mean == 0.0 && section.factor == 1.0) {
+        signal.values = std::move(channel->values);
+        lent.emplace_back(&*channel, signals.size());
+      } else {
+        signal.values = channel->values.segment(first, last - first + 1);
+        signal.values.array() += mean;
+        signal.values /= section.factor;
+      }
       signals.push_back(std::move(signal));
     };
     for (const InputSection& input : section_.inputs) {
@@ -151,6 +162,9 @@ class RecordDataReader {
          FindSampleFaults(signals, merged_.time(first) / section_.time_factor,
                           step / section_.time_factor, section_.time_unit)) {
       faults_->push_back("Record '" + section_.name + "', " + fault);
+    }
+    for (const auto& [channel, signal] : lent) {
+      channel->values = std::move(signals[signal].values);
     }
     return true;
   }

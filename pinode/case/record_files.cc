@@ -53,9 +53,9 @@ std::vector<SharedTables::Wanted> RecordFiles::TablesOf(
 }
 
 Vector RecordFiles::Source::Column(const std::string& name) const {
-  return table.columns.empty()
+  return columns().columns.empty()
              ? motion
-             : OnTimeGrid(table, table.FindColumn(name), grid);
+             : OnTimeGrid(columns(), columns().FindColumn(name), grid);
 }
 
 bool RecordFiles::Read(bool simulation) {
@@ -115,17 +115,18 @@ bool RecordFiles::ReadMotion(const std::string& path, Source* file) {
 bool RecordFiles::ReadColumns(const std::string& path,
                               const std::vector<std::string>& columns,
                               Source* file) {
-  Table& table = file->table;
   std::string error;
   const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
   const auto array = arrays.find(path);
   SharedTables* shared = table_.errors()->shared_tables();
-  if (!(array != arrays.end()
-            ? SelectColumns(array->second, columns, &table, &error)
-        : shared != nullptr ? shared->Read(path, columns, &table, &error)
-                            : ReadTable(path, columns, &table, &error))) {
+  if (array != arrays.end()) file->array = &array->second;
+  if (!(file->array != nullptr
+            ? CheckColumns(*file->array, columns, &error)
+        : shared != nullptr ? shared->Read(path, columns, &file->table, &error)
+                            : ReadTable(path, columns, &file->table, &error))) {
     return table_.errors()->FailAsIs(error);
   }
+  const Table& table = file->columns();
   TimeGrid& grid = file->grid;
   TimeColumnOptions options;
   options.factor = section_.time_factor;

@@ -63,8 +63,12 @@ class RecordFiles {
     double step = 0.0;
     Eigen::Index num_samples = 0;
     Vector motion;  // of an AT2
-    Table table;    // of any other
+    Table table;    // of any other file
+    // In memory: that of the case's data, which outlives this.
+    const Table* array = nullptr;
     TimeGrid grid;
+
+    const Table& columns() const { return array != nullptr ? *array : table; }
 
     // As it is.
     Vector Column(const std::string& name) const;

@@ -158,14 +158,15 @@ py::list Records(const CaseHandle& handle) {
 }
 
 // A record's measured channels as they are fitted, in the units of its file.
-py::dict Measured(const CaseHandle& handle, const std::string& name) {
-  for (const IdentificationRecord& record : handle.c.problem.records) {
+py::dict Measured(const std::shared_ptr<CaseHandle>& handle,
+                  const std::string& name) {
+  for (const IdentificationRecord& record : handle->c.problem.records) {
     if (record.name != name) continue;
     py::dict columns;
-    columns["time"] = FromVector(FileTimes(record));
+    columns["time"] = ReadOnly(FromVector(FileTimes(record)));
     for (const MeasuredChannel& channel : record.channels) {
       columns[py::str(channel.observation.name)] =
-          FromVector(channel.values / channel.description.factor);
+          Samples(channel, py::cast(handle));
     }
     return columns;
   }
@@ -296,6 +297,12 @@ py::dict Check(const std::shared_ptr<const CaseHandle>& given,
 }
 
 }  // namespace
+
+py::array Samples(const MeasuredChannel& channel, const py::handle& owner) {
+  const double factor = channel.description.factor;
+  return factor == 1.0 ? View(channel.values, owner)
+                       : ReadOnly(FromVector(channel.values / factor));
+}
 
 void CheckFit(const CaseHandle& handle) {
   if (handle.purpose == CasePurpose::kSimulation ||

@@ -62,8 +62,9 @@ Table TableOf(const py::dict& columns, const std::string& where,
       throw Error(where + " has a column whose name is no text");
     }
     table.columns.push_back(TextOf(key, where));
-    const Vector values =
-        ToVector(column, where + ", column '" + table.columns.back() + "',");
+    const VectorView view(column,
+                          where + ", column '" + table.columns.back() + "',");
+    const VectorView::Map values = view.values();
     if (table.columns.size() == 1) {
       table.values.resize(values.size(),
                           static_cast<Eigen::Index>(columns.size()));

@@ -195,10 +195,16 @@ std::string Error::Readable(std::string sentence) {
   return sentence;
 }
 
+VectorView::VectorView(const py::handle& value, const std::string& where)
+    : array_(ToDense(value, 1, where)) {}
+
+VectorView::Map VectorView::values() const {
+  return Map(array_.data(), array_.size(),
+             Eigen::InnerStride<>(StrideOf(array_, 0)));
+}
+
 Vector ToVector(const py::handle& value, const std::string& where) {
-  const Dense dense = ToDense(value, 1, where);
-  return Eigen::Map<const Vector, 0, Eigen::InnerStride<>>(
-      dense.data(), dense.size(), Eigen::InnerStride<>(StrideOf(dense, 0)));
+  return VectorView(value, where).values();
 }
 
 Matrix ToMatrix(const py::handle& value, const std::string& where) {
@@ -273,15 +279,17 @@ py::array View(const Matrix& matrix, const py::handle& owner) {
       py::dtype::of<double>(), {matrix.rows(), matrix.cols()},
       {sizeof(double), sizeof(double) * static_cast<size_t>(matrix.rows())},
       matrix.data(), owner);
-  view.attr("setflags")(py::arg("write") = false);
-  return view;
+  return ReadOnly(std::move(view));
 }
 
 py::array View(const Vector& vector, const py::handle& owner) {
-  py::array view(py::dtype::of<double>(), {vector.size()}, {sizeof(double)},
-                 vector.data(), owner);
-  view.attr("setflags")(py::arg("write") = false);
-  return view;
+  return ReadOnly(py::array(py::dtype::of<double>(), {vector.size()},
+                            {sizeof(double)}, vector.data(), owner));
+}
+
+py::array ReadOnly(py::array array) {
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
 }
 
 py::tuple FromSparse(const SparseMatrix& matrix) {

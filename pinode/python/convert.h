@@ -48,6 +48,17 @@ T Cast(const pybind11::handle& value, const std::string& where,
 // Arrays of NumPy with numbers; `where` is what messages call the value. Real
 // numbers only; masked entries become NaN.
 Vector ToVector(const pybind11::handle& value, const std::string& where);
+// What ToVector copies, where it is.
+class VectorView {
+ public:
+  using Map = Eigen::Map<const Vector, 0, Eigen::InnerStride<>>;
+
+  VectorView(const pybind11::handle& value, const std::string& where);
+  Map values() const;
+
+ private:
+  pybind11::array_t<double, pybind11::array::forcecast> array_;
+};
 Matrix ToMatrix(const pybind11::handle& value, const std::string& where);
 // Of a full array, or of one of SciPy's sparse ones.
 SparseMatrix ToSparse(const pybind11::handle& value, const std::string& where);
@@ -63,6 +74,8 @@ pybind11::array_t<double> FromMatrix(Matrix matrix);
 // cannot be written to.
 pybind11::array View(const Matrix& matrix, const pybind11::handle& owner);
 pybind11::array View(const Vector& vector, const pybind11::handle& owner);
+// An array that cannot be written to either.
+pybind11::array ReadOnly(pybind11::array array);
 // (data, row indices, column pointers), as scipy.sparse.csc_array takes them.
 pybind11::tuple FromSparse(const SparseMatrix& matrix);
 

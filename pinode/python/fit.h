@@ -3,6 +3,7 @@
 #ifndef PINODE_PYTHON_FIT_H_
 #define PINODE_PYTHON_FIT_H_
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <memory>
@@ -21,6 +22,11 @@ struct CaseHandle {
   Case c;
   CasePurpose purpose = CasePurpose::kFit;
 };
+
+// A channel's samples in the units of its file, as an array that cannot be
+// written to: `owner`'s own where these are the model's.
+pybind11::array Samples(const MeasuredChannel& channel,
+                        const pybind11::handle& owner);
 
 struct Fit {
   Case c;  // as it was fitted: without terms that were left out, and so on

@@ -167,7 +167,7 @@ py::dict RecordOf(const std::shared_ptr<Fit>& fit, const std::string& name) {
   for (const MeasuredChannel& channel : record.channels) {
     const py::str key(channel.observation.name);
     units[key] = fit->c.problem.UnitOf(channel);
-    measured[key] = FromVector(channel.values / channel.description.factor);
+    measured[key] = Samples(channel, py::cast(fit));
   }
   py::dict result;
   result["time"] = FromVector(FileTimes(record));
