@@ -19,6 +19,10 @@ the units of the model unless a part says otherwise. What is wrong is raised as
 `pinode.Error`, a ValueError of one sentence.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from . import _checked, _pinode
 from ._pinode import Error, __version__
 from .case import Case, read_case
@@ -40,6 +44,11 @@ from .result import Damage, Discovery, Fit, Parameter, RecordResult
 from .result_folder import ResultFolder, read_result
 from .structure_view import StructureView
 
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from . import calculix, elements, figures, frames, opensees
+
 Error.__module__ = "pinode"
 _checked.install(_pinode)
 
@@ -49,7 +58,7 @@ _checked.install(_pinode)
 MODULES = ("calculix", "elements", "figures", "frames", "opensees")
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> ModuleType:
     """The modules that are read when they are asked for."""
     if name in MODULES:
         import importlib

@@ -2,7 +2,8 @@
 
 A value that a function of the extension module cannot take is a TypeError with
 all its signatures and the `repr` of all that was passed. Here it becomes
-`pinode.Error`, which names the argument.
+`pinode.Error`, which names the argument. Flags of the programs that sentences of the
+library name become arguments.
 """
 
 from __future__ import annotations
@@ -48,6 +49,10 @@ def _checked(function: Any, error: type[Exception]) -> Any:
     def call(*args: Any, **kwargs: Any) -> Any:
         try:
             return function(*args, **kwargs)
+        except error as failure:
+            sentence = _in_python(str(failure))
+            if sentence == str(failure):
+                raise
         except TypeError as failure:
             # Not that of a callback that has called something else.
             if not str(failure).startswith(f"{name}(): incompatible function arguments"):
@@ -56,6 +61,11 @@ def _checked(function: Any, error: type[Exception]) -> Any:
         raise error(sentence)
 
     return call
+
+
+def _in_python(sentence: str) -> str:
+    """Flags of the programs as arguments."""
+    return re.sub(r"--(overwrite|resume)\b", r"\1=True", sentence)
 
 
 def _sentence(signature: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:

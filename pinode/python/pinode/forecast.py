@@ -22,6 +22,13 @@ class Check(dict):
     """What an identification could find; a dictionary that a notebook shows as
     tables. See Case.check."""
 
+    def to_pandas(self, what: str = "expected") -> "DataFrame":
+        """A frame of pandas: "expected" (a row for each free parameter) or "steps"
+        (a row a record)."""
+        from . import frames
+
+        return frames.of_check(self, what)
+
     def _repr_html_(self) -> str:
         if "not_assessed" in self:
             title = f"Not assessed: {self['not_assessed']}"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from .forecast import Simulation
 
-__all__ = ["frame", "of_modes", "of_plan", "of_simulation", "of_table"]
+__all__ = ["frame", "of_check", "of_modes", "of_plan", "of_simulation", "of_table"]
 
 
 # What looks like a result for as long as nobody looks into it.
@@ -146,6 +146,21 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
     if what == "durations":
         return _rows(pandas, plan.durations, "duration", ["duration"])
     raise _no_such(what, "sensors, deviations or durations")
+
+
+def of_check(check: "Mapping[str, Any]", what: str = "expected") -> "pandas.DataFrame":
+    """Of what could be found:
+
+    expected: a row for each free parameter, with the deviation that a fit would leave.
+    steps: the integration steps of each record.
+    """
+    pandas = _pandas()
+    if not isinstance(check, Mapping) or not hasattr(check, "to_pandas"):
+        raise _no_result(check)
+    if not isinstance(what, str) or what not in ("expected", "steps"):
+        raise _no_such(what, "expected or steps")
+    index = "name" if what == "expected" else "record"
+    return _rows(pandas, check.get(what, []), index, [index])
 
 
 @_of_results

@@ -147,3 +147,18 @@ def test_of_a_simulation(healthy):
     assert frame.equals(simulation.to_pandas("healthy"))
     with pytest.raises(pinode.Error, match="no record 'nowhere'"):
         simulation.to_pandas("nowhere")
+
+
+def test_of_a_check(healthy):
+    check = healthy.check()
+    frame = check.to_pandas()
+    assert list(frame.index) == ["k1", "k2", "k3"]
+    assert list(frame["sigma"]) == [e["sigma"] for e in check["expected"]]
+    steps = check.to_pandas("steps")
+    assert list(steps.index) == ["healthy"] and steps.loc["healthy", "substeps"] >= 1
+    model = pinode.Case(pinode.ShearBuilding([1.0], [1.0])).check()
+    assert len(model.to_pandas()) == 0 and len(model.to_pandas("steps")) == 0
+    with pytest.raises(pinode.Error, match="a frame of 'rows', expected expected or steps"):
+        check.to_pandas("rows")
+    with pytest.raises(pinode.Error, match="a frame of a dict, expected a result"):
+        frames.of_check({})

@@ -79,6 +79,18 @@ def test_stubs_are_those_of_the_module():
                 a for a in signatures(text) if a != "self"], name
 
 
+def test_modules_that_are_read_when_asked_for_are_known_to_type_checkers():
+    tree = ast.parse((PACKAGE / "__init__.py").read_text())
+    known = {alias.name for node in tree.body
+             if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+             for part in node.body if isinstance(part, ast.ImportFrom) and part.level == 1
+             for alias in part.names}
+    assert known == set(pinode.MODULES)
+    for name in known:
+        assert inspect.ismodule(getattr(pinode, name))
+    assert pinode.__getattr__.__annotations__["return"] == "ModuleType"
+
+
 def test_what_is_public_is_described():
     assert (PACKAGE / "py.typed").exists()
     for name in pinode.__all__:

@@ -160,3 +160,12 @@ def test_arrays_in_any_order():
                    np.kron(stiffness, np.ones((2, 2)))[::2, ::2]):
         case = pinode.Case(pinode.Model(np.eye(3), matrix, {"ratios": [0.02]}))
         assert np.array_equal(case.stiffness, stiffness)
+
+
+def test_folders_that_are_there_speak_of_arguments(tmp_path):
+    (tmp_path / "note.txt").write_text("mine")
+    for work in (lambda: fitted().identify(output=tmp_path), lambda: fitted().check(output=tmp_path),
+                 lambda: shaken().simulate().save(tmp_path)):
+        with pytest.raises(pinode.Error, match="expected a new one, overwrite=True, or") as failure:
+            work()
+        assert "--" not in str(failure.value)
