@@ -27,8 +27,8 @@ struct CaseData {
   bool Has(const std::string& name) const;
 };
 
-// Whether a table in memory has these columns (all where none is named), without
-// an infinite number; else *error says what is wrong.
+// Whether a table in memory has these columns (all where none is named),
+// without an infinite number; else *error says what is wrong.
 [[nodiscard]] bool CheckColumns(const Table& table,
                                 const std::vector<std::string>& wanted,
                                 std::string* error);

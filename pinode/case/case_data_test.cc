@@ -86,9 +86,8 @@ TEST_F(CaseDataTest, CasesAreWrittenWithTheirArrays) {
 }
 
 TEST_F(CaseDataTest, FilesOfACaseThatIsWrittenStayWhereTheyAre) {
-  ASSERT_TRUE(WriteCaseFolder(*from_files_.source, CaseData(),
-                              from_files_.path, folder_.Path("deep/out"),
-                              &error_))
+  ASSERT_TRUE(WriteCaseFolder(*from_files_.source, CaseData(), from_files_.path,
+                              folder_.Path("deep/out"), &error_))
       << error_;
   const std::string path = folder_.Path("deep/out/case.toml");
   ExpectSameProblem(from_files_, ReadOrFail(path));

@@ -120,8 +120,7 @@ bool RecordFiles::ReadColumns(const std::string& path,
   const auto array = arrays.find(path);
   SharedTables* shared = table_.errors()->shared_tables();
   if (array != arrays.end()) file->array = &array->second;
-  if (!(file->array != nullptr
-            ? CheckColumns(*file->array, columns, &error)
+  if (!(file->array != nullptr ? CheckColumns(*file->array, columns, &error)
         : shared != nullptr ? shared->Read(path, columns, &file->table, &error)
                             : ReadTable(path, columns, &file->table, &error))) {
     return table_.errors()->FailAsIs(error);

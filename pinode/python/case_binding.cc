@@ -41,7 +41,8 @@ const char* PurposeName(CasePurpose purpose) {
                                                : "planning";
 }
 
-// To be fitted or looked at, unless a record has no channel, as for plans alone.
+// To be fitted or looked at, unless a record has no channel, as for plans
+// alone.
 bool FindPurpose(const std::string& path, CasePurpose* purpose,
                  std::string* error) {
   std::string text;

@@ -125,7 +125,7 @@ def as_path(name: str, path: Any) -> str:
             return text
     except UnicodeEncodeError:
         pass
-    raise Error(f"{name} is {text!r:.60}, which no file can be called")
+    raise Error(f"{name} is {text!r:.60}, expected a path that a file can have")
 
 
 def as_watcher(progress: Any, callback: Any) -> tuple[Any, Any]:
