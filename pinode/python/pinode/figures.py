@@ -26,6 +26,7 @@ from ._drawing import (
     label,
     panels,
 )
+from ._forecast_figures import planned, simulated
 from ._histories import forces, loops, prediction
 from ._mode_shapes import shape_pairs
 from ._pinode import Error
@@ -48,8 +49,10 @@ __all__ = [
     "modes",
     "of_modes",
     "parameters",
+    "planned",
     "prediction",
     "profiles",
+    "simulated",
     "stabilisation",
 ]
 

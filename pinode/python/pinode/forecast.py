@@ -13,6 +13,7 @@ from . import _html, _pinode
 from ._part import as_path
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
 
     from .case import Case
@@ -82,6 +83,13 @@ class Simulation(Mapping):
         from . import frames
 
         return frames.of_simulation(self, record)
+
+    def figures(self) -> "dict[str, Figure]":
+        """Of matplotlib: the channels of each record, response_<record>."""
+        from . import figures
+
+        drawn = {f"response_{name}": figures.simulated(self, name) for name in self}
+        return {name: figure for name, figure in drawn.items() if figure is not None}
 
     def __getitem__(self, record: str) -> dict[str, Any]:
         return self._records[record]
@@ -158,6 +166,13 @@ class SensorPlan(Sequence):
         from . import frames
 
         return frames.of_plan(self, what)
+
+    def figures(self) -> "dict[str, Figure]":
+        """Of matplotlib: "plan", what each sensor brings."""
+        from . import figures
+
+        drawn = {"plan": figures.planned(self)}
+        return {name: figure for name, figure in drawn.items() if figure is not None}
 
     def __getitem__(self, index: Any) -> Any:
         return self._sensors[index]

@@ -118,3 +118,28 @@ def test_what_cannot_be_planned():
         case.plan_sensors(1, force_at="u1")
     with pytest.raises(pinode.Error):
         planned(keep="nothing")
+
+
+def test_figures_show_what_each_sensor_brings():
+    plan = planned(keep_own=False).plan_sensors(3)
+    (ax,) = plan.figures()["plan"].axes
+    for line, key in zip(ax.lines, ("worst", "typical")):
+        values = np.array([step[key] for step in plan])
+        there = np.isfinite(values)
+        assert np.array_equal(line.get_ydata()[there], values[there]) and there.any()
+    assert [text.get_text() for text in ax.get_xticklabels()] == [
+        f"{i + 1}: {name}" for i, name in enumerate(plan.names)]
+
+
+def test_figures_show_what_was_simulated():
+    places = [pinode.Channel(f"a{i}", dof=f"u{i}") for i in (1, 2, 3)]
+    simulation = pinode.Case(conftest.model(), records=[pinode.Record(
+        "load", step=frame_testing.STEP, ground={"x": GROUND}, interpolation="cubic",
+        start="rest", channels=places)]).simulate()
+    axes = simulation.figures()["response_load"].axes
+    assert [ax.get_ylabel() for ax in axes] == ["a1", "a2", "a3"]
+    for ax, values in zip(axes, simulation["load"]["channels"].values()):
+        assert np.array_equal(ax.lines[0].get_ydata(), values)
+    assert len(pinode.figures.simulated(simulation, most=2).axes) == 2
+    with pytest.raises(pinode.Error, match="no record 'nowhere' in the simulation"):
+        pinode.figures.simulated(simulation, "nowhere")
