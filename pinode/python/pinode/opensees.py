@@ -377,7 +377,8 @@ def _rigid_rows(dofs: Mapping[int, Sequence[int]], rigid: Any, coordinates: Any,
     kinds = ["beam", "bar"] + ([1, 2, 3] if translations == 3 else [])
     rows = []
     for kind, retained, constrained in links:
-        if not isinstance(kind, (str, int, np.integer)) or isinstance(kind, bool) or kind not in kinds:
+        is_kind = isinstance(kind, (str, int, np.integer)) and not isinstance(kind, bool)
+        if not is_kind or kind not in kinds:
             raise Error(
                 f"rigid: kind {kind!r:.40}, expected one of {', '.join(map(repr, kinds))}"
                 + ("" if translations == 3 else " (rigidDiaphragm needs translations=3)")

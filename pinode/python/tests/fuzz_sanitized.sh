@@ -35,7 +35,8 @@ LD_PRELOAD="$runtime $cxx" PYTHONMALLOC=malloc PYTHONDONTWRITEBYTECODE=1 \
   PINODE_FUZZ_EXAMPLES="$examples" PINODE_SOURCE_DIR="$root" \
   PINODE_BUILD_DIR="$build" \
   /usr/bin/python3 -m pytest -q -s -p no:cacheprovider \
-  pinode/python/tests/fuzz_test.py || status=$?
+  pinode/python/tests/fuzz_test.py \
+  pinode/python/tests/fuzz_bridges_test.py || status=$?
 
 cat -- "$log".* 2>/dev/null >"$log" || true
 # Blocks of the report are apart by empty lines.

@@ -1,5 +1,6 @@
 """What large records take, and who owns the numbers that are handed out."""
 
+import os
 import subprocess
 import sys
 
@@ -9,11 +10,11 @@ import pytest
 import pinode
 
 CODE = """
-import resource
+import re
 import numpy as np
 import pinode
-def most():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+def most():  # MB; of getrusage it would be that of the process that began this one, too
+    return int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1]) / 1e3
 n = 500000
 values, ground = np.random.default_rng(1).standard_normal((n, 8)), np.ones(n)
 ground[::7] = 0.0
@@ -29,12 +30,14 @@ print((made - before) / (values.nbytes / 1e6), (most() - made) / (values.nbytes 
 """
 
 
+@pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="Linux says it")
 def test_samples_are_there_twice_and_no_more():
-    """As the case has them, to be saved and pickled, and as they are fitted."""
+    """As the case has them, to be saved and pickled, and as they are fitted; of the rest
+    there is one column at a time, and where each sample is."""
     done = subprocess.run([sys.executable, "-c", CODE], check=True, capture_output=True, text=True)
     made, measured = map(float, done.stdout.split())
     print(f"a case takes {made:.2f} times its samples, measured() {measured:.2f} more")
-    assert made < 2.7 and measured < 0.3
+    assert made < 3.7 and measured < 0.3
 
 
 def test_what_is_handed_out_cannot_be_written_to():
