@@ -39,6 +39,16 @@ std::map<std::string, std::vector<std::string>> FilesOf(
   return wanted;
 }
 
+// Columns that nobody wants are not to be looked at, as those of a file are
+// not.
+bool HasNoOther(const Table& table, const std::vector<std::string>& wanted) {
+  return std::all_of(table.columns.begin(), table.columns.end(),
+                     [&wanted](const std::string& name) {
+                       return std::find(wanted.begin(), wanted.end(), name) !=
+                              wanted.end();
+                     });
+}
+
 }  // namespace
 
 std::vector<SharedTables::Wanted> RecordFiles::TablesOf(
@@ -119,8 +129,12 @@ bool RecordFiles::ReadColumns(const std::string& path,
   const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
   const auto array = arrays.find(path);
   SharedTables* shared = table_.errors()->shared_tables();
-  if (array != arrays.end()) file->array = &array->second;
+  if (array != arrays.end() && HasNoOther(array->second, columns)) {
+    file->array = &array->second;
+  }
   if (!(file->array != nullptr ? CheckColumns(*file->array, columns, &error)
+        : array != arrays.end()
+            ? SelectColumns(array->second, columns, &file->table, &error)
         : shared != nullptr ? shared->Read(path, columns, &file->table, &error)
                             : ReadTable(path, columns, &file->table, &error))) {
     return table_.errors()->FailAsIs(error);

@@ -64,7 +64,8 @@ class RecordFiles {
     Eigen::Index num_samples = 0;
     Vector motion;  // of an AT2
     Table table;    // of any other file
-    // In memory: that of the case's data, which outlives this.
+    // In memory, where all of it is wanted: that of the case's data, which
+    // outlives this.
     const Table* array = nullptr;
     TimeGrid grid;
 

@@ -73,6 +73,19 @@ def test_arrays_beside_a_file(tmp_path):
         pinode.Record("r", step=STEP, channels=[pinode.Channel("a", WAVE, file=file)])
 
 
+def test_columns_that_nobody_wants_are_not_looked_at():
+    """A row twice, with other numbers of what is not of this record."""
+    def twice(values):
+        return np.insert(values, 8, values[7])
+
+    other = np.arange(COUNT + 1.0)
+    other[3] = np.inf
+    columns = {"t": twice(TIME), "a": twice(WAVE), "other": other}
+    made = case(pinode.Record("r", file=columns, time="t", channels=[
+        pinode.Channel("a", "a", dof="u1")]))
+    assert np.array_equal(made.measured("r")["a"], WAVE)
+
+
 @pytest.mark.parametrize("name", ["t", "ground_x"])
 def test_channels_may_be_called_as_columns_are(name):
     channel = pinode.Channel(name, 2.0 * WAVE, dof="u1")
