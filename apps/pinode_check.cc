@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/launcher.h"
 #include "apps/program.h"
-#include "apps/ranks.h"
 #include "apps/sensor_planning.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/case_check.h"

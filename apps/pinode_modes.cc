@@ -17,8 +17,8 @@
 #include <string>
 
 #include "apps/fit_flags.h"
+#include "apps/launcher.h"
 #include "apps/program.h"
-#include "apps/ranks.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/case_picture.h"

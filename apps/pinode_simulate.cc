@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "apps/launcher.h"
 #include "apps/program.h"
-#include "apps/ranks.h"
 #include "pinode/base/statistics.h"
 #include "pinode/case/case_file.h"
 #include "pinode/case/csv_file.h"

@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "apps/launcher.h"
 #include "apps/program.h"
 #include "pinode/base/logging.h"
-#include "pinode/base/strings.h"
 #include "pinode/study/checkpoint.h"
 #ifdef PINODE_MPI
 #include "pinode/mpi/mpi_communicator.h"
@@ -20,15 +20,6 @@ DEFINE_double(rank_timeout, 300.0,
               "ends the run");
 
 namespace pinode {
-
-int NumLaunchedRanks() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE"}) {
-    int size = 1;
-    const char* value = std::getenv(name);
-    if (value != nullptr && ParseInt(value, &size) && size > 1) return size;
-  }
-  return 1;
-}
 
 #ifdef PINODE_MPI
 

@@ -13,9 +13,6 @@
 
 namespace pinode {
 
-// How many ranks an MPI launcher has started this program as; 1 without one.
-int NumLaunchedRanks();
-
 // Takes part in the job for as long as it lives. All ranks read the same input
 // and run through the same program; the first one alone writes, to files as to
 // the console. Alone, where the program was started as usual.

@@ -30,6 +30,14 @@ Run --help
 [[ $status -eq 0 ]] || Fail "--help: expected status 0"
 grep -q -e '-case' "$scratch/out" || Fail "--help: expected --case"
 
+# Programs that cannot be several ranks have no flag for it.
+if grep -q -e '-rank_timeout' "$scratch/out"; then
+  case ${program##*/} in
+    pinode_update | pinode_damage | pinode_discover) ;;
+    *) Fail "--help: expected no --rank_timeout" ;;
+  esac
+fi
+
 Run --no_such_flag=1
 [[ $status -eq 2 ]] || Fail "unknown flag: expected status 2"
 [[ $(wc -l <"$scratch/err") -eq 1 ]] || Fail "unknown flag: expected one line"
