@@ -334,6 +334,9 @@ TEST(HtmlReport, BeginsWithWhatHasChanged) {
   EXPECT_THAT(page, Not(HasSubstr("0.375")));
   EXPECT_LT(page.find("Change since the baseline"),
             page.find("How well the model predicts"));
+  // Two tables of changes are of two things.
+  EXPECT_THAT(page, HasSubstr("<h2>Against the model</h2>"));
+  EXPECT_THAT(page, Not(HasSubstr("What changed")));
 }
 
 // Verdicts, then the structure, then how well the model fits.
