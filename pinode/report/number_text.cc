@@ -47,7 +47,12 @@ std::string ReadableNumber(double value, int digits) {
   if (magnitude < kSmall || magnitude >= kLarge) {
     return Write(value, std::chars_format::scientific, digits - 1);
   }
-  return Fixed(value, digits - 1 - Exponent(magnitude));
+  // 0.99999 has become 1.000 of four digits, not 1.0000.
+  const int exponent = Exponent(magnitude);
+  const double next = std::pow(10.0, exponent + 1);
+  const bool carries =
+      magnitude >= next * (1.0 - 0.5 * std::pow(10.0, -digits));
+  return Fixed(value, digits - 1 - exponent - (carries ? 1 : 0));
 }
 
 EstimateText FormatEstimate(double initial, double value, double half_width) {

@@ -13,6 +13,9 @@ TEST(ReadableNumber, ShowsSignificantDigitsWithoutNeedlessExponents) {
   EXPECT_EQ(ReadableNumber(4001234.4), "4001234");
   EXPECT_EQ(ReadableNumber(2.5e9, 3), "2.50e+09");
   EXPECT_EQ(ReadableNumber(5.6251e-6, 3), "5.63e-06");
+  EXPECT_EQ(ReadableNumber(0.99999), "1.000");
+  EXPECT_EQ(ReadableNumber(-99.996), "-100.0");
+  EXPECT_EQ(ReadableNumber(0.9999), "0.9999");
   EXPECT_EQ(ReadableNumber(0.0), "0");
   EXPECT_EQ(ReadableNumber(std::numeric_limits<double>::quiet_NaN()), "-");
   EXPECT_EQ(ReadableNumber(std::numeric_limits<double>::infinity()), "-");
