@@ -34,7 +34,9 @@ class StructureView:
             raise Error(f"{file}: cannot be written: {failure.strerror}") from None
 
     def _repr_html_(self) -> str:
+        # A long list of groups needs more, and the controls come when it draws.
+        grow = "this.style.height = this.contentDocument.documentElement.scrollHeight + 40 + 'px'"
         return (
             '<iframe title="The structure" style="width: 100%; height: 800px; border: 0" '
-            f'srcdoc="{escape(self.html)}"></iframe>'
+            f'onload="{grow}" srcdoc="{escape(self.html)}"></iframe>'
         )
