@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# By hand: fuzz_test.py under the address and undefined-behaviour sanitizers,
-# 2000 examples of each of its tests (16,000 in all), or EXAMPLES of each.
+# By hand: fuzz_test.py and fuzz_bridges_test.py under the address and
+# undefined-behaviour sanitizers, 2000 examples of each of their tests (48,000 in
+# all), or EXAMPLES of each.
 #
 #   pinode/python/tests/fuzz_sanitized.sh [EXAMPLES]
 #
