@@ -210,8 +210,9 @@ class SvgMaker {
     };
     double y = at[1];
     for (int i = 0; i <= kMostMoves; ++i) {
-      const double moved = at[1] + (i % 2 == 0 ? -1.0 : 1.0) * ((i + 1) / 2) *
-                                       (kAscent + kDescent);
+      const int lines = (i + 1) / 2;
+      const double moved =
+          at[1] + (i % 2 == 0 ? -lines : lines) * (kAscent + kDescent);
       const Eigen::AlignedBox2d box = box_at(moved);
       if (std::none_of(names_.begin(), names_.end(), [&](const auto& name) {
             return name.intersects(box);
