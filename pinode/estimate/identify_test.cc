@@ -251,6 +251,12 @@ TEST(Identify, KeepsTheBestSoFarWhenItIsStopped) {
   EXPECT_GT((best - first).norm(), 1e-3);
   EXPECT_LT((chain.model.parameters - best).norm(), 1e-9 * best.norm());
   EXPECT_LT(chain.summary.final_cost, 1.001 * costs.back());
+  // Intervals are those of a minimum.
+  EXPECT_EQ(chain.summary.covariance_method, "");
+  EXPECT_EQ(chain.summary.covariance.size(), 0);
+  for (const ParameterEstimate& parameter : chain.summary.parameters) {
+    EXPECT_TRUE(std::isinf(parameter.sigma)) << parameter.name;
+  }
 }
 
 // The callback sees the parameters of the iteration, not those of the start.

@@ -108,27 +108,27 @@ bool DeckAssembly::MakeCopies(const std::string& path, std::string* error) {
   return false;
 }
 
-int DeckAssembly::FindNode(const Copy& copy, int number) const {
+int DeckAssembly::Find(const Copy& copy, int number, NumberIndex index,
+                       int Copy::Piece::*first) {
   for (const Copy::Piece& piece : copy.pieces) {
-    const auto place = piece.scope->node_index.find(number);
-    if (place != piece.scope->node_index.end()) {
-      return piece.first_node + place->second;
+    const auto place = (piece.scope->*index).find(number);
+    if (place != (piece.scope->*index).end()) {
+      return piece.*first + place->second;
     }
   }
   return -1;
 }
 
-int DeckAssembly::FindElement(const Copy& copy, int number) const {
-  for (const Copy::Piece& piece : copy.pieces) {
-    const auto place = piece.scope->element_index.find(number);
-    if (place != piece.scope->element_index.end()) {
-      return piece.first_element + place->second;
-    }
-  }
-  return -1;
+int DeckAssembly::FindNode(const Copy& copy, int number) {
+  return Find(copy, number, &DeckScope::node_index, &Copy::Piece::first_node);
 }
 
-size_t DeckAssembly::CopyOf(size_t from, int instance) const {
+int DeckAssembly::FindElement(const Copy& copy, int number) {
+  return Find(copy, number, &DeckScope::element_index,
+              &Copy::Piece::first_element);
+}
+
+size_t DeckAssembly::CopyOf(size_t from, int instance) {
   return instance < 0 ? from : static_cast<size_t>(instance);
 }
 

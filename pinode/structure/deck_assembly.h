@@ -72,9 +72,13 @@ class DeckAssembly {
   std::vector<std::pair<SetKey, std::string>> SetNames() const;
 
   // Positions in the geometry; -1: none.
-  int FindNode(const Copy& copy, int number) const;
-  int FindElement(const Copy& copy, int number) const;
-  size_t CopyOf(size_t from, int instance) const;
+  using NumberIndex = std::unordered_map<int, int> DeckScope::*;
+  static int Find(const Copy& copy, int number, NumberIndex index,
+                  int Copy::Piece::*first);
+  static int FindNode(const Copy& copy, int number);
+  static int FindElement(const Copy& copy, int number);
+  // Of an instance, or the one where that stands itself (-1).
+  static size_t CopyOf(size_t from, int instance);
   bool IsSet(size_t copy, const std::string& key) const;
   // A set with all that it names.
   bool Collect(const SetKey& wanted, std::vector<int>* elements,
