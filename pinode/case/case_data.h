@@ -14,8 +14,6 @@
 
 namespace pinode {
 
-struct TomlValue;
-
 // Arrays by the names that a case has for them where it would name a file: a
 // record's `file`, a matrix, the export of a finite-element model. A name is
 // none of a file, such as "<record[0].file>".
@@ -44,22 +42,6 @@ struct CaseData {
 [[nodiscard]] bool ReadColumns(const CaseData& data, const std::string& path,
                                const std::vector<std::string>& wanted,
                                Table* selected, std::string* error);
-
-// Writes to `folder`, which is there, a file for each array that a text in
-// *tree names, and names that file instead.
-[[nodiscard]] bool WriteCaseData(const CaseData& data,
-                                 const std::string& folder, TomlValue* tree,
-                                 std::string* error);
-
-// Writes the case that `tree` says as <folder>/case.toml, with the files of its
-// arrays beside it; `folder` is created where it is not there. Files that it
-// names, from where it is (`path`; empty: the working directory), stay where
-// they are and are named as seen from `folder`. False, with *error, where that
-// would take the place of the case itself.
-[[nodiscard]] bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
-                                   const std::string& path,
-                                   const std::string& folder,
-                                   std::string* error);
 
 }  // namespace pinode
 

@@ -13,6 +13,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/temporary_folder_testing.h"
 #include "pinode/case/case_file.h"
+#include "pinode/case/case_folder.h"
 #include "pinode/case/model_case.h"
 #include "pinode/case/testing.h"
 #include "pinode/case/toml_value.h"

@@ -8,6 +8,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
+#include "pinode/case/case_folder.h"
 #include "pinode/case/force_scale_section.h"
 #include "pinode/case/model_files.h"
 #include "pinode/case/model_section.h"

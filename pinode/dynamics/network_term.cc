@@ -2,6 +2,7 @@
 
 #include <ceres/jet.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -148,6 +149,14 @@ class NetworkDynamics final
 };
 
 }  // namespace
+
+bool IsForceOfTime(const NetworkTerm& term) {
+  return term.acts_as == ActsAs::kForce &&
+         std::all_of(term.features.begin(), term.features.end(),
+                     [](const Feature& feature) {
+                       return feature.kind == Feature::Kind::kTime;
+                     });
+}
 
 std::unique_ptr<Term> MakeTerm(NetworkTerm network) {
   return std::make_unique<NetworkDynamics>(std::move(network));

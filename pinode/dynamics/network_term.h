@@ -32,6 +32,9 @@ struct NetworkTerm {
   bool drawn = true;
 };
 
+// A network that depends on time alone and acts as a force is an unknown force.
+bool IsForceOfTime(const NetworkTerm& term);
+
 // Its weights' tangents are one small matrix product per layer for all stages
 // together. Where all weights are free, as they nearly always are, the product
 // goes straight to its columns; where some are fixed, all are computed beside

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/assumed_noise.h"
 #include "pinode/estimate/covariance.h"
 #include "pinode/estimate/evidence.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/input_noise_fit.h"
-#include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/null_space.h"
 #include "pinode/estimate/objective.h"
 #include "pinode/estimate/signs.h"

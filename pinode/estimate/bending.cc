@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pinode/estimate/force_bands.h"
+#include "pinode/dynamics/network_term.h"
 
 namespace pinode {
 

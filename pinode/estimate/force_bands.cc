@@ -87,14 +87,6 @@ ForceEstimate EstimateForce(const std::string& name,
 
 }  // namespace
 
-bool IsForceOfTime(const NetworkTerm& term) {
-  return term.acts_as == ActsAs::kForce &&
-         std::all_of(term.features.begin(), term.features.end(),
-                     [](const Feature& feature) {
-                       return feature.kind == Feature::Kind::kTime;
-                     });
-}
-
 Vector BandDecays(const IdentificationProblem& problem,
                   const ParameterLayout& layout, const Vector& decays,
                   const ForceBandTuning& tuning) {

@@ -14,9 +14,6 @@
 
 namespace pinode {
 
-// Networks that depend on time alone and act as a force are such forces.
-bool IsForceOfTime(const NetworkTerm& term);
-
 // Precisions for the bands of forces with a smoothness of its own for each
 // neighbourhood of knots. The evidence takes each second difference as known to
 // be about as large as it came out, and many as none at all: a band from that

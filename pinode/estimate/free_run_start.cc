@@ -6,9 +6,9 @@
 #include <string>
 
 #include "pinode/base/constants.h"
+#include "pinode/estimate/assumed_noise.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/multiple_shooting.h"
-#include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/parameter_layout.h"
 #include "pinode/estimate/record_grid.h"
 #include "pinode/integrate/free_run.h"

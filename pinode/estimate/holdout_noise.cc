@@ -5,7 +5,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
-#include "pinode/estimate/noise_levels.h"
+#include "pinode/estimate/assumed_noise.h"
 
 namespace pinode {
 namespace {

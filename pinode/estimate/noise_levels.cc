@@ -4,39 +4,9 @@
 #include <cmath>
 
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/assumed_noise.h"
 
 namespace pinode {
-namespace {
-
-// The least positive noise of a channel that never moves.
-constexpr double kNoSpread = 1e-290;
-
-}  // namespace
-
-Vector AssumedNoise(const IdentificationRecord& record,
-                    const NoiseTuning& tuning) {
-  Vector sigmas(static_cast<int>(record.channels.size()));
-  for (int c = 0; c < sigmas.size(); ++c) {
-    const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
-    sigmas[c] = channel.sigma > 0.0
-                    ? channel.sigma
-                    : std::max(tuning.first_share *
-                                   StandardDeviationOfPresent(channel.values),
-                               kNoSpread);
-  }
-  return sigmas;
-}
-
-std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
-                                 const NoiseTuning& tuning) {
-  std::vector<Vector> sigmas;
-  for (const IdentificationRecord& record : problem.records) {
-    if (record.role == IdentificationRecord::Role::kTrain) {
-      sigmas.push_back(AssumedNoise(record, tuning));
-    }
-  }
-  return sigmas;
-}
 
 bool AreValidSigmas(const IdentificationProblem& problem,
                     const std::vector<Vector>& sigmas, std::string* error) {
@@ -62,55 +32,13 @@ bool AreValidSigmas(const IdentificationProblem& problem,
   return true;
 }
 
-bool FindTrainedSensor(const IdentificationProblem& problem,
-                       const MeasuredChannel& channel, TrainedSensor* sensor) {
-  bool found = false;
-  for (size_t r = 0; r < problem.records.size(); ++r) {
-    const IdentificationRecord& train = problem.records[r];
-    if (train.role != IdentificationRecord::Role::kTrain) continue;
-    for (size_t c = 0; c < train.channels.size(); ++c) {
-      if (train.channels[c].fit &&
-          train.channels[c].observation.name == channel.observation.name) {
-        *sensor = {r, static_cast<int>(c)};
-        found = true;
-      }
-    }
-  }
-  return found;
-}
-
-std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
-                                      const std::vector<Vector>& sigmas,
-                                      const NoiseTuning& tuning) {
-  std::vector<Vector> all;
-  size_t t = 0;
-  for (const IdentificationRecord& record : problem.records) {
-    all.push_back(record.role == IdentificationRecord::Role::kTrain
-                      ? sigmas[t++]
-                      : AssumedNoise(record, tuning));
-  }
-  for (size_t r = 0; r < all.size(); ++r) {
-    const IdentificationRecord& record = problem.records[r];
-    if (record.role == IdentificationRecord::Role::kTrain) continue;
-    for (size_t c = 0; c < record.channels.size(); ++c) {
-      TrainedSensor sensor;
-      if (record.channels[c].sigma > 0.0 ||
-          !FindTrainedSensor(problem, record.channels[c], &sensor)) {
-        continue;
-      }
-      all[r][static_cast<int>(c)] = all[sensor.record][sensor.channel];
-    }
-  }
-  return all;
-}
-
 const SeriesStatistics& NoiseLevels::Measured(size_t t, int c) const {
   return context_.objective.shooting().measured(t)[static_cast<size_t>(c)];
 }
 
 double NoiseLevels::Smallest(const SeriesStatistics& measured) const {
   const NoiseTuning& tuning = context_.tuning().noise;
-  const double floor = tuning.smallest * std::max(measured.rms, kNoSpread);
+  const double floor = tuning.smallest * std::max(measured.rms, kLeastNoise);
   return context_.HasNetworks()
              ? std::max(floor,
                         tuning.smallest_misfit * measured.StandardDeviation())

@@ -13,33 +13,11 @@
 
 namespace pinode {
 
-// Before a fit: the noise that is given, else a share of the channel's spread;
-// one number per channel, and the same per training record.
-Vector AssumedNoise(const IdentificationRecord& record,
-                    const NoiseTuning& tuning);
-std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
-                                 const NoiseTuning& tuning);
-
-// Whether `sigmas` are such: one positive number per channel and training
-// record, or nothing at all.
+// Checks the noise that a caller gives: one positive number per channel and
+// training record, or nothing at all. False, with *error, for anything else.
 [[nodiscard]] bool AreValidSigmas(const IdentificationProblem& problem,
                                   const std::vector<Vector>& sigmas,
                                   std::string* error);
-
-// Where the sensor of `channel` (by its name) was fitted: the last training
-// record, and its channel there. False: nowhere.
-struct TrainedSensor {
-  size_t record = 0;
-  int channel = 0;
-};
-bool FindTrainedSensor(const IdentificationProblem& problem,
-                       const MeasuredChannel& channel, TrainedSensor* sensor);
-
-// After it, of all records: `sigmas` of the training records; elsewhere that of
-// the same sensor (by its name) in a training record, or what is assumed.
-std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
-                                      const std::vector<Vector>& sigmas,
-                                      const NoiseTuning& tuning);
 
 // What a fit leaves over, per training record: the sums of squares of each
 // channel's residuals in the sensor's unit; with networks also the residuals,

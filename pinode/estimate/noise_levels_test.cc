@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/assumed_noise.h"
 #include "pinode/estimate/testing.h"
 
 namespace pinode {

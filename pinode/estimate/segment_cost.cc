@@ -4,8 +4,8 @@
 #include <sstream>
 #include <vector>
 
+#include "pinode/estimate/assumed_noise.h"
 #include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/noise_levels.h"
 #include "pinode/estimate/record_grid.h"
 
 namespace pinode {

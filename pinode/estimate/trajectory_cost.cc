@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pinode/estimate/assumed_noise.h"
 #include "pinode/estimate/condensed_cost.h"
 #include "pinode/estimate/initial_states.h"
 #include "pinode/estimate/noise_levels.h"

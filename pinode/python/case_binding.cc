@@ -7,6 +7,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/case/case_check.h"
+#include "pinode/case/case_folder.h"
 #include "pinode/case/check_files.h"
 #include "pinode/case/matlab_results.h"
 #include "pinode/case/result_files.h"
