@@ -3,7 +3,7 @@
 #ifndef PINODE_APPS_CONSOLE_WATCH_H_
 #define PINODE_APPS_CONSOLE_WATCH_H_
 
-#include "pinode/case/fit_case.h"
+#include "pinode/case/run/fit_case.h"
 
 namespace pinode {
 

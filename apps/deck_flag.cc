@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "pinode/case/updated_deck.h"
+#include "pinode/case/results/updated_deck.h"
 
 DEFINE_string(deck, "",
               "input deck of CalculiX or Abaqus that the case's matrices came "

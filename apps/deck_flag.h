@@ -6,9 +6,9 @@
 
 #include <string>
 
-#include "pinode/case/case_file.h"
-#include "pinode/case/result_folder.h"
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/case/results/result_folder.h"
+#include "pinode/case/sections/case_file.h"
+#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

@@ -1,7 +1,7 @@
 #include "apps/fit_flags.h"
 
-#include "pinode/case/matlab_results.h"
-#include "pinode/case/result_folder.h"
+#include "pinode/case/results/matlab_results.h"
+#include "pinode/case/results/result_folder.h"
 
 DEFINE_string(case, "",
               "case file (TOML); what it has, the page on case files says "

@@ -7,8 +7,8 @@
 
 #include <string>
 
-#include "pinode/case/case_file.h"
-#include "pinode/case/result_folder.h"
+#include "pinode/case/results/result_folder.h"
+#include "pinode/case/sections/case_file.h"
 
 DECLARE_string(case);
 DECLARE_string(output_dir);

@@ -21,11 +21,11 @@
 #include "apps/program.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/case/case_picture.h"
-#include "pinode/case/find_modes.h"
-#include "pinode/case/modes_files.h"
-#include "pinode/case/modes_section.h"
-#include "pinode/case/result_folder.h"
+#include "pinode/case/results/case_picture.h"
+#include "pinode/case/results/modes_files.h"
+#include "pinode/case/results/result_folder.h"
+#include "pinode/case/run/find_modes.h"
+#include "pinode/case/sections/modes_section.h"
 #include "pinode/report/modes_report.h"
 
 DEFINE_string(columns, "",

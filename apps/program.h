@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pinode/case/result_folder.h"
+#include "pinode/case/results/result_folder.h"
 
 namespace pinode {
 

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <string>
 
-#include "pinode/estimate/identification_options.h"
+#include "pinode/problem/identification_options.h"
 
 namespace pinode {
 

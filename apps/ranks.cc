@@ -10,7 +10,7 @@
 #include "apps/launcher.h"
 #include "apps/program.h"
 #include "pinode/base/logging.h"
-#include "pinode/study/checkpoint.h"
+#include "pinode/study/problem/checkpoint.h"
 #ifdef PINODE_MPI
 #include "pinode/mpi/mpi_communicator.h"
 #endif

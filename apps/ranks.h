@@ -7,9 +7,9 @@
 #include <string>
 
 #include "pinode/base/communicator.h"
-#include "pinode/case/case_file.h"
-#include "pinode/case/result_folder.h"
-#include "pinode/case/shared_tables.h"
+#include "pinode/case/results/result_folder.h"
+#include "pinode/case/sections/case_file.h"
+#include "pinode/case/sections/shared_tables.h"
 
 namespace pinode {
 

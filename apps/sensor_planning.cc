@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pinode/report/plan_text.h"
-#include "pinode/study/sensor_plan.h"
+#include "pinode/study/sensors/sensor_plan.h"
 
 namespace pinode {
 namespace {

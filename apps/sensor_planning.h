@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "pinode/case/case_file.h"
-#include "pinode/case/plan_files.h"
+#include "pinode/case/results/plan_files.h"
+#include "pinode/case/sections/case_file.h"
 
 namespace pinode {
 

@@ -4,8 +4,11 @@
 #   tests/floors_check.sh ROOT
 #
 # A folder of pinode/ includes itself and folders on lower floors; folders on
-# the same floor do not see each other. Includes of the project are written
-# from its root, so that none escapes this check. Third parties that have one
+# the same floor do not see each other. Within a folder, a room (sub-folder)
+# includes itself and the rooms before it; "." is the folder itself. Unit tests
+# may include any room of their folder, and the kits of tests/support.
+# Includes of the project are written from its root, so that none escapes this
+# check. Third parties that have one
 # door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case,
 # MPI in pinode/mpi, pybind11 in pinode/python.
 #
@@ -39,14 +42,23 @@ awk '
     floor["structure"] = floor["record"] = floor["network"] = 1
     floor["dynamics"] = floor["modal"] = 2
     floor["integrate"] = 3
-    floor["estimate"] = 4
-    floor["discover"] = floor["damage"] = 5
-    floor["study"] = 6
-    floor["case"] = floor["report"] = floor["mpi"] = 7
-    floor["python"] = 8
+    floor["problem"] = 4
+    floor["estimate"] = 5
+    floor["discover"] = floor["damage"] = 6
+    floor["study"] = 7
+    floor["case"] = floor["report"] = floor["mpi"] = 8
+    floor["python"] = 9
+    # Rooms of a folder, lowest first. A folder without an entry has none.
+    rooms["base"] = ". arrays"
+    rooms["structure"] = "model sparse matrices decks"
+    rooms["record"] = ". files"
+    rooms["estimate"] = "solver shooting start ambient objective certainty fit ."
+    rooms["study"] = "problem reduction terms identify laws sensors damage picture"
+    rooms["case"] = "text sections results run"
+    rooms["python"] = "binding"
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics modal integrate " \
-                  "estimate discover damage study case report mpi python", folders, " ")
+                  "problem estimate discover damage study case report mpi python", folders, " ")
   }
 
   function Fail(message) {
@@ -63,6 +75,27 @@ awk '
       }
     }
     return words
+  }
+
+  # The place of `room` in the order of its folder, 0 where it has none.
+  function RoomPlace(folder, room,   i, n, order) {
+    n = split((folder in rooms) ? rooms[folder] : ".", order, " ")
+    for (i = 1; i <= n; ++i) {
+      if (order[i] == room) return i
+    }
+    return 0
+  }
+
+  # own, other: rooms of `folder`.
+  function CheckRooms(folder, own, other, header,   from, to) {
+    from = RoomPlace(folder, own)
+    to = RoomPlace(folder, other)
+    if (to == 0) {
+      Fail("includes " header ", expected a room of pinode/" folder)
+    } else if (FILENAME !~ /_test\.cc$/ && from > 0 && to > from) {
+      Fail("pinode/" folder "/" own " includes " header \
+           ", expected only rooms before it: " rooms[folder])
+    }
   }
 
   function CheckThirdParty(header) {
@@ -84,12 +117,16 @@ awk '
   }
 
   # header: as written between the quotes or angle brackets.
-  function CheckProject(header, quoted,   top, own, part, other) {
+  function CheckProject(header, quoted,   top, own, own_room, part, other,
+                        other_room) {
     split(FILENAME, part, "/")
     top = part[1]
     own = part[2]
+    own_room = (4 in part) ? part[3] : "."
+    delete part
     split(header, part, "/")
     other = part[2]
+    other_room = (4 in part) ? part[3] : "."
     if (part[1] == "pinode") {
       if (!quoted) {
         Fail("includes <" header ">, expected quotes around our own header")
@@ -100,8 +137,11 @@ awk '
                  floor[other] >= floor[own]) {
         Fail("pinode/" own " includes " header \
              ", expected only headers of " Allowed(own))
+      } else if (top == "pinode" && own == other) {
+        CheckRooms(own, own_room, other_room, header)
       }
-    } else if (top == "pinode" && (part[1] == "apps" || part[1] == "tests")) {
+    } else if (top == "pinode" && (part[1] == "apps" || part[1] == "tests") &&
+               !(FILENAME ~ /_test\.cc$/ && header ~ /^tests\/support\//)) {
       Fail("the library includes " header ", expected only pinode/")
     } else if (quoted && (header !~ /\// || header ~ /\.\./ ||
                           part[1] in floor)) {
@@ -111,9 +151,13 @@ awk '
   }
 
   FNR == 1 && FILENAME ~ /^pinode\// {
+    delete place
     split(FILENAME, place, "/")
     if (!(place[2] in floor)) {
       Fail("lies in pinode/" place[2] ", expected a folder of the floors table")
+    } else if (RoomPlace(place[2], (4 in place) ? place[3] : ".") == 0) {
+      Fail("lies in " FILENAME ", expected a room of pinode/" place[2] ": " \
+           ((place[2] in rooms) ? rooms[place[2]] : "none"))
     }
   }
 

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/ranks_testing.h"
 #include "pinode/discover/ensemble.h"
 #include "pinode/discover/lasso.h"
 #include "pinode/discover/regression_problem.h"
-#include "pinode/estimate/identify.h"
-#include "pinode/estimate/multiple_shooting.h"
-#include "pinode/estimate/profile.h"
-#include "pinode/estimate/testing.h"
+#include "pinode/estimate/certainty/profile.h"
+#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
+#include "tests/support/estimate_testing.h"
+#include "tests/support/ranks_testing.h"
 
 namespace pinode {
 namespace {

@@ -16,10 +16,10 @@
 #include "pinode/discover/lasso.h"
 #include "pinode/discover/regression_problem.h"
 #include "pinode/dynamics/library_function.h"
-#include "pinode/estimate/assessment.h"
-#include "pinode/estimate/identify.h"
-#include "pinode/estimate/multiple_shooting.h"
-#include "pinode/estimate/testing.h"
+#include "pinode/estimate/certainty/assessment.h"
+#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
+#include "tests/support/estimate_testing.h"
 
 namespace pinode {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "pinode/base/constants.h"
-#include "pinode/base/gaussian_testing.h"
+#include "tests/support/gaussian_testing.h"
 
 namespace pinode {
 namespace {

@@ -116,9 +116,7 @@ function(pinode_add_floor folder)
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode/${folder}
     COMPONENT development
-    FILES_MATCHING PATTERN "*.h"
-    # Help for our own tests.
-    REGEX "/(.*_)?testing\\.h$" EXCLUDE)
+    FILES_MATCHING PATTERN "*.h")
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
     # Not the bare name: `study` is the label of what is run by hand.
     pinode_add_unit_test(${target}_test ${folder} floor_${folder}

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/covariance.h"
+#include "pinode/estimate/certainty/covariance.h"
 
 namespace pinode {
 namespace {

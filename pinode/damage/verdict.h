@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pinode/damage/change.h"
-#include "pinode/structure/structural_model.h"
+#include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
 

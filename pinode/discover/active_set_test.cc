@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

@@ -20,8 +20,8 @@
 #include "pinode/discover/stlsq.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

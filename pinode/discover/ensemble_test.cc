@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

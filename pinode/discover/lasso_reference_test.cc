@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/strings.h"
 #include "pinode/discover/lasso.h"
 #include "pinode/record/table.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace {

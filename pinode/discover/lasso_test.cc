@@ -6,7 +6,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

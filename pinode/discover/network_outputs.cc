@@ -8,8 +8,8 @@
 #include "pinode/discover/network_uncertainty.h"
 #include "pinode/discover/smoothed_record.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/estimate/parameter_layout.h"
 #include "pinode/network/network.h"
+#include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "pinode/base/types.h"
 #include "pinode/discover/trajectory_samples.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

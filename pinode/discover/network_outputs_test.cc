@@ -7,9 +7,9 @@
 #include <memory>
 #include <utility>
 
-#include "pinode/estimate/parameter_layout.h"
 #include "pinode/network/network.h"
-#include "pinode/structure/structural_model.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
 namespace {

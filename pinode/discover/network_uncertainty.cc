@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/estimate/covariance.h"
-#include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/objective.h"
-#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/start/initial_states.h"
 #include "pinode/network/network.h"
+#include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

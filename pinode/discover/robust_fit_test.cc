@@ -5,7 +5,7 @@
 #include <string>
 
 #include "pinode/discover/least_squares_system.h"
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

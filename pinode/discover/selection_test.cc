@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "pinode/base/constants.h"
-#include "pinode/discover/testing.h"
+#include "tests/support/discover_testing.h"
 
 namespace pinode {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/identification_problem.h"
+#include "pinode/problem/identification_problem.h"
 
 namespace pinode {
 

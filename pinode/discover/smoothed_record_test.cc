@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "pinode/structure/structural_model.h"
+#include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
 namespace {

@@ -6,7 +6,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/estimate/free_run_start.h"
+#include "pinode/estimate/start/free_run_start.h"
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/rk4.h"
 

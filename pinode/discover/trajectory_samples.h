@@ -8,8 +8,8 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/feature.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

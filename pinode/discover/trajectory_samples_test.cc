@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "pinode/estimate/parameter_layout.h"
-#include "pinode/structure/structural_model.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
 namespace {

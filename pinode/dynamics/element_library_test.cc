@@ -13,8 +13,8 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/fnv.h"
-#include "pinode/base/temporary_folder_testing.h"
 #include "pinode/dynamics/own_element.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/dynamics/testing.h"
+#include "tests/support/dynamics_testing.h"
 
 namespace pinode {
 namespace {

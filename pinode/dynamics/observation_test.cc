@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pinode/dynamics/testing.h"
+#include "tests/support/dynamics_testing.h"
 
 namespace pinode {
 namespace {

@@ -20,7 +20,7 @@
 #include "pinode/dynamics/prescribed_motion.h"
 #include "pinode/dynamics/term.h"
 #include "pinode/dynamics/unknown_force_term.h"
-#include "pinode/structure/structural_model.h"
+#include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
 

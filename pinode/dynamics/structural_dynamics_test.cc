@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pinode/dynamics/elements.h"
-#include "pinode/dynamics/testing.h"
+#include "tests/support/dynamics_testing.h"
 
 namespace pinode {
 namespace {

@@ -15,7 +15,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/linear_dynamics.h"
 #include "pinode/dynamics/wide_jet.h"
-#include "pinode/structure/structural_model.h"
+#include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
 

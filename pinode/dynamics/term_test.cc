@@ -13,7 +13,7 @@
 
 #include "pinode/dynamics/products.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/dynamics/testing.h"
+#include "tests/support/dynamics_testing.h"
 
 namespace pinode {
 namespace {

@@ -4,9 +4,9 @@
 #include <sstream>
 #include <vector>
 
-#include "pinode/estimate/assumed_noise.h"
-#include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/record_grid.h"
+#include "pinode/estimate/start/initial_states.h"
+#include "pinode/problem/assumed_noise.h"
+#include "pinode/problem/record_grid.h"
 
 namespace pinode {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/parameter_layout.h"
-#include "pinode/estimate/residual_rows.h"
+#include "pinode/estimate/shooting/residual_rows.h"
 #include "pinode/integrate/segment.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
 

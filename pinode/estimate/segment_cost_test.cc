@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pinode/estimate/testing.h"
 #include "pinode/estimate/trajectory_cost.h"
+#include "tests/support/estimate_testing.h"
 
 namespace pinode {
 namespace {

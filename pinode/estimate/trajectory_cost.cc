@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "pinode/estimate/assumed_noise.h"
-#include "pinode/estimate/condensed_cost.h"
-#include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/noise_levels.h"
-#include "pinode/estimate/stage_schedule.h"
+#include "pinode/estimate/objective/noise_levels.h"
+#include "pinode/estimate/solver/condensed_cost.h"
+#include "pinode/estimate/start/initial_states.h"
+#include "pinode/estimate/start/stage_schedule.h"
+#include "pinode/problem/assumed_noise.h"
 
 namespace pinode {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/multiple_shooting.h"
-#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "pinode/estimate/testing.h"
+#include "tests/support/estimate_testing.h"
 
 namespace pinode {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/allocation_testing.h"
-#include "pinode/base/figure_testing.h"
-#include "pinode/dynamics/testing.h"
 #include "pinode/integrate/tangent_step.h"
+#include "tests/support/allocation_testing.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/logging.h"
-#include "pinode/dynamics/testing.h"
 #include "pinode/integrate/segment.h"
-#include "pinode/integrate/testing.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/figure_testing.h"
+#include "tests/support/integrate_testing.h"
 
 namespace pinode {
 namespace {

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/elements.h"
-#include "pinode/dynamics/testing.h"
 #include "pinode/integrate/segment.h"
-#include "pinode/integrate/testing.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/figure_testing.h"
+#include "tests/support/integrate_testing.h"
 
 namespace pinode {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pinode/dynamics/testing.h"
+#include "tests/support/dynamics_testing.h"
 
 namespace pinode {
 namespace {

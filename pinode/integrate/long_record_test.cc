@@ -7,11 +7,11 @@
 #include <type_traits>
 
 #include "pinode/base/logging.h"
-#include "pinode/dynamics/testing.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/history_pass.h"
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/integrate/segment.h"
+#include "tests/support/dynamics_testing.h"
 
 namespace pinode {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
-#include "pinode/dynamics/testing.h"
 #include "pinode/integrate/segment.h"
-#include "pinode/integrate/testing.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/figure_testing.h"
+#include "tests/support/integrate_testing.h"
 
 namespace pinode {
 namespace {

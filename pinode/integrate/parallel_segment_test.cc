@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "pinode/dynamics/testing.h"
-#include "pinode/integrate/testing.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/integrate_testing.h"
 
 namespace pinode {
 namespace {

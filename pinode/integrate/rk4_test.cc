@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/logging.h"
-#include "pinode/dynamics/testing.h"
 #include "pinode/integrate/free_run.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace {

@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "pinode/modal/identify_modes.h"
 #include "pinode/modal/mode_estimate.h"
-#include "pinode/modal/testing.h"
+#include "tests/support/modal_testing.h"
 
 namespace pinode {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
-#include "pinode/base/measured_data_testing.h"
 #include "pinode/modal/identify_modes.h"
 #include "pinode/modal/merge_setups.h"
 #include "pinode/modal/stabilisation.h"
 #include "pinode/record/table.h"
+#include "tests/support/measured_data_testing.h"
 
 namespace pinode {
 namespace {

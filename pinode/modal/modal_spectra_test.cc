@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/modal/spectra.h"
-#include "pinode/modal/testing.h"
+#include "tests/support/modal_testing.h"
 
 namespace pinode {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/base/allocation_testing.h"
 #include "pinode/network/network.h"
+#include "tests/support/allocation_testing.h"
 
 namespace pinode {
 namespace {

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
-#include "pinode/base/gaussian_testing.h"
-#include "pinode/base/measured_data_testing.h"
+#include "pinode/record/files/array_table.h"
 #include "pinode/record/table.h"
+#include "tests/support/gaussian_testing.h"
+#include "tests/support/measured_data_testing.h"
 
 namespace pinode {
 namespace {

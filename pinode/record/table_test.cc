@@ -8,7 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "pinode/base/measured_data_testing.h"
+#include "tests/support/measured_data_testing.h"
 
 namespace pinode {
 namespace {

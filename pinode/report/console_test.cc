@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "pinode/report/testing.h"
+#include "tests/support/report_testing.h"
 
 namespace pinode {
 namespace {

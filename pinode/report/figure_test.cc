@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pinode/report/report_figures.h"
-#include "pinode/report/testing.h"
+#include "tests/support/report_testing.h"
 
 namespace pinode {
 namespace {

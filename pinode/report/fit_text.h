@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

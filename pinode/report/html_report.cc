@@ -7,7 +7,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
-#include "pinode/estimate/record_grid.h"
+#include "pinode/problem/record_grid.h"
 #include "pinode/report/console.h"
 #include "pinode/report/figure.h"
 #include "pinode/report/fit_text.h"

@@ -11,7 +11,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/report/figure.h"
-#include "pinode/report/testing.h"
+#include "tests/support/report_testing.h"
 
 namespace pinode {
 namespace {

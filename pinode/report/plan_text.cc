@@ -5,7 +5,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/base/units.h"
-#include "pinode/estimate/problem_description.h"
+#include "pinode/problem/problem_description.h"
 #include "pinode/report/number_text.h"
 #include "pinode/report/text_table.h"
 

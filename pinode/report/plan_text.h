@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/study/sensor_information.h"
-#include "pinode/study/sensor_plan.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/study/sensors/sensor_information.h"
+#include "pinode/study/sensors/sensor_plan.h"
 
 namespace pinode {
 

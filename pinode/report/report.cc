@@ -8,9 +8,9 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
-#include "pinode/estimate/score.h"
+#include "pinode/estimate/shooting/score.h"
 #include "pinode/report/number_text.h"
-#include "pinode/structure/modal_analysis.h"
+#include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {

@@ -11,11 +11,11 @@
 #include "pinode/base/units.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/dynamics/feature.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/identification_summary.h"
-#include "pinode/study/damage_analysis.h"
-#include "pinode/study/prior_comparison.h"
-#include "pinode/study/structure_picture.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
+#include "pinode/study/damage/damage_analysis.h"
+#include "pinode/study/picture/structure_picture.h"
+#include "pinode/study/problem/prior_comparison.h"
 
 namespace pinode {
 

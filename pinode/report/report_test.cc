@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "pinode/report/testing.h"
+#include "tests/support/report_testing.h"
 
 namespace pinode {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/study/structure_picture.h"
+#include "pinode/study/picture/structure_picture.h"
 
 namespace pinode {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pinode/study/structure_picture.h"
+#include "pinode/study/picture/structure_picture.h"
 
 namespace pinode {
 

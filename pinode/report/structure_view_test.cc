@@ -9,8 +9,8 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/report/structure_drawing.h"
-#include "pinode/report/testing.h"
 #include "pinode/report/three_packed.h"
+#include "tests/support/report_testing.h"
 
 namespace pinode {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/estimate/identification_problem.h"
+#include "pinode/problem/identification_problem.h"
 
 namespace pinode {
 namespace benchmarks {

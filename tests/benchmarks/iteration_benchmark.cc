@@ -27,10 +27,10 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
-#include "pinode/estimate/condensed_cost.h"
-#include "pinode/estimate/initial_states.h"
-#include "pinode/estimate/objective.h"
-#include "pinode/estimate/parameter_layout.h"
+#include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/solver/condensed_cost.h"
+#include "pinode/estimate/start/initial_states.h"
+#include "pinode/problem/parameter_layout.h"
 #include "tests/benchmarks/chain_problem.h"
 #include "tests/benchmarks/measure.h"
 #include "tests/benchmarks/plain_chain.h"

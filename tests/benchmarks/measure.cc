@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/logging.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace benchmarks {

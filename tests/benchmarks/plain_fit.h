@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/identification_problem.h"
-#include "pinode/estimate/parameter_layout.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/parameter_layout.h"
 #include "tests/benchmarks/measure.h"
 
 namespace pinode {

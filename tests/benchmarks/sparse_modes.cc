@@ -4,7 +4,7 @@
 //
 //   pinode_sparse_modes MODEL.npz MODES
 
-#include "pinode/structure/sparse_modes.h"
+#include "pinode/structure/sparse/sparse_modes.h"
 
 #include <sys/resource.h>
 
@@ -14,7 +14,7 @@
 #include <ctime>
 #include <string>
 
-#include "pinode/structure/finite_element_files.h"
+#include "pinode/structure/decks/finite_element_files.h"
 
 int main(int argc, char** argv) {
   using namespace pinode;

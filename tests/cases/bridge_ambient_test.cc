@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
-#include "pinode/case/modes_section.h"
+#include "pinode/case/sections/modes_section.h"
 #include "pinode/modal/merge_setups.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

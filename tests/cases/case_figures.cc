@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "gtest/gtest.h"
-#include "pinode/base/gaussian_testing.h"
 #include "pinode/base/statistics.h"
+#include "tests/support/gaussian_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "pinode/case/case_file.h"
+#include "pinode/case/sections/case_file.h"
 
 namespace pinode {
 namespace testing {

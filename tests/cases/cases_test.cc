@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
-#include "pinode/estimate/identify.h"
-#include "pinode/estimate/profile.h"
+#include "pinode/estimate/certainty/profile.h"
+#include "pinode/estimate/fit/identify.h"
 #include "tests/cases/case_figures.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "pinode/study/refit.h"
+#include "pinode/study/laws/refit.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/damage/verdict.h"
-#include "pinode/estimate/assessment.h"
+#include "pinode/estimate/certainty/assessment.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/damage/change.h"
 #include "pinode/record/table.h"
-#include "pinode/study/baseline.h"
+#include "pinode/study/damage/baseline.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

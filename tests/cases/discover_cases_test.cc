@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/discover/discovery.h"
-#include "pinode/study/refit.h"
+#include "pinode/study/laws/refit.h"
 #include "tests/cases/case_figures.h"
 #include "tests/cases/chain_terms.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/discover/discovery.h"
-#include "pinode/study/refit.h"
+#include "pinode/study/laws/refit.h"
 #include "tests/cases/chain_terms.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

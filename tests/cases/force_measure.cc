@@ -14,7 +14,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/score.h"
+#include "pinode/estimate/shooting/score.h"
 
 namespace pinode {
 namespace testing {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
 #include "tests/cases/force_measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -9,8 +9,8 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
-#include "pinode/base/figure_testing.h"
 #include "tests/cases/force_measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

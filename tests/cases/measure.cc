@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
-#include "pinode/base/measured_data_testing.h"
-#include "pinode/estimate/identify.h"
+#include "pinode/estimate/fit/identify.h"
 #include "pinode/network/initialize_weights.h"
-#include "pinode/study/baseline.h"
+#include "pinode/study/damage/baseline.h"
+#include "tests/support/figure_testing.h"
+#include "tests/support/measured_data_testing.h"
 
 namespace pinode {
 namespace testing {

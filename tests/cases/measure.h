@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "pinode/case/case_file.h"
+#include "pinode/case/sections/case_file.h"
 #include "pinode/damage/change.h"
 #include "pinode/damage/verdict.h"
-#include "pinode/estimate/identification_summary.h"
+#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 namespace testing {

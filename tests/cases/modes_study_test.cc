@@ -17,7 +17,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
 #include "pinode/modal/identify_modes.h"
-#include "pinode/modal/testing.h"
+#include "tests/support/modal_testing.h"
 
 namespace pinode {
 namespace {

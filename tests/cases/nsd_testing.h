@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
-#include "pinode/study/folded_matrices.h"
+#include "pinode/study/problem/folded_matrices.h"
 #include "tests/cases/measure.h"
 #include "tests/cases/nsd_twin.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

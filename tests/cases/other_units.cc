@@ -9,10 +9,10 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/strings.h"
-#include "pinode/case/feature_text.h"
+#include "pinode/case/sections/feature_text.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/library_law.h"
-#include "pinode/study/network_scales.h"
+#include "pinode/study/problem/network_scales.h"
 
 namespace pinode {
 namespace testing {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pinode/estimate/identification_problem.h"
+#include "pinode/problem/identification_problem.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {

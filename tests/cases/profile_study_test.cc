@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/estimate/identify.h"
-#include "pinode/estimate/profile.h"
-#include "pinode/estimate/testing.h"
+#include "pinode/estimate/certainty/profile.h"
+#include "pinode/estimate/fit/identify.h"
+#include "tests/support/estimate_testing.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
-#include "pinode/structure/modal_analysis.h"
+#include "pinode/structure/model/modal_analysis.h"
 #include "tests/cases/measure.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -15,7 +15,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/base/parallel_for.h"
-#include "pinode/estimate/tuning.h"
+#include "pinode/problem/tuning.h"
 #include "tests/cases/measure.h"
 
 namespace pinode {

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "pinode/base/figure_testing.h"
 #include "tests/cases/case_text.h"
 #include "tests/cases/measure.h"
 #include "tests/cases/other_units.h"
+#include "tests/support/figure_testing.h"
 
 namespace pinode {
 namespace testing {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "pinode/structure/abaqus_matrix.h"
+#include "pinode/structure/matrices/abaqus_matrix.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string content(reinterpret_cast<const char*>(data), size);

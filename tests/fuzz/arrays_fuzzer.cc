@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/array_files.h"
+#include "pinode/base/arrays/array_files.h"
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)

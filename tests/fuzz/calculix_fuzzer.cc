@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pinode/structure/calculix.h"
+#include "pinode/structure/matrices/calculix.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string content(reinterpret_cast<const char*>(data), size);

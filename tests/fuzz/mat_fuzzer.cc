@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-#include "pinode/structure/mat_file.h"
+#include "pinode/structure/matrices/mat_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const int descriptor = memfd_create("fuzz", 0);

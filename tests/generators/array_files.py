@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The small files of arrays on which the readers of pinode/base/array_files.h
+"""The small files of arrays on which the readers of pinode/base/arrays/array_files.h
 are tested, and from which their fuzzers start, as NumPy, SciPy and h5py write
 them (Debian: python3-scipy, python3-h5py).
 

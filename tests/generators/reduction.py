@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reference values for pinode/structure/reduction_test.cc: a chain of 30
+"""Reference values for pinode/structure/sparse/reduction_test.cc: a chain of 30
 masses, reduced by hand with dense matrices. Prints them.
 
     python3 tests/generators/reduction.py

@@ -1,5 +1,5 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
-#include "pinode/structure/model.h"  // refused
+#include "pinode/structure/model/model.h"  // refused
 #include <glog/logging.h>            // refused

@@ -2,7 +2,7 @@
 
 #include "pinode/network/network.h"
 #include "pinode/record/record.h"
-#include "pinode/structure/model.h"
+#include "pinode/structure/model/model.h"
 #include "pinode/discover/library.h"  // refused
 #include "pinode/no_such_floor/a.h"   // refused
 #include "pinode/pinode.h"            // refused

@@ -1,0 +1,273 @@
+#include "pinode/base/arrays/array_files.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "pinode/base/arrays/array_shape.h"
+#include "pinode/base/arrays/matlab_file.h"
+#include "pinode/base/arrays/numpy_archive.h"
+#include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
+#include "pinode/base/logging.h"
+
+namespace pinode {
+namespace {
+
+constexpr char kBrokenMatlabVariable[] =
+    " has fewer data than its size needs: is the file whole?";
+
+std::string ExtensionOf(const std::string& path) {
+  return LowerCase(std::filesystem::path(path).extension().string());
+}
+
+void AddNumpyArray(const std::string& name, const NumpyArray& source,
+                   const ArrayFilter& wanted, std::vector<NamedArray>* arrays) {
+  NamedArray array;
+  array.name = name;
+  int64_t by_sample = 0;
+  int64_t by_column = 0;
+  if (!source.is_number()) {
+    array.fault = "it is text";
+  } else if (ShapeArray(source.shape, !source.fortran_order, &array, &by_sample,
+                        &by_column) &&
+             wanted(name)) {
+    array.values.resize(array.samples, array.columns);
+    for (Eigen::Index c = 0; c < array.columns; ++c) {
+      for (Eigen::Index k = 0; k < array.samples; ++k) {
+        array.values(k, c) = source.NumberAt(k * by_sample + c * by_column);
+      }
+    }
+  }
+  arrays->push_back(std::move(array));
+}
+
+// The variables of a MATLAB file, and the fields of its structures.
+class MatlabArrays {
+ public:
+  MatlabArrays(const std::string& path, const ArrayFilter& wanted,
+               std::vector<NamedArray>* arrays, std::string* error)
+      : path_(path), wanted_(wanted), arrays_(arrays), error_(error) {}
+
+  bool Read() {
+    if (!file_.Open(path_, error_)) return false;
+    while (const MatlabVariable variable = file_.Next()) {
+      if (variable->name == nullptr) continue;
+      const std::string name = variable->name;
+      const bool is_structure = variable->class_type == MAT_C_STRUCT;
+      if (!is_structure && !IsFullOfNumbers(*variable)) continue;
+      if (!Fits(*variable, 0)) return Fail(name, kBrokenMatlabVariable);
+      if ((is_structure || wanted_(name)) && !file_.ReadData(variable.get())) {
+        return Fail(name, " cannot be read: is the file whole?");
+      }
+      if (!Add(name, variable.get(), 0)) return false;
+    }
+    return true;
+  }
+
+ private:
+  // Structures in structures; deeper ones are no records.
+  static constexpr int kDeepestStructure = 4;
+
+  static bool IsFullOfNumbers(const matvar_t& variable) {
+    return variable.class_type >= MAT_C_DOUBLE &&
+           variable.class_type <= MAT_C_UINT64;
+  }
+
+  bool Fail(const std::string& name, const std::string& what) {
+    *error_ = path_ + ": variable " + Quote(name) + what;
+    return false;
+  }
+
+  // Whether the file can hold what is said of a variable and of its fields.
+  bool Fits(const matvar_t& variable, int depth) const {
+    if (variable.dims == nullptr) return false;
+    double count = 1.0;
+    for (int d = 0; d < variable.rank; ++d) {
+      count *= static_cast<double>(variable.dims[d]);
+    }
+    if (count > static_cast<double>(kLargestMatlabExpansion) *
+                    static_cast<double>(file_.size())) {
+      return false;
+    }
+    if (variable.class_type != MAT_C_STRUCT || variable.data == nullptr) {
+      return true;
+    }
+    if (depth > kDeepestStructure) return false;
+    const auto* fields = static_cast<matvar_t* const*>(variable.data);
+    for (size_t i = 0; i < variable.nbytes / sizeof(matvar_t*); ++i) {
+      if (fields[i] != nullptr && !Fits(*fields[i], depth + 1)) return false;
+    }
+    return true;
+  }
+
+  bool Add(const std::string& name, matvar_t* variable, int depth) {
+    if (variable->class_type == MAT_C_STRUCT) {
+      // Of arrays of structures it is not clear which is meant.
+      size_t count = variable->rank > 0 ? 1 : 0;
+      for (int d = 0; d < variable->rank; ++d) count *= variable->dims[d];
+      if (count != 1 || depth >= kDeepestStructure) return true;
+      const unsigned num_fields = Mat_VarGetNumberOfFields(variable);
+      char* const* names = Mat_VarGetStructFieldnames(variable);
+      for (unsigned f = 0; f < num_fields; ++f) {
+        matvar_t* field = Mat_VarGetStructFieldByIndex(variable, f, 0);
+        if (field == nullptr || names == nullptr || names[f] == nullptr) {
+          continue;
+        }
+        if (!Add(name + "." + names[f], field, depth + 1)) return false;
+      }
+      return true;
+    }
+    return !IsFullOfNumbers(*variable) || AddNumbers(name, *variable);
+  }
+
+  bool AddNumbers(const std::string& name, const matvar_t& variable) {
+    NamedArray array;
+    array.name = name;
+    const std::vector<int64_t> dimensions(variable.dims,
+                                          variable.dims + variable.rank);
+    int64_t by_sample = 0;
+    int64_t by_column = 0;
+    if (ShapeArray(dimensions, /*by_rows=*/false, &array, &by_sample,
+                   &by_column)) {
+      if (variable.isComplex) {
+        array.fault = "it is complex";
+      } else if (wanted_(name)) {
+        const size_t size = MatlabTypeSize(variable.data_type);
+        if (variable.data == nullptr || size == 0 ||
+            variable.nbytes < static_cast<size_t>(array.samples) *
+                                  static_cast<size_t>(array.columns) * size) {
+          return Fail(name, kBrokenMatlabVariable);
+        }
+        array.values.resize(array.samples, array.columns);
+        for (Eigen::Index c = 0; c < array.columns; ++c) {
+          for (Eigen::Index k = 0; k < array.samples; ++k) {
+            array.values(k, c) = MatlabNumberAt(
+                variable.data, variable.data_type,
+                static_cast<size_t>(k * by_sample + c * by_column));
+          }
+        }
+      }
+    }
+    arrays_->push_back(std::move(array));
+    return true;
+  }
+
+  const std::string& path_;
+  const ArrayFilter& wanted_;
+  std::vector<NamedArray>* const arrays_;
+  std::string* const error_;
+  MatlabFile file_;
+};
+
+}  // namespace
+
+bool ShapeArray(const std::vector<int64_t>& dimensions, bool by_rows,
+                NamedArray* array, int64_t* sample_stride,
+                int64_t* column_stride) {
+  // Dimensions longer than one, and how far apart their numbers stand.
+  std::vector<int64_t> lengths;
+  std::vector<int64_t> strides;
+  int64_t stride = 1;
+  bool empty = false;
+  const size_t rank = dimensions.size();
+  for (size_t i = 0; i < rank; ++i) {
+    const int64_t length = dimensions[by_rows ? rank - 1 - i : i];
+    empty = empty || length == 0;
+    if (length > 1) {
+      lengths.push_back(length);
+      strides.push_back(stride);
+    }
+    stride *= length;
+  }
+  if (lengths.size() > 2) {
+    array->fault = "it has " + std::to_string(lengths.size()) + " dimensions";
+    return false;
+  }
+  if (empty) {
+    array->fault = "it is empty";
+    return false;
+  }
+  // Innermost first: of a matrix by rows the columns.
+  while (lengths.size() < 2) {
+    lengths.push_back(1);
+    strides.push_back(0);
+  }
+  const size_t first = by_rows ? 1 : 0;
+  const size_t samples =
+      lengths[first] >= lengths[1 - first] ? first : 1 - first;
+  array->samples = lengths[samples];
+  array->columns = lengths[1 - samples];
+  *sample_stride = strides[samples];
+  *column_stride = strides[1 - samples];
+  return true;
+}
+
+bool ReadNumpyArrays(const std::string& path, const ArrayFilter& wanted,
+                     std::vector<NamedArray>* arrays, std::string* error) {
+  std::string content;
+  if (!ReadBinaryFile(path, &content, error)) return false;
+  NumpyArrays found;
+  std::set<std::string> others;
+  if (ExtensionOf(path) == ".npz") {
+    if (!ReadNumpyArchive(path, content, &found, &others, error)) return false;
+    if (found.empty() && others.empty()) {
+      *error = path + ": holds no array, and a NumPy archive was expected";
+      return false;
+    }
+  } else {
+    const std::string name = std::filesystem::path(path).stem().string();
+    NumpyArray array;
+    std::string what;
+    switch (ParseNumpyArray(content, &array, &what)) {
+      case NumpyArrayKind::kBroken:
+        *error = path + ": the file " + what;
+        return false;
+      case NumpyArrayKind::kOther:
+        others.insert(name);
+        break;
+      case NumpyArrayKind::kUsable:
+        found.emplace(name, std::move(array));
+    }
+  }
+  for (const auto& [name, array] : found) {
+    AddNumpyArray(name, array, wanted, arrays);
+  }
+  for (const std::string& name : others) {
+    NamedArray array;
+    array.name = name;
+    array.fault =
+        "it is not of a real type (complex numbers, records, objects)";
+    arrays->push_back(std::move(array));
+  }
+  return true;
+}
+
+bool ReadMatlabArrays(const std::string& path, const ArrayFilter& wanted,
+                      std::vector<NamedArray>* arrays, std::string* error) {
+  return MatlabArrays(path, wanted, arrays, error).Read();
+}
+
+bool IsArrayFile(const std::string& path) {
+  const std::string extension = ExtensionOf(path);
+  for (const char* known : {".mat", ".npy", ".npz", ".h5", ".hdf5"}) {
+    if (extension == known) return true;
+  }
+  return false;
+}
+
+bool ReadArrayFile(const std::string& path, const ArrayFilter& wanted,
+                   std::vector<NamedArray>* arrays, std::string* error) {
+  CHECK(arrays != nullptr);
+  CHECK(error != nullptr);
+  const std::string extension = ExtensionOf(path);
+  std::vector<NamedArray> found;
+  const auto read = extension == ".mat"   ? ReadMatlabArrays
+                    : extension == ".npy" ? ReadNumpyArrays
+                    : extension == ".npz" ? ReadNumpyArrays
+                                          : ReadHdf5Arrays;
+  if (!read(path, wanted, &found, error)) return false;
+  *arrays = std::move(found);
+  return true;
+}
+
+}  // namespace pinode

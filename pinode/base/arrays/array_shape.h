@@ -1,0 +1,41 @@
+// What the readers of arrays share. Not meant for other floors.
+
+#ifndef PINODE_BASE_ARRAYS_ARRAY_SHAPE_H_
+#define PINODE_BASE_ARRAYS_ARRAY_SHAPE_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pinode/base/arrays/array_files.h"
+
+namespace pinode {
+
+using ArrayFilter = std::function<bool(const std::string&)>;
+
+// Sets samples and columns from the array's dimensions, or its fault. Number
+// (sample, column) then stands at sample * *sample_stride + column *
+// *column_stride of the array's numbers, `by_rows` telling whether its last
+// dimension changes fastest.
+bool ShapeArray(const std::vector<int64_t>& dimensions, bool by_rows,
+                NamedArray* array, int64_t* sample_stride,
+                int64_t* column_stride);
+
+// As ReadArrayFile, of one format each.
+[[nodiscard]] bool ReadNumpyArrays(const std::string& path,
+                                   const ArrayFilter& wanted,
+                                   std::vector<NamedArray>* arrays,
+                                   std::string* error);
+[[nodiscard]] bool ReadMatlabArrays(const std::string& path,
+                                    const ArrayFilter& wanted,
+                                    std::vector<NamedArray>* arrays,
+                                    std::string* error);
+[[nodiscard]] bool ReadHdf5Arrays(const std::string& path,
+                                  const ArrayFilter& wanted,
+                                  std::vector<NamedArray>* arrays,
+                                  std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_BASE_ARRAYS_ARRAY_SHAPE_H_

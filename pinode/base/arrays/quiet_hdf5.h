@@ -1,0 +1,27 @@
+// Keeps HDF5 from writing to standard error.
+
+#ifndef PINODE_BASE_ARRAYS_QUIET_HDF5_H_
+#define PINODE_BASE_ARRAYS_QUIET_HDF5_H_
+
+#include <memory>
+
+namespace pinode {
+
+// HDF5 writes what goes wrong to standard error unless it is told not to: while
+// one of these is alive it does not. A program that installs pinode needs none
+// of HDF5's headers.
+class QuietHdf5 {
+ public:
+  QuietHdf5();
+  ~QuietHdf5();
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  struct Handler;
+  const std::unique_ptr<Handler> before_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_BASE_ARRAYS_QUIET_HDF5_H_

@@ -1,0 +1,324 @@
+#include "pinode/case/results/baseline_folder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/file.h"
+#include "pinode/case/results/grown_case.h"
+#include "pinode/case/results/same_structure.h"
+#include "pinode/case/text/toml_value.h"
+#include "pinode/record/table.h"
+#include "pinode/structure/matrices/matrix_io.h"
+#include "pinode/structure/matrices/matrix_market.h"
+#include "pinode/study/reduction/reduced_structure.h"
+
+namespace pinode {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Target = MatrixGroup::Target;
+
+// -1: not among them.
+Eigen::Index IndexOf(const std::vector<std::string>& names,
+                     const std::string& name) {
+  const auto position = std::find(names.begin(), names.end(), name);
+  return position == names.end() ? -1 : position - names.begin();
+}
+
+void AppendTo(Vector* values, double value) {
+  values->conservativeResize(values->size() + 1);
+  values->tail(1)[0] = value;
+}
+
+// The part of result.json that is needed here.
+struct Result {
+  std::vector<std::string> names;  // of all parameters
+  Vector values;
+  std::vector<std::string> free;  // the free ones, in the covariance's order
+  std::vector<std::string> undetermined;
+};
+
+bool ReadResult(const std::string& path, Result* result, std::string* error) {
+  std::string text;
+  if (!ReadTextFile(path, &text, error)) return false;
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded() || !json.is_object() ||
+      json.value("schema", Json()) != "pinode-result-1" ||
+      !json.value("parameters", Json()).is_array()) {
+    *error = path + ": is not a result of pinode_update";
+    return false;
+  }
+  if (json.value("usable", Json()) != true) {
+    *error = path + ": the result is not usable (" +
+             json.value("message", std::string()) +
+             "), expected one of a healthy record that is";
+    return false;
+  }
+  std::vector<double> values;
+  for (const Json& parameter : json["parameters"]) {
+    if (!parameter.is_object() ||
+        !parameter.value("name", Json()).is_string() ||
+        !parameter.value("value", Json()).is_number() ||
+        !parameter.value("free", Json()).is_boolean()) {
+      *error = path + ": a parameter lacks its name, value or free";
+      return false;
+    }
+    result->names.push_back(parameter["name"]);
+    values.push_back(parameter["value"]);
+    if (parameter["free"] == true) result->free.push_back(parameter["name"]);
+  }
+  const Json undetermined = json.value("undetermined", Json::array());
+  for (const Json& direction : undetermined) {
+    if (direction.is_string()) result->undetermined.push_back(direction);
+  }
+  result->values = Eigen::Map<const Vector>(
+      values.data(), static_cast<Eigen::Index>(values.size()));
+  return true;
+}
+
+// Where a result folder has the updated matrix of a case that renews its basis,
+// or not.
+std::string MatrixFile(const std::string& folder, Target target,
+                       bool renews_basis) {
+  const char* letter = target == Target::kMass      ? "M"
+                       : target == Target::kDamping ? "C"
+                                                    : "K";
+  return (std::filesystem::path(folder) /
+          (std::string(letter) + (renews_basis ? "_full.mtx" : ".mtx")))
+      .string();
+}
+
+// See FindOffsets, from the updated matrices of the folder.
+bool ReadOffsets(const std::string& folder, const Case& c, const Result& result,
+                 const std::vector<std::string>& names, Vector* offsets,
+                 std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  for (const ComparedMatrix& compared : ComparedMatrices(c)) {
+    const std::string path =
+        MatrixFile(folder, compared.target, RenewsBasis(c));
+    SparseMatrix own;
+    if (!ReadMatrixMarket(path, &own, error)) return false;
+    for (size_t j = 0; j < compared.groups.size(); ++j) {
+      const SparseMatrix& group = compared.groups[j];
+      const Eigen::Index value =
+          IndexOf(result.names, dynamics.groups()[j].group.name);
+      // The matrix is without what follows something. Of a group that the case
+      // does not free the value has to be the same.
+      if (dynamics.groups()[j].follows == GroupTerm::Follows::kNothing &&
+          value >= 0 && group.rows() == own.rows() &&
+          group.cols() == own.cols()) {
+        own = SparseMatrix(own - result.values[value] * group);
+      }
+    }
+    if (!FindOffsets(path, own, dynamics, compared, names, offsets, error)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// The [[group]] of a model.toml by name.
+bool ReadGroupTables(const std::string& path,
+                     std::map<std::string, TomlValue>* groups,
+                     std::string* error) {
+  std::string text;
+  TomlValue root;
+  if (!ReadTextFile(path, &text, error) ||
+      !ParseToml(text, path, &root, error)) {
+    return false;
+  }
+  const TomlValue* tables = root.Find("group");
+  if (tables == nullptr || !tables->IsArrayOfTables()) return true;
+  for (const TomlValue& table : tables->elements) {
+    const TomlValue* name = table.Find("name");
+    if (name != nullptr) groups->emplace(name->text, table);
+  }
+  return true;
+}
+
+// What the matrices of the baseline's own case held of each group beyond once:
+// its model.toml, whose groups begin at zero again, has `values` in it.
+Vector PresentOf(const std::map<std::string, TomlValue>& groups,
+                 const std::vector<std::string>& names, const Vector& values) {
+  Vector present = Vector::Zero(values.size());
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto table = groups.find(names[i]);
+    if (table == groups.end()) continue;
+    const TomlValue* now = table->second.Find("present");
+    if (now == nullptr || !now->IsNumber()) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    present[row] = now->number - values[row] - 1.0;
+  }
+  return present;
+}
+
+// How the group of a table follows a covariate (FollowingText); "nothing" where
+// it does not.
+std::string FollowingOf(const TomlValue& table) {
+  const TomlValue* follows = table.Find("follows");
+  const TomlValue* covariate =
+      follows != nullptr ? follows->Find("covariate") : nullptr;
+  if (covariate == nullptr) return "nothing";
+  const TomlValue* reference = follows->Find("reference");
+  const TomlValue* knots = follows->Find("knots");
+  std::vector<double> places;
+  if (knots != nullptr) {
+    for (const TomlValue& knot : knots->elements) {
+      places.push_back(knot.number);
+    }
+  }
+  return FollowingText(covariate->text,
+                       reference != nullptr ? reference->number : 0.0, places);
+}
+
+// Whether the group's matrix in the folder is that of the case.
+bool SameGroup(const std::string& folder, const Case& c,
+               const std::string& name, std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  for (size_t j = 0; j < dynamics.groups().size(); ++j) {
+    const GroupTerm& term = dynamics.groups()[j];
+    if (term.group.name != name ||
+        (RenewsBasis(c) && c.finite_element->groups[j].matrix.rows() > 0)) {
+      continue;
+    }
+    const std::string file =
+        (std::filesystem::path(folder) / ("group_" + name + ".mtx")).string();
+    Matrix matrix;
+    if (!ReadMatrix(file, &matrix, error)) return false;
+    if (matrix.rows() != term.group.matrix.rows() ||
+        !matrix.isApprox(term.group.matrix, 1e-9)) {
+      *error = file +
+               ": differs from the case's matrix of that group, expected a "
+               "baseline of the same structure in the same units";
+      return false;
+    }
+  }
+  return true;
+}
+
+// The parameters by which groups follow covariates, where both have them: of
+// the same matrix, and in the same way.
+bool ReadFollowers(const std::string& folder, const Case& c,
+                   const std::map<std::string, TomlValue>& groups,
+                   const Result& result, Baseline* read, std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  std::map<std::string, std::string> group_of;
+  for (const GroupCurve& curve : dynamics.group_curves()) {
+    for (const Parameter& knot : curve.parameters.parameters) {
+      group_of[knot.name] = curve.name;
+    }
+  }
+  for (const auto& [name, following] : FollowingTexts(dynamics)) {
+    if (IndexOf(result.names, name) < 0) continue;
+    const std::string group =
+        group_of.count(name) > 0 ? group_of.at(name) : name;
+    const auto table = groups.find(group);
+    const std::string found =
+        table == groups.end() ? "nothing" : FollowingOf(table->second);
+    if (found != following) {
+      *error = (std::filesystem::path(folder) / "model.toml").string() +
+               ": group '" + group + "' follows " + found + ", expected " +
+               following + " as in the case";
+      return false;
+    }
+    if (!SameGroup(folder, c, group, error)) return false;
+    if (IndexOf(result.free, name) < 0) continue;
+    read->followers.push_back(name);
+    read->following.push_back(following);
+  }
+  return true;
+}
+
+// The records of the baseline with the model that was found.
+void ReadFit(const std::string& path, Baseline* baseline) {
+  Case healthy;
+  std::string error;
+  if (!ReadCase(path, &healthy, &error)) {
+    baseline->why_no_fit = error;
+    return;
+  }
+  HealthyFit fit;
+  fit.problem = std::move(healthy.problem);
+  fit.options = healthy.options;
+  baseline->fit = std::make_shared<const HealthyFit>(std::move(fit));
+}
+
+}  // namespace
+
+bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
+                  std::string* error) {
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  const std::vector<std::string> names = FreeGroups(dynamics);
+  const auto path = [&folder](const std::string& name) {
+    return (std::filesystem::path(folder) / name).string();
+  };
+  Result result;
+  if (!ReadResult(path("result.json"), &result, error)) return false;
+
+  // The same groups of the same structure.
+  std::vector<int> rows;
+  Vector values(static_cast<Eigen::Index>(names.size()));
+  for (size_t i = 0; i < names.size(); ++i) {
+    const Eigen::Index row = IndexOf(result.free, names[i]);
+    if (row < 0) {
+      *error = path("result.json") + ": group '" + names[i] +
+               "' of the case is not among its free parameters, expected a "
+               "baseline with the same groups";
+      return false;
+    }
+    rows.push_back(static_cast<int>(row));
+    values[static_cast<Eigen::Index>(i)] =
+        result.values[IndexOf(result.names, names[i])];
+    if (!SameGroup(folder, c, names[i], error)) return false;
+  }
+
+  Vector offsets = Vector::Zero(values.size());
+  if (!ReadOffsets(folder, c, result, names, &offsets, error)) return false;
+
+  std::map<std::string, TomlValue> groups;
+  if (!ReadGroupTables(path("model.toml"), &groups, error)) return false;
+  const Vector present = PresentOf(groups, names, values);
+  if (!IsAsPresent(path("model.toml"), dynamics, names, present, offsets,
+                   error)) {
+    return false;
+  }
+  Table table;
+  if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
+    return false;
+  }
+  const Eigen::Index size = static_cast<Eigen::Index>(result.free.size());
+  if (table.values.rows() != size || !table.values.allFinite() ||
+      !table.values.isApprox(table.values.transpose(), 1e-9)) {
+    *error = path("covariance.csv") +
+             ": is not the covariance of the free parameters in result.json";
+    return false;
+  }
+  Baseline read;
+  read.name = folder;
+  read.group_names = names;
+  read.groups = {values + present, table.values(rows, rows)};
+  read.with_followers.values = read.groups.values;
+  if (!ReadFollowers(folder, c, groups, result, &read, error)) return false;
+  for (const std::string& follower : read.followers) {
+    rows.push_back(static_cast<int>(IndexOf(result.free, follower)));
+    AppendTo(&read.with_followers.values,
+             result.values[IndexOf(result.names, follower)]);
+  }
+  read.with_followers.covariance = table.values(rows, rows);
+  read.undetermined = result.undetermined;
+  read.offsets = std::move(offsets);
+  read.parameter_names = result.names;
+  read.parameter_values = result.values;
+  if (!c.damage.masses.empty() || !c.damage.springs.empty()) {
+    ReadFit(path("model.toml"), &read);
+  }
+  *baseline = std::move(read);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,53 @@
+// What a discovery leaves on disk.
+
+#ifndef PINODE_CASE_RESULTS_DISCOVER_FILES_H_
+#define PINODE_CASE_RESULTS_DISCOVER_FILES_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/study/laws/refit.h"
+
+namespace pinode {
+
+// A library function as LaTeX: "x[u1]^3" as x_{\mathrm{u1}}^{3}.
+std::string BasisAsLatex(const std::string& basis);
+
+// One equation a block, coefficients with intervals and units.
+std::string EquationsAsText(const Discovery& discovery);
+// An align environment.
+std::string EquationsAsLatex(const Discovery& discovery);
+// {"schema": "pinode-discover-1", "refitted", "usable", "message",
+//  "step_refinement", "dropped": [...], "added": [...],
+//  "equations": [{"output", "network", "acts_as", "output_rms", "residual",
+//                 "uncertainty", "candidates",
+//                 "terms": [{"basis", "coefficient", "lower95", "upper95",
+//                            "sigma", "unit", "from_network", "share",
+//                            "inclusion_probability"}],
+//                 "pareto": [{"terms", "residual", "bic"}]}]}
+// Numbers that are not known are null.
+std::string DiscoveryAsJson(const Discovery& discovery);
+
+// discover.json, equations.txt and equations.tex in `folder`.
+[[nodiscard]] bool WriteDiscoverFiles(const Discovery& discovery,
+                                      const std::string& folder,
+                                      std::string* error);
+
+// A refit on its way: {"schema": "pinode-discover-checkpoint-1", "problem":
+// hash, "equations": [{"network", "output", "terms": [{"basis",
+// "coefficient"}]}]}, written atomically.
+[[nodiscard]] bool WriteDiscoverCheckpoint(
+    const std::string& path, const std::string& problem_hash,
+    const std::vector<DiscoveredEquation>& equations, std::string* error);
+
+// *resumed: `regressed` with the terms of the checkpoint. False, with *resumed
+// untouched, for another file, another problem, or terms that are not among the
+// candidates.
+[[nodiscard]] bool ReadDiscoverCheckpoint(
+    const std::string& path, const std::string& problem_hash,
+    const std::vector<DiscoveredEquation>& regressed,
+    std::vector<DiscoveredEquation>* resumed, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_RESULTS_DISCOVER_FILES_H_

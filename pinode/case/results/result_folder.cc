@@ -1,0 +1,234 @@
+#include "pinode/case/results/result_folder.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "pinode/base/file.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+
+namespace pinode {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kCheckpoint[] = "checkpoint.json";
+constexpr char kPartial[] = ".partial-";
+// A folder with one of these is one of ours.
+constexpr const char* kMarkers[] = {
+    "result.json",   "discover.json", "modes.json", "damage.json",
+    "simulate.json", "check.json",    "plan.json",  kCheckpoint};
+
+// Absolute, without links, dots and a slash at the end.
+fs::path Canonical(const std::string& path) {
+  std::error_code status;
+  fs::path result = fs::weakly_canonical(fs::absolute(path, status), status);
+  if (result.filename().empty()) result = result.parent_path();
+  return result;
+}
+
+bool HasMarker(const fs::path& folder) {
+  std::error_code status;
+  for (const char* marker : kMarkers) {
+    if (fs::exists(folder / marker, status)) return true;
+  }
+  return false;
+}
+
+// A process that has ended stays known until its parent asks for its status.
+bool HasEnded(int process) {
+  std::string text, unused;
+  if (!ReadTextFile("/proc/" + std::to_string(process) + "/stat", &text,
+                    &unused)) {
+    return false;
+  }
+  // The state follows the name, which is in parentheses and may hold any.
+  const size_t name_end = text.rfind(')');
+  return name_end != std::string::npos && name_end + 2 < text.size() &&
+         (text[name_end + 2] == 'Z' || text[name_end + 2] == 'X');
+}
+
+struct Leftover {
+  fs::path path;
+  int process = 0;
+  bool IsAlive() const {
+    return process != ::getpid() &&
+           (::kill(process, 0) == 0 || errno == EPERM) && !HasEnded(process);
+  }
+};
+
+// Partial folders of `final_path`, oldest first.
+std::vector<Leftover> FindLeftovers(const fs::path& final_path) {
+  std::vector<Leftover> found;
+  const std::string prefix = final_path.filename().string() + kPartial;
+  std::error_code status;
+  for (const auto& entry :
+       fs::directory_iterator(final_path.parent_path(), status)) {
+    const std::string name = entry.path().filename().string();
+    int process = 0;
+    if (name.rfind(prefix, 0) == 0 &&
+        ParseInt(name.substr(prefix.size()), &process) && process > 0) {
+      found.push_back({entry.path(), process});
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Leftover& a, const Leftover& b) {
+              std::error_code ignored;
+              return fs::last_write_time(a.path, ignored) <
+                     fs::last_write_time(b.path, ignored);
+            });
+  return found;
+}
+
+// Removes everything else.
+void KeepCheckpoint(const fs::path& folder) {
+  std::error_code status;
+  std::vector<fs::path> rest;
+  for (const auto& entry : fs::directory_iterator(folder, status)) {
+    if (entry.path().filename() != kCheckpoint) rest.push_back(entry.path());
+  }
+  for (const fs::path& file : rest) fs::remove_all(file, status);
+}
+
+}  // namespace
+
+bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
+                       std::string* error) {
+  if (path.empty()) {
+    *error = "the output folder has no name, expected a folder to be created";
+    return false;
+  }
+  const fs::path folder = Canonical(path);
+  std::error_code status;
+  if (fs::exists(folder, status)) {
+    if (!fs::is_directory(folder, status)) {
+      *error = path + ": is not a folder, expected one, or a new name";
+      return false;
+    }
+    const bool empty = fs::is_empty(folder, status);
+    if (status) {
+      *error = path + ": cannot be read (" + status.message() + ")";
+      return false;
+    }
+    if (!empty && !overwrite && !resume) {
+      *error = path +
+               ": the output folder exists and is not empty, expected a new "
+               "one, --overwrite, or --resume to go on with a fit";
+      return false;
+    }
+    if (!empty && !HasMarker(folder)) {
+      *error = path +
+               ": holds no results of pinode and is not replaced, expected "
+               "another folder";
+      return false;
+    }
+  }
+  // The rename needs the parent, which is created if need be.
+  fs::path existing = folder.parent_path();
+  while (!fs::exists(existing, status) && existing != existing.parent_path()) {
+    existing = existing.parent_path();
+  }
+  if (!fs::is_directory(existing, status) ||
+      ::access(existing.c_str(), W_OK | X_OK) != 0) {
+    *error = path + ": the output folder cannot be created in " +
+             existing.string() + ", expected a folder that can be written to";
+    return false;
+  }
+  return true;
+}
+
+ResultFolder::~ResultFolder() {
+  if (working_.empty() || is_whole_) return;
+  KeepCheckpoint(working_);
+  std::error_code status;
+  if (fs::is_empty(working_, status)) fs::remove(working_, status);
+}
+
+std::string ResultFolder::checkpoint_path() const {
+  return (fs::path(working_) / kCheckpoint).string();
+}
+
+bool ResultFolder::Open(const std::string& path, bool overwrite, bool resume,
+                        std::string* error) {
+  CHECK(working_.empty()) << "Open is called once";
+  if (!CheckOutputFolder(path, overwrite, resume, error)) return false;
+  const fs::path final_path = Canonical(path);
+  std::error_code status;
+  fs::create_directories(final_path.parent_path(), status);
+  const fs::path working(final_path.string() + kPartial +
+                         std::to_string(::getpid()));
+
+  const std::vector<Leftover> leftovers = FindLeftovers(final_path);
+  for (const Leftover& leftover : leftovers) {
+    if (!leftover.IsAlive()) continue;
+    *error = path + ": process " + std::to_string(leftover.process) +
+             " is writing to this folder, expected another one";
+    return false;
+  }
+  bool taken_over = false;
+  for (auto it = leftovers.rbegin(); resume && it != leftovers.rend(); ++it) {
+    if (!fs::exists(it->path / kCheckpoint, status)) continue;
+    fs::rename(it->path, working, status);
+    if (status) continue;
+    taken_over = true;
+    // The dead process may have begun to write results.
+    KeepCheckpoint(working);
+    break;
+  }
+  if (!taken_over) {
+    fs::remove_all(working, status);
+    if (!fs::create_directory(working, status) || status) {
+      *error = path + ": the output folder cannot be created (" +
+               status.message() + "), expected a folder that can be written to";
+      return false;
+    }
+  }
+  final_ = final_path.string();
+  working_ = working.string();
+  if (taken_over) {
+    resume_path_ = checkpoint_path();
+  } else if (resume && fs::exists(final_path / kCheckpoint, status)) {
+    resume_path_ = (final_path / kCheckpoint).string();
+  }
+  return true;
+}
+
+bool ResultFolder::Commit(std::string* error) {
+  CHECK(!working_.empty()) << "Open comes before Commit";
+  is_whole_ = true;
+  const fs::path final_path(final_);
+  const fs::path old(final_ + ".old-" + std::to_string(::getpid()));
+  std::error_code status;
+  const bool replace =
+      fs::exists(final_path, status) && !fs::is_empty(final_path, status);
+  if (replace) {
+    fs::rename(final_path, old, status);
+    if (status) {
+      *error = final_ + ": cannot be replaced (" + status.message() +
+               "); the results are in " + working_;
+      return false;
+    }
+  }
+  fs::rename(working_, final_path, status);
+  if (status) {
+    *error = final_ + ": cannot be put in place (" + status.message() +
+             "); the results are in " + working_;
+    std::error_code ignored;
+    if (replace) fs::rename(old, final_path, ignored);
+    return false;
+  }
+  working_.clear();
+  if (replace) fs::remove_all(old, status);
+  for (const Leftover& leftover : FindLeftovers(final_path)) {
+    if (!leftover.IsAlive()) fs::remove_all(leftover.path, status);
+  }
+  return true;
+}
+
+}  // namespace pinode

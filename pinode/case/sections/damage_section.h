@@ -1,0 +1,19 @@
+// [damage]: what may have changed beside the groups, and where.
+
+#ifndef PINODE_CASE_SECTIONS_DAMAGE_SECTION_H_
+#define PINODE_CASE_SECTIONS_DAMAGE_SECTION_H_
+
+#include "pinode/case/text/toml_table.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/study/damage/damage_search.h"
+
+namespace pinode {
+
+// Without the section as LookEverywhere says. `problem` is complete.
+[[nodiscard]] bool ReadDamage(const TomlTable& root,
+                              const IdentificationProblem& problem,
+                              DamageSearch* search);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_SECTIONS_DAMAGE_SECTION_H_

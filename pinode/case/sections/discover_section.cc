@@ -1,0 +1,156 @@
+#include "pinode/case/sections/discover_section.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/sections/feature_text.h"
+
+namespace pinode {
+namespace {
+
+const std::vector<std::string>& LibraryKeys() {
+  static const auto& keys =
+      *new std::vector<std::string>{"constant",      "polynomial_degree",
+                                    "products",      "polynomial_features",
+                                    "sine",          "cosine",
+                                    "absolute",      "sign",
+                                    "signed_square", "expressions"};
+  return keys;
+}
+
+// Features as the library spells them.
+bool ReadFeatures(const TomlTable& table, const std::string& key,
+                  const StructuralDynamics& dynamics,
+                  std::vector<std::string>* names) {
+  if (!table.Has(key)) return true;
+  names->clear();
+  for (const std::string& text : table.Strings(key)) {
+    Feature feature;
+    if (!ParseFeature(table, key, dynamics, text, &feature)) return false;
+    names->push_back(
+        feature.Name(dynamics.model().dof_names, InputNames(dynamics)));
+  }
+  return table.errors()->ok();
+}
+
+// Keys that are absent leave what *library has.
+bool ReadLibraryKeys(const TomlTable& table, const StructuralDynamics& dynamics,
+                     CandidateLibraryOptions* library) {
+  library->constant = table.Boolean("constant", library->constant);
+  library->polynomial_degree =
+      table.Integer("polynomial_degree", library->polynomial_degree, 0);
+  library->products = table.Boolean("products", library->products);
+  if (table.Has("expressions")) {
+    library->expressions = table.Strings("expressions");
+  }
+  return table.errors()->ok() &&
+         ReadFeatures(table, "polynomial_features", dynamics,
+                      &library->polynomial_features) &&
+         ReadFeatures(table, "sine", dynamics, &library->sine_features) &&
+         ReadFeatures(table, "cosine", dynamics, &library->cosine_features) &&
+         ReadFeatures(table, "absolute", dynamics,
+                      &library->absolute_features) &&
+         ReadFeatures(table, "sign", dynamics, &library->sign_features) &&
+         ReadFeatures(table, "signed_square", dynamics,
+                      &library->signed_square_features);
+}
+
+bool ReadOutput(const TomlTable& table, const StructuralDynamics& dynamics,
+                DiscoveryOptions::Output* output) {
+  std::vector<std::string> known = LibraryKeys();
+  known.insert(known.begin(), {"name", "given", "positive", "negative"});
+  if (!table.AllowKeys(known)) return false;
+  output->name = table.RequiredString("name");
+  if (!table.errors()->ok()) return false;
+  std::vector<std::string> names;
+  for (const NetworkTerm& term : dynamics.networks()) {
+    names.insert(names.end(), term.output_names.begin(),
+                 term.output_names.end());
+  }
+  if (std::find(names.begin(), names.end(), output->name) == names.end()) {
+    return table.Fail("name", "no network has an output '" + output->name +
+                                  "'" + NameHint(output->name, names));
+  }
+  if (!ReadLibraryKeys(table, dynamics, &output->library)) return false;
+  const TomlTable given = table.Table("given", "[[discover.output]] given");
+  for (const auto& entry : given.entries()) {
+    output->constraints.push_back(CoefficientConstraint::Given(
+        entry.first, given.Number(entry.first, 0.0)));
+  }
+  for (const std::string& basis : table.Strings("positive")) {
+    output->constraints.push_back(CoefficientConstraint::Positive(basis));
+  }
+  for (const std::string& basis : table.Strings("negative")) {
+    output->constraints.push_back(CoefficientConstraint::Negative(basis));
+  }
+  return table.errors()->ok();
+}
+
+}  // namespace
+
+bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
+                  DiscoveryOptions* options) {
+  const TomlTable table = root.Table("discover", "[discover]");
+  std::vector<std::string> known = LibraryKeys();
+  known.insert(known.begin(), {"source", "solver", "networks", "features",
+                               "tolerance", "bags", "library_fraction", "seed",
+                               "prune_fraction", "refit", "search", "output"});
+  if (!root.errors()->ok() || !table.AllowKeys(known)) return false;
+  options->source = table.Choice("source", {"network", "derivatives"},
+                                 "network") == "derivatives"
+                        ? DiscoveryOptions::Source::kDerivatives
+                        : DiscoveryOptions::Source::kNetwork;
+  options->solver =
+      table.Choice("solver", {"lasso", "stlsq"}, "lasso") == "stlsq"
+          ? DiscoveryOptions::Solver::kStlsq
+          : DiscoveryOptions::Solver::kLasso;
+  options->tolerance = table.PositiveNumber("tolerance", options->tolerance);
+  options->num_bags = table.Integer("bags", options->num_bags, 0);
+  options->library_fraction =
+      table.PositiveNumber("library_fraction", options->library_fraction);
+  options->seed = static_cast<uint64_t>(
+      table.Integer("seed", static_cast<int>(options->seed), 0));
+  options->prune_fraction =
+      table.NonNegativeNumber("prune_fraction", options->prune_fraction);
+  options->refit = table.Boolean("refit", options->refit);
+  options->search = table.Boolean("search", options->search);
+  options->networks = table.Strings("networks");
+  if (!table.errors()->ok()) return false;
+  std::vector<std::string> names;
+  for (const NetworkTerm& term : dynamics.networks()) {
+    names.push_back(term.name);
+  }
+  for (const std::string& name : options->networks) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      return table.Fail("networks", "there is no network '" + name + "'" +
+                                        NameHint(name, names));
+    }
+  }
+  for (const std::string& text : table.Strings("features")) {
+    Feature feature;
+    if (!ParseFeature(table, "features", dynamics, text, &feature)) {
+      return false;
+    }
+    options->features.push_back(feature);
+  }
+  if (!ReadLibraryKeys(table, dynamics, &options->library)) return false;
+  std::set<std::string> seen;
+  for (const TomlTable& output_table : table.Tables("output", "discover")) {
+    DiscoveryOptions::Output output;
+    output.library = options->library;
+    if (!ReadOutput(output_table, dynamics, &output)) return false;
+    if (!seen.insert(output.name).second) {
+      return output_table.Fail("name",
+                               "the output '" + output.name + "' comes twice");
+    }
+    options->outputs.push_back(std::move(output));
+  }
+  std::string error;
+  if (!table.errors()->ok()) return false;
+  return options->IsValid(&error) || table.Fail("tolerance", error);
+}
+
+}  // namespace pinode

@@ -1,0 +1,309 @@
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/sections/exported_group.h"
+#include "pinode/case/sections/finite_element_section.h"
+#include "pinode/case/sections/terms_section.h"
+#include "pinode/case/text/parameter_keys.h"
+#include "pinode/structure/model/shear_building.h"
+
+namespace pinode {
+namespace {
+
+constexpr char kTargets[] = "stiffness, damping, mass";
+
+// A part of Rayleigh's damping: the model's own mass or stiffness, scaled.
+bool ReadProportional(const TomlTable& table, const ModelSection& section,
+                      MatrixGroup* group, ReducedStructure::Group* exported) {
+  const std::string of =
+      table.Choice("proportional_to", {"mass", "stiffness"}, "mass");
+  const double scale = table.PositiveNumber("scale", 1.0);
+  if (!table.errors()->ok()) return false;
+  const bool of_mass = of == "mass";
+  if (group->target != MatrixGroup::Target::kDamping) {
+    return table.Fail("proportional_to",
+                      "'proportional_to' is for groups that add to damping");
+  }
+  if (section.finite_element == nullptr) {
+    group->matrix =
+        scale * (of_mass ? section.model.mass : section.model.stiffness);
+    return true;
+  }
+  using InBasis = ReducedStructure::Group::InBasis;
+  exported->in_basis = of_mass ? InBasis::kOfMass : InBasis::kOfStiffness;
+  exported->scale = scale;
+  group->matrix =
+      GroupInBasis(section.finite_element->structure, Matrix(), exported);
+  return true;
+}
+
+// *exported is what the group is over all DOFs of a finite-element model.
+bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
+                     MatrixGroup* group, ReducedStructure::Group* exported) {
+  const StructuralModel& model = section.model;
+  const bool from_export =
+      table.Has("changed_export") || table.Has("set_export");
+  const int count = table.Has("between") + table.Has("matrix") +
+                    table.Has("storey") + table.Has("proportional_to") +
+                    table.Has("changed_export") + table.Has("set_export");
+  if (count != 1) {
+    return table.Fail("name", "it has " + std::to_string(count) +
+                                  " of the keys between, matrix, storey, "
+                                  "proportional_to, changed_export, "
+                                  "set_export; expected exactly one");
+  }
+  if (table.Has("factor") && !table.Has("changed_export")) {
+    return table.Fail("factor", "'factor' goes with 'changed_export' only");
+  }
+  if (from_export && section.finite_element == nullptr) {
+    return table.Fail(table.Has("set_export") ? "set_export" : "changed_export",
+                      "an export without a [model.finite_element], expected "
+                      "'between' or 'matrix'");
+  }
+  if (table.Has("scale") && !table.Has("between") &&
+      !table.Has("proportional_to")) {
+    return table.Fail("scale",
+                      "'scale' goes with 'between' and 'proportional_to' only");
+  }
+  if (from_export) {
+    return ReadExportedGroup(table, *section.finite_element, group, exported);
+  }
+  if (table.Has("proportional_to")) {
+    return ReadProportional(table, section, group, exported);
+  }
+  if (table.Has("between")) {
+    int from = -1;
+    int to = -1;
+    if (!ReadBetween(model, table, &from, &to)) return false;
+    const double scale = table.PositiveNumber("scale", 1.0);
+    group->matrix = scale * SpringMatrix(model.num_dofs(), from, to);
+    if (section.finite_element != nullptr) {
+      *exported =
+          SpringGroup(section.finite_element->structure, scale, from, to);
+    }
+    return table.errors()->ok();
+  }
+  if (table.Has("matrix")) {
+    return ReadMatrixKey(table, "matrix",
+                         "the matrix of group '" + group->name + "'",
+                         model.num_dofs(), &group->matrix);
+  }
+  const int storey = table.Integer("storey", 1, 1);
+  if (!table.errors()->ok()) return false;
+  if (!section.building.has_value()) {
+    return table.Fail("storey",
+                      "'storey' without a [model.shear_building], expected "
+                      "'between' or 'matrix'");
+  }
+  MatrixGroup of_storey;
+  std::string error;
+  if (!StoreyGroup(*section.building, group->target, storey, &of_storey,
+                   &error)) {
+    return table.Fail("storey", error);
+  }
+  group->matrix = of_storey.matrix;
+  return true;
+}
+
+// The knots, and which of them is the reference.
+bool ReadKnots(const TomlTable& follows, GroupCurve* curve) {
+  curve->knots = follows.Numbers("knots");
+  if (!follows.errors()->ok()) return false;
+  const std::vector<double>& knots = curve->knots;
+  if (knots.size() < 2 ||
+      std::adjacent_find(knots.begin(), knots.end(),
+                         std::greater_equal<double>()) != knots.end()) {
+    return follows.Fail("knots",
+                        "'knots' expected two values of the covariate or more, "
+                        "ascending");
+  }
+  if (!follows.RequireKey("reference",
+                          "the knot at which the group has its own value")) {
+    return false;
+  }
+  const double reference = follows.Number("reference", 0.0);
+  if (!follows.errors()->ok()) return false;
+  const auto at = std::find(knots.begin(), knots.end(), reference);
+  if (at == knots.end()) {
+    return follows.Fail("reference", "'reference' is " +
+                                         FormatNumber(reference, 6) +
+                                         ", expected one of the knots");
+  }
+  curve->reference = static_cast<int>(at - knots.begin());
+  return true;
+}
+
+bool ReadCurvePrior(const TomlTable& follows, GroupCurve* curve) {
+  const int differences = follows.Integer("differences", 1, 1);
+  if (!follows.errors()->ok()) return false;
+  if (differences > 2 || differences >= static_cast<int>(curve->knots.size())) {
+    return follows.Fail("differences",
+                        "'differences' is " + std::to_string(differences) +
+                            " of " + std::to_string(curve->knots.size()) +
+                            " knots, expected 1, or 2 of three knots or more");
+  }
+  double sigma = 0.0;
+  const TomlValue* smoothness = follows.Find("smoothness");
+  if (smoothness != nullptr && smoothness->type == TomlValue::Type::kString) {
+    if (smoothness->text != "evidence") {
+      return follows.Fail("smoothness",
+                          "'smoothness' is '" + smoothness->text +
+                              "', expected \"evidence\" or how much alpha may "
+                              "change from knot to knot");
+    }
+  } else if (smoothness != nullptr) {
+    sigma = follows.PositiveNumber("smoothness", 1.0);
+  }
+  curve->prior = CurvePrior(curve->knots, curve->reference, differences, sigma);
+  return follows.errors()->ok();
+}
+
+// How alpha changes from knot to knot, beside its value at the reference.
+bool ReadCurve(const TomlTable& follows, const std::string& covariate,
+               const GroupTerm& term, GroupCurve* curve) {
+  curve->name = term.group.name;
+  curve->group = term.group;
+  curve->input = term.input;
+  if (!ReadKnots(follows, curve) || !ReadCurvePrior(follows, curve)) {
+    return false;
+  }
+  const int num_knots = static_cast<int>(curve->knots.size());
+  std::vector<double> values(curve->knots.size(), 0.0);
+  if (follows.Has("values")) {
+    values = follows.Numbers("values", num_knots, "one for each knot");
+    if (!follows.errors()->ok()) return false;
+    if (values[static_cast<size_t>(curve->reference)] != 0.0) {
+      return follows.Fail("values",
+                          "'values' are changes against the reference, "
+                          "expected 0 there");
+    }
+  }
+  const bool free = follows.Boolean("free", true);
+  curve->parameters.name = curve->name + "." + covariate;
+  for (int k = 0; k < num_knots; ++k) {
+    if (k == curve->reference) continue;
+    Parameter parameter;
+    parameter.name =
+        KnotName(curve->name, covariate, curve->knots[static_cast<size_t>(k)]);
+    parameter.value = values[static_cast<size_t>(k)];
+    parameter.free = free;
+    curve->parameters.parameters.push_back(parameter);
+  }
+  return follows.errors()->ok();
+}
+
+// *curve is without knots where the group follows nothing or a straight line.
+bool ReadFollows(const TomlTable& table, const UnitSystem& units,
+                 const StructuralDynamics& dynamics, GroupTerm* term,
+                 GroupCurve* curve) {
+  if (!table.Has("follows")) return true;
+  const TomlTable follows = table.Table("follows", table.name() + " follows");
+  if (!follows.AllowKeys({"covariate", "time", "reference", "knots",
+                          "smoothness", "differences", "values", "free"})) {
+    return false;
+  }
+  for (const char* key : {"smoothness", "differences", "values", "free"}) {
+    if (follows.Has(key) && !follows.Has("knots")) {
+      return follows.Fail(key,
+                          std::string("'") + key + "' goes with 'knots' only");
+    }
+  }
+  if (follows.Has("knots") && follows.Has("time")) {
+    return follows.Fail("knots", "'knots' go with a covariate, not with time");
+  }
+  if (follows.Has("covariate") == follows.Has("time")) {
+    return table.Fail("follows",
+                      "'follows' expected {covariate = \"...\", reference = "
+                      "...} or {time = \"linear\", reference = ...}");
+  }
+  term->reference = follows.Number("reference", 0.0);
+  if (follows.Has("time")) {
+    follows.Choice("time", {"linear"}, "linear");
+    term->follows = GroupTerm::Follows::kTime;
+    double seconds = 1.0;
+    std::string error;
+    if (!UnitFactor("s", Dimension::kTime, units, &seconds, &error)) {
+      return follows.Fail("reference", error);
+    }
+    term->reference *= seconds;
+    return table.errors()->ok();
+  }
+  const std::string name = follows.String("covariate");
+  std::vector<std::string> known;
+  for (int i = 0; i < dynamics.num_inputs(); ++i) {
+    const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
+    if (input.kind != InputSpec::Kind::kCovariate) continue;
+    known.push_back(input.name);
+    if (input.name == name) term->input = i;
+  }
+  if (term->input < 0) {
+    return follows.Fail("covariate", "no record has a covariate '" + name +
+                                         "'" + NameHint(name, known));
+  }
+  // With knots alpha is the value at the reference, and the rest is a term of
+  // its own.
+  if (follows.Has("knots")) return ReadCurve(follows, name, *term, curve);
+  term->follows = GroupTerm::Follows::kCovariate;
+  return table.errors()->ok();
+}
+
+}  // namespace
+
+bool ReadGroups(const TomlTable& root, const TermsContext& context,
+                StructuralDynamics* dynamics) {
+  for (TomlTable& table : root.Tables("group")) {
+    std::vector<std::string> keys = {
+        "name",       "adds_to", "between", "matrix",          "storey",
+        "scale",      "follows", "present", "proportional_to", "changed_export",
+        "set_export", "factor"};
+    keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
+    if (!table.AllowKeys(keys)) return false;
+    GroupTerm term;
+    term.group.name = table.RequiredString("name");
+    if (!root.errors()->ok()) return false;
+    table.set_name("group '" + term.group.name + "'");
+    if (!CheckName(table, "name", term.group.name) ||
+        !table.RequireKey("adds_to", std::string("one of ") + kTargets)) {
+      return false;
+    }
+    const std::string target = table.String("adds_to");
+    if (!root.errors()->ok()) return false;
+    if (!ParseTarget(target, &term.group.target)) {
+      return table.Fail("adds_to", "'adds_to' is '" + target +
+                                       "', expected one of " + kTargets);
+    }
+    ReducedStructure::Group exported;
+    GroupCurve curve;
+    if (!ReadGroupMatrix(table, *context.model, &term.group, &exported) ||
+        !ReadFollows(table, *context.units, *dynamics, &term, &curve)) {
+      return false;
+    }
+    term.present = table.Number("present", 1.0);
+    term.alpha.name = term.group.name;
+    if (!ReadParameterKeys(table, 1.0, &term.alpha)) return false;
+    std::string error;
+    if (!dynamics->AddGroup(term, &error)) return table.Fail("name", error);
+    if (!curve.knots.empty() &&
+        !dynamics->AddGroupCurve(std::move(curve), &error)) {
+      return table.Fail("follows", error);
+    }
+    if (context.model->finite_element != nullptr) {
+      if (exported.matrix.rows() == 0) {
+        context.remarks->push_back(
+            "Group '" + term.group.name +
+            "' is given for the coordinates of the reduced model and has no "
+            "part in the matrices of the finite-element model that are "
+            "written back.");
+      }
+      context.model->finite_element->structure.groups.push_back(
+          std::move(exported));
+    }
+  }
+  return root.errors()->ok();
+}
+
+}  // namespace pinode

@@ -1,0 +1,20 @@
+// [[library]]: sparse library terms, what pinode_discover leaves behind.
+
+#ifndef PINODE_CASE_SECTIONS_LIBRARY_SECTION_H_
+#define PINODE_CASE_SECTIONS_LIBRARY_SECTION_H_
+
+#include "pinode/case/sections/terms_section.h"
+#include "pinode/case/text/toml_table.h"
+#include "pinode/dynamics/structural_dynamics.h"
+
+namespace pinode {
+
+// Adds the library terms of the case to *dynamics. To be called after
+// ReadElements, whose laws come first in StructuralDynamics::laws().
+[[nodiscard]] bool ReadLibraries(const TomlTable& root,
+                                 const TermsContext& context,
+                                 StructuralDynamics* dynamics);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_SECTIONS_LIBRARY_SECTION_H_

@@ -1,0 +1,434 @@
+#include "pinode/case/sections/modes_section.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
+#include "pinode/case/sections/geometry_section.h"
+#include "pinode/case/sections/model_section.h"
+#include "pinode/case/sections/record_data.h"
+#include "pinode/case/sections/record_section.h"
+#include "pinode/case/text/case_tables.h"
+#include "pinode/case/text/toml_table.h"
+#include "pinode/case/text/toml_value.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/record/files/array_table.h"
+#include "pinode/record/files/universal_file.h"
+#include "pinode/record/table.h"
+
+namespace pinode {
+namespace {
+
+void AddOnce(const std::string& name, std::vector<std::string>* names) {
+  if (!name.empty() &&
+      std::find(names->begin(), names->end(), name) == names->end()) {
+    names->push_back(name);
+  }
+}
+
+// Every place that a record names, as DOFs of a model that nobody asks for its
+// matrices.
+StructuralModel PlacesOfRecords(const TomlTable& root) {
+  std::vector<std::string> places;
+  std::vector<std::string> directions;
+  for (const TomlTable& record : root.Tables("record")) {
+    for (const TomlTable& channel : record.Tables("channel", "record")) {
+      if (channel.Has("combination")) {
+        for (const auto& entry :
+             channel.Table("combination", "combination").entries()) {
+          AddOnce(entry.first, &places);
+        }
+      } else if (channel.Has("dof")) {
+        AddOnce(channel.String("dof"), &places);
+      } else {
+        AddOnce(channel.String("name", channel.String("column")), &places);
+      }
+    }
+    for (const char* kind : {"force", "motion"}) {
+      for (const TomlTable& input : record.Tables(kind, "record")) {
+        AddOnce(input.String("dof"), &places);
+      }
+    }
+    for (const TomlTable& ground : record.Tables("ground", "record")) {
+      AddOnce(ground.String("direction"), &directions);
+    }
+  }
+  const Eigen::Index size = static_cast<Eigen::Index>(places.size());
+  StructuralModel model = MakeStructuralModel(
+      Matrix::Identity(size, size), Matrix::Zero(size, size),
+      Matrix::Identity(size, size), places);
+  if (!directions.empty()) {
+    model.directions = directions;
+    model.influence =
+        Matrix::Ones(size, static_cast<Eigen::Index>(directions.size()));
+    model.support_mass_coupling =
+        Matrix::Zero(size, static_cast<Eigen::Index>(directions.size()));
+  }
+  return model;
+}
+
+constexpr ModalMethod kModalMethods[] = {
+    ModalMethod::kAutomatic, ModalMethod::kCovarianceDriven,
+    ModalMethod::kDataDriven, ModalMethod::kInputOutput,
+    ModalMethod::kRingDown};
+
+// Whether an input is a load that was measured, not what was made of one.
+bool IsLoad(const InputSpec& spec) {
+  return spec.kind == InputSpec::Kind::kGroundAcceleration ||
+         spec.kind == InputSpec::Kind::kForce ||
+         spec.kind == InputSpec::Kind::kPrescribedDisplacement;
+}
+
+class ModesCaseReader {
+ public:
+  ModesCaseReader(const TomlValue& source, const std::string& path,
+                  const CaseData* data, std::string* error)
+      : errors_(path, error, data), root_(source, "", &errors_) {
+    c_.path = path;
+  }
+
+  bool ReadOptionsAlone(ModesCase* result) {
+    if (!root_.AllowKeys({"modes"}) || !ReadOptions()) return false;
+    *result = std::move(c_);
+    return true;
+  }
+
+  bool Read(ModesCase* result) {
+    c_.title = root_.String("title");
+    if (!AllowCaseTables(root_) || !ReadUnits(root_, &c_.units) ||
+        !ReadOptions() || !ReadRecords() ||
+        !ReadGeometry(root_, root_.Has("model") ? nullptr : &dof_names_,
+                      nullptr, &c_.geometry)) {
+      return false;
+    }
+    *result = std::move(c_);
+    return true;
+  }
+
+ private:
+  bool ReadOptions() {
+    const TomlTable table = root_.Table("modes", "[modes]");
+    if (!table.AllowKeys({"lowest_hz", "highest_hz", "block_rows", "max_order",
+                          "references", "max_damping_ratio", "pick", "method",
+                          "threads"})) {
+      return false;
+    }
+    for (const TomlValue::Entry& entry : table.entries()) {
+      c_.option_lines[entry.first] = table.Line(entry.first);
+    }
+    ModeIdentificationOptions& options = c_.options;
+    if (table.Has("lowest_hz")) {
+      options.lowest_hz = table.PositiveNumber("lowest_hz", 1.0);
+    }
+    if (table.Has("highest_hz")) {
+      options.highest_hz = table.PositiveNumber("highest_hz", 1.0);
+    }
+    options.block_rows = table.Integer("block_rows", 0, 2);
+    options.max_order = table.Integer("max_order", 0, 2);
+    if (table.errors()->ok() && options.max_order % 2 != 0) {
+      return table.Fail("max_order",
+                        "'max_order' is odd, expected an even one: "
+                        "a mode has two states");
+    }
+    std::vector<std::string> methods;
+    for (const ModalMethod method : kModalMethods) {
+      methods.emplace_back(ModalMethodName(method));
+    }
+    const std::string wanted = table.Choice("method", methods, methods.front());
+    for (const ModalMethod method : kModalMethods) {
+      if (wanted == ModalMethodName(method)) options.method = method;
+    }
+    options.references = table.Strings("references");
+    c_.merge.references = options.references;
+    options.stabilisation.largest_damping_ratio = table.PositiveNumber(
+        "max_damping_ratio", options.stabilisation.largest_damping_ratio);
+    options.num_threads = table.Integer("threads", DefaultThreads(), 1);
+    options.stabilisation.pick = table.Numbers("pick");
+    return table.errors()->ok();
+  }
+
+  bool ReadRecords() {
+    const StructuralModel places = PlacesOfRecords(root_);
+    dof_names_ = places.dof_names;
+    std::vector<RecordSection> sections;
+    if (!errors_.ok() ||
+        !ReadRecordSections(root_, c_.units, places, RecordPurpose::kResponses,
+                            &sections)) {
+      return false;
+    }
+    inputs_ = CollectInputs(sections, places);
+    const StructuralDynamics dynamics(places, inputs_);
+    double second = 1.0;
+    std::string message;
+    if (!UnitFactor("s", Dimension::kTime, c_.units, &second, &message)) {
+      return errors_.Fail(0, message);
+    }
+    for (const RecordSection& section : sections) {
+      IdentificationRecord record;
+      if (!ReadRecordData(section, c_.units, dynamics, /*simulation=*/false,
+                          &record, /*faults=*/nullptr) ||
+          !AddRecord(section, record, places.dof_names, second)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool AddRecord(const RecordSection& section,
+                 const IdentificationRecord& record,
+                 const std::vector<std::string>& dof_names, double second) {
+    ResponseRecord response;
+    response.name = record.name;
+    response.sampling_step = record.sampling_step() / second;
+    response.samples.resize(static_cast<Eigen::Index>(record.channels.size()),
+                            record.num_samples());
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const ChannelSection& channel = section.channels[c];
+      const int derivative = Derivative(channel.quantity);
+      if (derivative < 0) {
+        return channel.signal.table.Fail(
+            "quantity",
+            std::string("a ") + QuantityName(channel.quantity) +
+                " has no mode shape, expected a motion or a strain");
+      }
+      response.channels.push_back({channel.location, derivative});
+      AddPlace(channel, dof_names);
+      response.samples.row(static_cast<Eigen::Index>(c)) =
+          record.channels[c].values.transpose();
+    }
+    for (const std::string& remark : record.description.remarks) {
+      c_.remarks.push_back("Record '" + record.name + "': " + remark);
+    }
+    RemarkOnCovariates(record);
+    response.free_decay = section.free_decay;
+    if (section.has_excitation()) {
+      AddInputs(record, &response);
+      if (c_.options.method == ModalMethod::kCovarianceDriven ||
+          c_.options.method == ModalMethod::kDataDriven) {
+        c_.remarks.push_back(
+            "Record '" + record.name +
+            "' has a measured excitation, of which the method makes no use: "
+            "the excitation's own frequencies are among its modes where it is "
+            "not broad.");
+      }
+    }
+    std::string message;
+    if (!response.IsValid(&message)) {
+      return section.table.Fail("channel", message);
+    }
+    c_.record_lines[response.name] = section.table.line();
+    c_.records.push_back(std::move(response));
+    return true;
+  }
+
+  // A strain is no motion of its DOFs.
+  void AddPlace(const ChannelSection& channel,
+                const std::vector<std::string>& dof_names) {
+    const bool known = std::any_of(c_.places.begin(), c_.places.end(),
+                                   [&channel](const PlaceOfShape& other) {
+                                     return other.place == channel.location;
+                                   });
+    if (known) return;
+    PlaceOfShape place = {channel.location, channel.name, {}};
+    for (Eigen::Index i = 0; i < channel.weights.size(); ++i) {
+      if (channel.weights[i] == 0.0 || channel.quantity == Quantity::kStrain) {
+        continue;
+      }
+      place.dofs[dof_names[static_cast<size_t>(i)]] = channel.weights[i];
+    }
+    c_.places.push_back(std::move(place));
+  }
+
+  // Modes are those of a structure as it was, which a case must know.
+  void RemarkOnCovariates(const IdentificationRecord& record) {
+    for (size_t i = 0; i < inputs_.size(); ++i) {
+      if (inputs_[i].kind != InputSpec::Kind::kCovariate) continue;
+      const double mean =
+          record.excitation->samples().row(static_cast<Eigen::Index>(i)).mean();
+      c_.remarks.push_back(
+          "Record '" + record.name + "': the mean of " + inputs_[i].name +
+          " is " + FormatNumber(mean, 5) +
+          "; a case with its modes says so by [modal] covariates.");
+    }
+  }
+
+  // Those that move: what another record has is zero here.
+  void AddInputs(const IdentificationRecord& record,
+                 ResponseRecord* response) const {
+    const Matrix& samples = record.excitation->samples();
+    std::vector<Eigen::Index> rows;
+    for (size_t i = 0; i < inputs_.size(); ++i) {
+      const Eigen::Index row = static_cast<Eigen::Index>(i);
+      if (IsLoad(inputs_[i]) &&
+          samples.row(row).maxCoeff() > samples.row(row).minCoeff()) {
+        rows.push_back(row);
+      }
+    }
+    response->inputs.resize(static_cast<Eigen::Index>(rows.size()),
+                            samples.cols());
+    for (size_t i = 0; i < rows.size(); ++i) {
+      response->inputs.row(static_cast<Eigen::Index>(i)) = samples.row(rows[i]);
+    }
+  }
+
+  // -1: none.
+  static int Derivative(Quantity quantity) {
+    switch (quantity) {
+      case Quantity::kDisplacement:
+      case Quantity::kAbsoluteDisplacement:
+      case Quantity::kStrain:
+        return 0;
+      case Quantity::kVelocity:
+        return 1;
+      case Quantity::kRelativeAcceleration:
+      case Quantity::kAbsoluteAcceleration:
+        return 2;
+      case Quantity::kForce:
+        break;
+    }
+    return -1;
+  }
+
+  ModesCase c_;
+  std::vector<InputSpec> inputs_;
+  // Those of the records: all there are, where there is no model.
+  std::vector<std::string> dof_names_;
+  CaseErrors errors_;
+  const TomlTable root_;
+};
+
+// From a data file by itself to the case that says the same.
+class DataFileReader {
+ public:
+  DataFileReader(const ModesDataFile& file, std::string* error)
+      : file_(file), columns_(file.columns), error_(error) {}
+
+  bool Read(ModesCase* c) {
+    if (!FindTime() || !FindColumns() || !FindQuantities()) return false;
+    TomlValue record = TomlValue::Table();
+    record.Set("name", TomlValue::String(FileName(file_.path)));
+    record.Set("file", TomlValue::String(FileName(file_.path)));
+    if (time_.empty()) {
+      record.Set("sampling_rate_hz", TomlValue::Float(file_.sampling_rate_hz));
+    } else {
+      record.Set("time", TomlValue::String(time_));
+    }
+    TomlValue channels = TomlValue::Array({});
+    for (size_t i = 0; i < columns_.size(); ++i) {
+      TomlValue channel = TomlValue::Table();
+      channel.Set("column", TomlValue::String(columns_[i]));
+      channel.Set("quantity", TomlValue::String(quantities_[i]));
+      channel.Set("unit", TomlValue::String("model"));
+      channels.elements.push_back(std::move(channel));
+    }
+    record.Set("channel", std::move(channels));
+    TomlValue root = TomlValue::Table();
+    TomlValue units = TomlValue::Table();
+    units.Set("time", TomlValue::String("s"));
+    root.Set("units", std::move(units));
+    root.Set("title", TomlValue::String("Modes of " + FileName(file_.path)));
+    root.Set("record", TomlValue::Array({std::move(record)}));
+    return ModesCaseReader(root, file_.path, nullptr, error_).Read(c);
+  }
+
+ private:
+  static std::string FileName(const std::string& path) {
+    return path.substr(path.find_last_of('/') + 1);
+  }
+
+  bool Fail(const std::string& message) {
+    *error_ = file_.path + ": " + message;
+    return false;
+  }
+
+  bool FindTime() {
+    if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
+      return Fail("a time column and a sampling rate, expected one of them");
+    }
+    time_ = file_.time_column;
+    if (!time_.empty() || file_.sampling_rate_hz != 0.0) return true;
+    Table table;
+    std::string missing;
+    for (const char* name : {"t", "time"}) {
+      if (ReadTable(file_.path, {name}, &table, &missing)) {
+        time_ = name;
+        return true;
+      }
+    }
+    // What its reader says, where it is no table at all.
+    if (!ReadTable(file_.path, {}, &table, error_)) return false;
+    return Fail(
+        "neither a time column 't' or 'time' nor a sampling rate, expected "
+        "one of them");
+  }
+
+  bool FindColumns() {
+    if (columns_.size() != 1 || columns_[0] != "all") return true;
+    Table table;
+    if (!ReadTable(file_.path, {}, &table, error_)) return false;
+    columns_ = table.columns;
+    columns_.erase(std::remove(columns_.begin(), columns_.end(), time_),
+                   columns_.end());
+    return true;
+  }
+
+  bool FindQuantities() {
+    quantities_ = file_.quantities;
+    if (quantities_.empty()) quantities_ = {"acceleration"};
+    if (quantities_.size() == 1)
+      quantities_.resize(columns_.size(), quantities_[0]);
+    if (quantities_.size() != columns_.size()) {
+      return Fail(std::to_string(quantities_.size()) + " quantities for " +
+                  std::to_string(columns_.size()) +
+                  " columns, expected one for all or one for each");
+    }
+    for (std::string& quantity : quantities_) {
+      // Of the ground nothing is known here: both kinds are one.
+      if (quantity == "acceleration") {
+        quantity = "absolute_acceleration";
+      } else if (quantity != "velocity" && quantity != "displacement" &&
+                 quantity != "strain") {
+        return Fail("quantity '" + quantity +
+                    "', expected acceleration, velocity, displacement or "
+                    "strain");
+      }
+    }
+    return true;
+  }
+
+  const ModesDataFile& file_;
+  std::vector<std::string> columns_;
+  std::vector<std::string> quantities_;
+  std::string time_;
+  std::string* error_;
+};
+
+}  // namespace
+
+bool ReadModesDataFile(const ModesDataFile& file, ModesCase* c,
+                       std::string* error) {
+  return DataFileReader(file, error).Read(c);
+}
+
+bool ReadModesCase(const std::string& path, ModesCase* c, std::string* error) {
+  std::string text;
+  TomlValue source;
+  return ReadTextFile(path, &text, error) &&
+         ParseToml(text, path, &source, error) &&
+         ModesCaseReader(source, path, nullptr, error).Read(c);
+}
+
+bool ReadModesOptions(const TomlValue& source, ModesCase* c,
+                      std::string* error) {
+  return ModesCaseReader(source, "", nullptr, error).ReadOptionsAlone(c);
+}
+
+bool ReadModesTree(const TomlValue& source, const std::string& path,
+                   const CaseData& data, ModesCase* c, std::string* error) {
+  return ModesCaseReader(source, path, &data, error).Read(c);
+}
+
+}  // namespace pinode

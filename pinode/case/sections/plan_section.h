@@ -1,0 +1,51 @@
+// [plan]: sensors that could be, to choose from.
+
+#ifndef PINODE_CASE_SECTIONS_PLAN_SECTION_H_
+#define PINODE_CASE_SECTIONS_PLAN_SECTION_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/units.h"
+#include "pinode/case/sections/record_section.h"
+#include "pinode/case/text/toml_table.h"
+#include "pinode/case/text/toml_value.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/study/reduction/reduced_structure.h"
+#include "pinode/study/sensors/sensor_information.h"
+#include "pinode/study/sensors/sensor_plan.h"
+
+namespace pinode {
+
+struct SensorRequest {
+  // `num_sensors` is for the program to say.
+  SensorPlanOptions options;
+  std::vector<OwnSensor> own;
+  std::vector<CandidateSensor> candidates;
+  // DOFs at which a force could act.
+  std::vector<std::string> excite;
+  // Lengths of records, model time.
+  std::vector<double> durations;
+};
+
+// `problem` is complete, its responses need not be; `structure`: the
+// finite-element model of which its model is a reduction, or nullptr. Without
+// [[plan.candidate]] sensors for the absolute acceleration could be at every
+// translational DOF that moves freely, of the whole finite-element model where
+// there is one: x = T r says what they see.
+[[nodiscard]] bool ReadPlan(const TomlTable& root, const UnitSystem& units,
+                            const ReducedStructure* structure,
+                            const std::vector<RecordSection>& sections,
+                            const IdentificationProblem& problem,
+                            SensorRequest* request);
+
+// In the case `tree`, the first [[record.force]] of each record at the DOF
+// `force_dof` and all others and [[record.ground]] left out; nothing where that
+// is empty. False, with one line in *error, where a record has no force.
+[[nodiscard]] bool MoveForces(const std::string& path,
+                              const std::string& force_dof, TomlValue* tree,
+                              std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_SECTIONS_PLAN_SECTION_H_

@@ -1,0 +1,270 @@
+#include "pinode/case/sections/record_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+#include "pinode/record/files/array_table.h"
+#include "pinode/record/files/at2.h"
+#include "pinode/record/prepare.h"
+#include "pinode/record/resample.h"
+
+namespace pinode {
+namespace {
+
+// With more somebody has mistyped, and would wait for days.
+constexpr double kMostSamples = 1e8;
+
+// The files that a record names, with what is wanted of tables.
+std::map<std::string, std::vector<std::string>> FilesOf(
+    const RecordSection& section, bool simulation) {
+  std::map<std::string, std::vector<std::string>> wanted;
+  if (!section.file.empty()) wanted[section.file];
+  for (const InputSection& input : section.inputs) {
+    if (input.value.has_value()) continue;
+    wanted[input.signal.file].push_back(input.signal.column);
+  }
+  for (const ChannelSection& channel : section.channels) {
+    if (simulation) continue;
+    wanted[channel.signal.file].push_back(channel.signal.column);
+  }
+  if (section.time_column.empty()) return wanted;
+  for (auto& [path, columns] : wanted) {
+    columns.insert(columns.begin(), section.time_column);
+  }
+  return wanted;
+}
+
+// Columns that nobody wants are not to be looked at, as those of a file are
+// not.
+bool HasNoOther(const Table& table, const std::vector<std::string>& wanted) {
+  return std::all_of(table.columns.begin(), table.columns.end(),
+                     [&wanted](const std::string& name) {
+                       return std::find(wanted.begin(), wanted.end(), name) !=
+                              wanted.end();
+                     });
+}
+
+}  // namespace
+
+std::vector<SharedTables::Wanted> RecordFiles::TablesOf(
+    const RecordSection& section, bool simulation) {
+  const CaseData& data = section.table.errors()->data();
+  std::vector<SharedTables::Wanted> tables;
+  for (const auto& [path, columns] : FilesOf(section, simulation)) {
+    if (IsAt2File(path) || data.tables.count(path) > 0) continue;
+    tables.push_back({path, columns});
+  }
+  return tables;
+}
+
+Vector RecordFiles::Source::Column(const std::string& name) const {
+  return columns().columns.empty()
+             ? motion
+             : OnTimeGrid(columns(), columns().FindColumn(name), grid);
+}
+
+bool RecordFiles::Read(bool simulation) {
+  for (const auto& [path, columns] : FilesOf(section_, simulation)) {
+    if (!ReadFile(path, columns)) return false;
+  }
+  return SetGrid();
+}
+
+bool RecordFiles::SetGrid() {
+  if (!section_.file.empty()) {
+    const Source& base = files_.at(section_.file);
+    start_time_ = base.start_time;
+    step_ = base.step;
+    num_samples_ = base.num_samples;
+    return true;
+  }
+  step_ = section_.sampling_step;
+  const double steps = std::floor(section_.duration / step_ + 1e-6);
+  if (!(steps < kMostSamples)) {
+    return table_.Fail("duration",
+                       "'duration' holds 1e8 samples or more, expected fewer");
+  }
+  num_samples_ = 1 + static_cast<Eigen::Index>(steps);
+  return num_samples_ >= 2 ||
+         table_.Fail("duration",
+                     "'duration' holds fewer than two samples, expected more");
+}
+
+bool RecordFiles::ReadFile(const std::string& path,
+                           const std::vector<std::string>& columns) {
+  Source file;
+  if (!(IsAt2File(path) ? ReadMotion(path, &file)
+                        : ReadColumns(path, columns, &file))) {
+    return false;
+  }
+  files_.emplace(path, std::move(file));
+  return true;
+}
+
+bool RecordFiles::ReadMotion(const std::string& path, Source* file) {
+  At2Motion motion;
+  std::string error;
+  if (!ReadAt2(path, &motion, &error)) return table_.errors()->FailAsIs(error);
+  double second = 1.0;
+  if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
+    return table_.Fail("file", error);
+  }
+  file->step = motion.sampling_step * second;
+  file->num_samples = motion.acceleration.size();
+  file->motion = std::move(motion.acceleration);
+  return file->num_samples >= 2 ||
+         table_.errors()->FailAsIs(
+             path + ": has fewer than two samples, expected a time history");
+}
+
+bool RecordFiles::ReadColumns(const std::string& path,
+                              const std::vector<std::string>& columns,
+                              Source* file) {
+  std::string error;
+  const std::map<std::string, Table>& arrays = table_.errors()->data().tables;
+  const auto array = arrays.find(path);
+  SharedTables* shared = table_.errors()->shared_tables();
+  if (array != arrays.end() && HasNoOther(array->second, columns)) {
+    file->array = &array->second;
+  }
+  if (!(file->array != nullptr ? CheckColumns(*file->array, columns, &error)
+        : array != arrays.end()
+            ? SelectColumns(array->second, columns, &file->table, &error)
+        : shared != nullptr ? shared->Read(path, columns, &file->table, &error)
+                            : ReadTable(path, columns, &file->table, &error))) {
+    return table_.errors()->FailAsIs(error);
+  }
+  const Table& table = file->columns();
+  TimeGrid& grid = file->grid;
+  TimeColumnOptions options;
+  options.factor = section_.time_factor;
+  options.unit = units_.time;
+  options.interpolate_irregular = section_.resampling_step > 0.0;
+  const bool found =
+      section_.time_column.empty()
+          ? TimeGridFromStep(table, section_.sampling_step, &grid, &error)
+          : FindTimeGrid(table, section_.time_column, options, &grid, &error);
+  if (!found) return table_.errors()->FailAsIs(error);
+  for (const std::string& remark : grid.remarks) {
+    remarks_.push_back(
+        (path == section_.file
+             ? std::string()
+             : std::filesystem::path(path).filename().string() + ": ") +
+        remark);
+  }
+  file->start_time = grid.start_time;
+  file->step = grid.step;
+  file->num_samples = grid.num_samples();
+  return true;
+}
+
+bool RecordFiles::Signal(const SignalSection& signal, bool is_input,
+                         bool is_covariate, Channel* channel) {
+  const Source& file = files_.at(signal.file);
+  channel->name = signal.label;
+  channel->unit = signal.unit;
+  channel->values = file.Column(signal.column);
+  std::string error;
+  if (!ConvertChannel(signal.dimension, units_, signal.sign, channel, &error)) {
+    return signal.table.Fail("unit", error);
+  }
+  channel->values *= signal.scale;
+  if (CountPresent(channel->values) == 0) {
+    return table_.errors()->FailAsIs(signal.file + ": column '" +
+                                     signal.column +
+                                     "' holds no number, expected a time "
+                                     "history");
+  }
+  if (signal.remove_offset) {
+    const double mean = RemoveOffset(&channel->values);
+    subtracted_means_[signal.label] = mean;
+    remarks_.push_back(signal.label + ": mean " +
+                       FormatNumber(mean / signal.factor, 4) + " " +
+                       signal.unit + " subtracted.");
+  }
+  if (is_covariate) FillReadings(signal.label, &channel->values);
+  return Align(signal, file, is_input, &channel->values);
+}
+
+double RecordFiles::SubtractedMean(const std::string& label) const {
+  const auto found = subtracted_means_.find(label);
+  return found == subtracted_means_.end() ? 0.0 : found->second;
+}
+
+// A thermometer is read now and then, and what it measures is slow: straight
+// lines between readings, and before the first and behind the last one for as
+// long as there is between two.
+void RecordFiles::FillReadings(const std::string& label, Vector* values) {
+  const Eigen::Index present = CountPresent(*values);
+  const std::vector<Gap> gaps = FindGaps(*values);
+  if (present < 2 || gaps.empty()) return;
+  Eigen::Index longest = 1;
+  const Eigen::Index size = values->size();
+  const auto at_an_end = [size](const Gap& gap) {
+    return gap.first == 0 || gap.first + gap.size == size;
+  };
+  for (const Gap& gap : gaps) {
+    if (!at_an_end(gap)) longest = std::max(longest, gap.size);
+  }
+  const Vector filled = FillMissing(*values);
+  for (const Gap& gap : gaps) {
+    if (at_an_end(gap) && gap.size > longest) continue;
+    values->segment(gap.first, gap.size) = filled.segment(gap.first, gap.size);
+  }
+  remarks_.push_back(
+      label + ": " + std::to_string(present) + " of " + std::to_string(size) +
+      " samples are there, the others on straight lines between them.");
+}
+
+// From the grid of `file` to that of the record's file.
+bool RecordFiles::Align(const SignalSection& signal, const Source& file,
+                        bool is_input, Vector* values) {
+  if (signal.file == section_.file) return true;
+  if (std::abs(file.step - step_) > 1e-9 * step_) {
+    if (!(static_cast<double>(file.num_samples) * (file.step / step_) <
+          kMostSamples)) {
+      return signal.table.Fail("file",
+                               "at the record's rate it has 1e8 samples or "
+                               "more, expected a record that is sampled less "
+                               "often");
+    }
+    *values = Resample(*values, file.step, step_);
+    remarks_.push_back(signal.label + ": resampled from a step of " +
+                       FormatNumber(file.step, 6) + " to " +
+                       FormatNumber(step_, 6) + " " + units_.time + ".");
+  }
+  const double offset = (start_time_ - file.start_time) / step_;
+  const double shift = std::round(offset);
+  if (std::abs(offset - shift) > 1e-3) {
+    return signal.table.Fail("file", "its samples lie between those of '" +
+                                         section_.file +
+                                         "', expected the same times");
+  }
+  Vector aligned = Vector::Constant(num_samples_, kNaN);
+  Eigen::Index missing = 0;
+  for (Eigen::Index i = 0; i < num_samples_; ++i) {
+    const double source = shift + static_cast<double>(i);
+    if (source < 0.0 || source >= static_cast<double>(values->size())) {
+      ++missing;
+      continue;
+    }
+    aligned[i] = (*values)[static_cast<Eigen::Index>(source)];
+  }
+  if (missing == num_samples_) {
+    return signal.table.Fail(
+        "file", "it has no sample in common with '" + section_.file + "'");
+  }
+  // Whether an excitation is complete is asked within the window only.
+  if (missing > 0 && !is_input) {
+    remarks_.push_back(signal.label + ": does not cover the record.");
+  }
+  *values = std::move(aligned);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,40 @@
+#include "pinode/case/sections/strain_channel.h"
+
+#include <string>
+
+#include "pinode/dynamics/observation.h"
+
+namespace pinode {
+
+bool ReadStrainKeys(const TomlTable& table, ChannelSection* channel) {
+  if (channel->quantity != Quantity::kStrain) {
+    for (const char* key : {"gauge_length", "distance"}) {
+      if (!table.Has(key)) continue;
+      return table.Fail(key, std::string("'") + key + "' of a channel of " +
+                                 QuantityName(channel->quantity) +
+                                 ", expected quantity = \"strain\", or no '" +
+                                 key + "'");
+    }
+    return true;
+  }
+  if (!table.RequireKey("gauge_length",
+                        "the length between the gauge's ends, in the model's "
+                        "unit of length")) {
+    return false;
+  }
+  const double length = table.PositiveNumber("gauge_length", 1.0);
+  const double distance = table.Number("distance", 1.0);
+  if (!table.errors()->ok()) return false;
+  if (distance == 0.0) {
+    return table.Fail("distance",
+                      "'distance' is 0, but on the neutral axis there is no "
+                      "strain of bending; expected the distance from it, or "
+                      "none where the combination is one of displacements");
+  }
+  channel->weights = table.Has("distance")
+                         ? BendingStrain(channel->weights, distance, length)
+                         : AxialStrain(channel->weights, length);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,38 @@
+// CSV files of a result folder.
+
+#ifndef PINODE_CASE_TEXT_CSV_FILE_H_
+#define PINODE_CASE_TEXT_CSV_FILE_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+// One column of a CSV file; NaN is written as an empty cell.
+struct CsvColumn {
+  CsvColumn(std::string column_name, Vector values);
+  // Of long tables, which are written as they are asked for.
+  CsvColumn(std::string column_name, Eigen::Index num_rows,
+            std::function<double(Eigen::Index row)> value_of);
+
+  std::string name;
+  Eigen::Index size = 0;
+  std::function<double(Eigen::Index row)> value;
+};
+
+// Columns of equal length under a header line.
+[[nodiscard]] bool WriteCsv(const std::string& path,
+                            const std::vector<CsvColumn>& columns,
+                            std::string* error);
+
+// A cell: quoted where it has to be; at full precision, empty for what is not
+// finite.
+std::string CsvCell(const std::string& text);
+std::string CsvCell(double value);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_TEXT_CSV_FILE_H_

@@ -1,0 +1,32 @@
+// The keys with which a case file describes one unknown.
+
+#ifndef PINODE_CASE_TEXT_PARAMETER_KEYS_H_
+#define PINODE_CASE_TEXT_PARAMETER_KEYS_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/parameter_block.h"
+#include "pinode/case/text/toml_table.h"
+
+namespace pinode {
+
+// initial lower upper prior_mean prior_sigma free.
+const std::vector<std::string>& ParameterKeys();
+
+// Overwrites the fields of *parameter that `table` gives; those that it does
+// not give stay as they are, but the prior's mean becomes the initial value.
+// Numbers in the file are multiplied by `factor` (not zero; a negative one
+// exchanges the bounds). Refuses crossed bounds, bounds beyond those that
+// *parameter came with, and a value outside.
+[[nodiscard]] bool ReadParameterKeys(const TomlTable& table, double factor,
+                                     Parameter* parameter);
+
+// A name that may become part of a file's name: letters, digits, '_', '-', '.'
+// and '+', not beginning with a point.
+[[nodiscard]] bool CheckName(const TomlTable& table, const std::string& key,
+                             const std::string& name);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_TEXT_PARAMETER_KEYS_H_

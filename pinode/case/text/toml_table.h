@@ -1,0 +1,135 @@
+// Typed access to the tables of a case file, with one message for the first
+// thing that is wrong.
+
+#ifndef PINODE_CASE_TEXT_TOML_TABLE_H_
+#define PINODE_CASE_TEXT_TOML_TABLE_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/case/text/case_data.h"
+#include "pinode/case/text/toml_value.h"
+
+namespace pinode {
+
+class SharedTables;
+
+// The first error of a case file, and where what it names is. Readers go on
+// with defaults after a failure and ask ok() before they use what they have
+// read.
+class CaseErrors {
+ public:
+  // `path` is empty for a case in memory. `error` receives the message; it and
+  // `data` (nullptr: none) must outlive this object.
+  CaseErrors(std::string path, std::string* error,
+             const CaseData* data = nullptr)
+      : path_(std::move(path)), error_(error), data_(data) {}
+
+  bool ok() const { return ok_; }
+  const std::string& path() const { return path_; }
+  // Arrays that stand in for files.
+  const CaseData& data() const;
+  // Who reads its tables with others; nullptr: nobody. Must outlive this
+  // object.
+  SharedTables* shared_tables() const { return shared_tables_; }
+  void set_shared_tables(SharedTables* tables) { shared_tables_ = tables; }
+
+  // Each returns false, so that callers can return it.
+  // `path:line: message`; without what is empty or 0.
+  bool Fail(int line, const std::string& message);
+  // A message that names its own file.
+  bool FailAsIs(const std::string& message);
+
+ private:
+  std::string path_;
+  std::string* error_;
+  const CaseData* data_;
+  SharedTables* shared_tables_ = nullptr;
+  bool ok_ = true;
+};
+
+// One table of a case file. Every getter of an absent key returns the default;
+// of a value of the wrong type it reports `file:line: [table] key is ...,
+// expected ...` and returns the default as well.
+class TomlTable {
+ public:
+  // A table that is not there: all keys absent.
+  explicit TomlTable(CaseErrors* errors);
+  // `name` is what messages call it, such as "[units]" or "[[group]] 'k1'".
+  TomlTable(const TomlValue& table, std::string name, CaseErrors* errors);
+
+  const std::string& name() const { return name_; }
+  void set_name(std::string name) { name_ = std::move(name); }
+  CaseErrors* errors() const { return errors_; }
+  const std::vector<TomlValue::Entry>& entries() const {
+    return table_->entries;
+  }
+
+  // Refuses every key that is not listed, with the nearest that is.
+  bool AllowKeys(const std::vector<std::string>& known) const;
+
+  bool Has(const std::string& key) const { return Find(key) != nullptr; }
+  const TomlValue* Find(const std::string& key) const {
+    return table_->Find(key);
+  }
+  // Line of the key, or of the table where the key is absent.
+  int Line(const std::string& key) const;
+  int line() const { return table_->line; }
+
+  // `file:line: name: message`, at the key's line; a message that begins with
+  // the table's name does not get it twice.
+  bool Fail(const std::string& key, const std::string& message) const;
+  bool RequireKey(const std::string& key, const std::string& expected) const;
+
+  std::string String(const std::string& key,
+                     const std::string& absent = "") const;
+  std::string RequiredString(const std::string& key) const;
+  // One of `choices`.
+  std::string Choice(const std::string& key,
+                     const std::vector<std::string>& choices,
+                     const std::string& absent) const;
+  // Finite.
+  double Number(const std::string& key, double absent) const;
+  double PositiveNumber(const std::string& key, double absent) const;
+  double NonNegativeNumber(const std::string& key, double absent) const;
+  // May be infinite, as bounds are.
+  double ExtendedNumber(const std::string& key, double absent) const;
+  int Integer(const std::string& key, int absent, int minimum) const;
+  // Of what grows with the length of a record.
+  int64_t LongInteger(const std::string& key, int64_t absent,
+                      int64_t minimum) const;
+  bool Boolean(const std::string& key, bool absent) const;
+  std::vector<std::string> Strings(const std::string& key) const;
+  // Finite numbers, in as many entries as there are.
+  std::vector<double> Numbers(const std::string& key) const;
+  // `size` finite numbers, one per `what`; empty where the key is absent.
+  std::vector<double> Numbers(const std::string& key, int size,
+                              const std::string& what) const;
+  std::vector<int> Integers(const std::string& key, int minimum) const;
+
+  // An absent table, or the one under the key.
+  TomlTable Table(const std::string& key, const std::string& table_name) const;
+  // The tables of [[key]]; called `[[prefix.key]]` and a number.
+  std::vector<TomlTable> Tables(const std::string& key,
+                                const std::string& prefix = "") const;
+
+ private:
+  int64_t IntegerUpTo(int64_t maximum, const std::string& key, int64_t absent,
+                      int64_t minimum) const;
+  bool WrongType(const std::string& key, const TomlValue& value,
+                 const std::string& expected) const;
+  bool NumberOf(const std::string& key, const TomlValue& value,
+                double* number) const;
+
+  const TomlValue* table_;
+  std::string name_;
+  CaseErrors* errors_;
+};
+
+Vector ToVector(const std::vector<double>& values);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_TEXT_TOML_TABLE_H_

@@ -1,0 +1,164 @@
+#include "pinode/estimate/certainty/assessment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "pinode/base/statistics.h"
+#include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/certainty/input_noise_fit.h"
+#include "pinode/estimate/certainty/null_space.h"
+#include "pinode/estimate/objective/evidence.h"
+#include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/start/initial_states.h"
+#include "pinode/estimate/start/signs.h"
+#include "pinode/estimate/start/stage_schedule.h"
+#include "pinode/estimate/start/time_scale.h"
+#include "pinode/problem/assumed_noise.h"
+
+namespace pinode {
+
+namespace {
+
+// Unknowns and what is there to determine them.
+void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
+           const ModalCost* modes, ProblemAssessment* assessment) {
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.fit) {
+        assessment->num_residuals += CountPresent(channel.values);
+      }
+    }
+    if (record.start == IdentificationRecord::Start::kFree) {
+      assessment->num_starts +=
+          problem.dynamics->num_states() -
+          2 * static_cast<int>(problem.dynamics->prescribed().size());
+    }
+  }
+  assessment->num_free = layout.num_free();
+  if (modes != nullptr) assessment->num_residuals += modes->num_residuals();
+}
+
+}  // namespace
+
+Vector SmoothnessPrecisions(const ParameterLayout& layout,
+                            const EvidenceTuning& tuning) {
+  Vector precisions = FirstDecays(layout, tuning, nullptr);
+  for (int g = 0; g < layout.num_decay_groups(); ++g) {
+    if (layout.decay_groups()[static_cast<size_t>(g)].network >= 0) {
+      precisions[g] = 0.0;
+    }
+  }
+  return precisions;
+}
+
+std::vector<ExpectedDeviation> ExpectedDeviations(const ParameterLayout& layout,
+                                                  const Matrix& covariance,
+                                                  const Matrix& null_space) {
+  std::vector<ExpectedDeviation> expected;
+  for (int j = 0; j < layout.num_free(); ++j) {
+    const int index = layout.free()[static_cast<size_t>(j)];
+    if (!layout.IsNamed(index)) continue;
+    const bool determined =
+        null_space.cols() == 0 || null_space.row(j).cwiseAbs().maxCoeff() < 0.1;
+    const Parameter& parameter = layout.parameter(index);
+    expected.push_back({parameter.name, parameter.unit, parameter.value,
+                        determined ? std::sqrt(std::max(0.0, covariance(j, j)))
+                                   : std::numeric_limits<double>::infinity()});
+  }
+  return expected;
+}
+
+bool AssessProblem(const IdentificationProblem& problem,
+                   const IdentificationOptions& options,
+                   ProblemAssessment* assessment, std::string* error) {
+  constexpr double kFirmness = 1e4;  // of gaps, against the data's own hold
+  *assessment = ProblemAssessment();
+  if (!problem.IsValid(error) || !options.IsValid(error) ||
+      !IsTimeScalePossible(problem, error)) {
+    return false;
+  }
+  const ParameterLayout layout(problem);
+  MultipleShooting::Options shooting_options;
+  shooting_options.derivatives = options.derivatives;
+  shooting_options.num_threads = options.num_threads;
+  Objective objective(problem, layout, shooting_options);
+  MultipleShooting& shooting = objective.shooting();
+
+  const std::vector<Vector> sigmas =
+      AssumedNoise(problem, options.tuning.noise);
+  Count(problem, layout, objective.modes(), assessment);
+  shooting.SetSigmas(sigmas);
+  const Vector precisions =
+      SmoothnessPrecisions(layout, options.tuning.evidence);
+  objective.priors().SetDecays(precisions);
+
+  const auto fail = [&objective, error]() {
+    const bool modes =
+        objective.modes() != nullptr && !objective.modes()->Failure().empty();
+    *error = modes ? objective.modes()->Failure()
+                   : "no finite trajectory at the initial values";
+    return false;
+  };
+  InputNoiseFit point;
+  point.free = layout.Free(layout.InitialValues());
+  point.sigmas = sigmas;
+  const Eigen::Index segment_samples =
+      FirstSegmentSamples(problem, options.tuning.stages);
+  TrajectoryOutlines trajectories;
+  const auto find_trajectories = [&](Eigen::Index samples) {
+    return InitialTrajectories(problem, samples, point.free,
+                               options.tuning.stages, &shooting, &trajectories);
+  };
+  // Linear dynamics need no segments to stay near the record, and are solved
+  // for at once in one piece.
+  if (!(problem.dynamics->IsLinear() && find_trajectories(0)) &&
+      !find_trajectories(segment_samples)) {
+    return fail();
+  }
+  const auto plain = [&]() {
+    return EstimateCovariance(
+        problem, layout, IdentificationOptions::Covariance::kPlain, point.free,
+        sigmas, &objective, &point.covariance);
+  };
+  // What the data tell about a trajectory in one piece. Where the record does
+  // not run so before the fit, segments that are held together nearly as
+  // firmly.
+  if (!shooting.SetSegmentsAlong(0, trajectories)) return fail();
+  if (!plain()) {
+    if (!shooting.SetSegmentsAlong(segment_samples, trajectories))
+      return fail();
+    shooting.SetGapPenalty(kFirmness * std::max(1.0, shooting.DataCurvature()));
+    if (!plain()) {
+      return fail();
+    }
+  } else if (CanFitWithInputNoise(problem, options.loss) &&
+             (!shooting.Trajectories(trajectories, &point.trajectories) ||
+              !InputNoiseCovariance(problem, layout, shooting_options,
+                                    precisions, &point))) {
+    return fail();
+  }
+  CovarianceEstimate& covariance = point.covariance;
+  covariance.null_space =
+      WithUnseenGroups(problem, layout, point.free, covariance.covariance,
+                       covariance.null_space);
+  const bool sizes_known = !shooting.train_records().empty() ||
+                           !problem.ambient.empty() ||
+                           problem.modal.HasSigmas();
+  if (sizes_known) {
+    assessment->expected = ExpectedDeviations(layout, covariance.covariance,
+                                              covariance.null_space);
+  }
+  Vector first_values = layout.InitialValues();
+  FindSigns(problem, &first_values);
+  assessment->remarks = TimeScaleRemarks(problem);
+  for (std::string& remark : SignRemarks(problem, first_values)) {
+    assessment->remarks.push_back(std::move(remark));
+  }
+  assessment->undetermined = DescribeNullSpace(layout, covariance.null_space);
+  return true;
+}
+
+}  // namespace pinode

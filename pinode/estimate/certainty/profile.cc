@@ -1,0 +1,192 @@
+#include "pinode/estimate/certainty/profile.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
+#include "pinode/estimate/certainty/profile_exchange.h"
+#include "pinode/estimate/certainty/profiler.h"
+#include "pinode/problem/parameter_layout.h"
+
+namespace pinode {
+namespace {
+
+const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
+                                      const std::string& name) {
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    if (estimate.name == name) return &estimate;
+  }
+  return nullptr;
+}
+
+// The columns to be profiled.
+bool FindColumns(const ParameterLayout& layout,
+                 const std::vector<std::string>& names,
+                 std::vector<int>* columns, std::string* error) {
+  std::vector<std::string> known;
+  for (int j = 0; j < layout.num_free(); ++j) {
+    if (!layout.IsNamed(layout.free()[static_cast<size_t>(j)])) continue;
+    known.push_back(layout.free_parameter(j).name);
+    if (names.empty()) columns->push_back(j);
+  }
+  for (const std::string& name : names) {
+    const int j = layout.FreeIndex(name);
+    if (j < 0) {
+      const std::string nearest = NearestName(name, known);
+      *error = "there is no free parameter '" + name + "' to profile" +
+               (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+      return false;
+    }
+    columns->push_back(j);
+  }
+  if (columns->empty()) *error = "no parameter with a name is free";
+  return !columns->empty();
+}
+
+// What the fit says of a parameter; sigma is 0 where it has none.
+struct LinearInterval {
+  double sigma = 0.0;
+  double quantile = 0.0;
+  double lower95 = -kInfinity, upper95 = kInfinity;
+};
+
+LinearInterval LinearIntervalOf(const IdentificationSummary& summary,
+                                const std::string& name) {
+  LinearInterval interval;
+  const ParameterEstimate* estimate = FindEstimate(summary, name);
+  if (estimate == nullptr || !(estimate->sigma > 0.0) ||
+      !std::isfinite(estimate->sigma)) {
+    return interval;
+  }
+  interval.sigma = estimate->sigma;
+  interval.lower95 = estimate->lower95;
+  interval.upper95 = estimate->upper95;
+  interval.quantile =
+      0.5 * (estimate->upper95 - estimate->lower95) / estimate->sigma;
+  return interval;
+}
+
+// nullptr where there is none around this value.
+const ParameterProfile* FindKnown(const std::vector<ParameterProfile>& known,
+                                  const std::string& name, double value,
+                                  double sigma) {
+  const double least = sigma > 0.0 ? sigma : std::abs(value);
+  for (const ParameterProfile& profile : known) {
+    if (profile.name == name &&
+        std::abs(profile.estimate - value) <= 1e-3 * least) {
+      return &profile;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+bool ProfileParameters(const IdentificationProblem& problem,
+                       const IdentificationSummary& summary,
+                       const IdentifiedModel& model,
+                       const IdentificationOptions& options,
+                       const ProfileOptions& profile_options,
+                       std::vector<ParameterProfile>* profiles,
+                       std::string* error) {
+  profiles->clear();
+  if (!problem.IsValid(error)) return false;
+  if (summary.covariance_method == "errors in variables") {
+    *error =
+        "errors of the excitation were unknowns of the fit: profiles are of "
+        "fits that take it as exact (covariance = \"plain\" or \"sandwich\")";
+    return false;
+  }
+  const ParameterLayout layout(problem);
+  std::vector<int> columns;
+  if (!FindColumns(layout, profile_options.parameters, &columns, error))
+    return false;
+  if (model.parameters.size() != layout.num_parameters()) {
+    *error = "the model is of another problem";
+    return false;
+  }
+  const Vector fit = layout.Free(model.parameters);
+  Communicator& ranks = CommunicatorOrSingle(options.communicator);
+  const auto owner = [&ranks](size_t k) {
+    return static_cast<int>(k) % ranks.size();
+  };
+  const int threads =
+      std::clamp(options.num_threads, 1, static_cast<int>(columns.size()));
+  std::atomic<bool> stopped{false};
+  const std::function<bool()> stop = [&stopped, &profile_options]() {
+    return stopped.load() || (profile_options.stop && profile_options.stop());
+  };
+  std::vector<std::unique_ptr<Profiler>> profilers;
+  for (int t = 0; t < threads; ++t) {
+    profilers.push_back(
+        std::make_unique<Profiler>(problem, layout, options, stop));
+    if (!profilers.back()->Place(problem, model, summary.records)) {
+      *error = "the cost cannot be had at the fit";
+      return false;
+    }
+  }
+  ProfileOrigin origin;
+  if (!profilers[0]->FindOrigin(fit, &origin)) {
+    if (!stop()) {
+      *error = "the cost cannot be had at the fit";
+      return false;
+    }
+    stopped = true;
+  }
+  std::vector<ParameterProfile> all(columns.size());
+  std::vector<char> done(columns.size(), 0);
+  std::mutex mutex;
+  std::vector<ParameterProfile> finished;
+  ParallelFor(
+      static_cast<int>(columns.size()), threads, [&](int i, int thread) {
+        const size_t k = static_cast<size_t>(i);
+        if (owner(k) != ranks.rank()) return;
+        const Parameter& parameter = layout.free_parameter(columns[k]);
+        const LinearInterval linear = LinearIntervalOf(summary, parameter.name);
+        const ParameterProfile* known =
+            FindKnown(profile_options.known, parameter.name, fit[columns[k]],
+                      linear.sigma);
+        ParameterProfile& profile = all[k];
+        if (known != nullptr) {
+          profile = *known;
+        } else {
+          profile.name = parameter.name;
+          profile.unit = parameter.unit;
+          profile.linear_lower95 = linear.lower95;
+          profile.linear_upper95 = linear.upper95;
+          if (stop() || !profilers[static_cast<size_t>(thread)]->Run(
+                            origin, columns[k], linear.sigma, linear.quantile,
+                            &profile)) {
+            return;
+          }
+        }
+        const std::lock_guard<std::mutex> lock(mutex);
+        done[k] = 1;
+        finished.push_back(profile);
+        if (profile_options.callback &&
+            !profile_options.callback(finished,
+                                      static_cast<int>(columns.size()))) {
+          stopped = true;
+        }
+      });
+  if (!ranks.Await()) {
+    *error = "a rank does not answer";
+    return false;
+  }
+  for (size_t k = 0; k < all.size(); ++k) {
+    if (!BroadcastProfile(owner(k), &ranks, &done[k], &all[k])) {
+      *error = "a rank does not answer";
+      return false;
+    }
+    if (done[k] != 0) profiles->push_back(std::move(all[k]));
+  }
+  return true;
+}
+
+}  // namespace pinode

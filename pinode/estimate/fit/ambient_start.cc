@@ -1,0 +1,205 @@
+#include "pinode/estimate/fit/ambient_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <utility>
+
+#include "pinode/estimate/fit/identify.h"
+#include "pinode/modal/identify_modes.h"
+
+namespace pinode {
+namespace {
+
+// Modes and model agree where a shape's MAC and the logarithm of the ratio of
+// frequencies are within these.
+constexpr double kSmallestMac = 0.7;
+constexpr double kLargestRatio = 0.5;
+// Smallest deviations of what is only a start, as fractions.
+constexpr double kFrequencySigma = 0.003;
+constexpr double kShapeSigma = 0.05;
+// A start asks for no more of a record: samples, and cycles of the lowest mode
+// that the model has.
+constexpr double kSamplesOfStart = 65536.0;
+constexpr double kCyclesOfStart = 1000.0;
+
+int DerivativeOfQuantity(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kVelocity:
+      return 1;
+    case Quantity::kRelativeAcceleration:
+    case Quantity::kAbsoluteAcceleration:
+      return 2;
+    default:
+      return 0;
+  }
+}
+
+// Turned by the angle that leaves the least in the imaginary parts.
+Vector RealShape(const Eigen::VectorXcd& shape) {
+  const std::complex<double> square = shape.transpose() * shape;
+  return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
+}
+
+// Samples of a record, the first of them and how many: those of all parts of
+// that length, one after the other, of which most are there.
+struct Stretch {
+  Eigen::Index first = 0;
+  Eigen::Index size = 0;
+};
+Stretch StretchForStart(const AmbientRecord& record,
+                        const StructuralDynamics& dynamics) {
+  const double samples_per_second = 1.0 / record.sampling_step;
+  const double lowest = record.LowestModeInBand(dynamics);
+  const double wanted = std::max(
+      kSamplesOfStart,
+      lowest > 0.0 ? kCyclesOfStart / lowest * samples_per_second : 0.0);
+  const Eigen::Index all = record.samples.cols();
+  if (wanted >= static_cast<double>(all)) return {0, all};
+  Stretch best{0, static_cast<Eigen::Index>(wanted)};
+  Eigen::Index fewest_missing = record.samples.size();
+  for (Eigen::Index first = 0; first + best.size <= all; first += best.size) {
+    const Eigen::Index missing =
+        record.samples.middleCols(first, best.size).array().isNaN().count();
+    if (missing < fewest_missing) {
+      fewest_missing = missing;
+      best.first = first;
+    }
+  }
+  return best;
+}
+
+// What one record says, at the DOFs that a channel alone measures.
+void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
+              int num_threads, ModalData* modal) {
+  ResponseRecord response;
+  response.name = record.name;
+  response.sampling_step = record.sampling_step;
+  std::vector<int> rows;
+  for (size_t c = 0; c < record.channels.size(); ++c) {
+    if ((record.channels[c].weights.array() != 0.0).count() == 1) {
+      rows.push_back(static_cast<int>(c));
+    }
+  }
+  if (rows.empty()) return;
+  const Stretch stretch = StretchForStart(record, *problem.dynamics);
+  response.samples.resize(static_cast<Eigen::Index>(rows.size()), stretch.size);
+  std::vector<int> dofs;
+  Vector scales(static_cast<Eigen::Index>(rows.size()));
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Observation& channel = record.channels[static_cast<size_t>(rows[i])];
+    response.channels.push_back(
+        {std::to_string(i), DerivativeOfQuantity(channel.quantity)});
+    response.samples.row(static_cast<Eigen::Index>(i)) =
+        record.samples.row(rows[i]).segment(stretch.first, stretch.size);
+    Eigen::Index dof = 0;
+    channel.weights.cwiseAbs().maxCoeff(&dof);
+    dofs.push_back(static_cast<int>(dof));
+    scales[static_cast<Eigen::Index>(i)] = channel.weights[dof];
+  }
+  const Matrix loads = record.MeasuredLoads(*problem.dynamics);
+  if (loads.rows() > 0) {
+    response.inputs = loads.middleCols(stretch.first, stretch.size);
+  }
+  ModeIdentificationOptions options;
+  options.lowest_hz = record.lowest_frequency;
+  options.highest_hz = record.highest_frequency;
+  options.num_threads = num_threads;
+  ModesOfRecord found;
+  std::string ignored;
+  if (!IdentifyModes(response, options, &found, &ignored)) return;
+  for (const IdentifiedMode& mode : found.modes) {
+    if (static_cast<int>(modal->modes.size()) == problem.dynamics->num_dofs()) {
+      return;
+    }
+    MeasuredMode measured;
+    measured.name = std::to_string(modal->modes.size() + 1);
+    measured.frequency = mode.frequency_hz;
+    measured.frequency_sigma =
+        std::max(mode.frequency_sigma, kFrequencySigma * mode.frequency_hz);
+    if (dofs.size() > 1) {
+      measured.dofs = dofs;
+      measured.shape = RealShape(mode.shape).cwiseQuotient(scales);
+      measured.shape_sigma = kShapeSigma * measured.shape.cwiseAbs().maxCoeff();
+    }
+    modal->modes.push_back(std::move(measured));
+  }
+}
+
+// The dynamics as a record sees them, what follows something being as it is at
+// first: one record does not tell it from what does not.
+std::shared_ptr<const StructuralDynamics> SeenBy(
+    const AmbientRecord& record, const StructuralDynamics& dynamics) {
+  std::vector<std::string> names = dynamics.CovariateParameters();
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.follows == GroupTerm::Follows::kTime) {
+      names.push_back(term.group.name);
+    }
+  }
+  return std::make_shared<const StructuralDynamics>(record.AveragedDynamics(
+      dynamics.WithGroupParameters([&names](Parameter* parameter) {
+        if (std::count(names.begin(), names.end(), parameter->name) > 0) {
+          parameter->free = false;
+        }
+      })));
+}
+
+// Those that the model has as well.
+ModalData KnownToModel(const IdentificationProblem& problem,
+                       const ModalData& modal) {
+  ModalData kept;
+  kept.form = modal.form;
+  std::vector<ModeMatch> matches;
+  std::string ignored;
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const StructuralModel model = dynamics.CorrectedModel(dynamics.Parameters());
+  const ModalData paired = OnlyModes(modal, HavePartners(modal, model));
+  if (modal.empty() || !MatchModes(paired, model, &matches, &ignored)) {
+    return kept;
+  }
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const MeasuredMode& mode = paired.modes[i];
+    if (std::abs(std::log(matches[i].frequency / mode.frequency)) <
+            kLargestRatio &&
+        (!mode.HasShape() || matches[i].mac > kSmallestMac)) {
+      kept.modes.push_back(mode);
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+bool StartFromAmbientModes(const IdentificationProblem& problem,
+                           const IdentificationOptions& options,
+                           IdentifiedModel* model) {
+  if (problem.ambient.empty() || problem.num_train_records() > 0 ||
+      !problem.modal.empty()) {
+    return false;
+  }
+  ModalData modal;
+  AddModes(problem, problem.ambient.front(), options.num_threads, &modal);
+  // Without a copy of the records.
+  IdentificationProblem modes_alone;
+  modes_alone.dynamics = SeenBy(problem.ambient.front(), *problem.dynamics);
+  modes_alone.sensors = problem.sensors;
+  modes_alone.description = problem.description;
+  modes_alone.modal = KnownToModel(modes_alone, modal);
+  if (modes_alone.modal.empty()) return false;
+  IdentificationOptions quick = options;
+  quick.num_starts = 1;
+  quick.callback = nullptr;
+  IdentificationSummary summary;
+  IdentifiedModel found;
+  Identify(modes_alone, quick, nullptr, &summary, &found);
+  if (summary.termination == Termination::kFailure ||
+      summary.termination == Termination::kInterrupted ||
+      !found.parameters.allFinite()) {
+    return false;
+  }
+  model->parameters = found.parameters;
+  return true;
+}
+
+}  // namespace pinode

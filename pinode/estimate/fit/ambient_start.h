@@ -1,0 +1,25 @@
+// Where the fit of ambient records begins.
+
+#ifndef PINODE_ESTIMATE_FIT_AMBIENT_START_H_
+#define PINODE_ESTIMATE_FIT_AMBIENT_START_H_
+
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
+
+namespace pinode {
+
+// The likelihood of a spectrum has narrow peaks: where a frequency is off by
+// more than a few bandwidths nothing draws it to its place. So the modes of the
+// records, which need no model (pinode/modal), are fitted first.
+//
+// False, with *model untouched, where that is not how to begin: there is no
+// ambient record, or something else as well that the fit can begin with; or the
+// modes and the model have nothing in common.
+[[nodiscard]] bool StartFromAmbientModes(const IdentificationProblem& problem,
+                                         const IdentificationOptions& options,
+                                         IdentifiedModel* model);
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_FIT_AMBIENT_START_H_

@@ -1,0 +1,39 @@
+#include "pinode/estimate/fit/ambient_start.h"
+
+#include <gtest/gtest.h>
+
+#include "pinode/base/constants.h"
+#include "tests/support/ambient_testing.h"
+
+namespace pinode {
+namespace {
+
+TEST(AmbientStart, BeginsNearTheModesOfTheRecord) {
+  const TestChain chain = RayleighChain(3);
+  const IdentificationProblem problem = ProblemOfChain(
+      chain, kChainSpring, 0.08, RecordOfChain(chain, 300.0, 3, 0.9));
+  IdentifiedModel model;
+  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), &model));
+  EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
+}
+
+// Of a long record a part is enough: that which is there.
+TEST(AmbientStart, TakesThePartOfALongRecordThatIsThere) {
+  const TestChain chain = RayleighChain(3);
+  AmbientRecord record = RecordOfChain(chain, 300.0, 3, 0.9);
+  const Eigen::Index size = record.samples.cols();
+  // Its second part alone, over and over the same.
+  Matrix samples = Matrix::Constant(3, 140000, kNaN);
+  for (Eigen::Index k = 65000; k < 132000; ++k) {
+    samples.col(k) = record.samples.col(k % size);
+  }
+  record.samples = samples;
+  const IdentificationProblem problem =
+      ProblemOfChain(chain, kChainSpring, 0.08, record);
+  IdentifiedModel model;
+  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), &model));
+  EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
+}
+
+}  // namespace
+}  // namespace pinode

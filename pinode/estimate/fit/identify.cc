@@ -1,0 +1,101 @@
+#include "pinode/estimate/fit/identify.h"
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "pinode/estimate/fit/ambient_start.h"
+#include "pinode/estimate/fit/multistart.h"
+#include "pinode/estimate/fit/outcome.h"
+#include "pinode/estimate/fit/usable.h"
+#include "pinode/estimate/start/time_scale.h"
+
+namespace pinode {
+namespace {
+
+// Whether `initial` (may be nullptr) can have come from such a problem.
+bool FitsProblem(const IdentificationProblem& problem,
+                 const IdentifiedModel* initial, std::string* error) {
+  if (initial == nullptr) return true;
+  const int size = ParameterLayout(problem).num_parameters();
+  if (initial->parameters.size() != size) {
+    *error = "the initial model belongs to another problem: it has " +
+             std::to_string(initial->parameters.size()) +
+             " parameters, the problem has " + std::to_string(size);
+    return false;
+  }
+  if (!initial->parameters.allFinite()) {
+    *error = "a parameter of the initial model is not finite";
+    return false;
+  }
+  return true;
+}
+
+// Networks have valleys without end, along which something could be saved for
+// ever; what they are asked for is in Stage.
+void ReportOptimality(const Fit& fit, bool with_records,
+                      IdentificationSummary* summary) {
+  if (!fit.converged()) return;
+  const FitState& best = fit.best();
+  summary->gradient_cosine = best.optimality.cosine;
+  summary->promised_share = best.optimality.promise;
+  // What was undone ended elsewhere, and free runs as good as these are held
+  // up by rounding alone.
+  constexpr double kExact = 1e-6;
+  const bool undone =
+      !summary->stages.empty() && summary->stages.back().rolled_back;
+  const bool exact = with_records && best.free_run_error < kExact;
+  const double first_cost =
+      summary->iterations.empty() ? 0.0 : summary->iterations.front().cost;
+  summary->stalled = !fit.layout().HasNetworkDecay() && !undone && !exact &&
+                     best.optimality.IsStalled(best.cost, first_cost);
+}
+
+void SetTermination(const Fit& fit, IdentificationSummary* summary) {
+  if (fit.interrupted()) {
+    summary->termination = Termination::kInterrupted;
+    summary->message = "interrupted; best so far";
+  } else if (summary->stalled) {
+    summary->termination = Termination::kNoConvergence;
+    summary->message = "came to a halt short of a minimum";
+  } else if (fit.converged()) {
+    summary->termination = Termination::kConverged;
+    summary->message = "converged";
+  } else {
+    summary->termination = Termination::kNoConvergence;
+    summary->message = "not converged";
+  }
+}
+
+}  // namespace
+
+void Identify(const IdentificationProblem& problem,
+              const IdentificationOptions& options,
+              const IdentifiedModel* initial, IdentificationSummary* summary,
+              IdentifiedModel* model) {
+  const auto begin = std::chrono::steady_clock::now();
+  *summary = IdentificationSummary();
+  *model = IdentifiedModel();
+  std::string error;
+  if (!problem.IsValid(&error) || !options.IsValid(&error) ||
+      !IsTimeScalePossible(problem, &error) ||
+      !FitsProblem(problem, initial, &error)) {
+    summary->message = error;
+    return;
+  }
+  IdentifiedModel start;
+  if (initial == nullptr && StartFromAmbientModes(problem, options, &start)) {
+    initial = &start;
+  }
+  const std::unique_ptr<Fit> fit =
+      RunStarts(problem, options, initial, summary);
+  if (fit != nullptr) {
+    ReportOptimality(*fit, problem.num_train_records() > 0, summary);
+    SetTermination(*fit, summary);
+    ReportOutcome(problem, options, fit.get(), summary, model);
+    JudgeUsable(options.tuning.gaps, summary);
+  }
+  summary->seconds = SecondsSince(begin);
+}
+
+}  // namespace pinode

@@ -1,0 +1,154 @@
+#include "pinode/estimate/fit/modal_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+
+namespace pinode {
+namespace {
+
+// What is left of the modes may be chance where it is at least as probable.
+constexpr double kLeastModalProbability = 0.01;
+
+// Measured modes beside those of the models before and after.
+void ScoreModes(const IdentificationProblem& problem,
+                const Vector& prior_parameters, const Vector& parameters,
+                IdentificationSummary* summary) {
+  if (problem.modal.empty()) return;
+  const StructuralDynamics dynamics =
+      AveragedDynamics(problem.modal, *problem.dynamics);
+  const std::vector<bool> in_use = ModesInUse(problem.modal, *problem.dynamics);
+  const ModalData used = OnlyModes(problem.modal, in_use);
+  std::vector<ModeMatch> initial, updated;
+  std::string error;
+  if (!MatchModes(used,
+                  dynamics.CorrectedModel(
+                      prior_parameters.head(dynamics.num_parameters())),
+                  &initial, &error) ||
+      !MatchModes(
+          used,
+          dynamics.CorrectedModel(parameters.head(dynamics.num_parameters())),
+          &updated, &error)) {
+    return;
+  }
+  summary->num_model_modes = dynamics.num_dofs();
+  size_t next = 0;
+  for (size_t i = 0; i < problem.modal.modes.size(); ++i) {
+    const MeasuredMode& mode = problem.modal.modes[i];
+    ModeScore score{mode.name, mode.frequency, {}, {}};
+    if (in_use[i]) {
+      score.initial = initial[next];
+      score.updated = updated[next++];
+    }
+    summary->modes.push_back(std::move(score));
+  }
+}
+
+// Empty: all are used.
+std::string ModesLeftOut(const std::vector<ModeScore>& modes) {
+  std::vector<std::string> names;
+  for (const ModeScore& mode : modes) {
+    if (!mode.InUse()) names.push_back("'" + mode.name + "'");
+  }
+  if (names.empty()) return "";
+  return "Of the measured modes the fit does not use " + Join(names, ", ") +
+         ": the model before has no mode that is like it in shape and "
+         "frequency and is not another measured mode's.";
+}
+
+// Half the sum of squares of the modal residuals; infinite where there are
+// none to be had.
+double ModalCostAt(const Vector& parameters, const ParameterLayout& layout,
+                   ModalCost* modes) {
+  double cost = 0.0;
+  return modes->Evaluate(layout.Free(parameters), &cost) ? cost : kInfinity;
+}
+
+// Residuals of modes more than what a fit to them alone determines.
+double ResidualsLeft(const ModalCost& modal, double effective_parameters,
+                     const CovarianceEstimate& covariance) {
+  const double determined =
+      effective_parameters - static_cast<double>(covariance.null_space.cols());
+  return modal.num_residuals() - modal.num_eliminated() - determined;
+}
+
+// What is left over says how large the errors of modes are, as it does for
+// channels: so many times the variances that they were given, while priors stay
+// what they are. H^-1 (s H_modes + H_priors) H^-1, with H the sum of the two.
+bool ScaleToResiduals(const Vector& free, double left, ModalCost* modes,
+                      CovarianceEstimate* covariance) {
+  CondensedSystem system;
+  if (!modes->Linearize(free, &system)) return false;
+  const double scale = 2.0 * system.cost / left;
+  const Matrix inverse = covariance->covariance;
+  covariance->covariance += (scale - 1.0) * inverse * system.hessian * inverse;
+  covariance->quantile = StudentQuantile(left);
+  return covariance->covariance.allFinite();
+}
+
+// Of a fit to modes alone. Where nothing is left there is no covariance without
+// standard deviations of theirs.
+void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
+                CovarianceEstimate* covariance,
+                IdentificationSummary* summary) {
+  const double cost = summary->final_modal_cost;
+  const double left =
+      ResidualsLeft(*modes, summary->effective_parameters, *covariance);
+  const std::vector<MeasuredMode>& measured = modes->data().modes;
+  if (modes->data().form == ModalForm::kMac &&
+      std::any_of(measured.begin(), measured.end(),
+                  [](const MeasuredMode& mode) { return mode.HasShape(); })) {
+    // What a MAC lacks of one is the square of a shape's error, and of no sign:
+    // intervals from the curvature of a sum of such squared held the truth in 0
+    // of 48.
+    *known = false;
+    summary->remarks.push_back(
+        "Modes held against each other by their MAC give no intervals; form = "
+        "'eigenvector_difference' with standard deviations does.");
+    return;
+  }
+  if (!modes->data().HasSigmas()) {
+    *known = left >= 0.5 && ScaleToResiduals(free, left, modes, covariance);
+    return;
+  }
+  // A weight says nothing of the size of a residual.
+  if (!modes->data().HasSigmasOfAll()) return;
+  if (left < 0.5 ||
+      ChiSquareProbability(2.0 * cost, left) >= kLeastModalProbability) {
+    return;
+  }
+  *known = ScaleToResiduals(free, left, modes, covariance);
+  summary->remarks.push_back(
+      "The measured modes are met worse than their standard deviations say "
+      "(chi^2 " +
+      FormatNumber(2.0 * cost / left, 3) +
+      " per degree of freedom): the model lacks something, or they are too "
+      "small. The parameters' standard deviations are taken from what is left, "
+      "and are " +
+      FormatNumber(std::sqrt(2.0 * cost / left), 3) + " times as large.");
+}
+
+}  // namespace
+
+void ReportModes(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, const Vector& parameters,
+                 ModalCost* modes, bool* known, CovarianceEstimate* covariance,
+                 IdentificationSummary* summary) {
+  const Vector initial = layout.InitialValues();
+  ScoreModes(problem, initial, parameters, summary);
+  summary->initial_modal_cost = ModalCostAt(initial, layout, modes);
+  summary->final_modal_cost = ModalCostAt(parameters, layout, modes);
+  const std::string left_out = ModesLeftOut(summary->modes);
+  if (!left_out.empty()) summary->remarks.push_back(left_out);
+  if (*known && problem.num_train_records() == 0 && problem.ambient.empty()) {
+    JudgeModes(layout.Free(parameters), modes, known, covariance, summary);
+  }
+}
+
+}  // namespace pinode

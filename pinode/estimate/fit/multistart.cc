@@ -1,0 +1,377 @@
+#include "pinode/estimate/fit/multistart.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/strings.h"
+#include "pinode/estimate/fit/pulse_scan.h"
+#include "pinode/estimate/fit/ways.h"
+#include "pinode/estimate/objective/prior_cost.h"
+#include "pinode/estimate/start/signs.h"
+#include "pinode/network/initialize_weights.h"
+#include "pinode/problem/parameter_layout.h"
+
+namespace pinode {
+namespace {
+
+// What a start has come to.
+struct StartResult {
+  bool done = false;
+  double cost = 0.0;
+  double expected_error = 0.0;
+  double prior_cost = 0.0;
+  Vector stiffness;  // of the free stiffness groups
+};
+
+// What a group may be of its nominal size where nobody has given bounds: from
+// 1 / factor to factor; 1: the group is not drawn.
+double LargestFactor(MatrixGroup::Target target) {
+  switch (target) {
+    case MatrixGroup::Target::kStiffness:
+      return 2.0;
+    case MatrixGroup::Target::kDamping:
+      return 3.0;
+    case MatrixGroup::Target::kMass:
+      break;
+  }
+  return 1.0;
+}
+
+const GroupTerm* FindGroup(const StructuralDynamics& dynamics,
+                           const std::string& name) {
+  for (const GroupTerm& term : dynamics.groups()) {
+    if (term.group.name == name &&
+        term.follows == GroupTerm::Follows::kNothing) {
+      return &term;
+    }
+  }
+  return nullptr;
+}
+
+// Indices of their parameters.
+std::vector<int> FreeStiffnessGroups(const IdentificationProblem& problem,
+                                     const ParameterLayout& layout) {
+  std::vector<int> groups;
+  for (const int index : layout.free()) {
+    if (!layout.IsNamed(index)) continue;
+    const GroupTerm* term =
+        FindGroup(*problem.dynamics, layout.parameter(index).name);
+    if (term != nullptr &&
+        term->group.target == MatrixGroup::Target::kStiffness) {
+      groups.push_back(index);
+    }
+  }
+  return groups;
+}
+
+// What a training record has at most of fitted channels.
+Eigen::Index MostChannels(const IdentificationProblem& problem) {
+  Eigen::Index most = 0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    most = std::max(most, static_cast<Eigen::Index>(std::count_if(
+                              record.channels.begin(), record.channels.end(),
+                              [](const MeasuredChannel& c) { return c.fit; })));
+  }
+  return most;
+}
+
+// See IdentificationOptions::num_starts.
+int NumStarts(const IdentificationProblem& problem,
+              const IdentificationOptions& options,
+              const IdentifiedModel* initial, size_t num_groups) {
+  constexpr int kStarts = 8;
+  if (options.num_starts > 0) return options.num_starts;
+  if (initial != nullptr || !problem.dynamics->IsLinear() ||
+      problem.num_train_records() == 0 || !problem.ambient.empty() ||
+      !problem.modal.modes.empty()) {
+    return 1;
+  }
+  return 2 * MostChannels(problem) <= static_cast<Eigen::Index>(num_groups)
+             ? kStarts
+             : 1;
+}
+
+// By what predicts, or, without records, by the cost.
+bool IsBetter(const IdentificationProblem& problem, const StartResult& one,
+              const StartResult& other) {
+  return problem.num_train_records() == 0
+             ? one.cost < other.cost
+             : one.expected_error < other.expected_error;
+}
+
+}  // namespace
+
+Vector DrawStart(const IdentificationProblem& problem,
+                 const ParameterLayout& layout, const MultistartTuning& tuning,
+                 uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&random]() {
+    return (static_cast<double>(random() >> 11) + 0.5) * 0x1.0p-53;
+  };
+  Vector values = layout.InitialValues();
+  for (int index : layout.free()) {
+    const Parameter& parameter = layout.parameter(index);
+    if (!layout.IsNamed(index)) continue;
+    double low = parameter.lower;
+    double high = parameter.upper;
+    if (parameter.HasPrior()) {
+      low = std::max(low, parameter.prior_mean -
+                              tuning.prior_deviations * parameter.prior_sigma);
+      high = std::min(high, parameter.prior_mean + tuning.prior_deviations *
+                                                       parameter.prior_sigma);
+    }
+    if (std::isfinite(low) && std::isfinite(high)) {
+      values[index] = low + (high - low) * uniform();
+      continue;
+    }
+    const GroupTerm* group = FindGroup(*problem.dynamics, parameter.name);
+    if (group == nullptr) continue;
+    const double reach = std::log(LargestFactor(group->group.target));
+    if (reach > 0.0) {
+      values[index] =
+          std::clamp(std::exp(reach * (2.0 * uniform() - 1.0)) - group->present,
+                     low, high);
+    }
+  }
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  for (size_t j = 0; j < dynamics.networks().size(); ++j) {
+    const int block = dynamics.network_block(static_cast<int>(j));
+    const Vector weights = InitializeWeights(
+        dynamics.networks()[j].network->architecture(), random(), true);
+    for (int i = 0; i < weights.size(); ++i) {
+      const int index = dynamics.block_offset(block) + i;
+      if (layout.FreeIndex(index) >= 0) values[index] = weights[i];
+    }
+  }
+  return values;
+}
+
+namespace {
+
+// Fits from one start after another.
+class Starts {
+ public:
+  Starts(const IdentificationProblem& problem,
+         const IdentificationOptions& options, const IdentifiedModel* initial)
+      : problem_(problem),
+        options_(options),
+        initial_(initial),
+        layout_(problem),
+        groups_(FreeStiffnessGroups(problem, layout_)) {}
+
+  StartResult ResultOf(const Fit& fit) const {
+    const FitState& state = fit.best();
+    StartResult result;
+    result.cost = state.cost;
+    result.expected_error = state.ExpectedError();
+    result.stiffness = fit.BestParameters()(groups_);
+    // Of single parameters, as the user has given them.
+    result.done = PriorCost(layout_).Evaluate(state.free, &result.prior_cost);
+    return result;
+  }
+
+  int count() const {
+    return NumStarts(problem_, options_, initial_, groups_.size());
+  }
+  const std::vector<int>& groups() const { return groups_; }
+  // Of the stiffness groups where `fit` ended, by the curvature of its cost;
+  // infinite where that is flat.
+  Vector DeviationsAt(Fit* fit) const {
+    constexpr double kFlat = 1e-12;
+    const auto size = static_cast<Eigen::Index>(groups_.size());
+    CondensedSystem system;
+    if (!fit->objective().Linearize(layout_.Free(fit->BestParameters()),
+                                    &system)) {
+      return Vector::Constant(size, kInfinity);
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix> modes(system.hessian);
+    const double least = kFlat * modes.eigenvalues().tail(1)[0];
+    Vector deviations(size);
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const Vector shares =
+          modes.eigenvectors()
+              .row(layout_.FreeIndex(groups_[static_cast<size_t>(j)]))
+              .cwiseAbs2();
+      deviations[j] = std::sqrt(
+          shares.cwiseQuotient(modes.eigenvalues().cwiseMax(least)).sum());
+    }
+    return deviations;
+  }
+  // "k1 0.1 (0.2 here)" of the first group in which they are further apart than
+  // the deviations of one of them allow.
+  std::string Difference(const Vector& here, const Vector& there,
+                         const Vector& deviations) const {
+    constexpr double kFar = 0.05;
+    constexpr double kFarInDeviations = 6.0;
+    for (Eigen::Index j = 0; j < here.size(); ++j) {
+      if (std::abs(there[j] - here[j]) <=
+          std::max(kFar, kFarInDeviations * deviations[j])) {
+        continue;
+      }
+      return layout_.parameter(groups_[static_cast<size_t>(j)]).name + " " +
+             FormatNumber(there[j], 3) + " (" + FormatNumber(here[j], 3) +
+             " here)";
+    }
+    return "";
+  }
+
+  // nullptr, with a message in *outcome, where nothing finite came out.
+  std::unique_ptr<Fit> Run(int start, Communicator* communicator,
+                           IdentificationSummary* outcome) const {
+    Vector parameters = layout_.InitialValues();
+    if (start > 0) {
+      parameters = DrawStart(problem_, layout_, options_.tuning.multistart,
+                             options_.seed + static_cast<uint64_t>(start));
+    } else if (initial_ != nullptr) {
+      parameters = initial_->parameters;
+    } else {
+      FindSigns(problem_, &parameters);
+      ScanPulses(problem_, &parameters);
+    }
+    IdentificationOptions options = options_;
+    options.communicator = communicator;
+    return RunWays(problem_, options, parameters,
+                   start == 0 ? initial_ : nullptr, outcome);
+  }
+
+ private:
+  const IdentificationProblem& problem_;
+  const IdentificationOptions& options_;
+  const IdentifiedModel* initial_;
+  const ParameterLayout layout_;
+  const std::vector<int> groups_;
+};
+
+// Whether `other` describes what was measured nearly as well as `best`, and
+// priors do not tell them apart.
+bool IsAsGood(const IdentificationProblem& problem, const StartResult& best,
+              const StartResult& other) {
+  // A tenth can be much by chance, but not by what a model lacks: of four
+  // storeys seen by their roof alone, with damping of another form, wrong
+  // solutions were better by 3 %.
+  constexpr double kNearlyAsGood = 1.1;
+  // Half a chi^2 of 6 more, of priors and of modes with standard deviations.
+  constexpr double kSameCost = 3.0;
+  if (other.prior_cost > best.prior_cost + kSameCost) return false;
+  return problem.num_train_records() > 0
+             ? other.expected_error <= kNearlyAsGood * best.expected_error
+             : other.cost <= best.cost + kSameCost;
+}
+
+// What another minimum that is nearly as good differs in.
+std::string OtherSolution(const IdentificationProblem& problem,
+                          const Starts& starts,
+                          const std::vector<StartResult>& results, Fit* fit) {
+  const bool by_modes = problem.num_train_records() == 0 &&
+                        problem.ambient.empty() &&
+                        problem.modal.HasSigmasOfAll();
+  if ((problem.num_train_records() == 0 && !by_modes) || results.size() < 2 ||
+      starts.groups().empty()) {
+    return "";
+  }
+  const StartResult best = starts.ResultOf(*fit);
+  const Vector deviations = starts.DeviationsAt(fit);
+  for (const StartResult& result : results) {
+    if (!result.done || !IsAsGood(problem, best, result)) continue;
+    std::string difference =
+        starts.Difference(best.stiffness, result.stiffness, deviations);
+    if (!difference.empty()) return difference;
+  }
+  return "";
+}
+
+// The ranks run the starts side by side, each for itself. False where one does
+// not answer.
+bool RunApart(const Starts& starts, Communicator* ranks,
+              std::vector<StartResult>* results) {
+  constexpr int kNumbers = 4;
+  const auto num_groups = static_cast<Eigen::Index>(starts.groups().size());
+  Matrix numbers = Matrix::Zero(kNumbers + num_groups,
+                                static_cast<Eigen::Index>(results->size()));
+  for (int s = ranks->rank(); s < numbers.cols(); s += ranks->size()) {
+    IdentificationSummary unused;
+    const std::unique_ptr<Fit> fit = starts.Run(s, nullptr, &unused);
+    if (fit == nullptr) continue;
+    const StartResult result = starts.ResultOf(*fit);
+    numbers.col(s) << 1.0, result.cost, result.expected_error,
+        result.prior_cost, result.stiffness;
+    if (fit->interrupted()) break;
+  }
+  if (!ranks->Await() || !ranks->Sum(numbers.data(), numbers.size())) {
+    return false;
+  }
+  for (size_t s = 0; s < results->size(); ++s) {
+    const Vector column = numbers.col(static_cast<Eigen::Index>(s));
+    (*results)[s] = {column[0] > 0.0, column[1], column[2], column[3],
+                     column.tail(num_groups)};
+  }
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
+                               const IdentificationOptions& options,
+                               const IdentifiedModel* initial,
+                               IdentificationSummary* summary) {
+  const Starts starts(problem, options, initial);
+  Communicator& ranks = CommunicatorOrSingle(options.communicator);
+  std::vector<StartResult> results(static_cast<size_t>(starts.count()));
+  std::unique_ptr<Fit> best;
+  int num_starts = 0;
+  const bool apart = ranks.size() > 1 && results.size() > 1;
+  if (apart) {
+    if (!RunApart(starts, &ranks, &results)) {
+      summary->message = "a rank does not answer";
+      return nullptr;
+    }
+    num_starts = static_cast<int>(results.size());
+    // The best one is run again, by all of them, who have its fit then.
+    int at = 0;
+    for (size_t s = 0; s < results.size(); ++s) {
+      const StartResult& chosen = results[static_cast<size_t>(at)];
+      if (results[s].done &&
+          (!chosen.done || IsBetter(problem, results[s], chosen))) {
+        at = static_cast<int>(s);
+      }
+    }
+    best = starts.Run(at, options.communicator, summary);
+  }
+  for (int start = 0; !apart && start < static_cast<int>(results.size());
+       ++start) {
+    ++num_starts;
+    IdentificationSummary outcome;
+    std::unique_ptr<Fit> fit =
+        starts.Run(start, options.communicator, &outcome);
+    const bool interrupted = fit != nullptr && fit->interrupted();
+    StartResult& result = results[static_cast<size_t>(start)];
+    if (fit != nullptr) result = starts.ResultOf(*fit);
+    if (fit == nullptr) {
+      if (best == nullptr) *summary = outcome;
+    } else if (best == nullptr ||
+               IsBetter(problem, result, starts.ResultOf(*best))) {
+      best = std::move(fit);
+      *summary = outcome;
+    }
+    if (interrupted) break;
+  }
+  if (best == nullptr) return nullptr;
+  summary->num_starts = num_starts;
+  const double same = best->best().cost + options.tuning.multistart.same_cost *
+                                              std::abs(best->best().cost);
+  summary->num_starts_at_best = static_cast<int>(std::count_if(
+      results.begin(), results.end(), [same](const StartResult& result) {
+        return result.done && result.cost <= same;
+      }));
+  summary->other_solution = OtherSolution(problem, starts, results, best.get());
+  return best;
+}
+
+}  // namespace pinode

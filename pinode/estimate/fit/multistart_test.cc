@@ -1,0 +1,67 @@
+#include "pinode/estimate/fit/multistart.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "tests/support/estimate_testing.h"
+
+namespace pinode {
+namespace {
+
+TEST(Multistart, DrawsWithinBoundsAndPriors) {
+  const testing::SmallFit fit(IdentificationRecord::Start::kRest);
+  const Vector initial = fit.layout->InitialValues();
+  const Vector one = DrawStart(fit.problem, *fit.layout, MultistartTuning(), 1);
+  EXPECT_EQ(one, DrawStart(fit.problem, *fit.layout, MultistartTuning(), 1));
+  const Vector two = DrawStart(fit.problem, *fit.layout, MultistartTuning(), 2);
+  int drawn = 0;
+  for (int i = 0; i < fit.layout->num_parameters(); ++i) {
+    const Parameter& parameter = fit.layout->parameter(i);
+    if (fit.layout->FreeIndex(i) < 0) {
+      EXPECT_EQ(one[i], initial[i]) << parameter.name;
+      continue;
+    }
+    EXPECT_GE(one[i], parameter.lower);
+    EXPECT_LE(one[i], parameter.upper);
+    drawn += one[i] != two[i] ? 1 : 0;
+    if (parameter.HasPrior()) {
+      EXPECT_NEAR(one[i], parameter.prior_mean, 2.0 * parameter.prior_sigma);
+    }
+  }
+  EXPECT_GT(drawn, 5);
+}
+
+// As most cases have their groups.
+TEST(Multistart, DrawsGroupsWithoutBoundsAroundTheirNominalSize) {
+  const testing::SmallFit fit(IdentificationRecord::Start::kRest);
+  IdentificationProblem problem = fit.problem;
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  GroupTerm group;
+  group.group.name = "loose";
+  group.group.target = MatrixGroup::Target::kStiffness;
+  group.group.matrix =
+      Matrix::Identity(dynamics->num_dofs(), dynamics->num_dofs());
+  group.alpha.free = true;
+  group.present = 1.2;
+  std::string error;
+  ASSERT_TRUE(dynamics->AddGroup(group, &error)) << error;
+  problem.dynamics = dynamics;
+  const ParameterLayout layout(problem);
+  double least = 2.0, most = 0.5;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    const Vector start = DrawStart(problem, layout, MultistartTuning(), seed);
+    for (int i = 0; i < layout.num_parameters(); ++i) {
+      if (layout.parameter(i).name != "loose") continue;
+      least = std::min(least, 1.2 + start[i]);
+      most = std::max(most, 1.2 + start[i]);
+    }
+  }
+  EXPECT_NEAR(least, 0.5, 0.05);
+  EXPECT_NEAR(most, 2.0, 0.1);
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,370 @@
+#include "pinode/estimate/fit/outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/communicator.h"
+#include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+#include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/certainty/force_bands.h"
+#include "pinode/estimate/certainty/holdout_noise.h"
+#include "pinode/estimate/certainty/null_space.h"
+#include "pinode/estimate/certainty/prediction_band.h"
+#include "pinode/estimate/fit/modal_outcome.h"
+#include "pinode/estimate/objective/bending.h"
+#include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/start/free_run_start.h"
+#include "pinode/estimate/start/signs.h"
+#include "pinode/estimate/start/time_scale.h"
+#include "pinode/problem/assumed_noise.h"
+#include "pinode/structure/model/modal_analysis.h"
+
+namespace pinode {
+namespace {
+
+// What the estimate says about one parameter.
+ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
+                               double sigma, double quantile) {
+  ParameterEstimate estimate;
+  estimate.name = parameter.name;
+  estimate.unit = parameter.unit;
+  estimate.initial = parameter.value;
+  estimate.value = value;
+  estimate.free = parameter.free;
+  estimate.sigma = parameter.free ? sigma : 0.0;
+  estimate.lower95 = value - quantile * estimate.sigma;
+  estimate.upper95 = value + quantile * estimate.sigma;
+  const double span = 1e-9 * std::max(1.0, std::abs(value));
+  estimate.at_bound = parameter.free && (value <= parameter.lower + span ||
+                                         value >= parameter.upper - span);
+  return estimate;
+}
+
+// At the fit's best point: what is known of the parameters, and from which
+// starts the training records run. Of a fit that was stopped nothing is known,
+// and nobody waits for it to be computed.
+struct Certainty {
+  // Whether the covariance stands for intervals; and, where it does not,
+  // whether it is at least the curvature of a minimum.
+  bool known = false;
+  bool is_curved = false;
+  CovarianceEstimate covariance;
+  std::vector<Matrix> starts;  // per training record
+};
+
+Certainty MeasureCertainty(const IdentificationProblem& problem,
+                           const IdentificationOptions& options, Fit* fit) {
+  const FitState& best = fit->best();
+  const IdentificationSummary& summary = fit->summary();
+  Objective& objective = fit->objective();
+  MultipleShooting& shooting = objective.shooting();
+  // The objective at the solution: single where that runs.
+  shooting.SetSigmas(best.sigmas);
+  objective.priors().SetDecays(best.decays);
+  Certainty certainty;
+  const bool placed = shooting.SetSegmentsAlong(
+      summary.single_shooting ? 0 : summary.stages.back().segment_samples,
+      best.trajectories);
+  const Vector band_decays = BandDecays(problem, fit->layout(), best.decays,
+                                        options.tuning.force_bands);
+  if (fit->input_noise().has_value()) {
+    InputNoiseFit with_noise = *fit->input_noise();
+    certainty.starts = with_noise.starts;
+    certainty.known =
+        problem.dynamics->unknown_forces().empty() || fit->interrupted() ||
+        InputNoiseCovariance(problem, fit->layout(), fit->shooting_options(),
+                             band_decays, &with_noise);
+    certainty.covariance = with_noise.covariance;
+  } else {
+    double cost = 0.0;
+    const bool evaluated = placed && objective.Evaluate(best.free, &cost);
+    certainty.starts = shooting.starts();
+    objective.priors().SetDecays(band_decays);
+    certainty.known = evaluated && !fit->interrupted() &&
+                      EstimateCovariance(
+                          problem, fit->layout(), options.covariance, best.free,
+                          best.sigmas, &objective, &certainty.covariance);
+  }
+  return certainty;
+}
+
+// Free runs of all records, by the model before and after.
+void ScoreRecords(const IdentificationProblem& problem,
+                  const IdentificationOptions& options,
+                  const Vector& prior_parameters,
+                  const std::vector<Matrix>& starts,
+                  IdentificationSummary* summary, IdentifiedModel* model) {
+  size_t t = 0;
+  for (size_t r = 0; r < problem.records.size(); ++r) {
+    const int index = static_cast<int>(r);
+    const Vector& sigmas = model->sigmas[r];
+    RecordScore prior, score;
+    Vector start;
+    Eigen::Index first =
+        FreeRunStart(problem, index, prior_parameters, sigmas, &start);
+    ScoreRecord(problem, index, prior_parameters, start, first, &prior,
+                Keep::kChannels, options.num_threads);
+    if (problem.records[r].role == IdentificationRecord::Role::kTrain) {
+      start = starts[t++].col(0);
+      first = 0;
+    } else {
+      first = FreeRunStart(problem, index, model->parameters, sigmas, &start);
+    }
+    prior.prediction.resize(0, 0);
+    ScoreRecord(problem, index, model->parameters, start, first, &score,
+                options.keep_states ? Keep::kAll : Keep::kMeanSquares,
+                options.num_threads);
+    score.prior_nrmse = prior.nrmse;
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      score.channels[c].prior_nrmse = prior.channels[c].nrmse;
+      score.channels[c].sigma = sigmas[static_cast<int>(c)];
+    }
+    summary->records.push_back(std::move(score));
+    model->starts.push_back(start);
+  }
+}
+
+// A sentence for each sensor of a training record whose residuals are mostly a
+// constant, and no offset is looked for.
+std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
+                                       const IdentificationSummary& summary) {
+  // Of the residuals' and of the record's RMS.
+  constexpr double kMostly = 0.7;
+  constexpr double kSome = 0.02;
+  std::vector<std::string> remarks;
+  for (size_t r = 0; r < summary.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    const RecordScore& score = summary.records[r];
+    if (record.role != IdentificationRecord::Role::kTrain || !score.finite ||
+        score.prediction.cols() != record.num_samples()) {
+      continue;
+    }
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      const MeasuredChannel& channel = record.channels[c];
+      if (!channel.fit || channel.offset >= 0) continue;
+      const Vector residuals =
+          channel.values -
+          score.prediction.row(static_cast<Eigen::Index>(c)).transpose();
+      const double mean = MeanOfPresent(
+          residuals.tail(residuals.size() - score.first_scored_sample));
+      const ChannelScore& of = score.channels[c];
+      if (std::abs(mean) < kMostly * of.rmse || of.nrmse < kSome) continue;
+      remarks.push_back("Record '" + score.name + "': what sensor '" + of.name +
+                        "' reads beyond the model is mostly a constant (" +
+                        FormatNumber(mean, 3) +
+                        "); its 'offset' may be left free.");
+    }
+  }
+  return remarks;
+}
+
+// Nobody asks the other ranks for what is channels x samples.
+bool KeepsHistories(const IdentificationOptions& options) {
+  return CommunicatorOrSingle(options.communicator).rank() == 0;
+}
+
+// What measurements have to be expected about the predictions, and how many of
+// them are there.
+void BandPredictions(const IdentificationProblem& problem,
+                     const IdentificationOptions& options,
+                     const Certainty& certainty, const IdentifiedModel& model,
+                     IdentificationSummary* summary) {
+  if (!certainty.known || !options.prediction_bands) return;
+  const CovarianceEstimate& covariance = certainty.covariance;
+  for (size_t r = 0; r < summary->records.size(); ++r) {
+    RecordScore& score = summary->records[r];
+    const Vector sigmas = HoldoutNoise(problem, static_cast<int>(r),
+                                       model.sigmas, summary->records);
+    score.deviations = PredictionDeviations(
+        problem, static_cast<int>(r), model.parameters, covariance.covariance,
+        sigmas, score, options.num_threads);
+    const std::string remark =
+        HoldoutNoiseRemark(problem.records[r], model.sigmas[r], sigmas);
+    if (!remark.empty()) summary->remarks.push_back(remark);
+    for (size_t c = 0; c < score.channels.size(); ++c) {
+      const MeasuredChannel& channel = problem.records[r].channels[c];
+      score.channels[c].sigma = sigmas[static_cast<int>(c)];
+      // What is assumed of other sensors says nothing about measurements.
+      TrainedSensor sensor;
+      if (!(channel.sigma > 0.0) &&
+          !FindTrainedSensor(problem, channel, &sensor)) {
+        if (score.deviations.size() > 0) {
+          score.deviations.row(static_cast<int>(c)).setConstant(kNaN);
+        }
+        continue;
+      }
+      score.channels[c].band_coverage = BandCoverage(
+          problem.records[r], score, static_cast<int>(c), covariance.quantile);
+    }
+    if (!KeepsHistories(options)) score.deviations.resize(0, 0);
+  }
+}
+
+// Least damping ratio of the modes of the matrices; NaN where no mode has one.
+double LeastDampingOf(const StructuralDynamics& dynamics,
+                      const Vector& parameters) {
+  const StructuralModel model =
+      dynamics.HeldModel(parameters.head(dynamics.num_parameters()));
+  if (model.num_dofs() == 0) return kNaN;
+  ModalProperties modes;
+  std::string unused;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &unused)) {
+    return kNaN;
+  }
+  double least = kInfinity;
+  for (double ratio : modes.damping_ratio) {
+    if (std::isfinite(ratio)) least = std::min(least, ratio);
+  }
+  return std::isfinite(least) ? least : kNaN;
+}
+
+// The same at the reference of what follows something, or, with ambient records
+// alone, as they see it.
+double LeastDamping(const IdentificationProblem& problem,
+                    const Vector& parameters) {
+  if (problem.num_train_records() > 0 || problem.ambient.empty()) {
+    return LeastDampingOf(*problem.dynamics, parameters);
+  }
+  double least = kInfinity;
+  for (const AmbientRecord& record : problem.ambient) {
+    const double found =
+        LeastDampingOf(record.AveragedDynamics(*problem.dynamics), parameters);
+    if (std::isfinite(found)) least = std::min(least, found);
+  }
+  return std::isfinite(least) ? least : kNaN;
+}
+
+// Whether somebody who knows the structure has said how far free dampings may
+// go down.
+bool DampingsAreBounded(const StructuralDynamics& dynamics) {
+  const auto& groups = dynamics.groups();
+  return std::none_of(groups.begin(), groups.end(), [](const GroupTerm& term) {
+    return term.group.target == MatrixGroup::Target::kDamping &&
+           term.alpha.free && !std::isfinite(term.alpha.lower);
+  });
+}
+
+// What the record does not tell of the groups because nobody measured the
+// loads; empty: it tells of all.
+std::string WhatLoadsHide(const AmbientScore& score) {
+  std::vector<std::string> hidden;
+  for (size_t g = 0; g < score.groups.size(); ++g) {
+    if (score.information_left[static_cast<Eigen::Index>(g)] <
+        kLeastInformationLeft) {
+      hidden.push_back("'" + score.groups[g] + "'");
+    }
+  }
+  if (hidden.empty()) return "";
+  return "Ambient record '" + score.name + "': of " + Join(hidden, ", ") +
+         " less than " + FormatNumber(100.0 * kLeastInformationLeft, 2) +
+         " % of what it would say with known loads is left; other loads "
+         "explain it as well.";
+}
+
+void ReportAmbient(const Vector& free, const Objective& objective,
+                   IdentificationSummary* summary) {
+  for (const auto& record : objective.ambient()) {
+    AmbientScore score;
+    if (record->Score(free, &score)) {
+      score.evidence = record->JudgeLoads(free);
+    } else {
+      score.probability = 0.0;
+    }
+    const std::string hidden = WhatLoadsHide(score);
+    if (!hidden.empty()) summary->remarks.push_back(hidden);
+    summary->ambient.push_back(std::move(score));
+  }
+}
+
+void ReportParameters(const IdentificationProblem& problem,
+                      const ParameterLayout& layout, const Vector& parameters,
+                      const Certainty& certainty,
+                      IdentificationSummary* summary) {
+  const CovarianceEstimate& covariance = certainty.covariance;
+  std::vector<int> named;
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    if (!layout.IsNamed(i)) continue;
+    const int j = layout.FreeIndex(i);
+    const double sigma =
+        j >= 0 && certainty.known
+            ? std::sqrt(std::max(0.0, covariance.covariance(j, j)))
+            : (j >= 0 ? kInfinity : 0.0);
+    summary->parameters.push_back(MakeEstimate(
+        layout.parameter(i), parameters[i], sigma, covariance.quantile));
+    if (j >= 0) {
+      named.push_back(j);
+      summary->covariance_names.push_back(layout.parameter(i).name);
+    }
+  }
+  if (certainty.is_curved) {
+    summary->undetermined = DescribeNullSpace(
+        layout, WithUnseenGroups(problem, layout, layout.Free(parameters),
+                                 covariance.covariance, covariance.null_space));
+  }
+  if (!certainty.known) return;
+  summary->covariance_method = covariance.method;
+  summary->covariance = covariance.covariance(named, named);
+}
+
+}  // namespace
+
+void ReportOutcome(const IdentificationProblem& problem,
+                   const IdentificationOptions& options, Fit* fit,
+                   IdentificationSummary* summary, IdentifiedModel* model) {
+  const FitState& best = fit->best();
+  const ParameterLayout& layout = fit->layout();
+  model->parameters = fit->BestParameters();
+  model->decays = best.decays;
+  model->sigmas = NoiseOfAllRecords(problem, best.sigmas, options.tuning.noise);
+  model->resume_stage = fit->converged() ? 0 : fit->stage();
+  summary->decays.assign(best.decays.begin(), best.decays.end());
+  if (!summary->iterations.empty()) {
+    summary->initial_cost = summary->iterations.front().cost;
+  }
+  summary->final_cost = best.cost;
+
+  summary->initial_damping = LeastDamping(problem, layout.InitialValues());
+  summary->final_damping = LeastDamping(problem, model->parameters);
+  summary->negative_damping_allowed = DampingsAreBounded(*problem.dynamics);
+  summary->learns_force = HasNetworksOfState(problem, layout);
+
+  Certainty certainty = MeasureCertainty(problem, options, fit);
+  // Intervals are those of a minimum.
+  if (summary->termination == Termination::kNoConvergence ||
+      summary->termination == Termination::kInterrupted) {
+    certainty.known = false;
+  }
+  certainty.is_curved = certainty.known;
+  ScoreRecords(problem, options, layout.InitialValues(), certainty.starts,
+               summary, model);
+  summary->remarks = TimeScaleRemarks(problem);
+  for (std::string& remark : SignRemarks(problem, model->parameters)) {
+    summary->remarks.push_back(std::move(remark));
+  }
+  for (std::string& remark : OffsetRemarks(problem, *summary)) {
+    summary->remarks.push_back(std::move(remark));
+  }
+  if (!problem.modal.empty()) {
+    ReportModes(problem, layout, model->parameters, fit->objective().modes(),
+                &certainty.known, &certainty.covariance, summary);
+  }
+  BandPredictions(problem, options, certainty, *model, summary);
+  // The noise of hold-outs needed those of all records.
+  for (RecordScore& score : summary->records) {
+    if (!KeepsHistories(options)) score.prediction.resize(0, 0);
+  }
+  ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
+  ReportParameters(problem, layout, model->parameters, certainty, summary);
+  summary->forces = EstimateForces(
+      problem, layout, model->parameters,
+      certainty.known ? certainty.covariance.covariance : Matrix(),
+      certainty.covariance.quantile);
+}
+
+}  // namespace pinode

@@ -1,0 +1,53 @@
+#include "pinode/estimate/fit/reweighting.h"
+
+#include <cmath>
+#include <vector>
+
+#include "pinode/base/logging.h"
+
+namespace pinode {
+
+Reweighting::Outcome Reweighting::Update(bool converged, FitState* state) {
+  Objective& objective = context_.objective;
+  const EvidenceTuning& tuning = context_.tuning().evidence;
+  Outcome outcome;
+  outcome.noise_is_quiet = noise_is_quiet_;
+  // A force acts on some channels directly and can follow their noise: what it
+  // has used up of each channel must be counted for that channel.
+  const bool by_channel = !context_.problem.dynamics->unknown_forces().empty();
+  CondensedSystem system;
+  WeightedRows rows;
+  Evidence evidence;
+  if (!objective.Linearize(state->free, &system)) return outcome;
+  MultipleShooting& shooting = objective.shooting();
+  const std::vector<Vector>* squares = shooting.SquaresAt(state->free);
+  CHECK(squares != nullptr) << "just linearised";
+  rows.squares = *squares;
+  if (((by_channel || context_.HasNetworks()) &&
+       !shooting.WeightedResiduals(state->free, by_channel, &rows.residuals,
+                                   &rows.jacobians)) ||
+      !MeasureEvidence(context_.layout, system.hessian, state->decays,
+                       state->free, &evidence)) {
+    return outcome;
+  }
+  const double before = context_.summary.effective_parameters;
+  const double after = evidence.effective;
+  context_.summary.effective_parameters = after;
+  UpdateDecays(context_.layout, tuning, evidence, &state->decays);
+  objective.priors().SetDecays(state->decays);
+  const NoiseLevels::Change change =
+      noise_.Update(rows, evidence, converged, annealing_, state);
+  objective.shooting().SetSigmas(state->sigmas);
+  VLOG(1) << "noise to change by " << change.wanted << ", well-determined "
+          << "parameters " << before << " -> " << after;
+  noise_is_quiet_ = change.quiet;
+  outcome.noise_is_quiet = change.quiet;
+  outcome.is_quiet =
+      change.quiet && std::abs(after - before) <
+                          tuning.quiet_share * context_.layout.num_free() +
+                              tuning.quiet_parameters;
+  outcome.evidence_change = std::abs(after / before - 1.0);
+  return outcome;
+}
+
+}  // namespace pinode

@@ -1,0 +1,169 @@
+#include "pinode/estimate/fit/stage.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/start/initial_states.h"
+
+namespace pinode {
+
+bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
+  MultipleShooting& shooting = context_.objective.shooting();
+  const GapTuning& gaps = context_.tuning().gaps;
+  const SolveTuning& solve = context_.tuning().solve;
+  const bool networks = context_.HasNetworks();
+  const Solver::Limits limits{
+      networks ? solve.network_round_iterations : solve.round_iterations,
+      solve.round_tolerance, 0.0, networks ? solve.network_crawl : 0.0};
+  // Gaps begin softer than the data hold the starts, and end much firmer.
+  double firmness =
+      networks ? gaps.first_network_firmness : gaps.first_firmness;
+  shooting.SetGapPenalty(std::max(1.0, firmness * shooting.DataCurvature()));
+  double first_cost = kInfinity;
+  for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
+       ++round) {
+    bool converged = false;
+    if (!solver_->Solve(limits, state, &converged)) return false;
+    if (progress_->interrupted()) break;
+    // A firmer hand makes the cost grow, but not like this: the trajectories
+    // fly apart, and no further round brings them together.
+    if (round == 0) first_cost = std::max(1.0, state->cost);
+    if (!(state->cost <= solve.diverged * first_cost)) break;
+    // The multipliers belong to the noise levels at hand: close gaps first.
+    if (shooting.LargestGap() < gaps.closed && (converged || !last)) {
+      *settled = converged;
+      break;
+    }
+    shooting.UpdateMultipliers();
+    reweighting_->Update(converged, state);
+    const double before = shooting.gap_penalty();
+    firmness = std::min(gaps.most_firmness, gaps.growth * firmness);
+    CondensedSystem system;
+    if (!context_.objective.Linearize(state->free, &system)) break;
+    const double after =
+        std::max(before, firmness * std::max(1.0, shooting.DataCurvature()));
+    shooting.SetGapPenalty(after);
+    shooting.RescaleMultipliers(before / after);
+  }
+  return true;
+}
+
+bool Stage::SettleSingle(FitState* state, bool* settled) {
+  const SolveTuning& solve = context_.tuning().solve;
+  const EvidenceTuning& evidence = context_.tuning().evidence;
+  const bool networks = context_.HasNetworks();
+  const double residual = networks ? solve.smallest_residual : 0.0;
+  const double asked = context_.options.function_tolerance;
+  // The first rounds are for noise levels and decay to find their place, and
+  // end early; the last one runs to the tolerance asked for.
+  bool fine = false;
+  int evidence_rounds = 0;
+  bool quiet = false;  // noise and decay, as of the last round
+  int quiet_rounds = 0;
+  for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
+       ++round) {
+    bool converged = false;
+    double tolerance = fine ? asked : solve.round_tolerance;
+    int iterations =
+        fine ? context_.options.max_num_iterations : solve.round_iterations;
+    if (networks) {
+      // The cost is a negative logarithm of likelihood. Networks have valleys
+      // without end; what changes it by less than this cannot be seen. Nor may
+      // the rounds before end any sooner: a network that lies on a plateau
+      // would stay there while the noise comes down.
+      tolerance = std::clamp(solve.smallest_change / state->cost, asked,
+                             solve.most_network_tolerance);
+      iterations =
+          fine ? solve.fine_network_iterations : solve.network_round_iterations;
+    }
+    if (!solver_->Solve({iterations, tolerance, residual, 0.0}, state,
+                        &converged)) {
+      return false;
+    }
+    if (progress_->interrupted()) break;
+    if (networks && fine && converged &&
+        (quiet || evidence_rounds >= 2 * evidence.rounds ||
+         solver_->IsBelow(residual, state->free))) {
+      *settled = true;
+      break;
+    }
+    const Reweighting::Outcome outcome = reweighting_->Update(converged, state);
+    quiet = outcome.is_quiet;
+    if (networks) {
+      quiet_rounds =
+          outcome.noise_is_quiet && outcome.evidence_change < evidence.quiet
+              ? quiet_rounds + 1
+              : 0;
+      quiet = quiet_rounds >= evidence.quiet_rounds;
+      if (fine && outcome.evidence_change > evidence.new_evidence) {
+        fine = false;
+        evidence_rounds = 0;
+        continue;
+      }
+    }
+    // Idle inputs go on fading long after that matters.
+    evidence_rounds += outcome.noise_is_quiet ? 1 : 0;
+    if (fine && converged) {
+      *settled = true;
+      if (quiet && !networks) return solver_->Polish(state);
+    }
+    fine = fine || quiet || evidence_rounds >= evidence.rounds ||
+           round + 1 >= solve.max_rounds / 2;
+  }
+  return true;
+}
+
+bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
+                StageRecord* record, bool* settled) {
+  *settled = false;
+  MultipleShooting& shooting = context_.objective.shooting();
+  if (!shooting.SetSegmentsAlong(samples, state->trajectories)) {
+    context_.summary.message = "the trajectory is not finite";
+    return false;
+  }
+  shooting.SetSigmas(state->sigmas);
+  context_.objective.priors().SetDecays(state->decays);
+  std::vector<Vector> scales;
+  record->segment_samples = samples;
+  for (size_t t = 0; t < state->trajectories.records.size(); ++t) {
+    scales.push_back(StateScalesOf(
+        context_.problem, state->trajectories.records[t].mean_squares));
+    record->num_segments += shooting.num_segments(static_cast<int>(t));
+  }
+  shooting.SetStateScales(scales);
+
+  const int iterations_before = context_.summary.num_iterations;
+  CondensedSystem system;
+  shooting.SetGapPenalty(1.0);
+  if (!context_.objective.Linearize(state->free, &system)) {
+    context_.summary.message = context_.objective.Failure();
+    return false;
+  }
+  const auto measure = [&]() {
+    const double error =
+        FreeRunError(context_.problem, context_.layout, shooting, state->free);
+    progress_->set_free_run_error(error);
+    return error;
+  };
+  measure();
+  const bool single = shooting.IsSingleShooting();
+  if (!(single ? SettleSingle(state, settled)
+               : CloseGaps(last, state, settled))) {
+    return false;
+  }
+  record->iterations = context_.summary.num_iterations - iterations_before;
+  record->largest_gap = shooting.LargestGap();
+  record->free_run_error = state->free_run_error = measure();
+  TrajectoryOutlines trajectories;
+  if (shooting.Outline(state->free, &trajectories)) {
+    state->trajectories = std::move(trajectories);
+  }
+  shooting.KeepRows(false);
+  context_.summary.largest_gap = record->largest_gap;
+  context_.summary.single_shooting = single;
+  return true;
+}
+
+}  // namespace pinode

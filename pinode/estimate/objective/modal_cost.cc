@@ -1,0 +1,419 @@
+#include "pinode/estimate/objective/modal_cost.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/logging.h"
+#include "pinode/structure/model/modal_analysis.h"
+
+namespace pinode {
+namespace {
+
+// Frequencies that differ by less than this (relative, in w^2) are the same:
+// shapes carry the rounding of the matrices divided by it.
+constexpr double kSameFrequency = 1e-8;
+// What couples two modes is zero below this share of what acts on either.
+constexpr double kUncoupled = 1e-8;
+
+// (2 pi f)^2.
+double MeasuredEigenvalue(const MeasuredMode& mode) {
+  const double w = kTwoPi * mode.frequency;
+  return w * w;
+}
+
+// Of 1 - w^2 / (2 pi f)^2, to first order 2 (f - f_model) / f.
+double EigenvalueWeight(const MeasuredMode& mode) {
+  return mode.frequency_sigma > 0.0
+             ? 0.5 * mode.frequency / mode.frequency_sigma
+             : mode.frequency_weight;
+}
+
+// Entries other than `largest`, in order.
+template <typename Rows>
+Matrix WithoutRow(const Rows& rows, int largest) {
+  Matrix rest(rows.rows() - 1, rows.cols());
+  rest.topRows(largest) = rows.topRows(largest);
+  rest.bottomRows(rest.rows() - largest) =
+      rows.bottomRows(rest.rows() - largest);
+  return rest;
+}
+
+// Derivatives of a mode by columns: its eigenvalue, and its shape at DOFs.
+struct ModeSlopes {
+  RowVector eigenvalue;
+  Matrix shape;
+};
+
+// By the factor of one matrix in K or M. False, with a sentence, where there is
+// no derivative.
+bool DifferentiateMode(const UndampedModes& modes, int j,
+                       const std::vector<int>& dofs, const Matrix& matrix,
+                       bool on_mass, int column, ModeSlopes* slopes,
+                       std::string* error) {
+  const int n = static_cast<int>(modes.eigenvalues.size());
+  const double rounding = 8.0 * n * std::numeric_limits<double>::epsilon() *
+                          modes.eigenvalues.cwiseAbs().maxCoeff();
+  const double eigenvalue = modes.eigenvalues[j];
+  const double factor = on_mass ? -eigenvalue : 1.0;
+  const Vector force = factor * (matrix * modes.shapes.col(j));
+  Vector parts = modes.shapes.transpose() * force;
+  slopes->eigenvalue[column] = parts[j];
+  for (int k = 0; k < n; ++k) {
+    const double distance = eigenvalue - modes.eigenvalues[k];
+    if (k == j ||
+        std::abs(distance) > rounding + kSameFrequency * std::abs(eigenvalue)) {
+      parts[k] = k == j ? 0.0 : parts[k] / distance;
+      continue;
+    }
+    const auto other = modes.shapes.col(k);
+    const double size = std::max(std::abs(parts[j]),
+                                 std::abs(factor * other.dot(matrix * other)));
+    if (std::abs(parts[k]) > kUncoupled * size) {
+      std::ostringstream message;
+      message << "modes " << std::min(j, k) + 1 << " and " << std::max(j, k) + 1
+              << " of the model have the same frequency, and a free group "
+                 "mixes their shapes: there are no derivatives; begin with "
+                 "slightly different values of the groups";
+      *error = message.str();
+      return false;
+    }
+    parts[k] = 0.0;
+  }
+  slopes->shape.col(column) = modes.shapes(dofs, Eigen::all) * parts;
+  return true;
+}
+
+// Of x over its entry `largest`, without that one.
+Matrix RatioSlopes(const Vector& x, const Matrix& slopes, int largest) {
+  const Vector scaled = x / x[largest];
+  return WithoutRow((slopes - scaled * slopes.row(largest)) / x[largest],
+                    largest);
+}
+
+// W (1 - c) / c of the model's shape x and the measured y of unit norm. With
+// the tangent of the angle between them 1 / c = sqrt(1 + t^2); 1 - c itself
+// would be lost in rounding.
+double MacResidual(const MeasuredMode& mode, const Vector& y, const Vector& x,
+                   const Matrix& shape_slopes, RowVector* slopes) {
+  const double along = y.dot(x);
+  const Vector across = x - along * y;
+  const double tangent_square = across.squaredNorm() / (along * along);
+  const double secant = std::sqrt(1.0 + tangent_square);
+  *slopes = mode.shape_weight / (secant * along * along) *
+            (across.transpose() * shape_slopes -
+             tangent_square * along * (y.transpose() * shape_slopes));
+  return mode.shape_weight * tangent_square / (1.0 + secant);
+}
+
+// The entries of a shape over its largest one, given the frequency. With S the
+// covariance of these ratios and c that with the frequency of deviation s, they
+// have, for an error s of the frequency, the mean *by_frequency = c / s and the
+// covariance S - c c' / s^2 = L L' around it; L^-1 is returned.
+Matrix RatioWeights(const MeasuredMode& mode, Eigen::Index largest,
+                    Vector* by_frequency) {
+  const Eigen::Index count = mode.shape.size();
+  const double scale = mode.shape[largest];
+  Matrix slopes = Matrix::Identity(count, count) / scale;
+  slopes.col(largest) -= mode.shape / (scale * scale);
+  Matrix kept(count - 1, count);
+  kept << slopes.topRows(largest), slopes.bottomRows(count - 1 - largest);
+  Matrix covariance = kept * mode.shape_covariance * kept.transpose();
+  if (mode.frequency_shape_covariance.size() > 0) {
+    *by_frequency =
+        kept * mode.frequency_shape_covariance / mode.frequency_sigma;
+    covariance -= *by_frequency * by_frequency->transpose();
+  }
+  const Eigen::LLT<Matrix> factor(covariance);
+  return factor.matrixL().solve(Matrix::Identity(count - 1, count - 1));
+}
+
+}  // namespace
+
+StructuralDynamics AveragedDynamics(const ModalData& data,
+                                    const StructuralDynamics& dynamics) {
+  return data.inputs.size() == 0 ? dynamics
+                                 : dynamics.Averaged({data.inputs, {}});
+}
+
+std::vector<bool> ModesInUse(const ModalData& data,
+                             const StructuralDynamics& dynamics) {
+  std::string error;
+  CHECK(data.IsValid(dynamics.num_dofs(), &error)) << error;
+  return HavePartners(
+      data,
+      AveragedDynamics(data, dynamics).CorrectedModel(dynamics.Parameters()));
+}
+
+ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
+                     const ParameterLayout& layout)
+    : dynamics_(AveragedDynamics(data, dynamics)),
+      data_(OnlyModes(data, ModesInUse(data, dynamics))),
+      layout_(layout) {
+  int num_residuals = 0;
+  for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {
+    const int free = layout.FreeIndex(change.parameter);
+    if (free < 0 || change.group->target == MatrixGroup::Target::kDamping) {
+      continue;
+    }
+    columns_.push_back({free, change.group->target, &change.group->matrix});
+  }
+  for (const MeasuredMode& mode : data_.modes) {
+    Shape shape;
+    const int count = static_cast<int>(mode.dofs.size());
+    if (mode.HasShape()) {
+      mode.shape.cwiseAbs().maxCoeff(&shape.largest);
+      const double scale = mode.shape[shape.largest];
+      shape.values = data.form == ModalForm::kMac
+                         ? Vector(mode.shape.stableNormalized())
+                         : Vector(mode.shape / scale);
+      if (data.form == ModalForm::kEigenvectorDifference) {
+        shape.weight_root =
+            mode.shape_weight * Matrix::Identity(count - 1, count - 1);
+        if (mode.shape_sigma > 0.0) {
+          // The error of the largest entry is in all others: their errors have
+          // the covariance sigma^2 (I + y y'), whose inverse root is a change
+          // along y.
+          const Vector y = WithoutRow(shape.values, shape.largest);
+          const double square = y.squaredNorm();
+          shape.weight_root.setIdentity();
+          if (square > 0.0) {
+            shape.weight_root -= (1.0 - 1.0 / std::sqrt(1.0 + square)) /
+                                 square * (y * y.transpose());
+          }
+          shape.weight_root *= std::abs(scale) / mode.shape_sigma;
+        } else if (mode.shape_covariance.size() > 0) {
+          shape.weight_root =
+              RatioWeights(mode, shape.largest, &shape.by_frequency);
+        }
+      }
+    }
+    switch (data.form) {
+      case ModalForm::kMac:
+        num_residuals += mode.HasShape() ? 2 : 1;
+        break;
+      case ModalForm::kEigenvectorDifference:
+        num_residuals += mode.HasShape() ? count : 1;
+        break;
+      case ModalForm::kDynamicResidual:
+        num_residuals += dynamics.num_dofs();
+        for (int i = 0; i < dynamics.num_dofs(); ++i) {
+          if (std::find(mode.dofs.begin(), mode.dofs.end(), i) ==
+              mode.dofs.end()) {
+            shape.unmeasured.push_back(i);
+          }
+        }
+        num_eliminated_ += static_cast<int>(shape.unmeasured.size());
+        break;
+    }
+    shapes_.push_back(std::move(shape));
+  }
+  set_num_residuals(num_residuals);
+  mutable_parameter_block_sizes()->push_back(layout.num_free());
+}
+
+bool ModalCost::Evaluate(const StructuralDynamics::Prepared& prepared,
+                         Vector* residuals, Matrix* jacobian,
+                         std::string* error) const {
+  residuals->resize(num_residuals());
+  if (jacobian != nullptr) {
+    *jacobian = Matrix::Zero(num_residuals(), layout_.num_free());
+  }
+  const bool ok =
+      data_.form == ModalForm::kDynamicResidual
+          ? EvaluateDynamicResiduals(prepared, residuals, jacobian, error)
+          : EvaluateModes(prepared, residuals, jacobian, error);
+  if (!ok) return false;
+  if (!residuals->allFinite() ||
+      (jacobian != nullptr && !jacobian->allFinite())) {
+    *error =
+        "a shape of the model is orthogonal to the measured one, or zero "
+        "where that is largest";
+    return false;
+  }
+  return true;
+}
+
+bool ModalCost::EvaluateAt(const Vector& free, Vector* residuals,
+                           Matrix* jacobian) const {
+  failure_ = "the parameters are not finite";
+  if (!free.allFinite()) return false;
+  Vector all = layout_.InitialValues();
+  layout_.SetFree(free, &all);
+  StructuralDynamics::Prepared prepared;
+  if (!dynamics_.Prepare(all.head(layout_.num_dynamics()), &prepared,
+                         &failure_) ||
+      !Evaluate(prepared, residuals, jacobian, &failure_)) {
+    return false;
+  }
+  failure_.clear();
+  return true;
+}
+
+bool ModalCost::Evaluate(double const* const* parameters, double* residuals,
+                         double** jacobians) const {
+  const int n = layout_.num_free();
+  const bool derive = jacobians != nullptr && jacobians[0] != nullptr;
+  Vector values;
+  Matrix jacobian;
+  if (!EvaluateAt(Eigen::Map<const Vector>(parameters[0], n), &values,
+                  derive ? &jacobian : nullptr)) {
+    return false;
+  }
+  Eigen::Map<Vector>(residuals, num_residuals()) = values;
+  if (derive) {
+    Eigen::Map<
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        jacobians[0], num_residuals(), n) = jacobian;
+  }
+  return true;
+}
+
+bool ModalCost::Evaluate(const Vector& free, double* cost) {
+  Vector residuals;
+  if (!EvaluateAt(free, &residuals, nullptr)) return false;
+  *cost = 0.5 * residuals.squaredNorm();
+  return true;
+}
+
+bool ModalCost::Linearize(const Vector& free, CondensedSystem* system) {
+  Vector residuals;
+  Matrix jacobian;
+  if (!EvaluateAt(free, &residuals, &jacobian)) return false;
+  system->cost = 0.5 * residuals.squaredNorm();
+  system->gradient = jacobian.transpose() * residuals;
+  system->hessian = jacobian.transpose() * jacobian;
+  return true;
+}
+
+bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
+                              Vector* residuals, Matrix* jacobian,
+                              std::string* error) const {
+  UndampedModes modes;
+  if (!ComputeUndampedModes(prepared.linear.mass, prepared.linear.stiffness,
+                            &modes, error)) {
+    return false;
+  }
+  const std::vector<ModeMatch> matches =
+      MatchModes(data_, modes.eigenvalues, modes.shapes);
+  const size_t num_columns = jacobian == nullptr ? 0 : columns_.size();
+  const auto set_rows = [&](int row, const Matrix& slopes) {
+    for (size_t c = 0; c < num_columns; ++c) {
+      jacobian->col(columns_[c].free).segment(row, slopes.rows()) =
+          slopes.col(static_cast<Eigen::Index>(c));
+    }
+  };
+  int row = 0;
+  for (size_t i = 0; i < data_.modes.size(); ++i) {
+    const MeasuredMode& mode = data_.modes[i];
+    const Shape& shape = shapes_[i];
+    const int j = matches[i].mode;
+    ModeSlopes slopes{RowVector(static_cast<int>(num_columns)),
+                      Matrix(static_cast<int>(mode.dofs.size()),
+                             static_cast<int>(num_columns))};
+    for (size_t c = 0; c < num_columns; ++c) {
+      const bool on_mass = columns_[c].target == MatrixGroup::Target::kMass;
+      if (!DifferentiateMode(modes, j, mode.dofs, *columns_[c].matrix, on_mass,
+                             static_cast<int>(c), &slopes, error)) {
+        return false;
+      }
+    }
+    const double weight = EigenvalueWeight(mode);
+    const double measured = MeasuredEigenvalue(mode);
+    (*residuals)[row] = weight * (1.0 - modes.eigenvalues[j] / measured);
+    set_rows(row, -weight / measured * slopes.eigenvalue);
+    ++row;
+    if (!mode.HasShape()) continue;
+
+    const Vector x = modes.shapes.col(j)(mode.dofs);
+    if (data_.form == ModalForm::kMac) {
+      RowVector by_column;
+      (*residuals)[row] =
+          MacResidual(mode, shape.values, x, slopes.shape, &by_column);
+      set_rows(row, by_column);
+      ++row;
+    } else {
+      const Eigen::Index count = x.size() - 1;
+      Vector off =
+          WithoutRow(x / x[shape.largest] - shape.values, shape.largest);
+      Matrix off_slopes = RatioSlopes(x, slopes.shape, shape.largest);
+      if (shape.by_frequency.size() > 0) {
+        // The residual of the frequency is measured less modelled, over its
+        // deviation; that of the shape the other way round.
+        off += shape.by_frequency * (*residuals)[row - 1];
+        off_slopes -=
+            shape.by_frequency * (weight / measured * slopes.eigenvalue);
+      }
+      residuals->segment(row, count) = shape.weight_root * off;
+      set_rows(row, shape.weight_root * off_slopes);
+      row += static_cast<int>(count);
+    }
+  }
+  return true;
+}
+
+bool ModalCost::EvaluateDynamicResiduals(
+    const StructuralDynamics::Prepared& prepared, Vector* residuals,
+    Matrix* jacobian, std::string* error) const {
+  const int n = static_cast<int>(prepared.linear.mass.rows());
+  for (size_t i = 0; i < data_.modes.size(); ++i) {
+    const MeasuredMode& mode = data_.modes[i];
+    const Shape& shape = shapes_[i];
+    const double measured = MeasuredEigenvalue(mode);
+    const int row = static_cast<int>(i) * n;
+    const Matrix dynamic_stiffness =
+        prepared.linear.stiffness - measured * prepared.linear.mass;
+    const bool complete = shape.unmeasured.empty();
+    const Matrix unmeasured = dynamic_stiffness(Eigen::all, shape.unmeasured);
+    Eigen::ColPivHouseholderQR<Matrix> factor;
+    Vector psi(n);
+    psi(mode.dofs) = shape.values;
+    if (!complete) {
+      factor.compute(unmeasured);
+      if (factor.rank() < unmeasured.cols()) {
+        *error = "mode '" + mode.name +
+                 "': what was not measured of its shape cannot be found from "
+                 "the model: there its dynamic stiffness is singular";
+        return false;
+      }
+      psi(shape.unmeasured) = -factor.solve(
+          Vector(dynamic_stiffness(Eigen::all, mode.dofs) * shape.values));
+    }
+    const Vector residual = mode.residual_weight * (dynamic_stiffness * psi);
+    residuals->segment(row, n) = residual;
+    if (jacobian == nullptr) continue;
+
+    // With A_u the unmeasured columns, A_u' r = 0 fixes the change of psi_u:
+    // A_u' (dA psi + A_u dpsi_u) + dA_u' r = 0.
+    for (const Column& column : columns_) {
+      const double sign =
+          column.target == MatrixGroup::Target::kMass ? -measured : 1.0;
+      Vector slope = mode.residual_weight * sign * (*column.matrix * psi);
+      if (!complete) {
+        const Vector moved =
+            sign * (column.matrix->transpose() * residual)(shape.unmeasured);
+        // (A_u'A_u)^-1 b by the factor A_u P = Q R.
+        const auto solve_squared = [&factor, &unmeasured](const Vector& right) {
+          const Eigen::Index count = unmeasured.cols();
+          const auto root = factor.matrixR()
+                                .topLeftCorner(count, count)
+                                .template triangularView<Eigen::Upper>();
+          Vector y = factor.colsPermutation().transpose() * right;
+          y = root.transpose().solve(y);
+          y = root.solve(y);
+          return Vector(factor.colsPermutation() * y);
+        };
+        const Vector change = -factor.solve(slope) - solve_squared(moved);
+        slope += unmeasured * change;
+      }
+      jacobian->col(column.free).segment(row, n) = slope;
+    }
+  }
+  return true;
+}
+
+}  // namespace pinode

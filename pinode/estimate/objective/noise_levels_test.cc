@@ -1,0 +1,98 @@
+#include "pinode/estimate/objective/noise_levels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "pinode/base/statistics.h"
+#include "pinode/problem/assumed_noise.h"
+#include "tests/support/estimate_testing.h"
+
+namespace pinode {
+namespace {
+
+// A chain with two training records and a hold-out record of the same sensor.
+class NoiseLevelsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto dynamics = testing::MakeGroupedChain(1, 40.0, 0.4);
+    for (int r = 0; r < 3; ++r) {
+      IdentificationRecord record =
+          testing::MakeExcitedRecord(*dynamics, 200, 0.05);
+      record.channels = {
+          testing::MakeChannel("x", Quantity::kDisplacement, 1, 0)};
+      truth_ = testing::Simulate(*dynamics, Vector::Zero(1), Vector::Zero(2),
+                                 0.1, static_cast<uint64_t>(r + 1), &record);
+      record.name = "r" + std::to_string(r);
+      if (r == 2) record.role = IdentificationRecord::Role::kHoldout;
+      problem_.records.push_back(record);
+    }
+    problem_.dynamics = dynamics;
+  }
+
+  double SpreadOf(size_t record) const {
+    return StandardDeviationOfPresent(
+        problem_.records[record].channels[0].values);
+  }
+
+  IdentificationProblem problem_;
+  Matrix truth_;
+};
+
+TEST_F(NoiseLevelsTest, AssumesAShareOfTheSpread) {
+  problem_.records[1].channels[0].sigma = 0.3;
+  const auto sigmas = AssumedNoise(problem_, NoiseTuning());
+  ASSERT_EQ(sigmas.size(), 2u);
+  EXPECT_DOUBLE_EQ(sigmas[0][0], 0.05 * SpreadOf(0));
+  EXPECT_EQ(sigmas[1][0], 0.3);
+}
+
+TEST_F(NoiseLevelsTest, TheSameSensorHasTheSameNoise) {
+  const std::vector<Vector> train = {Vector::Constant(1, 0.1),
+                                     Vector::Constant(1, 0.2)};
+  auto all = NoiseOfAllRecords(problem_, train, NoiseTuning());
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0][0], 0.1);
+  EXPECT_EQ(all[2][0], 0.2);
+  problem_.records[2].channels[0].observation.name = "another";
+  all = NoiseOfAllRecords(problem_, train, NoiseTuning());
+  EXPECT_DOUBLE_EQ(all[2][0], 0.05 * SpreadOf(2));
+}
+
+TEST_F(NoiseLevelsTest, ComesToTheNoiseOfTheTruth) {
+  const ParameterLayout layout(problem_);
+  Objective objective(problem_, layout, MultipleShooting::Options());
+  const IdentificationOptions options;
+  IdentificationSummary summary;
+  const FitContext context{problem_, options, layout, objective, summary};
+  const NoiseLevels levels(context);
+  Annealing annealing(context);
+  FitState state;
+  state.free = Vector::Zero(1);
+  state.sigmas = levels.First(nullptr);
+  EXPECT_DOUBLE_EQ(state.sigmas[0][0], 0.05 * SpreadOf(0));
+  objective.shooting().SetSegments(0, {truth_, truth_});
+  NoiseLevels::Change change;
+  for (int round = 0; round < 5; ++round) {
+    objective.shooting().SetSigmas(state.sigmas);
+    CondensedSystem system;
+    WeightedRows rows;
+    Evidence evidence;
+    ASSERT_TRUE(objective.Linearize(state.free, &system));
+    rows.squares = *objective.shooting().SquaresAt(state.free);
+    ASSERT_TRUE(MeasureEvidence(layout, system.hessian, Vector(), state.free,
+                                &evidence));
+    change = levels.Update(rows, evidence, true, &annealing, &state);
+  }
+  EXPECT_TRUE(change.quiet);
+  // One parameter of 400 samples.
+  EXPECT_NEAR(state.share_left, 1.0 - 1.0 / 400.0, 1e-6);
+  // 200 samples: to 5 %, three times.
+  for (size_t r = 0; r < 2; ++r) {
+    EXPECT_NEAR(state.sigmas[r][0], 0.1 * SpreadOf(r), 0.015 * SpreadOf(r));
+  }
+}
+
+}  // namespace
+}  // namespace pinode

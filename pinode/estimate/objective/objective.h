@@ -1,0 +1,64 @@
+// All that a fit minimises.
+
+#ifndef PINODE_ESTIMATE_OBJECTIVE_OBJECTIVE_H_
+#define PINODE_ESTIMATE_OBJECTIVE_OBJECTIVE_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/estimate/ambient/ambient_cost.h"
+#include "pinode/estimate/objective/modal_cost.h"
+#include "pinode/estimate/objective/prior_cost.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/estimate/solver/cost_part.h"
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/parameter_layout.h"
+
+namespace pinode {
+
+// How the trajectories of an identification are shot.
+MultipleShooting::Options ShootingOptions(const IdentificationOptions& options);
+
+// The sum of a problem's trajectories, priors, measured modes and ambient
+// records. Each part is
+// set by itself: noise levels and segments in shooting(), decays in priors().
+class Objective final : public CostPart {
+ public:
+  // `problem` (valid) and `layout` must outlive this object.
+  Objective(const IdentificationProblem& problem, const ParameterLayout& layout,
+            const MultipleShooting::Options& options);
+
+  MultipleShooting& shooting() { return shooting_; }
+  const MultipleShooting& shooting() const { return shooting_; }
+  PriorCost& priors() { return priors_; }
+  // nullptr: no mode was measured.
+  ModalCost* modes() { return modes_.get(); }
+  // One per ambient record.
+  const std::vector<std::unique_ptr<AmbientCost>>& ambient() const {
+    return ambient_;
+  }
+
+  [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
+  [[nodiscard]] bool Linearize(const Vector& free,
+                               CondensedSystem* system) override;
+  // Of the first part that has failed.
+  std::string Failure() const override;
+
+  // Hessian of modes and ambient records at the last Linearize, num_free x
+  // num_free; empty without any.
+  const Matrix& other_information() const { return other_information_; }
+
+ private:
+  MultipleShooting shooting_;
+  PriorCost priors_;
+  std::unique_ptr<ModalCost> modes_;
+  std::vector<std::unique_ptr<AmbientCost>> ambient_;
+  Matrix other_information_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_ESTIMATE_OBJECTIVE_OBJECTIVE_H_

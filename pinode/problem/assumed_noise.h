@@ -1,0 +1,48 @@
+// Noise of channels for which no fit has estimated it.
+
+#ifndef PINODE_PROBLEM_ASSUMED_NOISE_H_
+#define PINODE_PROBLEM_ASSUMED_NOISE_H_
+
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/tuning.h"
+
+namespace pinode {
+
+// Smallest noise of a channel, in its own unit, so that a channel that never
+// moves has a finite weight.
+constexpr double kLeastNoise = 1e-290;
+
+// Returns the standard deviations with which a fit begins, one per channel in
+// the channel's unit: the given sigma, or else a share of the channel's spread
+// (NoiseTuning::first_share).
+Vector AssumedNoise(const IdentificationRecord& record,
+                    const NoiseTuning& tuning);
+// The same for each training record.
+std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
+                                 const NoiseTuning& tuning);
+
+// A channel of a training record: indices into problem.records and into the
+// record's channels.
+struct TrainedSensor {
+  size_t record = 0;
+  int channel = 0;
+};
+
+// Finds the last training record in which the sensor of `channel`, known by its
+// name, was fitted. False, with *sensor untouched, if there is none.
+bool FindTrainedSensor(const IdentificationProblem& problem,
+                       const MeasuredChannel& channel, TrainedSensor* sensor);
+
+// Returns the noise of all records after a fit. `sigmas` are those of the
+// training records. A channel of another record takes its given sigma, else the
+// sigma of the same sensor in a training record, else AssumedNoise.
+std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
+                                      const std::vector<Vector>& sigmas,
+                                      const NoiseTuning& tuning);
+
+}  // namespace pinode
+
+#endif  // PINODE_PROBLEM_ASSUMED_NOISE_H_

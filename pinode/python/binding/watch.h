@@ -1,0 +1,70 @@
+// Work that is watched from Python.
+
+#ifndef PINODE_PYTHON_BINDING_WATCH_H_
+#define PINODE_PYTHON_BINDING_WATCH_H_
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pinode/case/run/fit_case.h"
+
+namespace pinode::python {
+
+// Runs the library without the interpreter's lock, takes the lock to ask for
+// signals and to call back, and ends fits at Ctrl-C. What else a signal's
+// handler or the callback throws ends the fit too, and is thrown on when it is
+// over.
+class PythonWatch {
+ public:
+  // `callback` is called with a dictionary after each iteration, and ends the
+  // fit where it returns False; None: there is none.
+  explicit PythonWatch(pybind11::object callback);
+
+  FitWatch watch();
+
+  // Calls `work`, which may use watch(), without the lock.
+  template <typename Work>
+  void Run(const Work& work) {
+    {
+      pybind11::gil_scoped_release release;
+      work();
+    }
+    Rethrow();
+  }
+
+  // Whether somebody wanted an end.
+  bool stopped() const { return stopped_; }
+  // Sentences on what went wrong beside the fit.
+  const std::vector<std::string>& troubles() const { return troubles_; }
+
+ private:
+  void Rethrow();
+  bool GoOn(const std::string& what, const IdentificationProgress* progress);
+
+  pybind11::object callback_;
+  std::atomic<bool> stopped_{false};
+  std::exception_ptr failure_;
+  std::vector<std::string> troubles_;
+};
+
+// Calls `work` in a thread of its own, without the interpreter's lock, and asks
+// for signals meanwhile. What `work` throws is thrown on. At Ctrl-C, or where
+// a signal's handler throws something else, that is thrown within a twentieth
+// of a second; `work`, which has to own all that it uses and may not touch
+// Python, goes on unheard, and the interpreter waits for it before it ends.
+void RunInterruptibly(std::function<void()> work);
+
+// Calls `work` so, and throws Error with its sentence where it is false.
+void RequireInterruptibly(std::function<bool(std::string* error)> work);
+
+// Has the interpreter wait for such work when it ends.
+void WaitForWorkAtExit();
+
+}  // namespace pinode::python
+
+#endif  // PINODE_PYTHON_BINDING_WATCH_H_

@@ -1,0 +1,179 @@
+#include "pinode/record/files/array_table.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "pinode/base/arrays/array_files.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/record/files/universal_file.h"
+
+namespace pinode {
+namespace {
+
+// A column as it is asked for.
+struct ArrayColumn {
+  std::string array;
+  int number = 0;  // from 1; 0: the array's name alone
+};
+
+ArrayColumn ParseColumn(const std::string& name) {
+  const size_t open = name.rfind('[');
+  int number = 0;
+  if (open == std::string::npos || name.back() != ']' ||
+      !ParseInt(name.substr(open + 1, name.size() - open - 2), &number)) {
+    return {name, 0};
+  }
+  return {name.substr(0, open), std::max(number, -1)};
+}
+
+void AppendColumns(const NamedArray& array, std::vector<std::string>* names) {
+  if (array.columns == 1) {
+    names->push_back(array.name);
+    return;
+  }
+  for (Eigen::Index c = 1; c <= array.columns; ++c) {
+    names->push_back(array.name + "[" + std::to_string(c) + "]");
+  }
+}
+
+// Of the arrays with the most samples.
+std::vector<std::string> LongestColumns(const std::vector<NamedArray>& arrays) {
+  Eigen::Index longest = 0;
+  for (const NamedArray& array : arrays) {
+    if (array.fault.empty()) longest = std::max(longest, array.samples);
+  }
+  std::vector<std::string> names;
+  for (const NamedArray& array : arrays) {
+    if (array.fault.empty() && array.samples == longest) {
+      AppendColumns(array, &names);
+    }
+  }
+  return names;
+}
+
+// What can be asked for, for a message: arrays with many columns once.
+std::vector<std::string> KnownNames(const std::vector<NamedArray>& arrays) {
+  std::vector<std::string> names;
+  for (const NamedArray& array : arrays) {
+    if (!array.fault.empty()) continue;
+    names.push_back(array.columns == 1 ? array.name : array.name + "[1]");
+  }
+  return names;
+}
+
+// The samples of a column; null with a sentence in *what.
+const double* FindColumn(const std::vector<NamedArray>& arrays,
+                         const std::string& name, Eigen::Index* samples,
+                         std::string* what) {
+  ArrayColumn column = ParseColumn(name);
+  auto found = std::find_if(
+      arrays.begin(), arrays.end(),
+      [&column](const NamedArray& a) { return a.name == column.array; });
+  if (found == arrays.end()) {
+    // A name may itself end in brackets.
+    column = {name, 0};
+    found =
+        std::find_if(arrays.begin(), arrays.end(),
+                     [&name](const NamedArray& a) { return a.name == name; });
+  }
+  if (found == arrays.end()) {
+    *what = "no array is called '" + name + "'" +
+            NameHint(name, KnownNames(arrays));
+    return nullptr;
+  }
+  if (!found->fault.empty()) {
+    *what = "array '" + found->name + "': " + found->fault +
+            ", expected real numbers along one dimension or two";
+    return nullptr;
+  }
+  if (column.number == 0 && found->columns == 1) column.number = 1;
+  if (column.number < 1 || column.number > found->columns) {
+    *what = "array '" + found->name + "' has " +
+            std::to_string(found->samples) + " samples in " +
+            std::to_string(found->columns) + " columns, '" + name +
+            "' is none of them; expected '" + found->name + "[1]'" +
+            (found->columns == 1 ? ""
+                                 : " to '" + found->name + "[" +
+                                       std::to_string(found->columns) + "]'");
+    return nullptr;
+  }
+  *samples = found->samples;
+  return found->values.col(column.number - 1).data();
+}
+
+}  // namespace
+
+bool ReadArrayTable(const std::string& path,
+                    const std::vector<std::string>& wanted, Table* table,
+                    std::string* error) {
+  CHECK(table != nullptr);
+  CHECK(error != nullptr);
+  std::set<std::string> names;
+  for (const std::string& name : wanted) {
+    names.insert(name);
+    names.insert(ParseColumn(name).array);
+  }
+  std::vector<NamedArray> arrays;
+  const auto is_wanted = [&](const std::string& name) {
+    return wanted.empty() || names.count(name) > 0;
+  };
+  if (!ReadArrayFile(path, is_wanted, &arrays, error)) return false;
+  const std::vector<std::string> columns =
+      wanted.empty() ? LongestColumns(arrays) : wanted;
+  if (columns.empty()) {
+    *error = path + ": holds no array of numbers, expected histories by name";
+    return false;
+  }
+  Table result;
+  result.path = path;
+  for (const std::string& name : columns) {
+    if (result.FindColumn(name) >= 0) continue;
+    Eigen::Index samples = 0;
+    std::string what;
+    const double* values = FindColumn(arrays, name, &samples, &what);
+    if (values == nullptr) {
+      *error = path + ": " + what;
+      return false;
+    }
+    if (result.columns.empty()) {
+      result.values.resize(samples, static_cast<Eigen::Index>(columns.size()));
+    } else if (samples != result.values.rows()) {
+      *error = path + ": '" + name + "' has " + std::to_string(samples) +
+               " samples and '" + result.columns[0] + "' " +
+               std::to_string(result.values.rows()) +
+               ", expected columns of one length";
+      return false;
+    }
+    const Eigen::Map<const Vector> column(values, samples);
+    if (column.array().isInf().any()) {
+      *error = path + ": '" + name +
+               "' has an infinite number, expected finite ones, or NaN where "
+               "one is missing";
+      return false;
+    }
+    result.values.col(static_cast<Eigen::Index>(result.columns.size())) =
+        column;
+    result.columns.push_back(name);
+  }
+  result.values.conservativeResize(
+      Eigen::NoChange, static_cast<Eigen::Index>(result.columns.size()));
+  result.line_numbers.resize(static_cast<size_t>(result.values.rows()));
+  std::iota(result.line_numbers.begin(), result.line_numbers.end(), int64_t{1});
+  *table = std::move(result);
+  return true;
+}
+
+bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
+               Table* table, std::string* error) {
+  if (IsUniversalFile(path)) {
+    return ReadUniversalTable(path, wanted, table, error);
+  }
+  if (IsArrayFile(path)) return ReadArrayTable(path, wanted, table, error);
+  return ReadCsvTable(path, wanted, table, error);
+}
+
+}  // namespace pinode

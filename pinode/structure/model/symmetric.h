@@ -1,0 +1,36 @@
+// Symmetry of matrices: how far one is from it, and the nearest one that has
+// it.
+
+#ifndef PINODE_STRUCTURE_MODEL_SYMMETRIC_H_
+#define PINODE_STRUCTURE_MODEL_SYMMETRIC_H_
+
+#include "pinode/base/types.h"
+
+namespace pinode {
+
+// Matrices whose asymmetry is below this count as symmetric: far above what
+// assembly or condensation in double precision leaves, far below anything that
+// an engineer means.
+inline constexpr double kSymmetryTolerance = 1e-10;
+
+// The pair of entries (row, column), (column, row) that differ most.
+struct Asymmetry {
+  // |a_ij - a_ji| / max(|a_ij|, |a_ji|, sqrt|a_ii a_jj|). The scale is local,
+  // so that an error among small rotational entries is not hidden by large
+  // translational ones.
+  double relative = 0.0;
+  int row = 0;
+  int column = 0;
+};
+
+// The worst pair of a square matrix of finite entries; `relative` is exactly
+// zero if and only if the matrix equals its transpose.
+Asymmetry LargestAsymmetry(const Matrix& matrix);
+
+// (A + A') / 2: of all symmetric matrices the nearest to the square matrix A in
+// the Frobenius norm.
+Matrix SymmetricPart(const Matrix& matrix);
+
+}  // namespace pinode
+
+#endif  // PINODE_STRUCTURE_MODEL_SYMMETRIC_H_

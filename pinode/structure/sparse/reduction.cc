@@ -1,0 +1,526 @@
+#include "pinode/structure/sparse/reduction.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <utility>
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/structure/model/modal_analysis.h"
+#include "pinode/structure/model/symmetric.h"
+#include "pinode/structure/sparse/rigid_body.h"
+#include "pinode/structure/sparse/shifted_factors.h"
+#include "pinode/structure/sparse/sparse_modes.h"
+
+namespace pinode {
+namespace {
+
+// Modes at the kept DOFs count as independent above this ratio of singular
+// values; below, T magnifies rounding and noise a million times.
+constexpr double kSmallestObservability = 1e-6;
+// Below this share of the largest entry nothing of a shape is known.
+constexpr double kRoundingOfShapes = 1e-10;
+
+// Positions of the kept DOFs, and of all others in ascending order.
+struct Partition {
+  std::vector<int> kept;
+  std::vector<int> others;
+};
+
+bool FindKept(const FiniteElementModel& model,
+              const std::vector<std::string>& names, Partition* partition,
+              std::string* error) {
+  std::vector<bool> is_kept(static_cast<size_t>(model.num_dofs()), false);
+  for (const std::string& name : names) {
+    const int dof = model.DofIndex(name);
+    if (dof < 0) {
+      // The hint compares with every name, which is too much for large models.
+      constexpr int kHinted = 2000;
+      *error = "the kept DOF '" + name + "' does not exist" +
+               (model.num_dofs() <= kHinted ? NameHint(name, model.dof_names)
+                                            : std::string());
+      return false;
+    }
+    if (is_kept[static_cast<size_t>(dof)]) {
+      *error = "the kept DOF '" + name + "' is named twice";
+      return false;
+    }
+    is_kept[static_cast<size_t>(dof)] = true;
+    partition->kept.push_back(dof);
+  }
+  for (int i = 0; i < model.num_dofs(); ++i) {
+    if (!is_kept[static_cast<size_t>(i)]) partition->others.push_back(i);
+  }
+  return true;
+}
+
+// The rows and columns of the other DOFs, and the columns of the kept ones in
+// the others' rows.
+SparseMatrix OthersBlock(const SparseMatrix& matrix, const Partition& partition,
+                         Matrix* coupling) {
+  std::vector<int> kept_place(static_cast<size_t>(matrix.rows()), -1);
+  std::vector<int> other_place(static_cast<size_t>(matrix.rows()), -1);
+  for (size_t i = 0; i < partition.kept.size(); ++i) {
+    kept_place[static_cast<size_t>(partition.kept[i])] = static_cast<int>(i);
+  }
+  for (size_t i = 0; i < partition.others.size(); ++i) {
+    other_place[static_cast<size_t>(partition.others[i])] = static_cast<int>(i);
+  }
+  const auto size = static_cast<Eigen::Index>(partition.others.size());
+  *coupling =
+      Matrix::Zero(size, static_cast<Eigen::Index>(partition.kept.size()));
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index j = 0; j < matrix.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+      const int row = other_place[static_cast<size_t>(entry.row())];
+      if (row < 0) continue;
+      const int column = other_place[static_cast<size_t>(j)];
+      if (column >= 0) {
+        entries.emplace_back(row, column, entry.value());
+      } else {
+        (*coupling)(row, kept_place[static_cast<size_t>(j)]) += entry.value();
+      }
+    }
+  }
+  SparseMatrix block(size, size);
+  block.setFromTriplets(entries.begin(), entries.end());
+  return block;
+}
+
+// A DOF that moves where a matrix is not positive definite: the one that gives
+// way most to forces once a little is added to the diagonal, without which
+// there would be no factors.
+int LooseDof(const SparseMatrix& stiffness) {
+  SparseMatrix little(stiffness.rows(), stiffness.rows());
+  little.setIdentity();
+  Matrix force(stiffness.rows(), 1);
+  for (Eigen::Index i = 0; i < stiffness.rows(); ++i) {
+    const double own = std::abs(stiffness.coeff(i, i));
+    if (own > 0.0) little.coeffRef(i, i) = own;
+    force(i, 0) = std::sin(1.0 + static_cast<double>(i));
+  }
+  ShiftedFactors factors;
+  if (!factors.Factorise(little, stiffness, -1e-10)) return 0;
+  Eigen::Index loosest = 0;
+  factors.Solve(force).col(0).cwiseAbs().maxCoeff(&loosest);
+  return static_cast<int>(loosest);
+}
+
+// Kept DOFs hold the rigid-body modes, or the others could not follow them.
+bool HoldRigidBody(const FiniteElementModel& model, const Partition& partition,
+                   const Matrix& rigid_shapes, std::string* error) {
+  const std::vector<int> missing =
+      DofsToHold(rigid_shapes, model.mass.diagonal(), partition.kept);
+  if (missing.empty()) return true;
+  std::vector<std::string> names;
+  for (const int dof : missing) {
+    names.push_back(model.dof_names[static_cast<size_t>(dof)]);
+  }
+  const auto num_rigid = static_cast<size_t>(rigid_shapes.cols());
+  *error = "nothing holds the model in " + std::to_string(num_rigid) +
+           (num_rigid == 1 ? " rigid-body mode" : " rigid-body modes") +
+           ", and the kept DOFs hold " +
+           std::to_string(num_rigid - missing.size()) +
+           " of them; keep DOFs that hold all, such as " + Join(names, ", ") +
+           " beside those kept";
+  return false;
+}
+
+// T of Guyan, with `num_modes` columns of modes of the others behind.
+bool ConstraintBasis(const FiniteElementModel& model,
+                     const Partition& partition, int num_modes, Matrix* basis,
+                     std::string* error) {
+  const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
+  const auto num_others = static_cast<Eigen::Index>(partition.others.size());
+  *basis = Matrix::Zero(model.num_dofs(), num_kept + num_modes);
+  for (Eigen::Index i = 0; i < num_kept; ++i) {
+    (*basis)(partition.kept[static_cast<size_t>(i)], i) = 1.0;
+  }
+  if (num_others == 0) return true;
+  Matrix coupling;
+  Matrix unused;
+  const SparseMatrix stiffness =
+      OthersBlock(model.stiffness, partition, &coupling);
+  const SparseMatrix mass = OthersBlock(model.mass, partition, &unused);
+  Matrix followers(num_others, num_kept + num_modes);
+  {
+    ShiftedFactors factors;
+    if (!factors.Factorise(mass, stiffness, 0.0) || !factors.IsDefinite()) {
+      const int loose = LooseDof(stiffness);
+      *error =
+          "with the kept DOFs held, the others can still move without "
+          "stiffness or against a negative one (" +
+          model.dof_names[static_cast<size_t>(
+              partition.others[static_cast<size_t>(loose)])] +
+          " takes part); keep more of them";
+      return false;
+    }
+    followers.leftCols(num_kept) = -factors.Solve(coupling);
+  }
+  if (num_modes > 0) {
+    SparseModes held;
+    if (!ComputeLowestModes(mass, stiffness, num_modes, &held, error)) {
+      return false;
+    }
+    if (held.eigenvalues.size() < num_modes) {
+      *error = std::to_string(num_modes) +
+               " modes with the kept DOFs held are asked for, and there are " +
+               std::to_string(held.eigenvalues.size());
+      return false;
+    }
+    followers.rightCols(num_modes) = held.mode_shapes;
+  }
+  for (Eigen::Index i = 0; i < num_others; ++i) {
+    basis->row(partition.others[static_cast<size_t>(i)]) = followers.row(i);
+  }
+  return true;
+}
+
+// W of SEREP and modal truncation: modes to coordinates. Its first columns move
+// one kept DOF by one and the others not at all, with the least of the modes;
+// the rest move none: they are the modes of what is left, orthonormal.
+bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
+                      const Vector& eigenvalues, Matrix* modes_of_coordinates,
+                      std::string* error) {
+  const Eigen::Index num_modes = shapes.cols();
+  const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
+  if (num_kept > num_modes) {
+    *error = "more DOFs are kept (" + std::to_string(num_kept) +
+             ") than modes are taken (" + std::to_string(num_modes) +
+             ") and could move independently; keep fewer, or take more modes";
+    return false;
+  }
+  Matrix at_kept(num_kept, num_modes);
+  Vector size(num_kept);
+  for (Eigen::Index i = 0; i < num_kept; ++i) {
+    at_kept.row(i) = shapes.row(partition.kept[static_cast<size_t>(i)]);
+    size[i] = at_kept.row(i).norm();
+  }
+  // Rows of one size, so that the units of translations and rotations do not
+  // matter; a DOF that the modes move by rounding alone is none of theirs.
+  bool independent =
+      size.minCoeff() > kRoundingOfShapes * shapes.cwiseAbs().maxCoeff();
+  Eigen::JacobiSVD<Matrix> svd;
+  if (independent) {
+    svd.compute(size.cwiseInverse().asDiagonal() * at_kept,
+                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    independent = svd.singularValues()[num_kept - 1] >
+                  kSmallestObservability * svd.singularValues()[0];
+  }
+  if (!independent) {
+    *error = "the " + std::to_string(num_modes) +
+             " lowest modes do not move the kept DOFs independently; keep "
+             "fewer or others, or, by modal truncation, take more modes";
+    return false;
+  }
+  modes_of_coordinates->resize(num_modes, num_modes);
+  modes_of_coordinates->leftCols(num_kept) =
+      svd.matrixV().leftCols(num_kept) *
+      svd.singularValues().cwiseInverse().asDiagonal() *
+      svd.matrixU().transpose() * size.cwiseInverse().asDiagonal();
+  if (num_kept == num_modes) return true;
+  const Matrix still = svd.matrixV().rightCols(num_modes - num_kept);
+  const Eigen::SelfAdjointEigenSolver<Matrix> held(
+      SymmetricPart(still.transpose() * eigenvalues.asDiagonal() * still));
+  Matrix rest = still * held.eigenvectors();
+  for (Eigen::Index j = 0; j < rest.cols(); ++j) {
+    Eigen::Index largest = 0;
+    rest.col(j).cwiseAbs().maxCoeff(&largest);
+    if (rest(largest, j) < 0.0) rest.col(j) *= -1.0;
+  }
+  modes_of_coordinates->rightCols(num_modes - num_kept) = rest;
+  return true;
+}
+
+// The basis of the lowest modes, and M and K in it as they would be without the
+// rounding of sums over all DOFs, which makes of a rigid-body mode one that
+// hangs on the last digit.
+bool ModalBasis(const Partition& partition, int num_modes,
+                ReducedModel* reduced, std::string* error) {
+  const SparseModes& whole = reduced->whole_modes;
+  if (whole.eigenvalues.size() < num_modes) {
+    *error = std::to_string(num_modes) +
+             " modes are needed, and the model has " +
+             std::to_string(whole.eigenvalues.size());
+    return false;
+  }
+  // Which mixture of them a part would be is left to rounding.
+  if (num_modes < whole.num_rigid_body_modes) {
+    *error = std::to_string(num_modes) + " modes are taken of a model with " +
+             std::to_string(whole.num_rigid_body_modes) +
+             " rigid-body modes; take these and the elastic ones that matter";
+    return false;
+  }
+  const Matrix shapes = whole.mode_shapes.leftCols(num_modes);
+  const Vector eigenvalues = whole.eigenvalues.head(num_modes);
+  Matrix w = Matrix::Identity(num_modes, num_modes);
+  if (!partition.kept.empty() &&
+      !ModalCoordinates(partition, shapes, eigenvalues, &w, error)) {
+    return false;
+  }
+  reduced->basis = shapes * w;
+  const Matrix coordinates_of_modes =
+      w.fullPivLu().solve(Matrix::Identity(num_modes, num_modes));
+  reduced->rigid_body_motions.resize(num_modes, whole.num_rigid_body_modes);
+  for (int i = 0, next = 0; i < num_modes; ++i) {
+    if (eigenvalues[i] != 0.0) continue;
+    reduced->rigid_body_motions.col(next++) = coordinates_of_modes.col(i);
+  }
+  reduced->mass = SymmetricPart(w.transpose() * w);
+  reduced->stiffness = WithoutResistance(
+      SymmetricPart(w.transpose() * eigenvalues.asDiagonal() * w),
+      reduced->rigid_body_motions);
+  return true;
+}
+
+// Modes first .. last - 1 of the whole model have one frequency, to this: any
+// mixture of them is as much a mode as they are.
+constexpr double kSameFrequency = 1e-6;
+
+// Part of an elastic frequency that rounding may leave in the place of zero:
+// its square is that of eigenvalues.
+constexpr double kRounding = 1e-5;
+
+int ClusterEnd(const Vector& eigenvalues, int first, int count) {
+  int last = first + 1;
+  while (last < count && eigenvalues[last] - eigenvalues[last - 1] <=
+                             kSameFrequency * std::abs(eigenvalues[last])) {
+    ++last;
+  }
+  return last;
+}
+
+// The squared cosine between a shape and the space of some others: the MAC
+// where that is one.
+double MacOfSpace(const Vector& shape, const Matrix& space) {
+  const Vector nearest = space * space.householderQr().solve(shape);
+  return Mac(shape, nearest);
+}
+
+// Fills in what the reduction costs.
+bool Compare(int count, ReducedModel* reduced, std::string* error) {
+  const SparseModes& whole = reduced->whole_modes;
+  const SparseMatrix mass = reduced->mass.sparseView(0.0, 0.0);
+  const SparseMatrix stiffness = reduced->stiffness.sparseView(0.0, 0.0);
+  SparseModes modes;
+  // More than are compared, for the best partner of a mode need not have its
+  // place.
+  const int candidates =
+      std::min(2 * count, static_cast<int>(reduced->mass.rows()));
+  if (!ComputeLowestModes(mass, stiffness, candidates, &modes, error)) {
+    *error = "the reduced model has no modes of use: " + *error;
+    return false;
+  }
+  count = std::min({count, static_cast<int>(whole.eigenvalues.size()),
+                    static_cast<int>(modes.eigenvalues.size())});
+  const Matrix expanded = reduced->basis * modes.mode_shapes;
+  const std::vector<int> partner =
+      PairModes(whole.mode_shapes.leftCols(count), expanded);
+  reduced->frequency_error.resize(count);
+  reduced->mac.resize(count);
+  // The lowest eigenvalue of the whole model that is none of a rigid body; 0:
+  // none is compared.
+  double elastic = 0.0;
+  for (int i = count - 1; i >= 0; --i) {
+    if (whole.frequency_hz[i] > 0.0) elastic = whole.eigenvalues[i];
+  }
+  for (int i = 0; i < count; ++i) {
+    const double exact = whole.frequency_hz[i];
+    const double found = modes.frequency_hz[partner[static_cast<size_t>(i)]];
+    double relative = (found - exact) / exact;
+    if (exact == 0.0) {
+      // The products that make the reduced matrices leave a rigid body a little
+      // stiffness by rounding, of either sign.
+      const double left = modes.eigenvalues[partner[static_cast<size_t>(i)]];
+      relative = std::abs(left) <= kRounding * elastic
+                     ? 0.0
+                     : std::numeric_limits<double>::quiet_NaN();
+    }
+    reduced->frequency_error[i] = relative;
+  }
+  for (int first = 0; first < count;) {
+    const int last = ClusterEnd(whole.eigenvalues, first, count);
+    Matrix space(expanded.rows(), last - first);
+    for (int i = first; i < last; ++i) {
+      space.col(i - first) = expanded.col(partner[static_cast<size_t>(i)]);
+    }
+    for (int i = first; i < last; ++i) {
+      reduced->mac[i] = MacOfSpace(whole.mode_shapes.col(i), space);
+    }
+    first = last;
+  }
+  return true;
+}
+
+bool CheckOptions(const FiniteElementModel& model,
+                  const ReductionOptions& options, std::string* error) {
+  const bool modal = options.method == ReductionMethod::kModal;
+  const bool uses_modes =
+      modal || options.method == ReductionMethod::kCraigBampton;
+  if (!modal && options.kept_dofs.empty()) {
+    *error = "no kept DOFs are named, and at least one was expected";
+    return false;
+  }
+  const int least = modal ? 1 : 0;
+  if (options.num_modes < least || (!uses_modes && options.num_modes > 0)) {
+    *error = std::to_string(options.num_modes) + " modes are asked for, and " +
+             (uses_modes ? "at least " + std::to_string(least)
+                         : std::string("none")) +
+             " was expected of this method";
+    return false;
+  }
+  if (options.num_compared_modes < 1) {
+    *error = std::to_string(options.num_compared_modes) +
+             " modes are to be compared, and at least 1 was expected";
+    return false;
+  }
+  if (options.num_modes > model.num_dofs()) {
+    *error = std::to_string(options.num_modes) + " modes are asked of " +
+             std::to_string(model.num_dofs()) + " DOFs";
+    return false;
+  }
+  return true;
+}
+
+// q, unless a kept DOF is called so.
+std::string ModePrefix(const ReductionOptions& options) {
+  std::string prefix = "q";
+  for (int i = 1; i <= options.num_modes; ++i) {
+    for (const std::string& name : options.kept_dofs) {
+      if (name == prefix + std::to_string(i)) {
+        prefix += "q";
+        i = 0;
+        break;
+      }
+    }
+  }
+  return prefix;
+}
+
+// At least `needed` modes, and the first that is elastic.
+bool ModesOfWhole(const FiniteElementModel& model, int needed,
+                  SparseModes* whole, std::string* error) {
+  for (int count = std::min(needed, model.num_dofs());;) {
+    if (!ComputeLowestModes(model.mass, model.stiffness, count, whole, error)) {
+      return false;
+    }
+    const auto found = static_cast<int>(whole->eigenvalues.size());
+    if (whole->num_rigid_body_modes < found || found < count ||
+        count == model.num_dofs()) {
+      return true;
+    }
+    count = std::min(count + std::max(count, 6), model.num_dofs());
+  }
+}
+
+// T of Guyan or of Craig and Bampton, M, K and the rigid-body modes in it.
+bool ReduceByConstraints(const FiniteElementModel& model,
+                         const Partition& partition, int num_modes,
+                         ReducedModel* reduced, std::string* error) {
+  const Matrix rigid_shapes = RigidBodyShapes(reduced->whole_modes);
+  if (!HoldRigidBody(model, partition, rigid_shapes, error) ||
+      !ConstraintBasis(model, partition, num_modes, &reduced->basis, error)) {
+    return false;
+  }
+  // As the others follow the kept DOFs, no mode of theirs takes part.
+  reduced->rigid_body_motions =
+      Matrix::Zero(reduced->basis.cols(), rigid_shapes.cols());
+  for (size_t i = 0; i < partition.kept.size(); ++i) {
+    reduced->rigid_body_motions.row(static_cast<Eigen::Index>(i)) =
+        rigid_shapes.row(partition.kept[i]);
+  }
+  reduced->mass = ReduceMatrix(model.mass, reduced->basis);
+  reduced->stiffness =
+      WithoutResistance(ReduceMatrix(model.stiffness, reduced->basis),
+                        reduced->rigid_body_motions);
+  return true;
+}
+
+bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
+            ReducedModel* reduced, std::string* error) {
+  Partition partition;
+  if (!CheckOptions(model, options, error) ||
+      !FindKept(model, options.kept_dofs, &partition, error)) {
+    return false;
+  }
+  const int num_kept = static_cast<int>(partition.kept.size());
+  ReducedModel result;
+  const bool modal = options.method == ReductionMethod::kModal ||
+                     options.method == ReductionMethod::kSerep;
+  const int num_modes =
+      options.method == ReductionMethod::kSerep ? num_kept : options.num_modes;
+  const int needed =
+      std::max(options.num_compared_modes, modal ? num_modes : 0);
+  if (!ModesOfWhole(model, needed, &result.whole_modes, error)) return false;
+  result.coordinate_names = options.kept_dofs;
+  result.kept_dofs = partition.kept;
+  if (modal
+          ? !ModalBasis(partition, num_modes, &result, error)
+          : !ReduceByConstraints(model, partition, num_modes, &result, error)) {
+    return false;
+  }
+  const std::string prefix = ModePrefix(options);
+  for (int i = 1; num_kept + i <= result.basis.cols(); ++i) {
+    result.coordinate_names.push_back(prefix + std::to_string(i));
+  }
+  result.damping =
+      model.has_damping()
+          ? ReduceMatrix(model.damping, result.basis, result.rigid_body_motions)
+          : Matrix(0.0 * result.mass);
+  if (!Compare(options.num_compared_modes, &result, error)) return false;
+  if (result.mass.llt().info() != Eigen::Success) {
+    result.notes.push_back(
+        "the reduced mass matrix is singular: a kept DOF carries no mass and "
+        "takes none from the others; keep one that does");
+  }
+  *reduced = std::move(result);
+  return true;
+}
+
+}  // namespace
+
+Matrix ReduceMatrix(const SparseMatrix& matrix, const Matrix& basis) {
+  CHECK_EQ(matrix.rows(), basis.rows()) << "the basis has a row for each DOF";
+  CHECK_EQ(matrix.cols(), basis.rows()) << "the basis has a row for each DOF";
+  return SymmetricPart(basis.transpose() * Matrix(matrix * basis));
+}
+
+ReducedInfluence ReduceInfluence(const FiniteElementModel& model,
+                                 const ReducedModel& reduced,
+                                 const Matrix& influence) {
+  CHECK_EQ(influence.rows(), model.num_dofs())
+      << "r has a row for each DOF of the whole model";
+  ReducedInfluence result;
+  result.influence = Matrix::Zero(reduced.basis.cols(), influence.cols());
+  for (size_t i = 0; i < reduced.kept_dofs.size(); ++i) {
+    result.influence.row(static_cast<Eigen::Index>(i)) =
+        influence.row(reduced.kept_dofs[i]);
+  }
+  result.support_mass_coupling =
+      reduced.basis.transpose() * Matrix(model.mass * influence) -
+      reduced.mass * result.influence;
+  return result;
+}
+
+bool ReduceModel(const FiniteElementModel& model,
+                 const ReductionOptions& options, ReducedModel* reduced,
+                 std::string* error) {
+  CHECK(reduced != nullptr);
+  CHECK(error != nullptr);
+  // The factorisation throws where memory runs out.
+  try {
+    return Reduce(model, options, reduced, error);
+  } catch (const std::exception& problem) {
+    *error = std::string("reduction: ") + problem.what();
+    return false;
+  }
+}
+
+}  // namespace pinode

@@ -1,0 +1,507 @@
+#include "pinode/structure/sparse/sparse_modes.h"
+
+#include <Spectra/SymEigsSolver.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/structure/sparse/shifted_factors.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// What each mode is held to.
+constexpr double kLargestErrorBound = 1e-8;
+// Eigenvalues nearer to each other than this (relative) are one cluster: the
+// count is taken above all of it.
+constexpr double kClusterWidth = 1e-6;
+// Below this many DOFs the dense solver is the quicker one.
+constexpr int kAlwaysDense = 300;
+// And above this many it takes more time and memory than anybody expects.
+constexpr int kLargestDense = 4000;
+// Stiffness below this share of the parts that cancel in it hangs on the last
+// digits of a file.
+constexpr double kLastDigits = 1e-9;
+
+// With K - shift M = F F' positive definite, H = F^-1 M F^-T is symmetric
+// and positive semidefinite with eigenvalues 1 / (w^2 - shift); those of
+// massless motions are zero. Unlike the usual (K - shift M)^-1 M it needs no
+// M-inner product, which a singular M would make a seminorm. Vectors already
+// found are projected out.
+class InverseOperator {
+ public:
+  using Scalar = double;  // what Spectra calls it
+
+  InverseOperator(const ShiftedFactors& factors, const SparseMatrix& mass,
+                  const Matrix& found)
+      : factors_(factors), mass_(mass), found_(found) {}
+
+  Eigen::Index rows() const { return mass_.rows(); }
+  Eigen::Index cols() const { return mass_.cols(); }
+
+  Vector Apply(const Vector& y) const {
+    return factors_.FromForce(mass_ * factors_.ToShape(y));
+  }
+  void perform_op(const double* in, double* out) const {
+    Eigen::Map<Vector> result(out, rows());
+    if (found_.cols() == 0) {
+      result = Apply(Eigen::Map<const Vector>(in, rows()));
+      return;
+    }
+    result = Project(Apply(Project(Eigen::Map<const Vector>(in, rows()))));
+  }
+
+ private:
+  Vector Project(const Vector& y) const {
+    return y - found_ * (found_.transpose() * y);
+  }
+
+  const ShiftedFactors& factors_;
+  const SparseMatrix& mass_;
+  const Matrix& found_;
+};
+
+// Eigenpairs of the inverse operator, theta descending (w^2 ascending).
+struct InversePairs {
+  Vector theta;
+  Matrix vectors;  // orthonormal columns
+};
+
+// Rayleigh and Ritz on the image of `basis`: one step of inverse iteration
+// takes out what does not belong, massless motions above all.
+bool RayleighRitz(const InverseOperator& inverse, const Matrix& basis,
+                  InversePairs* pairs, Vector* error_bounds,
+                  std::string* error) {
+  Matrix image(basis.rows(), basis.cols());
+  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
+    image.col(j) = inverse.Apply(basis.col(j));
+    image.col(j).normalize();
+  }
+  const Eigen::HouseholderQR<Matrix> qr(image);
+  const Matrix orthonormal =
+      qr.householderQ() * Matrix::Identity(basis.rows(), basis.cols());
+  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
+    image.col(j) = inverse.Apply(orthonormal.col(j));
+  }
+  const Matrix projected = orthonormal.transpose() * image;
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(
+      0.5 * (projected + projected.transpose()));
+  if (solver.info() != Eigen::Success) {
+    *error = "the eigenvalues of the projected model did not converge";
+    return false;
+  }
+  const Matrix rotation = solver.eigenvectors().rowwise().reverse();
+  pairs->theta = solver.eigenvalues().reverse();
+  pairs->vectors = orthonormal * rotation;
+  const Matrix residual =
+      image * rotation - pairs->vectors * pairs->theta.asDiagonal();
+  *error_bounds =
+      residual.colwise().norm().transpose().cwiseQuotient(pairs->theta);
+  return true;
+}
+
+// All eigenpairs with theta above rounding, by a dense solver.
+bool DenseInversePairs(const InverseOperator& inverse, Matrix* basis,
+                       std::string* error) {
+  const Eigen::Index n = inverse.rows();
+  Matrix dense(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    dense.col(j) = inverse.Apply(Vector::Unit(n, j));
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(
+      0.5 * (dense + dense.transpose()));
+  if (solver.info() != Eigen::Success) {
+    *error = "the dense eigenvalue iteration did not converge";
+    return false;
+  }
+  const Vector& theta = solver.eigenvalues();
+  const double rounding =
+      8.0 * static_cast<double>(n) * kEpsilon * theta.cwiseAbs().maxCoeff();
+  const Eigen::Index rank = (theta.array() > rounding).count();
+  *basis = solver.eigenvectors().rightCols(rank);
+  return true;
+}
+
+// Up to `count` further eigenvectors of largest theta.
+Matrix LanczosVectors(const ShiftedFactors& factors, const SparseMatrix& mass,
+                      const Matrix& found, int count) {
+  InverseOperator inverse(factors, mass, found);
+  const Eigen::Index n = inverse.rows();
+  const Eigen::Index subspace =
+      std::min<Eigen::Index>(n, std::max(2 * count + 1, count + 20));
+  Spectra::SymEigsSolver<InverseOperator> solver(inverse, count, subspace);
+  solver.init();
+  solver.compute(Spectra::SortRule::LargestAlge, 300, 1e-11);
+  return solver.eigenvectors();
+}
+
+// The computation with everything it needs at hand.
+class LowestModes {
+ public:
+  LowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
+              int num_modes)
+      : mass_(mass),
+        stiffness_(stiffness),
+        magnitude_(stiffness.cwiseAbs()),
+        num_modes_(num_modes) {}
+
+  bool Compute(SparseModes* modes, std::string* error) {
+    const int n = static_cast<int>(mass_.rows());
+    const Vector mass_diagonal = mass_.diagonal();
+    const int with_mass =
+        static_cast<int>((mass_diagonal.array() > 0.0).count());
+    if (with_mass == 0) {
+      *error = "the mass matrix is zero, expected some mass";
+      return false;
+    }
+    dense_ = n <= kAlwaysDense || 4 * num_modes_ > with_mass;
+    if (dense_ && n > kLargestDense) {
+      *error = std::to_string(num_modes_) + " modes are asked of " +
+               std::to_string(with_mass) +
+               " DOFs with mass, expected at most a quarter of them in a model "
+               "of more than " +
+               std::to_string(kLargestDense) + " DOFs";
+      return false;
+    }
+    if (!ChooseShift(error) || !Search(error)) return false;
+    Finish(modes);
+    return true;
+  }
+
+ private:
+  double Eigenvalue(Eigen::Index i) const {
+    return shift_ + 1.0 / pairs_.theta[i];
+  }
+
+  // The parts that cancel in phi' K phi.
+  double Parts(const Vector& shape) const {
+    const Vector size = shape.cwiseAbs();
+    return size.dot(magnitude_ * size);
+  }
+
+  // Of eigenvalue i, whose shape has phi' M phi = 1: what is smaller cannot be
+  // told from zero.
+  double Rounding(Eigen::Index i, const Vector& shape) const {
+    return std::max(1e-12 * Parts(shape),
+                    (error_bounds_[i] + 8.0 * kEpsilon) * std::abs(shift_));
+  }
+
+  bool IsRigid(Eigen::Index i) const {
+    Vector shape = factors_->ToShape(pairs_.vectors.col(i));
+    shape /= std::sqrt(shape.dot(mass_ * shape));
+    return std::abs(Eigenvalue(i)) <= Rounding(i, shape);
+  }
+
+  // Whether K - shift M is positive definite beyond rounding.
+  bool IsDefinite(double shift) {
+    factors_ = std::make_unique<ShiftedFactors>();
+    return factors_->Factorise(mass_, stiffness_, shift) &&
+           factors_->IsDefinite();
+  }
+
+  bool ChooseShift(std::string* error) {
+    shift_ = 0.0;
+    if (IsDefinite(0.0)) return true;
+    // Below the lowest eigenvalue; a thousandth of the frequency at which the
+    // softest DOF would vibrate alone is a start.
+    const Vector k = stiffness_.diagonal();
+    const Vector m = mass_.diagonal();
+    unit_ = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < k.size(); ++i) {
+      if (m[i] > 0.0 && k[i] != 0.0) {
+        unit_ = std::min(unit_, std::abs(k[i]) / m[i]);
+      }
+    }
+    if (!std::isfinite(unit_)) unit_ = 1.0;
+    for (double factor = 1e-3; factor < 1e15; factor *= 10.0) {
+      shift_ = -factor * unit_;
+      if (IsDefinite(shift_)) return true;
+    }
+    *error =
+        "the stiffness matrix is singular or negative on motions without mass; "
+        "constrain or remove them";
+    const Vector& pivots = factors_->pivots();
+    if (pivots.size() > 0 && pivots.allFinite()) {
+      Eigen::Index worst = 0;
+      pivots.minCoeff(&worst);
+      *error += " (DOF " + std::to_string(factors_->DofOfPivot(worst) + 1) +
+                " takes part in one)";
+    }
+    return false;
+  }
+
+  // Moves the shift nearer to the modes where it is much farther off than they
+  // are apart; true if it moved.
+  bool RefineShift() {
+    if (shift_ == 0.0 || pairs_.theta.size() == 0) return false;
+    Eigen::Index last =
+        std::min<Eigen::Index>(num_modes_, pairs_.theta.size()) - 1;
+    while (last < pairs_.theta.size() && IsRigid(last)) ++last;
+    if (last == pairs_.theta.size()) return false;
+    const double span = Eigenvalue(last);
+    const double least = -1e-12 * unit_;
+    if (!(span > 0.0) || span > -0.01 * shift_ || shift_ >= least) return false;
+    const double previous = shift_;
+    shift_ = std::min(least, -span);
+    if (IsDefinite(shift_)) return true;
+    // So near to zero the factors are rounding; what there is must do.
+    shift_ = previous;
+    (void)IsDefinite(shift_);
+    return false;
+  }
+
+  // Finds pairs until the count of eigenvalues below a bound agrees.
+  bool Search(std::string* error) {
+    const Matrix none(mass_.rows(), 0);
+    Matrix basis = none;
+    int wanted = num_modes_ + 2;
+    for (int round = 0; round < 12; ++round) {
+      if (dense_) {
+        const InverseOperator inverse(*factors_, mass_, none);
+        if (!DenseInversePairs(inverse, &basis, error)) return false;
+        if (basis.cols() > wanted) basis = Matrix(basis.rightCols(wanted));
+      } else {
+        const int missing = wanted - static_cast<int>(basis.cols());
+        const Matrix further =
+            LanczosVectors(*factors_, mass_, basis, std::max(missing, 2));
+        Matrix both(basis.rows(), basis.cols() + further.cols());
+        both << basis, further;
+        basis.swap(both);
+      }
+      if (basis.cols() == 0) {
+        *error = "no mode was found: the Lanczos iteration did not converge";
+        return false;
+      }
+      const InverseOperator inverse(*factors_, mass_, none);
+      if (!RayleighRitz(inverse, basis, &pairs_, &error_bounds_, error)) {
+        return false;
+      }
+      const Eigen::Index computed = basis.cols();
+      DropUnconverged();
+      basis = pairs_.vectors;
+      const bool complete =
+          dense_ && computed < wanted && basis.cols() == computed;
+      if (RefineShift()) {
+        basis = none;
+        continue;
+      }
+      if (!complete && pairs_.theta.size() < num_modes_ + 1) {
+        if (dense_) break;
+        continue;  // those not converged, or still missing
+      }
+      // The factors of the count go over those of the modes.
+      ExpandShapes();
+      const CountResult result = CheckCount(complete);
+      if (result == CountResult::kComplete) return true;
+      if (result == CountResult::kCannotCount) {
+        *error =
+            "the eigenvalues below the last mode cannot be counted: K - s M "
+            "has no factors of use";
+        return false;
+      }
+      wanted = static_cast<int>(basis.cols()) + 4;
+      if (dense_ && complete) {
+        *error = "modes are missing that the dense solver should have found";
+        return false;
+      }
+      if (!IsDefinite(shift_)) {
+        *error = "the factors of K - shift M could not be repeated";
+        return false;
+      }
+    }
+    *error =
+        "only " + std::to_string(pairs_.theta.size()) +
+        " of the lowest modes could be computed to 1e-8; ask for fewer, or "
+        "check the matrices for extreme entries";
+    return false;
+  }
+
+  // Keeps the pairs before the first that is not accurate.
+  void DropUnconverged() {
+    Eigen::Index good = 0;
+    while (good < pairs_.theta.size() &&
+           error_bounds_[good] <= kLargestErrorBound) {
+      ++good;
+    }
+    pairs_.theta.conservativeResize(good);
+    pairs_.vectors.conservativeResize(Eigen::NoChange, good);
+    error_bounds_.conservativeResize(good);
+  }
+
+  void ExpandShapes() {
+    const Eigen::Index count =
+        std::min<Eigen::Index>(num_modes_, pairs_.theta.size());
+    shapes_.resize(mass_.rows(), count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      shapes_.col(i) = factors_->ToShape(pairs_.vectors.col(i));
+    }
+  }
+
+  enum class CountResult { kComplete, kMissing, kCannotCount };
+
+  // Counts the eigenvalues below a gap behind the last wanted mode. `complete`:
+  // there are no more modes than those found.
+  CountResult CheckCount(bool complete) {
+    const Eigen::Index found = pairs_.theta.size();
+    const Eigen::Index last = std::min<Eigen::Index>(num_modes_, found);
+    for (Eigen::Index below = last; below <= found; ++below) {
+      const double low = Eigenvalue(below - 1);
+      double high = 0.0;
+      if (below < found) {
+        high = Eigenvalue(below);
+      } else if (complete) {
+        high = low + std::max(std::abs(low), low - shift_);
+      } else {
+        break;
+      }
+      if (!(high - low > kClusterWidth * (high - shift_))) continue;
+      // Rigid-body modes are a cluster whatever rounding makes of them.
+      if (below < found && IsRigid(below)) continue;
+      // One set of factors of a large model at a time.
+      factors_ = std::make_unique<ShiftedFactors>();
+      for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
+        const double bound = low + part * (high - low);
+        if (!factors_->Factorise(mass_, stiffness_, bound) ||
+            !(factors_->SolveError(mass_, stiffness_, bound) < 1e-6)) {
+          continue;
+        }
+        return factors_->NumNegative() == below ? CountResult::kComplete
+                                                : CountResult::kMissing;
+      }
+      return CountResult::kCannotCount;
+    }
+    return CountResult::kMissing;  // all that was found is one cluster
+  }
+
+  void Finish(SparseModes* modes) const {
+    SparseModes result;
+    const int count =
+        std::min(num_modes_, static_cast<int>(pairs_.theta.size()));
+    if (count < num_modes_) {
+      result.notes.push_back("the model has " + std::to_string(count) +
+                             " modes, " + std::to_string(num_modes_) +
+                             " were asked for");
+    }
+    result.shift = shift_;
+    result.eigenvalues.resize(count);
+    result.frequency_hz.resize(count);
+    result.mode_shapes.resize(mass_.rows(), count);
+    result.error_bounds = error_bounds_.head(count);
+    int on_last_digits = 0;
+    for (int i = 0; i < count; ++i) {
+      Vector shape = shapes_.col(i);
+      shape /= std::sqrt(shape.dot(mass_ * shape));
+      Eigen::Index largest = 0;
+      shape.cwiseAbs().maxCoeff(&largest);
+      if (shape[largest] < 0.0) shape = -shape;
+      double eigenvalue = Eigenvalue(i);
+      const double digits = kLastDigits * Parts(shape);
+      const bool rigid = std::abs(eigenvalue) <= Rounding(i, shape);
+      const bool on_digits = !rigid && std::abs(eigenvalue) <= digits;
+      if (on_digits) ++on_last_digits;
+      // Nor can a negative stiffness be told from the last digits of a file; a
+      // positive one may be that of a slender beam in many elements.
+      if (rigid || (on_digits && eigenvalue < 0.0)) {
+        eigenvalue = 0.0;
+        ++result.num_rigid_body_modes;
+      }
+      result.eigenvalues[i] = eigenvalue;
+      result.frequency_hz[i] = eigenvalue < 0.0
+                                   ? std::numeric_limits<double>::quiet_NaN()
+                                   : std::sqrt(eigenvalue) / kTwoPi;
+      result.mode_shapes.col(i) = shape;
+    }
+    if (result.num_rigid_body_modes > 0) {
+      result.notes.push_back(std::to_string(result.num_rigid_body_modes) +
+                             " rigid-body modes at 0 Hz: nothing holds the "
+                             "structure there");
+    }
+    if (on_last_digits > 0) {
+      result.notes.push_back(
+          "the stiffness of " + std::to_string(on_last_digits) +
+          " modes is less than 1e-9 of the terms that cancel in it; with fewer "
+          "than 16 digits in the file such frequencies are noise, or rigid-"
+          "body modes that should be 0");
+    }
+    *modes = std::move(result);
+  }
+
+  const SparseMatrix& mass_;
+  const SparseMatrix& stiffness_;
+  const SparseMatrix magnitude_;  // |K|
+  const int num_modes_;
+  bool dense_ = false;
+  double shift_ = 0.0;
+  double unit_ = 1.0;
+  std::unique_ptr<ShiftedFactors> factors_;
+  InversePairs pairs_;
+  Matrix shapes_;  // of the modes asked for, not normalised
+  Vector error_bounds_;
+};
+
+}  // namespace
+
+bool ComputeLowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
+                        int num_modes, SparseModes* modes, std::string* error) {
+  CHECK(modes != nullptr);
+  CHECK(error != nullptr);
+  CHECK_GT(num_modes, 0) << "ask for at least one mode";
+  const Eigen::Index n = mass.rows();
+  CHECK(n > 0 && mass.cols() == n && stiffness.rows() == n &&
+        stiffness.cols() == n)
+      << "M is " << mass.rows() << " x " << mass.cols() << ", K "
+      << stiffness.rows() << " x " << stiffness.cols()
+      << "; both must be square, of the same size and not empty";
+  bool success = false;
+  // Spectra and the factorisation throw where memory or iterations run out.
+  try {
+    LowestModes computation(mass, stiffness, num_modes);
+    success = computation.Compute(modes, error);
+  } catch (const std::exception& problem) {
+    *error = problem.what();
+  }
+  if (!success) *error = "lowest modes: " + *error;
+  return success;
+}
+
+bool CheckExpectedFrequencies(const SparseModes& modes,
+                              const std::vector<double>& expected,
+                              double tolerance, std::string* error) {
+  CHECK(error != nullptr);
+  CHECK_GT(tolerance, 0.0) << "the tolerance is relative, such as 0.001";
+  const auto first = static_cast<size_t>(modes.num_rigid_body_modes);
+  for (size_t i = 0; i < expected.size(); ++i) {
+    const auto mode = static_cast<Eigen::Index>(first + i);
+    if (mode >= modes.frequency_hz.size()) {
+      *error = std::to_string(expected.size()) +
+               " frequencies are expected, and " +
+               std::to_string(modes.frequency_hz.size() - first) +
+               " modes above 0 Hz were computed";
+      return false;
+    }
+    const double found = modes.frequency_hz[mode];
+    if (!(std::abs(found - expected[i]) <= tolerance * std::abs(expected[i]))) {
+      *error = "mode " + std::to_string(i + 1) + " above 0 Hz has " +
+               FormatNumber(found, 7) + ", expected " +
+               FormatNumber(expected[i], 7) + " within " +
+               FormatNumber(100.0 * tolerance, 3) +
+               " %: other units, supports or masses than those of the "
+               "expected frequencies?";
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,498 @@
+#include "pinode/study/damage/damage_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/estimate/shooting/score.h"
+#include "pinode/study/damage/held_followers.h"
+#include "pinode/study/damage/wide_state.h"
+
+namespace pinode {
+namespace {
+
+// The share of the false-alarm rate that other kinds of change may use up.
+constexpr double kShareOfKinds = 0.2;
+// What is found may change what else is.
+constexpr int kMaxRounds = 3;
+
+// Of the residuals of new records, see MissedOf.
+constexpr double kLeastMissed = 0.3;
+
+constexpr char kNewRecords[] = "the new records";
+
+using Candidates = std::vector<ChangeCandidate>;
+
+// Of the training records, the largest; of those that leave `least_share` of it
+// at least, for from noise alone less cannot be told.
+double MissedOf(const IdentificationSummary& summary, double least_share) {
+  double largest = 0.0;
+  for (const RecordScore& record : summary.records) {
+    const double missed = StructuredError(record);
+    if (record.role == IdentificationRecord::Role::kTrain &&
+        missed >= least_share * record.nrmse) {
+      largest = std::max(largest, missed);
+    }
+  }
+  return largest;
+}
+
+bool Has(const Candidates& candidates, const ChangeCandidate& candidate) {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [&](const ChangeCandidate& other) {
+                       return other.subject.name == candidate.subject.name;
+                     });
+}
+
+Candidates Without(const Candidates& all, const Candidates& taken) {
+  Candidates rest;
+  for (const ChangeCandidate& candidate : all) {
+    if (!Has(taken, candidate)) rest.push_back(candidate);
+  }
+  return rest;
+}
+
+class Analyst {
+ public:
+  Analyst(const IdentificationProblem& problem,
+          const std::vector<Baseline>& baselines,
+          const DamageAnalysisOptions& options, DamageResult* result)
+      : problem_(problem),
+        baselines_(baselines),
+        identification_(options.identification),
+        search_(options.search),
+        options_(options.change),
+        fit_(FitOrIdentify(options.fit)),
+        groups_(FreeGroups(*problem.dynamics)),
+        held_(baselines, problem),
+        result_(*result) {}
+
+  bool Run(const IdentificationSummary& summary, const IdentifiedModel& model,
+           std::string* error) {
+    for (const Baseline& baseline : baselines_) {
+      result_.baselines.push_back(baseline.name);
+      SayWhatIsOpen("baseline '" + baseline.name + "'", baseline.undetermined);
+    }
+    SayWhatIsOpen(kNewRecords, summary.undetermined);
+    result_.options = options_;
+    fit_of_new_ = {kNewRecords, problem_, summary, model};
+    missed_by_groups_ = MissedOf(summary, kLeastMissed);
+    candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
+    for (const ChangeCandidate& candidate : candidates_) {
+      const std::string place =
+          std::string(ChangeKindName(candidate.subject.kind)) + " at " +
+          candidate.subject.place;
+      if (std::find(result_.places.begin(), result_.places.end(), place) ==
+          result_.places.end()) {
+        result_.places.push_back(place);
+      }
+    }
+    std::string why;
+    const bool kinds =
+        !candidates_.empty() && RefitBaselines(&why) && LookForKinds(&why);
+    if (!why.empty()) {
+      result_.remarks.push_back(
+          "Kinds of change were not told apart from one another: " + why + ".");
+    }
+    if (!kinds) {
+      found_.clear();
+      fit_of_new_ = {kNewRecords, problem_, summary, model};
+    }
+    return Conclude(kinds, error);
+  }
+
+ private:
+  ChangeOptions OptionsFor(const Candidates& candidates, double rate) const {
+    ChangeOptions options = options_;
+    options.false_alarm_rate = rate;
+    options.absolute.assign(groups_.size(), false);
+    options.absolute.resize(groups_.size() + candidates.size(), true);
+    return options;
+  }
+
+  // For groups and all candidates, of which changes of logarithms are taken.
+  ChangeOptions WideOptions(double rate) const {
+    ChangeOptions options = OptionsFor(candidates_, rate);
+    options.absolute.assign(options.absolute.size(), true);
+    return options;
+  }
+
+  bool RefitBaselines(std::string* error) {
+    for (const Baseline& baseline : baselines_) {
+      if (baseline.fit == nullptr) {
+        *error = baseline.why_no_fit;
+        return false;
+      }
+      const HealthyFit& healthy = *baseline.fit;
+      FitOfRecords fit{baseline.name, healthy.problem, healthy.summary,
+                       healthy.model};
+      if (!healthy.IsFitted()) {
+        IdentificationOptions options = healthy.options;
+        options.num_threads = identification_.num_threads;
+        options.communicator = identification_.communicator;
+        BeginNearTheEnd(&options);
+        fit_("healthy", fit.problem, options, nullptr, &fit.summary,
+             &fit.model);
+        // No better than before, so not "usable".
+        if (fit.summary.termination != Termination::kConverged) {
+          *error = baseline.name + ": " + fit.summary.message;
+          return false;
+        }
+      }
+      fits_of_healthy_.push_back(std::move(fit));
+    }
+    return true;
+  }
+
+  bool HealthyStates(const Candidates& candidates,
+                     std::vector<GroupState>* states, std::string* error) {
+    Communicator& ranks = CommunicatorOrSingle(identification_.communicator);
+    states->assign(baselines_.size(), GroupState());
+    std::vector<std::string> names = groups_;
+    names.insert(names.end(), held_.names().begin(), held_.names().end());
+    bool ok = FindSlopes(candidates, error);
+    for (size_t i = 0; ok && i < baselines_.size(); ++i) {
+      if (RankOfBaseline(i, ranks.size()) != ranks.rank()) continue;
+      GroupState& state = (*states)[i];
+      ok = StateNear(fits_of_healthy_[i], names, candidates,
+                     identification_.num_threads, &state, error);
+      if (ok && !held_.empty()) state = held_.Compared(state, groups_.size());
+    }
+    if (ranks.size() == 1) return ok;
+    if (!ranks.AllTrue(ok)) {
+      // Of one that has none every rank finds so.
+      if (ok) *error = "the model with all kinds of change in it is not finite";
+      return false;
+    }
+    return ExchangeStates(&ranks, states, error);
+  }
+
+  bool FindSlopes(const Candidates& candidates, std::string* error) {
+    return held_.empty() ||
+           held_.FindSlopes(fit_of_new_, groups_, candidates,
+                            identification_.num_threads, error);
+  }
+
+  // Baselines are shared by the ranks.
+  int RankOfBaseline(size_t i, int num_ranks) const {
+    return static_cast<int>(i * static_cast<size_t>(num_ranks) /
+                            baselines_.size());
+  }
+  bool ExchangeStates(Communicator* ranks, std::vector<GroupState>* states,
+                      std::string* error) const {
+    for (size_t i = 0; i < states->size(); ++i) {
+      GroupState& state = (*states)[i];
+      const int owner = RankOfBaseline(i, ranks->size());
+      Vector numbers(state.values.size() + state.covariance.size());
+      numbers << state.values, state.covariance.reshaped();
+      if (!ranks->Broadcast(owner, &numbers)) {
+        *error = "a rank does not answer";
+        return false;
+      }
+      // n + n^2 of them.
+      const auto n = static_cast<Eigen::Index>(std::lround(
+          std::sqrt(static_cast<double>(numbers.size()) + 0.25) - 0.5));
+      state.values = numbers.head(n);
+      state.covariance = numbers.tail(n * n).reshaped(n, n);
+    }
+    return true;
+  }
+
+  // Groups and all candidates of the healthy records and the new ones.
+  bool WideStates(std::string* error) {
+    if (!HealthyStates(candidates_, &healthy_, error) ||
+        !StateNear(fit_of_new_, groups_, candidates_,
+                   identification_.num_threads, &current_, error)) {
+      return false;
+    }
+    healthy_.push_back(std::move(current_));
+    ToLogarithms(groups_.size(), candidates_, &healthy_);
+    current_ = std::move(healthy_.back());
+    healthy_.pop_back();
+    return true;
+  }
+
+  // found_ and fit_of_new_, where masses or nonlinear forces are among what the
+  // data ask for.
+  bool LookForKinds(std::string* error) {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      ChangeEstimate wide;
+      if (!WideStates(error) ||
+          !EstimateChange(
+              healthy_, current_,
+              WideOptions(kShareOfKinds * options_.false_alarm_rate), &wide,
+              error)) {
+        return false;
+      }
+      Candidates asked_for;
+      for (size_t j = 0; j < candidates_.size(); ++j) {
+        if (wide.groups[groups_.size() + j].changed) {
+          asked_for.push_back(candidates_[j]);
+        }
+      }
+      if (Without(asked_for, found_).empty() &&
+          Without(found_, asked_for).empty()) {
+        return true;
+      }
+      FitOfRecords fit;
+      fit.name = kNewRecords;
+      if (!AddCandidates(problem_, asked_for, &fit.problem, error)) {
+        return false;
+      }
+      IdentificationOptions options = identification_;
+      BeginNearTheEnd(&options);
+      const IdentifiedModel begin =
+          BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
+                    fit_of_new_.model, fit.problem);
+      fit_("with " + std::to_string(asked_for.size()) + " more", fit.problem,
+           options, &begin, &fit.summary, &fit.model);
+      if (!fit.summary.usable || fit.summary.covariance.size() == 0) {
+        *error = "the fit with " + asked_for[0].subject.name +
+                 (asked_for.size() > 1 ? " and others" : "") +
+                 " is not usable: " + fit.summary.message;
+        return false;
+      }
+      found_ = std::move(asked_for);
+      fit_of_new_ = std::move(fit);
+    }
+    return true;
+  }
+
+  bool Conclude(bool kinds, std::string* error) {
+    for (const GroupTerm& term : problem_.dynamics->groups()) {
+      if (std::find(groups_.begin(), groups_.end(), term.group.name) ==
+          groups_.end()) {
+        continue;
+      }
+      ChangeSubject subject;
+      subject.name = term.group.name;
+      subject.kind = KindOf(term.group.target);
+      result_.subjects.push_back(std::move(subject));
+    }
+    SetForceShares(fit_of_new_.problem, fit_of_new_.summary, fit_of_new_.model,
+                   &found_);
+    std::vector<std::string> names = groups_;
+    for (const ChangeCandidate& candidate : found_) {
+      names.push_back(candidate.subject.name);
+      result_.subjects.push_back(candidate.subject);
+    }
+    std::vector<GroupState> healthy;
+    if (!found_.empty()) {
+      if (!HealthyStates(found_, &healthy, error)) return false;
+    } else {
+      if (!FindSlopes({}, error)) return false;
+      for (const Baseline& baseline : baselines_) {
+        healthy.push_back(
+            held_.empty()
+                ? baseline.groups
+                : held_.Compared(held_.StateOf(baseline), groups_.size()));
+      }
+    }
+    GroupState current;
+    if (!GroupsOf(*fit_of_new_.problem.dynamics, fit_of_new_.summary, names,
+                  &current, error)) {
+      return false;
+    }
+    ScaleToUnits(found_, &current);
+    ChangeOptions options =
+        OptionsFor(found_, (kinds ? 1.0 - kShareOfKinds : 1.0) *
+                               options_.false_alarm_rate);
+    // The change of what is nearly gone is one of the group's nominal value.
+    const std::vector<bool> gone = NearlyGone(healthy);
+    for (size_t j = 0; j < groups_.size(); ++j) {
+      if (gone[j]) options.absolute[j] = true;
+    }
+    if (!EstimateChange(healthy, current, options, &result_.estimate, error)) {
+      return false;
+    }
+    if (kinds && !AddRivals(error)) return false;
+    const MissedMotion missed = Missed();
+    result_.judgement =
+        JudgeChange(result_.subjects, result_.estimate, options_, missed);
+    if (missed.IsMore() &&
+        result_.judgement.verdict != DamageVerdict::kCannotTell) {
+      result_.remarks.push_back(
+          "Of the motion of the new records the model misses " +
+          FormatNumber(100.0 * missed.last, 2) +
+          " % that is no noise, of the healthy ones " +
+          FormatNumber(100.0 * missed.healthy, 2) +
+          " %: a part of what has changed is none of the kinds that were "
+          "looked for, and small changes may stand in for it.");
+    }
+    result_.added = std::move(found_);
+    result_.problem = std::move(fit_of_new_.problem);
+    result_.summary = std::move(fit_of_new_.summary);
+    result_.model = std::move(fit_of_new_.model);
+    return true;
+  }
+
+  // Changes of few groups are told by what the others have kept; one along a
+  // direction that is open on either side is told by nothing.
+  void SayWhatIsOpen(const std::string& records,
+                     const std::vector<std::string>& directions) {
+    for (const std::string& direction : directions) {
+      result_.remarks.push_back("Not determined by " + records + ": " +
+                                direction +
+                                ". A change of all of these together would not "
+                                "be seen.");
+    }
+  }
+
+  // Nothing where the healthy records' fits are not there.
+  MissedMotion Missed() const {
+    MissedMotion missed;
+    if (fits_of_healthy_.empty()) return missed;
+    for (const FitOfRecords& fit : fits_of_healthy_) {
+      missed.healthy = std::max(missed.healthy, MissedOf(fit.summary, 0.0));
+    }
+    missed.groups = missed_by_groups_;
+    missed.last = MissedOf(fit_of_new_.summary, kLeastMissed);
+    return missed;
+  }
+
+  // Those among all candidates; a candidate that is one becomes a subject.
+  bool AddRivals(std::string* error) {
+    const auto wide_index = [this](size_t subject) {
+      if (subject < groups_.size()) return static_cast<int>(subject);
+      for (size_t j = 0; j < candidates_.size(); ++j) {
+        if (candidates_[j].subject.name == result_.subjects[subject].name) {
+          return static_cast<int>(groups_.size() + j);
+        }
+      }
+      LOG(FATAL) << "no candidate is " << result_.subjects[subject].name;
+      return -1;
+    };
+    std::vector<int> found;
+    std::map<int, int> subject_of;
+    for (size_t j = 0; j < result_.subjects.size(); ++j) {
+      const int index = wide_index(j);
+      subject_of[index] = static_cast<int>(j);
+      if (result_.estimate.groups[j].changed) found.push_back(index);
+    }
+    std::vector<RivalChange> rivals;
+    if (!FindRivals(healthy_, current_, WideOptions(options_.false_alarm_rate),
+                    found, &rivals, error)) {
+      return false;
+    }
+    result_.estimate.rivals.clear();
+    for (const RivalChange& rival : rivals) {
+      if (subject_of.find(rival.other) == subject_of.end()) {
+        subject_of[rival.other] = static_cast<int>(result_.subjects.size());
+        result_.subjects.push_back(
+            candidates_[static_cast<size_t>(rival.other) - groups_.size()]
+                .subject);
+        result_.estimate.groups.emplace_back();
+        result_.estimate.between_records.conservativeResize(
+            result_.estimate.between_records.size() + 1);
+        result_.estimate.between_records.tail(1).setZero();
+      }
+      result_.estimate.rivals.push_back(
+          {subject_of[rival.found], subject_of[rival.other], rival.loss});
+    }
+    return true;
+  }
+
+  const IdentificationProblem& problem_;
+  const std::vector<Baseline>& baselines_;
+  const IdentificationOptions& identification_;
+  const DamageSearch& search_;
+  const ChangeOptions& options_;
+  const FitFunction fit_;
+  const std::vector<std::string> groups_;
+  HeldFollowers held_;
+  DamageResult& result_;
+
+  Candidates candidates_, found_;
+  std::vector<FitOfRecords> fits_of_healthy_;
+  FitOfRecords fit_of_new_;
+  double missed_by_groups_ = 0.0;  // see MissedMotion
+  // Groups and all candidates, see ToLogarithms.
+  std::vector<GroupState> healthy_;
+  GroupState current_;
+};
+
+// What a caller can have put together wrongly.
+bool CheckInput(const IdentificationProblem& problem,
+                const std::vector<Baseline>& baselines,
+                const DamageAnalysisOptions& options, std::string* error) {
+  if (!options.change.IsValid(error) ||
+      !options.identification.IsValid(error) ||
+      !options.search.IsValid(problem.dynamics->model(), error)) {
+    return false;
+  }
+  if (baselines.empty()) {
+    *error = "there is no baseline, expected at least one";
+    return false;
+  }
+  const std::vector<std::string> groups = FreeGroups(*problem.dynamics);
+  if (groups.empty()) {
+    *error = "no group is free, expected those whose change is asked for";
+    return false;
+  }
+  const auto size = static_cast<Eigen::Index>(groups.size());
+  for (const Baseline& baseline : baselines) {
+    const GroupState& state = baseline.groups;
+    if (baseline.group_names != groups) {
+      *error = "baseline '" + baseline.name + "' has the groups " +
+               Join(baseline.group_names, ", ") + ", expected " +
+               Join(groups, ", ");
+      return false;
+    }
+    if (state.values.size() != size || state.covariance.rows() != size ||
+        state.covariance.cols() != size || !state.values.allFinite() ||
+        !state.covariance.allFinite()) {
+      *error = "baseline '" + baseline.name +
+               "' has not a finite value and covariance of every group";
+      return false;
+    }
+    const std::map<std::string, std::string> texts =
+        FollowingTexts(*problem.dynamics);
+    for (size_t i = 0; i < baseline.followers.size(); ++i) {
+      const auto own = texts.find(baseline.followers[i]);
+      if (own == texts.end() || baseline.following.size() <= i ||
+          own->second == baseline.following[i]) {
+        continue;
+      }
+      *error = "in baseline '" + baseline.name + "' '" + own->first +
+               "' follows " + baseline.following[i] + ", expected " +
+               own->second;
+      return false;
+    }
+    const GroupState& all = baseline.with_followers;
+    const Eigen::Index with_followers =
+        size + static_cast<Eigen::Index>(baseline.followers.size());
+    if (!baseline.followers.empty() &&
+        (all.values.size() != with_followers ||
+         all.covariance.rows() != with_followers ||
+         all.covariance.cols() != with_followers || !all.values.allFinite() ||
+         !all.covariance.allFinite())) {
+      *error = "baseline '" + baseline.name +
+               "' has not a finite value and covariance of what follows "
+               "covariates";
+      return false;
+    }
+  }
+  return AreDifferentResults(baselines, error);
+}
+
+}  // namespace
+
+bool AnalyseDamage(const IdentificationProblem& problem,
+                   const IdentificationSummary& summary,
+                   const IdentifiedModel& model,
+                   const std::vector<Baseline>& baselines,
+                   const DamageAnalysisOptions& options, DamageResult* result,
+                   std::string* error) {
+  if (!IsFitOf(problem, summary, model, true, error) ||
+      !CheckInput(problem, baselines, options, error)) {
+    return false;
+  }
+  *result = DamageResult();
+  return Analyst(problem, baselines, options, result)
+      .Run(summary, model, error);
+}
+
+}  // namespace pinode

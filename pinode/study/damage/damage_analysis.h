@@ -1,0 +1,74 @@
+// From healthy fits and a fit of new records to what has changed.
+
+#ifndef PINODE_STUDY_DAMAGE_DAMAGE_ANALYSIS_H_
+#define PINODE_STUDY_DAMAGE_DAMAGE_ANALYSIS_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/damage/change.h"
+#include "pinode/damage/verdict.h"
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
+#include "pinode/study/damage/baseline.h"
+#include "pinode/study/damage/change_candidates.h"
+#include "pinode/study/damage/damage_search.h"
+#include "pinode/study/problem/growth.h"
+
+namespace pinode {
+
+struct DamageAnalysisOptions {
+  ChangeOptions change;
+  // Where masses and nonlinear forces are looked for: nowhere unless told, see
+  // LookEverywhere.
+  DamageSearch search;
+  // Of the further fits, and what runs them (empty: Identify).
+  IdentificationOptions identification;
+  FitFunction fit;
+};
+
+struct DamageResult {
+  std::vector<std::string> baselines;  // names
+  ChangeOptions options;
+  // The free groups, then other kinds of change that were found, then those
+  // that are rivals of what was found.
+  std::vector<ChangeSubject> subjects;
+  ChangeEstimate estimate;
+  Judgement judgement;
+  // Subjects that masses or nonlinear forces were looked for in.
+  std::vector<std::string> places;
+  // One sentence each, such as why kinds of change were not told apart.
+  std::vector<std::string> remarks;
+
+  // The fit that all this is from: that of the problem as it was, or, where
+  // other kinds of change were found, with these as further unknowns.
+  std::vector<ChangeCandidate> added;
+  IdentificationProblem problem;
+  IdentificationSummary summary;
+  IdentifiedModel model;
+};
+
+// What has changed between `baselines`, at least one, and the new records of
+// `problem`, of which `summary` and `model` are a usable fit with a covariance.
+//
+// Four fifths of the false-alarm rate are for changes of the groups alone. The
+// rest is for masses and nonlinear forces at the places of options.search:
+// healthy records and new ones are each linearised at their fit with all of
+// these as further unknowns, and where one of them is found in place of, or
+// beside, groups, the new records are fitted again with it. For that the
+// healthy records are needed (Baseline::fit, which is fitted first where it is
+// not); where that cannot be done, a remark says so.
+//
+// False, with *error, where the fits, groups, places or options do not fit
+// together, and where EstimateChange is.
+[[nodiscard]] bool AnalyseDamage(const IdentificationProblem& problem,
+                                 const IdentificationSummary& summary,
+                                 const IdentifiedModel& model,
+                                 const std::vector<Baseline>& baselines,
+                                 const DamageAnalysisOptions& options,
+                                 DamageResult* result, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_DAMAGE_DAMAGE_ANALYSIS_H_

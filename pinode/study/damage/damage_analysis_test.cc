@@ -1,0 +1,232 @@
+#include "pinode/study/damage/damage_analysis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "tests/support/study_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Three floors: healthy records, and a structure that has lost a tenth of its
+// second storey.
+class AnalyseDamageTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const auto healthy = ChainAt(Vector{{0.05, -0.02, 0.01}});
+    healthy_ = new TestFit(FitOf(MeasuredChain(3, *healthy, 1)));
+    const auto damaged = ChainAt(Vector{{0.05, -0.02 - 0.098, 0.01}});
+    damaged_ = new TestFit(FitOf(MeasuredChain(3, *damaged, 2)));
+  }
+  static void TearDownTestSuite() {
+    delete healthy_;
+    delete damaged_;
+  }
+
+  static Baseline BaselineOrFail() {
+    Baseline baseline;
+    std::string error;
+    EXPECT_TRUE(BaselineFrom("spring", healthy_->problem, healthy_->summary,
+                             healthy_->model, &baseline, &error))
+        << error;
+    return baseline;
+  }
+
+  static bool Analyse(const TestFit& fit,
+                      const std::vector<Baseline>& baselines,
+                      const DamageAnalysisOptions& options,
+                      DamageResult* result, std::string* error) {
+    error->clear();
+    return AnalyseDamage(fit.problem, fit.summary, fit.model, baselines,
+                         options, result, error);
+  }
+
+  static TestFit* healthy_;
+  static TestFit* damaged_;
+};
+
+TestFit* AnalyseDamageTest::healthy_ = nullptr;
+TestFit* AnalyseDamageTest::damaged_ = nullptr;
+
+TEST_F(AnalyseDamageTest, FindsWhatWasLostWithoutAFile) {
+  const Baseline baseline = BaselineOrFail();
+  EXPECT_THAT(baseline.group_names, ElementsAre("k1", "k2", "k3"));
+  EXPECT_EQ(BeginFromBaseline(baseline, damaged_->problem).parameters,
+            healthy_->model.parameters);
+  DamageResult result;
+  std::string error;
+  ASSERT_TRUE(Analyse(*damaged_, {baseline}, {}, &result, &error)) << error;
+  EXPECT_EQ(result.judgement.verdict, DamageVerdict::kDamage)
+      << result.judgement.sentence;
+  EXPECT_THAT(result.baselines, ElementsAre("spring"));
+  ASSERT_EQ(result.estimate.groups.size(), 3u);
+  EXPECT_FALSE(result.estimate.groups[0].changed);
+  EXPECT_TRUE(result.estimate.groups[1].changed);
+  EXPECT_NEAR(result.estimate.groups[1].change, -0.1, 0.002);
+  EXPECT_FALSE(result.estimate.groups[2].changed);
+  EXPECT_TRUE(result.added.empty());
+  EXPECT_TRUE(result.places.empty());
+}
+
+TEST_F(AnalyseDamageTest, LooksForOtherKindsWhereItIsTold) {
+  const Baseline baseline = BaselineOrFail();
+  auto heavier = ChainAt(Vector{{0.05, -0.02, 0.01}});
+  GroupTerm mass;
+  mass.group.name = "more";
+  mass.group.target = MatrixGroup::Target::kMass;
+  mass.group.matrix = Vector(Vector::Unit(3, 1)).asDiagonal();
+  mass.alpha.value = 0.1;
+  std::string error;
+  ASSERT_TRUE(heavier->AddGroup(mass, &error)) << error;
+  const TestFit fit = FitOf(MeasuredChain(3, *heavier, 3));
+  DamageAnalysisOptions options;
+  options.search = LookEverywhere(fit.problem);
+  int fits = 0;
+  options.fit = [&fits](
+                    const std::string&, const IdentificationProblem& problem,
+                    const IdentificationOptions& fit_options,
+                    const IdentifiedModel* begin,
+                    IdentificationSummary* summary, IdentifiedModel* model) {
+    ++fits;
+    Identify(problem, fit_options, begin, summary, model);
+  };
+  DamageResult result;
+  ASSERT_TRUE(Analyse(fit, {baseline}, options, &result, &error)) << error;
+  EXPECT_EQ(result.judgement.verdict, DamageVerdict::kOtherChange)
+      << result.judgement.sentence;
+  // The healthy records were fitted before.
+  EXPECT_GE(fits, 1);
+  ASSERT_EQ(result.added.size(), 1u);
+  EXPECT_EQ(result.added[0].subject.name, "mass.u2");
+  EXPECT_EQ(result.problem.dynamics->groups().size(), 4u);
+  ASSERT_GE(result.subjects.size(), 4u);
+  EXPECT_EQ(result.subjects[3].kind, ChangeKind::kMass);
+  EXPECT_NEAR(result.estimate.groups[3].change, 0.1, 0.005);
+  EXPECT_TRUE(result.remarks.empty()) << result.remarks[0];
+
+  // Without healthy records the kinds cannot be told apart.
+  Baseline values_alone = baseline;
+  values_alone.fit = nullptr;
+  ASSERT_TRUE(Analyse(fit, {values_alone}, options, &result, &error)) << error;
+  ASSERT_FALSE(result.remarks.empty());
+  EXPECT_THAT(result.remarks[0], HasSubstr("the baseline has no records"));
+  EXPECT_TRUE(result.added.empty());
+}
+
+TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {
+  const Baseline good = BaselineOrFail();
+  DamageResult result;
+  std::string error;
+  const auto refusal = [&](const TestFit& fit,
+                           const std::vector<Baseline>& baselines,
+                           const DamageAnalysisOptions& options) {
+    EXPECT_FALSE(Analyse(fit, baselines, options, &result, &error));
+    return error;
+  };
+  EXPECT_THAT(refusal(*damaged_, {}, {}), HasSubstr("no baseline"));
+  Baseline bad = good;
+  bad.group_names = {"k1", "k2"};
+  EXPECT_THAT(refusal(*damaged_, {good, bad}, {}),
+              HasSubstr("has the groups k1, k2, expected k1, k2, k3"));
+  bad = good;
+  bad.name = "copy";
+  EXPECT_THAT(refusal(*damaged_, {good, bad}, {}),
+              HasSubstr("'spring' and 'copy' are one and the same result"));
+  bad = good;
+  bad.groups.values.conservativeResize(2);
+  EXPECT_THAT(refusal(*damaged_, {bad}, {}), HasSubstr("'spring'"));
+  bad = good;
+  bad.groups.covariance(1, 1) = kNaN;
+  EXPECT_THAT(refusal(*damaged_, {bad}, {}), HasSubstr("'spring'"));
+
+  DamageAnalysisOptions options;
+  options.change.threshold = 2.0;
+  EXPECT_THAT(refusal(*damaged_, {good}, options), HasSubstr("threshold"));
+  options = {};
+  options.search.springs = {{"gap", 0, 3}};
+  EXPECT_THAT(refusal(*damaged_, {good}, options), HasSubstr("'gap'"));
+  options.search = {};
+  options.search.masses = {{"roof", {}}};
+  EXPECT_THAT(refusal(*damaged_, {good}, options), HasSubstr("'roof'"));
+
+  TestFit fit = *damaged_;
+  fit.model.parameters.conservativeResize(2);
+  EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("parameters"));
+  fit = *damaged_;
+  fit.model.sigmas.clear();
+  EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("records"));
+  fit = *damaged_;
+  fit.summary.records[0].states.resize(6, 3);
+  EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("samples"));
+  fit = *damaged_;
+  fit.summary.covariance.resize(0, 0);
+  EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("covariance"));
+  fit = *damaged_;
+  fit.summary.usable = false;
+  fit.summary.message = "of the test";
+  EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("of the test"));
+}
+
+// Fits of healthy records of another size are no reason to end.
+TEST_F(AnalyseDamageTest, SaysWhereHealthyRecordsDoNotFit) {
+  DamageAnalysisOptions options;
+  options.search = LookEverywhere(damaged_->problem);
+  Baseline baseline = BaselineOrFail();
+  HealthyFit other = *baseline.fit;
+  const auto small = ChainAt(Vector{{0.0, 0.0}});
+  const TestFit fit = FitOf(MeasuredChain(2, *small, 4));
+  other.problem = fit.problem;
+  other.summary = fit.summary;
+  other.model = fit.model;
+  baseline.fit = std::make_shared<const HealthyFit>(other);
+  DamageResult result;
+  std::string error;
+  ASSERT_TRUE(Analyse(*damaged_, {baseline}, options, &result, &error))
+      << error;
+  ASSERT_FALSE(result.remarks.empty());
+  EXPECT_THAT(result.remarks[0], HasSubstr("Kinds of change were not told"));
+  EXPECT_EQ(result.judgement.verdict, DamageVerdict::kDamage);
+}
+
+TEST_F(AnalyseDamageTest, BaselinesAreOfUsableFits) {
+  Baseline baseline;
+  std::string error;
+  TestFit fit = *healthy_;
+  fit.summary.usable = false;
+  EXPECT_FALSE(BaselineFrom("D", fit.problem, fit.summary, fit.model, &baseline,
+                            &error));
+  EXPECT_THAT(error, HasSubstr("baseline 'D': the fit is not usable"));
+  fit = *healthy_;
+  fit.summary.covariance_names[1] = "c";
+  EXPECT_FALSE(BaselineFrom("D", fit.problem, fit.summary, fit.model, &baseline,
+                            &error));
+  EXPECT_THAT(error, HasSubstr("'k2' has no covariance"));
+}
+
+// Of a group that is there twice before the fit, a change of it is half of one
+// of the group's matrix; the next problem begins with what was found.
+TEST_F(AnalyseDamageTest, WhatIsPresentCounts) {
+  const Baseline baseline = BaselineOrFail();
+  IdentificationProblem twice = damaged_->problem;
+  StructureTerms terms = TermsOf(*twice.dynamics);
+  terms.groups[1].present = 2.0;
+  std::string error;
+  ASSERT_TRUE(Assemble(twice.dynamics->model(), twice.dynamics->inputs(), terms,
+                       &twice.dynamics, &error))
+      << error;
+  EXPECT_EQ(AlreadyPresent(*twice.dynamics, {"k1", "k2", "k4"}),
+            (Vector{{0.0, 1.0, 0.0}}));
+  EXPECT_NEAR(BeginFromBaseline(baseline, twice).parameters[1],
+              healthy_->model.parameters[1] - 1.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,55 @@
+// Where other kinds of change than those of groups are looked for.
+
+#ifndef PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
+#define PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/feature.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/structure/model/structural_model.h"
+
+namespace pinode {
+
+struct DamageSearch {
+  // A mass may have been added to these DOFs together, the translations of one
+  // node.
+  struct MassPlace {
+    std::string name;
+    std::vector<int> dofs;
+  };
+  // A nonlinear force may have appeared between these two, of which `to` is a
+  // DOF.
+  struct SpringPlace {
+    std::string name;
+    int from = Feature::kGround;
+    int to = Feature::kGround;
+  };
+  std::vector<MassPlace> masses;
+  std::vector<SpringPlace> springs;
+
+  // DOFs that `model` has. On failure *error names the place.
+  [[nodiscard]] bool IsValid(const StructuralModel& model,
+                             std::string* error) const;
+};
+
+// The DOFs of `model` that are translations of `node`, where names are
+// "node.direction"; none where it has no such DOF.
+DamageSearch::MassPlace PlaceOfMass(const StructuralModel& model,
+                                    const std::string& node);
+
+// Masses where a fitted channel measures one DOF.
+std::vector<DamageSearch::MassPlace> MeasuredMasses(
+    const IdentificationProblem& problem);
+
+// Springs where a free stiffness group is one spring.
+std::vector<DamageSearch::SpringPlace> GroupSprings(
+    const StructuralDynamics& dynamics);
+
+// Both of these: what can be looked for with the sensors and groups there are.
+DamageSearch LookEverywhere(const IdentificationProblem& problem);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_

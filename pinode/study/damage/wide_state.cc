@@ -1,0 +1,109 @@
+#include "pinode/study/damage/wide_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/study/damage/baseline.h"
+#include "pinode/study/problem/growth.h"
+
+namespace pinode {
+
+bool WithCandidates(const FitOfRecords& fit,
+                    const std::vector<ChangeCandidate>& candidates,
+                    IdentificationProblem* extended, IdentifiedModel* at,
+                    std::string* error) {
+  if (!IsFitOf(fit.problem, fit.summary, fit.model, false, error)) return false;
+  const std::map<std::string, double> values =
+      ParametersByName(fit.problem, fit.model);
+  std::vector<ChangeCandidate> missing;
+  for (const ChangeCandidate& candidate : candidates) {
+    if (values.find(candidate.subject.name) == values.end()) {
+      missing.push_back(candidate);
+    }
+  }
+  if (!AddCandidates(fit.problem, missing, extended, error)) return false;
+  *at = BeginFrom(values, fit.model, *extended);
+  at->decays = fit.model.decays;
+  return true;
+}
+
+void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
+                  GroupState* state) {
+  Vector unit = Vector::Ones(state->values.size());
+  for (size_t j = 0; j < candidates.size(); ++j) {
+    unit[unit.size() - static_cast<Eigen::Index>(candidates.size() - j)] =
+        candidates[j].unit;
+  }
+  state->values = state->values.cwiseQuotient(unit);
+  const auto inverse = unit.cwiseInverse().asDiagonal();
+  state->covariance = inverse * state->covariance * inverse;
+}
+
+bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
+               const std::vector<ChangeCandidate>& candidates, int num_threads,
+               GroupState* state, std::string* error) {
+  IdentificationProblem extended;
+  IdentifiedModel at;
+  if (!WithCandidates(fit, candidates, &extended, &at, error)) return false;
+  const ParameterLayout layout(extended);
+  FittedCost cost;
+  Matrix root, null_space;
+  if (!LinearizeAtFit(extended, layout, at, fit.summary.records, num_threads,
+                      &cost) ||
+      !InvertInformation(cost.system.hessian / cost.memory, &root, &null_space,
+                         InformationRounding(extended))) {
+    *error = "the model with all kinds of change in it is not finite";
+    return false;
+  }
+  const Matrix covariance = root * root.transpose();
+  const Vector solution = layout.Free(at.parameters) -
+                          covariance * cost.system.gradient / cost.memory;
+  std::vector<std::string> names = groups;
+  for (const ChangeCandidate& candidate : candidates) {
+    names.push_back(candidate.subject.name);
+  }
+  std::vector<int> rows(names.size(), -1);
+  for (const int index : layout.free()) {
+    const auto name =
+        std::find(names.begin(), names.end(), layout.parameter(index).name);
+    if (name != names.end()) {
+      rows[static_cast<size_t>(name - names.begin())] = layout.FreeIndex(index);
+    }
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (rows[i] < 0) {
+      *error = "'" + names[i] + "' is not free in " + fit.name;
+      return false;
+    }
+  }
+  state->values = solution(rows) + AlreadyPresent(*fit.problem.dynamics, names);
+  state->covariance = covariance(rows, rows);
+  ScaleToUnits(candidates, state);
+  return true;
+}
+
+void ToLogarithms(size_t num_groups,
+                  const std::vector<ChangeCandidate>& candidates,
+                  std::vector<GroupState>* states) {
+  const std::vector<bool> gone = NearlyGone(*states);
+  for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
+    if (gone[j] ||
+        (j >= num_groups &&
+         candidates[j - num_groups].subject.kind != ChangeKind::kMass)) {
+      continue;
+    }
+    const Eigen::Index i = static_cast<Eigen::Index>(j);
+    for (GroupState& state : *states) {
+      const double scale = 1.0 + state.values[i];
+      state.values[i] = std::log(scale);
+      state.covariance.row(i) /= scale;
+      state.covariance.col(i) /= scale;
+    }
+  }
+}
+
+}  // namespace pinode

@@ -1,0 +1,117 @@
+#include "pinode/study/identify/step_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/strings.h"
+#include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/estimate/objective/objective.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/record_grid.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kShift = 0.1;  // deviations
+constexpr int kMostSteps = 64;
+constexpr double kLargeShare = 0.01;
+
+bool TakesSteps(const IdentificationProblem& problem) {
+  return std::any_of(
+      problem.records.begin(), problem.records.end(),
+      [&problem](const IdentificationRecord& record) {
+        return record.role == IdentificationRecord::Role::kTrain &&
+               IntegratorOf(*problem.dynamics, record) != Integrator::kExact;
+      });
+}
+
+IdentificationProblem WithHalvedSteps(IdentificationProblem problem) {
+  for (IdentificationRecord& record : problem.records) {
+    record.substeps *= 2;
+    record.exponential_steps *= 2;
+  }
+  return problem;
+}
+
+bool Linearize(const IdentificationProblem& problem,
+               const IdentificationSummary& summary,
+               const IdentifiedModel& model, int num_threads,
+               CondensedSystem* system) {
+  const ParameterLayout layout(problem);
+  MultipleShooting::Options options;
+  options.num_threads = num_threads;
+  Objective objective(problem, layout, options);
+  return PlaceAtFit(problem, layout, model, summary.records, &objective) &&
+         objective.Linearize(layout.Free(model.parameters), system);
+}
+
+}  // namespace
+
+std::string StepCheck::Sentence() const {
+  return "Integrated with two steps in place of each, '" + parameter +
+         "' would move by " + FormatNumber(change, 3) + ", " +
+         FormatNumber(shift, 2) +
+         " of its standard deviation; substeps asks for more.";
+}
+
+bool CheckStepsAtFit(const IdentificationProblem& problem,
+                     const IdentificationSummary& summary,
+                     const IdentifiedModel& model, int num_threads,
+                     StepCheck* check) {
+  *check = StepCheck();
+  if (!TakesSteps(problem) || !problem.dynamics->networks().empty() ||
+      !problem.dynamics->unknown_forces().empty()) {
+    return false;
+  }
+  const ParameterLayout layout(problem);
+  CondensedSystem coarse, fine;
+  if (!Linearize(problem, summary, model, num_threads, &coarse) ||
+      !Linearize(WithHalvedSteps(problem), summary, model, num_threads,
+                 &fine)) {
+    return false;
+  }
+  const Vector step =
+      SolveInformation(fine.hessian, coarse.gradient - fine.gradient);
+  if (step.size() == 0 || !step.allFinite()) return false;
+  bool seen = false;
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    const int j = layout.FreeIndex(estimate.name);
+    if (j < 0 || !(estimate.sigma > 0.0) || !std::isfinite(estimate.sigma) ||
+        estimate.at_bound) {
+      continue;
+    }
+    seen = true;
+    const double shift = std::abs(step[j]) / estimate.sigma;
+    if (!(shift > check->shift)) continue;
+    const bool is_factor = layout.free()[static_cast<size_t>(j)] <
+                           static_cast<int>(problem.dynamics->groups().size());
+    check->parameter = estimate.name;
+    check->shift = shift;
+    check->change = step[j];
+    check->is_large =
+        std::abs(step[j]) >
+        kLargeShare * (is_factor ? 1.0 : std::abs(estimate.value));
+  }
+  return seen;
+}
+
+bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
+  if (!(check.shift > kShift)) return false;
+  const double factor = std::sqrt(std::sqrt(2.0 * check.shift / kShift));
+  bool changed = false;
+  for (IdentificationRecord& record : problem->records) {
+    if (!record.substeps_chosen ||
+        IntegratorOf(*problem->dynamics, record) != Integrator::kExponential) {
+      continue;
+    }
+    const int steps = std::min(
+        kMostSteps,
+        static_cast<int>(std::ceil(factor * record.exponential_steps)));
+    changed = changed || steps > record.exponential_steps;
+    record.exponential_steps = std::max(record.exponential_steps, steps);
+  }
+  return changed;
+}
+
+}  // namespace pinode

@@ -1,0 +1,410 @@
+#include "pinode/study/laws/refit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/base/statistics.h"
+#include "pinode/discover/term_prices.h"
+#include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/start/free_run_start.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/study/problem/growth.h"
+#include "pinode/study/terms/discovered_problem.h"
+#include "pinode/study/terms/library_term.h"
+#include "pinode/study/terms/term_proposal.h"
+#include "pinode/study/terms/term_worth.h"
+
+namespace pinode {
+namespace {
+
+constexpr int kLargestRefitFactor = 32;
+// Each search that is kept lowers the criterion; more than a few are none.
+constexpr int kMaxSearches = 20;
+
+// "u1: x[u1]^2": what is in `a` and not in `b`.
+std::vector<std::string> Difference(const std::vector<DiscoveredEquation>& a,
+                                    const std::vector<DiscoveredEquation>& b) {
+  std::vector<std::string> result;
+  for (size_t e = 0; e < a.size(); ++e) {
+    for (const DiscoveredTerm& term : a[e].terms) {
+      if (!HasTerm(b[e], term.basis)) {
+        result.push_back(a[e].output + ": " + term.basis);
+      }
+    }
+  }
+  return result;
+}
+
+bool SameTerms(const std::vector<DiscoveredEquation>& a,
+               const std::vector<DiscoveredEquation>& b) {
+  return Difference(a, b).empty() && Difference(b, a).empty();
+}
+
+// Units, and what each term was before the refit of which `summary` is (nullptr
+// without one) and is by it.
+void CompleteTerms(const IdentificationProblem& problem,
+                   const std::vector<DiscoveredEquation>& selected,
+                   const IdentificationSummary* summary,
+                   std::vector<DiscoveredEquation>* equations) {
+  for (size_t e = 0; e < equations->size(); ++e) {
+    DiscoveredEquation& equation = (*equations)[e];
+    for (DiscoveredTerm& term : equation.terms) {
+      term.unit =
+          LibraryCoefficientUnit(BasisFunction(equation, term.basis),
+                                 equation.features, problem.dynamics->inputs(),
+                                 equation.acts_as, problem.description.units);
+      term.regressed = 0.0;
+      for (const DiscoveredTerm& before : selected[e].terms) {
+        if (before.basis == term.basis) term.regressed = before.coefficient;
+      }
+      term.sigma = term.lower95 = term.upper95 = kNaN;
+      const ParameterEstimate* estimate =
+          summary == nullptr
+              ? nullptr
+              : FindEstimate(*summary, CoefficientName(equation, term.basis));
+      if (estimate != nullptr) {
+        term.sigma = estimate->sigma;
+        term.lower95 = estimate->lower95;
+        term.upper95 = estimate->upper95;
+      }
+    }
+  }
+}
+
+// One fit after the other, each beginning where the one before has ended.
+class Refitter {
+ public:
+  Refitter(const IdentificationProblem& problem, const IdentifiedModel& model,
+           const DiscoveryOptions& options,
+           const IdentificationOptions& identification, Discovery* discovery,
+           std::string* error)
+      : problem_(problem),
+        model_(model),
+        options_(options),
+        identification_(identification),
+        discovery_(*discovery),
+        error_(error),
+        last_model_(model) {}
+
+  bool Run(const std::vector<DiscoveredEquation>& equations,
+           const std::vector<DiscoveredEquation>& begin) {
+    discovery_.equations = begin;
+    prices_ = TermPrices(NumFittedValues(problem_), equations);
+    exact_ = false;
+    if (!FirstSteps() || !Fit(1)) return false;
+    if (discovery_.summary.termination != Termination::kInterrupted &&
+        !CompareWithNoTerms()) {
+      return false;
+    }
+    if (!Search() || !Prune(1)) return false;
+    exact_ = true;
+    for (int factor = 2; factor <= kLargestRefitFactor && Good() && Left();
+         factor *= 2) {
+      const std::vector<DiscoveredEquation> before = discovery_.equations;
+      const Discovery coarse = discovery_;
+      if (!Fit(factor)) return false;
+      if (!Good()) {
+        // What the coarser steps found stands.
+        if (discovery_.summary.termination != Termination::kInterrupted) {
+          discovery_ = coarse;
+        }
+        break;
+      }
+      // Terms that made up for the integrator are not missed by a better one.
+      if (!Prune(factor)) return false;
+      if (SameTerms(before, discovery_.equations) && Agree(before)) break;
+    }
+    // The last fit is of a term that is not worth its place.
+    if (!Left()) discovery_.refitted = false;
+    discovery_.dropped = Difference(equations, discovery_.equations);
+    discovery_.added = Difference(discovery_.equations, equations);
+    return true;
+  }
+
+ private:
+  bool Good() const {
+    return discovery_.summary.termination == Termination::kConverged ||
+           discovery_.summary.termination == Termination::kNoConvergence;
+  }
+  bool Left() const { return CountTerms(discovery_.equations) > 0; }
+
+  // Drops terms one by one, each followed by a fit of the others.
+  bool Prune(int factor) {
+    while (Good() && DropWeakest(options_, discovery_.summary, prices_,
+                                 &discovery_.equations)) {
+      if (!Left()) return true;
+      if (!Fit(factor)) return false;
+    }
+    return true;
+  }
+
+  // Where the terms that were regressed cannot be fitted, or are not worth
+  // their price even together, as those of a network that follows the noise,
+  // whose trajectories diverge: back to the model with none of them, from which
+  // the search can begin as well. What that model leaves over without a memory
+  // is the noise. All stays as it is where its trajectories are not finite
+  // either.
+  bool CompareWithNoTerms() {
+    if (!options_.search) return true;
+    std::vector<DiscoveredEquation> equations = discovery_.equations;
+    for (DiscoveredEquation& equation : equations) {
+      equation.terms.erase(
+          std::remove_if(
+              equation.terms.begin(), equation.terms.end(),
+              [](const DiscoveredTerm& term) { return !term.given; }),
+          equation.terms.end());
+    }
+    // A problem has something to find.
+    const std::vector<DiscoveredEquation> wide = WithAllCandidates(equations);
+    if (CountTerms(wide) == CountTerms(equations)) return true;
+    IdentificationProblem problem;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredProblem(problem_, model_, wide, {}, &problem, &initial,
+                               error_)) {
+      return false;
+    }
+    IdentificationSummary summary;
+    summary.termination = Termination::kConverged;
+    if (!ScoreAsItIs(problem, &initial, &summary.records)) return true;
+    if (Good() && Deviance(problem_, discovery_.summary) +
+                          prices_.Sum(discovery_.equations) <
+                      Deviance(problem_, summary) + prices_.Sum(equations)) {
+      return true;
+    }
+    discovery_.equations = std::move(equations);
+    substeps_ = FinerSteps(problem);
+    discovery_.problem = std::move(problem);
+    discovery_.summary = std::move(summary);
+    last_model_ = std::move(initial);
+    unfitted_ = true;
+    return true;
+  }
+
+  // Free runs of the training records without a fit, from the starts in *model
+  // or what the first samples say, and what they leave over as its noise. False
+  // where one is not finite.
+  static bool ScoreAsItIs(const IdentificationProblem& problem,
+                          IdentifiedModel* model,
+                          std::vector<RecordScore>* scores) {
+    const size_t num_records = problem.records.size();
+    scores->resize(num_records);
+    model->sigmas.resize(num_records);
+    model->starts.resize(num_records);
+    for (size_t r = 0; r < num_records; ++r) {
+      const IdentificationRecord& record = problem.records[r];
+      if (record.role != IdentificationRecord::Role::kTrain) continue;
+      const int index = static_cast<int>(r);
+      Vector& start = model->starts[r];
+      if (start.size() != problem.dynamics->num_states()) {
+        FreeRunStart(problem, index, model->parameters,
+                     Vector::Ones(static_cast<int>(record.channels.size())),
+                     &start);
+      }
+      RecordScore& score = (*scores)[r];
+      ScoreRecord(problem, index, model->parameters, start, 0, &score);
+      if (!score.finite) return false;
+      model->sigmas[r] = NoiseOf(record, score);
+    }
+    return true;
+  }
+
+  static Vector NoiseOf(const IdentificationRecord& record,
+                        const RecordScore& score) {
+    Vector sigmas(static_cast<int>(record.channels.size()));
+    for (Eigen::Index k = 0; k < sigmas.size(); ++k) {
+      const MeasuredChannel& channel = record.channels[static_cast<size_t>(k)];
+      Vector residual = score.prediction.row(k).transpose() - channel.values;
+      for (double& value : residual) value = std::isfinite(value) ? value : 0.0;
+      sigmas[k] = channel.sigma;
+      if (!(sigmas[k] > 0.0)) {
+        sigmas[k] = std::sqrt(MemorylessMeanSquare(residual));
+      }
+      if (!(sigmas[k] > 0.0)) sigmas[k] = 1.0;
+    }
+    return sigmas;
+  }
+
+  // Takes in and leaves out what the residuals of the trajectories ask for, as
+  // long as the extended BIC of the fits becomes smaller.
+  bool Search() {
+    if (!options_.search) return true;
+    for (int search = 0;
+         search < kMaxSearches && Good() && (Left() || unfitted_); ++search) {
+      const Discovery before = discovery_;
+      const IdentifiedModel model_before = last_model_;
+      double memory = 1.0;
+      const FittedEquations fitted{before.problem, before.summary.records,
+                                   model_before, substeps_, before.equations};
+      if (!ProposeTerms(fitted, options_, prices_, identification_.num_threads,
+                        &discovery_.equations, &memory, error_)) {
+        return false;
+      }
+      if (!Left()) discovery_.equations = before.equations;
+      if (SameTerms(before.equations, discovery_.equations)) return true;
+      if (!Fit(1) || !Prune(1)) return false;
+      if (discovery_.summary.termination == Termination::kInterrupted) break;
+      const bool better =
+          Good() && Left() &&
+          (Deviance(problem_, before.summary) -
+           Deviance(problem_, discovery_.summary)) /
+                  memory >
+              prices_.Sum(discovery_.equations) - prices_.Sum(before.equations);
+      if (!better) {
+        discovery_ = before;
+        last_model_ = model_before;
+        return true;
+      }
+    }
+    return true;
+  }
+
+  bool FirstSteps() {
+    IdentificationProblem first;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredProblem(problem_, last_model_, discovery_.equations, {},
+                               &first, &initial, error_)) {
+      return false;
+    }
+    substeps_ = FinerSteps(first);
+    return true;
+  }
+
+  // The finer of the steps of the network's fit and of those that the equations
+  // in `problem` ask for.
+  std::vector<int> FinerSteps(const IdentificationProblem& problem) const {
+    std::vector<int> substeps;
+    for (size_t r = 0; r < problem_.records.size(); ++r) {
+      substeps.push_back(
+          std::max(problem_.records[r].substeps, problem.records[r].substeps));
+    }
+    return substeps;
+  }
+
+  bool Fit(int factor) {
+    std::vector<int> substeps = substeps_;
+    for (int& count : substeps) count *= factor;
+    IdentifiedModel initial;
+    if (!MakeDiscoveredProblem(num_fits_ > 0 ? discovery_.problem : problem_,
+                               last_model_, discovery_.equations, substeps,
+                               &discovery_.problem, &initial, error_)) {
+      return false;
+    }
+    ++num_fits_;
+    unfitted_ = false;
+    discovery_.refitted = true;
+    discovery_.step_refinement = factor;
+    Identify(discovery_.problem, Options(), &initial, &discovery_.summary,
+             &discovery_.model);
+    if (discovery_.model.parameters.size() == initial.parameters.size()) {
+      last_model_ = discovery_.model;
+      TakeOver(discovery_.summary, &discovery_.equations);
+    }
+    return true;
+  }
+
+  // As given, and whoever asked hears of the equations as they change.
+  IdentificationOptions Options() const {
+    IdentificationOptions options = identification_;
+    if (!exact_) DecideQuickly(&options);
+    if (!options_.on_equations) return options;
+    options.callback = [this](const IdentificationProgress& progress) {
+      std::vector<DiscoveredEquation> equations = discovery_.equations;
+      const ParameterLayout layout(discovery_.problem);
+      std::map<std::string, double> values;
+      for (int i = 0; i < layout.num_parameters(); ++i) {
+        values[layout.parameter(i).name] = progress.model->parameters[i];
+      }
+      for (DiscoveredEquation& equation : equations) {
+        for (DiscoveredTerm& term : equation.terms) {
+          const auto found = values.find(CoefficientName(equation, term.basis));
+          if (found != values.end()) term.coefficient = found->second;
+        }
+      }
+      options_.on_equations(num_fits_, equations);
+      return !identification_.callback || identification_.callback(progress);
+    };
+    return options;
+  }
+
+  bool Agree(const std::vector<DiscoveredEquation>& before) const {
+    for (size_t e = 0; e < before.size(); ++e) {
+      const DiscoveredEquation& after = discovery_.equations[e];
+      for (size_t k = 0; k < after.terms.size(); ++k) {
+        const ParameterEstimate* estimate = FindEstimate(
+            discovery_.summary, CoefficientName(after, after.terms[k].basis));
+        const double sigma =
+            estimate != nullptr && std::isfinite(estimate->sigma)
+                ? estimate->sigma
+                : 0.0;
+        const double value = after.terms[k].coefficient;
+        const double moved = std::abs(value - before[e].terms[k].coefficient);
+        if (moved > std::max(0.1 * sigma, 1e-8 * std::abs(value))) return false;
+      }
+    }
+    return true;
+  }
+
+  const IdentificationProblem& problem_;
+  const IdentifiedModel& model_;
+  const DiscoveryOptions& options_;
+  const IdentificationOptions& identification_;
+  Discovery& discovery_;
+  std::string* error_;
+  IdentifiedModel last_model_;
+  std::vector<int> substeps_;
+  TermPrices prices_;
+  int num_fits_ = 0;
+  bool unfitted_ = false;  // begun without terms, and without a fit
+  bool exact_ = true;
+};
+
+}  // namespace
+
+int Discovery::num_terms() const { return CountTerms(equations); }
+
+bool RefitEquations(const IdentificationProblem& problem,
+                    const IdentifiedModel& model,
+                    const std::vector<DiscoveredEquation>& equations,
+                    const DiscoveryOptions& options,
+                    const IdentificationOptions& identification,
+                    const std::vector<DiscoveredEquation>* resumed,
+                    Discovery* discovery, std::string* error) {
+  if (!problem.IsValid(error) || !options.IsValid(error) ||
+      !identification.IsValid(error) ||
+      !AreEquationsOf(problem, equations, error)) {
+    return false;
+  }
+  if (resumed != nullptr) {
+    if (resumed->size() != equations.size()) {
+      *error = "the refit that is to go on was of other equations";
+      return false;
+    }
+    if (!AreEquationsOf(problem, *resumed, error)) return false;
+  }
+  Discovery result;
+  if (!Refitter(problem, model, options, identification, &result, error)
+           .Run(equations, resumed != nullptr ? *resumed : equations)) {
+    return false;
+  }
+  CompleteTerms(problem, equations, &result.summary, &result.equations);
+  *discovery = std::move(result);
+  return true;
+}
+
+Discovery WithoutRefit(const IdentificationProblem& problem,
+                       const std::vector<DiscoveredEquation>& equations) {
+  Discovery discovery;
+  discovery.equations = equations;
+  std::string unused;
+  if (AreEquationsOf(problem, equations, &unused)) {
+    CompleteTerms(problem, equations, nullptr, &discovery.equations);
+  }
+  return discovery;
+}
+
+}  // namespace pinode

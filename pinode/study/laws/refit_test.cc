@@ -1,0 +1,244 @@
+#include "pinode/study/laws/refit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/integrate/rk4.h"
+#include "pinode/network/network.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/study/terms/discovered_problem.h"
+#include "tests/support/study_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// x'' + 0.4 x' + 9 x + 2 x^3 = 0 from x = 1.5; the model has a network in place
+// of the cubic term.
+class RefitTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto dynamics = std::make_shared<StructuralDynamics>(
+        MakeStructuralModel(Matrix::Ones(1, 1), Matrix::Constant(1, 1, 0.4),
+                            Matrix::Constant(1, 1, 9.0), {"u"}),
+        std::vector<InputSpec>());
+    NetworkArchitecture architecture;
+    architecture.num_inputs = 2;
+    architecture.num_outputs = 1;
+    architecture.hidden_widths = {2};
+    NetworkTerm network;
+    network.name = "nn";
+    network.network = std::make_shared<Network>(architecture);
+    network.features = {Feature::Displacement(0), Feature::Velocity(0)};
+    network.outputs = Matrix::Ones(1, 1);
+    network.output_names = {"u"};
+    network.weights.name = "nn";
+    network.weights.decays = architecture.NonlinearWeights();
+    for (int i = 0; i < architecture.NumWeights(); ++i) {
+      Parameter weight;
+      weight.name = "nn[" + std::to_string(i) + "]";
+      weight.value = 0.1 * std::sin(1.7 * i + 0.3);
+      network.weights.parameters.push_back(weight);
+    }
+    ASSERT_TRUE(dynamics->AddNetwork(std::move(network), &error_)) << error_;
+    problem_.dynamics = dynamics;
+    problem_.records = {FreeVibration()};
+    problem_.description.remarks = {"network 'nn' is gauged.", "other"};
+    ChooseStepsOrFail(&problem_);
+    options_.num_threads = 1;
+    model_.parameters = ParameterLayout(problem_).InitialValues();
+    equation_.network = "nn";
+    equation_.output = "u";
+    equation_.features = {Feature::Displacement(0), Feature::Velocity(0)};
+    equation_.feature_names = {"x[u]", "v[u]"};
+    equation_.scale = 5.0;
+    Add("x[u]^3", -1.8, 0.7);
+  }
+
+  static IdentificationRecord FreeVibration() {
+    constexpr int kOscillatorSamples = 81;
+    constexpr int kSubsteps = 200;
+    constexpr double kOscillatorStep = 0.05;
+    IdentificationRecord record;
+    record.name = "free";
+    record.excitation.emplace(0.0, kOscillatorStep,
+                              Matrix(0, kOscillatorSamples),
+                              Interpolation::kLinear);
+    record.start = IdentificationRecord::Start::kFree;
+    record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
+                       testing::MakeChannel("v", Quantity::kVelocity, 1, 0)};
+    for (MeasuredChannel& channel : record.channels) {
+      channel.values.resize(kOscillatorSamples);
+    }
+    double state[] = {1.5, 0.0};
+    Rk4Scratch<double> scratch(2);
+    for (int i = 0; i < kOscillatorSamples; ++i) {
+      record.channels[0].values[i] = state[0];
+      record.channels[1].values[i] = state[1];
+      for (int s = 0; s < kSubsteps; ++s) {
+        Rk4Step(
+            [](int, double, const double* h, double* rate) {
+              rate[0] = h[1];
+              rate[1] = -9.0 * h[0] - 0.4 * h[1] - 2.0 * h[0] * h[0] * h[0];
+            },
+            0.0, kOscillatorStep / kSubsteps, state, &scratch);
+      }
+    }
+    return record;
+  }
+
+  void Add(const std::string& basis, double coefficient, double rms) {
+    DiscoveredTerm term;
+    term.basis = basis;
+    term.coefficient = coefficient;
+    term.basis_rms = rms;
+    term.share = std::abs(coefficient) * rms / equation_.scale;
+    equation_.terms.push_back(term);
+  }
+
+  bool Refit(Discovery* discovery) {
+    return RefitEquations(problem_, model_, {equation_}, DiscoveryOptions(),
+                          options_, nullptr, discovery, &error_);
+  }
+
+  std::string error_;
+  IdentificationProblem problem_;
+  IdentificationOptions options_;
+  IdentifiedModel model_;
+  DiscoveredEquation equation_;
+};
+
+TEST_F(RefitTest, HasTheLibraryInPlaceOfTheNetwork) {
+  IdentificationProblem found;
+  IdentifiedModel initial;
+  ASSERT_TRUE(MakeDiscoveredProblem(problem_, model_, {equation_}, {7}, &found,
+                                    &initial, &error_))
+      << error_;
+  EXPECT_TRUE(found.dynamics->networks().empty());
+  ASSERT_EQ(found.dynamics->laws().size(), 1u);
+  const LawTerm& law = found.dynamics->laws()[0];
+  EXPECT_EQ(law.name, "nn_u");
+  EXPECT_EQ(law.acts_as, ActsAs::kAcceleration);
+  // v[u] is not looked at.
+  EXPECT_EQ(law.features.size(), 1u);
+  EXPECT_EQ(found.records[0].substeps, 7);
+  ASSERT_EQ(initial.parameters.size(), 1);
+  EXPECT_EQ(initial.parameters[0], -1.8);
+  // What scores are compared with has no cubic term.
+  EXPECT_EQ(law.parameters.parameters[0].value, 0.0);
+  EXPECT_THAT(found.description.remarks, ElementsAre("other"));
+}
+
+TEST_F(RefitTest, RefitFindsTheCoefficientAndDropsWhatIsNotThere) {
+  Add("v[u]^3", 0.01, 30.0);
+  Add("x[u]", -0.2, 0.8);
+  Discovery discovery;
+  ASSERT_TRUE(Refit(&discovery)) << error_;
+  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  EXPECT_THAT(discovery.dropped,
+              ::testing::UnorderedElementsAre("u: v[u]^3", "u: x[u]"));
+  ASSERT_EQ(discovery.num_terms(), 1);
+  ASSERT_EQ(discovery.equations[0].terms.size(), 1u);
+  const DiscoveredTerm& term = discovery.equations[0].terms[0];
+  EXPECT_EQ(term.basis, "x[u]^3");
+  EXPECT_EQ(term.unit, "1/m^2/s^2");
+  EXPECT_NEAR(term.coefficient, -2.0, 2e-8);
+  EXPECT_LT(term.lower95, term.coefficient);
+  EXPECT_GT(term.upper95, term.coefficient);
+  EXPECT_LT(term.upper95 - term.lower95, 1e-6);
+  EXPECT_EQ(term.regressed, -1.8);
+  EXPECT_GT(discovery.step_refinement, 1);
+}
+
+// What is regressed on a network that follows the noise need not give finite
+// trajectories.
+TEST_F(RefitTest, TermsThatCannotBeFittedDoNotStay) {
+  equation_.terms.clear();
+  Add("x[u]^3", 1e6, 0.7);
+  Add("v[u]^3", 1e6, 30.0);
+  equation_.num_candidates = 5;
+  for (const char* basis :
+       {"x[u]^2", "x[u]*v[u]", "v[u]^2", "x[u]^3", "v[u]^3"}) {
+    DiscoveryCandidate candidate;
+    candidate.basis = basis;
+    candidate.rms = 1.0;
+    equation_.candidates.push_back(candidate);
+  }
+  Discovery discovery;
+  ASSERT_TRUE(Refit(&discovery)) << error_;
+  EXPECT_TRUE(discovery.refitted);
+  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  ASSERT_EQ(discovery.num_terms(), 1);
+  EXPECT_EQ(discovery.equations[0].terms[0].basis, "x[u]^3");
+  EXPECT_NEAR(discovery.equations[0].terms[0].coefficient, -2.0, 2e-8);
+}
+
+TEST_F(RefitTest, GivenCoefficientsStayAndSignsAreBounds) {
+  equation_.terms[0].coefficient = -2.1;
+  equation_.terms[0].given = true;
+  Add("v[u]", -0.05, 3.0);
+  equation_.terms[1].sign = -1;
+  IdentificationProblem found;
+  IdentifiedModel initial;
+  ASSERT_TRUE(MakeDiscoveredProblem(problem_, model_, {equation_}, {}, &found,
+                                    &initial, &error_))
+      << error_;
+  const std::vector<Parameter>& xi =
+      found.dynamics->laws()[0].parameters.parameters;
+  EXPECT_FALSE(xi[0].free);
+  EXPECT_EQ(xi[0].value, -2.1);
+  EXPECT_TRUE(xi[1].free);
+  EXPECT_EQ(xi[1].upper, 0.0);
+}
+
+TEST_F(RefitTest, RefusesWhatDoesNotFitTogether) {
+  Discovery discovery;
+  const auto refusal = [&] {
+    error_.clear();
+    EXPECT_FALSE(Refit(&discovery));
+    return error_;
+  };
+  const DiscoveredEquation good = equation_;
+  equation_.output = "w";
+  EXPECT_THAT(refusal(), HasSubstr("'w' is neither a DOF"));
+  equation_ = good;
+  equation_.terms[0].basis = "x[w]^3";
+  EXPECT_THAT(refusal(), HasSubstr("x[w]"));
+  equation_ = good;
+  equation_.feature_names.pop_back();
+  EXPECT_THAT(refusal(), HasSubstr("name for every feature"));
+  equation_ = good;
+  equation_.features[1].a = 4;
+  EXPECT_FALSE(refusal().empty());
+  equation_ = good;
+  equation_.candidates.emplace_back();
+  equation_.candidates[0].basis = "sin(";
+  EXPECT_FALSE(refusal().empty());
+  equation_ = good;
+  model_.parameters.conservativeResize(1);
+  EXPECT_THAT(refusal(), HasSubstr("parameters"));
+  model_.parameters = ParameterLayout(problem_).InitialValues();
+  options_.max_num_iterations = -1;
+  EXPECT_THAT(refusal(), HasSubstr("max_iterations"));
+  options_ = {};
+  const std::vector<DiscoveredEquation> resumed;
+  EXPECT_FALSE(RefitEquations(problem_, model_, {equation_}, {}, options_,
+                              &resumed, &discovery, &error_));
+  EXPECT_THAT(error_, HasSubstr("other equations"));
+  IdentificationProblem found;
+  IdentifiedModel initial;
+  EXPECT_FALSE(MakeDiscoveredProblem(problem_, model_, {equation_}, {1, 1},
+                                     &found, &initial, &error_));
+  EXPECT_THAT(error_, HasSubstr("2 records, expected 1"));
+}
+
+}  // namespace
+}  // namespace pinode

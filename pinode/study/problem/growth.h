@@ -1,0 +1,93 @@
+// Problems that are made from others: the same records, other terms.
+
+#ifndef PINODE_STUDY_PROBLEM_GROWTH_H_
+#define PINODE_STUDY_PROBLEM_GROWTH_H_
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
+
+namespace pinode {
+
+// `text` as the name of a term: names of DOFs, of which it may be made, are
+// freer.
+std::string TermName(std::string text);
+
+// The terms of a structure apart from its matrices.
+struct StructureTerms {
+  std::vector<GroupTerm> groups;
+  std::vector<LawTerm> laws;
+  std::vector<UnknownForceTerm> unknown_forces;
+  std::vector<NetworkTerm> networks;
+  // Scales of forces, and kinds that the library does not know
+  // (StructuralDynamics::AddTerm).
+  std::vector<std::shared_ptr<const Term>> others;
+  // Of the groups.
+  std::vector<GroupCurve> group_curves;
+};
+StructureTerms TermsOf(const StructuralDynamics& dynamics);
+
+// `model`, which is valid, with `terms`. False, with *error, where one of them
+// does not fit it, or the mass matrix with the groups is not positive definite.
+[[nodiscard]] bool Assemble(const StructuralModel& model,
+                            const std::vector<InputSpec>& inputs,
+                            const StructureTerms& terms,
+                            std::shared_ptr<const StructuralDynamics>* dynamics,
+                            std::string* error);
+
+// The steps of a problem whose terms are new: `substeps`, one a record, where
+// it is not empty, given then; else those that were chosen, again. False, with
+// *error, where they are unstable or cannot be chosen.
+[[nodiscard]] bool SetStepsAgain(const std::vector<int>& substeps,
+                                 IdentificationProblem* problem,
+                                 std::string* error);
+
+// Whether `summary` and `model` can be what came out of a fit of `problem`: its
+// sizes, parameters that are finite, and, with `needs_covariance`, a usable fit
+// with the covariance of its free named parameters. On failure *error says what
+// is missing.
+[[nodiscard]] bool IsFitOf(const IdentificationProblem& problem,
+                           const IdentificationSummary& summary,
+                           const IdentifiedModel& model, bool needs_covariance,
+                           std::string* error);
+
+// The parameters of `problem` by name, as in `model`, which has one value per
+// parameter of it.
+std::map<std::string, double> ParametersByName(
+    const IdentificationProblem& problem, const IdentifiedModel& model);
+
+// Fits `problem` from `begin` (nullptr: from the problem's own values); `what`
+// is for a progress line.
+using FitFunction = std::function<void(
+    const std::string& what, const IdentificationProblem& problem,
+    const IdentificationOptions& options, const IdentifiedModel* begin,
+    IdentificationSummary* summary, IdentifiedModel* model)>;
+
+// `fit`, or Identify where it is empty.
+FitFunction FitOrIdentify(FitFunction fit);
+
+// For a fit that begins where one of much the same problem ended: segments are
+// for those that begin far away.
+void BeginNearTheEnd(IdentificationOptions* options);
+
+// For a fit that only decides which terms stay: it need not be exact, and wrong
+// terms have long valleys.
+void DecideQuickly(IdentificationOptions* options);
+
+// What a fit of `problem` begins from: `values` where it has parameters of
+// these names, its own initial values elsewhere; noise and starts of `model`, a
+// fit of the same records.
+IdentifiedModel BeginFrom(const std::map<std::string, double>& values,
+                          const IdentifiedModel& model,
+                          const IdentificationProblem& problem);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_PROBLEM_GROWTH_H_

@@ -1,0 +1,62 @@
+// Problems from matrices and arrays.
+//
+// A problem is a plain struct and can be filled by hand; these functions check
+// what the constructors of its parts would abort on, and save lines.
+
+#ifndef PINODE_STUDY_PROBLEM_MAKE_PROBLEM_H_
+#define PINODE_STUDY_PROBLEM_MAKE_PROBLEM_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/record/excitation.h"
+#include "pinode/structure/model/structural_model.h"
+#include "pinode/study/problem/growth.h"
+
+namespace pinode {
+
+// A free unknown alpha that begins at 0: the model's `target` plus alpha times
+// `matrix` (num_dofs x num_dofs).
+GroupTerm MakeFreeGroup(const std::string& name, MatrixGroup::Target target,
+                        const Matrix& matrix);
+
+// `values`, one a sample, of a sensor that measures `quantity` times `weights`
+// (one per DOF), in the model's units.
+MeasuredChannel MakeMeasuredChannel(const std::string& name, Quantity quantity,
+                                    const Vector& weights,
+                                    const Vector& values);
+
+// One such channel per DOF from the columns of `values` (samples x DOFs), named
+// "<prefix>1", "<prefix>2", ...
+std::vector<MeasuredChannel> MakeChannels(const std::string& prefix,
+                                          Quantity quantity,
+                                          const Matrix& values);
+
+// An acceleration of the ground in each direction of `model`, ground_<name>.
+std::vector<InputSpec> GroundMotion(const StructuralModel& model);
+
+// The structure `model` with these inputs and terms, and no records yet. False,
+// with *error and *problem untouched, where the model is not valid, or where an
+// input or a term does not fit it.
+[[nodiscard]] bool MakeProblem(const StructuralModel& model,
+                               const std::vector<InputSpec>& inputs,
+                               const StructureTerms& terms,
+                               IdentificationProblem* problem,
+                               std::string* error);
+
+// Adds a training record that begins at rest, with one row of `inputs` per
+// input of the model and one column a sample, `step` apart. False, with *error
+// and *problem untouched, where sizes or numbers are wrong; that the channels
+// fit is checked by PrepareProblem.
+[[nodiscard]] bool AddRecord(const std::string& name, double step,
+                             const Matrix& inputs, Interpolation interpolation,
+                             const std::vector<MeasuredChannel>& channels,
+                             IdentificationProblem* problem,
+                             std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_PROBLEM_MAKE_PROBLEM_H_

@@ -1,0 +1,133 @@
+#include "pinode/study/terms/term_proposal.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/study/terms/discovered_problem.h"
+#include "pinode/study/terms/term_worth.h"
+
+namespace pinode {
+namespace {
+
+// Positions of the free parameters by name.
+std::map<std::string, int> FreeEntries(const ParameterLayout& layout) {
+  std::map<std::string, int> entries;
+  for (const int i : layout.free()) {
+    entries[layout.parameter(i).name] = layout.FreeIndex(i);
+  }
+  return entries;
+}
+
+// What SelectStepwise is asked: entries of the libraries may be left out and
+// count from 0, all others stay and count from where they are.
+struct StepwiseInput {
+  StepwiseOptions options;
+  Vector from_zero;
+  std::vector<int> start;
+};
+
+StepwiseInput MakeStepwiseInput(const std::vector<DiscoveredEquation>& wide,
+                                const std::vector<DiscoveredEquation>& present,
+                                const std::map<std::string, int>& entries,
+                                const DiscoveryOptions& discovery,
+                                const TermPrices& prices, const Vector& free) {
+  StepwiseInput input;
+  StepwiseOptions& options = input.options;
+  const size_t size = static_cast<size_t>(free.size());
+  options.prices = Vector::Zero(free.size());
+  options.optional.assign(size, false);
+  options.signs.assign(size, 0);
+  options.smallest = Vector::Zero(free.size());
+  input.from_zero = Vector::Zero(free.size());
+  for (size_t e = 0; e < wide.size(); ++e) {
+    for (const DiscoveredTerm& term : wide[e].terms) {
+      const auto found = entries.find(CoefficientName(wide[e], term.basis));
+      if (term.given || found == entries.end()) continue;
+      const int j = found->second;
+      input.from_zero[j] = free[j];
+      options.prices[j] = prices.Of(wide[e], term);
+      options.optional[static_cast<size_t>(j)] = true;
+      options.signs[static_cast<size_t>(j)] = term.sign;
+      options.smallest[j] = discovery.prune_fraction * discovery.tolerance *
+                            wide[e].scale / std::max(term.basis_rms, 1e-300);
+      if (HasTerm(present[e], term.basis)) input.start.push_back(j);
+    }
+  }
+  return input;
+}
+
+}  // namespace
+
+std::vector<int> SupportNearFit(const FittedCost& around, double memory,
+                                const Vector& from_zero,
+                                const StepwiseOptions& options,
+                                const std::vector<int>& start) {
+  QuadraticCost cost;
+  cost.hessian = around.system.hessian / memory;
+  cost.gradient = around.system.gradient / memory;
+  cost.gradient -= cost.hessian * from_zero;
+  return SelectStepwise(cost, options, start);
+}
+
+std::vector<DiscoveredEquation> WithAllCandidates(
+    std::vector<DiscoveredEquation> equations) {
+  for (DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      if (HasTerm(equation, candidate.basis)) continue;
+      DiscoveredTerm term;
+      term.basis = candidate.basis;
+      term.basis_rms = candidate.rms;
+      term.sign = candidate.sign;
+      term.inclusion_probability = kNaN;
+      equation.terms.push_back(std::move(term));
+    }
+  }
+  return equations;
+}
+
+bool ProposeTerms(const FittedEquations& fitted,
+                  const DiscoveryOptions& options, const TermPrices& prices,
+                  int num_threads, std::vector<DiscoveredEquation>* equations,
+                  double* memory, std::string* error) {
+  const std::vector<DiscoveredEquation> wide =
+      WithAllCandidates(fitted.equations);
+  IdentificationProblem problem;
+  IdentifiedModel initial;
+  if (!MakeDiscoveredProblem(fitted.problem, fitted.model, wide,
+                             fitted.substeps, &problem, &initial, error)) {
+    return false;
+  }
+  const ParameterLayout layout(problem);
+  const Vector free = layout.Free(initial.parameters);
+  initial.decays = fitted.model.decays;
+  FittedCost around;
+  if (!LinearizeAtFit(problem, layout, initial, fitted.records, num_threads,
+                      &around)) {
+    return true;
+  }
+  *memory = around.memory;
+
+  const std::map<std::string, int> entries = FreeEntries(layout);
+  const StepwiseInput input =
+      MakeStepwiseInput(wide, fitted.equations, entries, options, prices, free);
+  const std::vector<int> support = SupportNearFit(
+      around, *memory, input.from_zero, input.options, input.start);
+  for (size_t e = 0; e < wide.size(); ++e) {
+    std::vector<DiscoveredTerm> terms;
+    for (const DiscoveredTerm& term : wide[e].terms) {
+      const auto found = entries.find(CoefficientName(wide[e], term.basis));
+      if (term.given ||
+          (found != entries.end() &&
+           std::binary_search(support.begin(), support.end(), found->second))) {
+        terms.push_back(term);
+      }
+    }
+    (*equations)[e].terms = std::move(terms);
+  }
+  return true;
+}
+
+}  // namespace pinode

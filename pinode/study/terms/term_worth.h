@@ -1,0 +1,51 @@
+// What a term of a discovered equation is worth on the trajectories.
+
+#ifndef PINODE_STUDY_TERMS_TERM_WORTH_H_
+#define PINODE_STUDY_TERMS_TERM_WORTH_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/discover/discovery.h"
+#include "pinode/discover/term_prices.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
+
+namespace pinode {
+
+// Whether `basis` is among the equation's terms.
+bool HasTerm(const DiscoveredEquation& equation, const std::string& basis);
+
+int CountTerms(const std::vector<DiscoveredEquation>& equations);
+
+// The parameter of that name; nullptr where there is none.
+const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
+                                      const std::string& name);
+
+// Values of the training records that are fitted.
+Eigen::Index NumFittedValues(const IdentificationProblem& problem);
+
+// Twice the negative log-likelihood of the training records, but for what does
+// not depend on the model:
+//
+//   sum_c n_c RMSE_c^2 / sigma_c^2,  or  n_c ln RMSE_c^2
+//
+// where the noise of channel c is to be estimated. `summary` is of a fit of
+// `problem`.
+double Deviance(const IdentificationProblem& problem,
+                const IdentificationSummary& summary);
+
+// Coefficients and shares as fitted.
+void TakeOver(const IdentificationSummary& summary,
+              std::vector<DiscoveredEquation>* equations);
+
+// Takes out the term that is least worth its place: one with a share below
+// prune_fraction of the tolerance, with a coefficient at the bound that its
+// sign sets, or with (xi / sigma_xi)^2 below its price. False where all are.
+bool DropWeakest(const DiscoveryOptions& options,
+                 const IdentificationSummary& summary, const TermPrices& prices,
+                 std::vector<DiscoveredEquation>* equations);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_TERMS_TERM_WORTH_H_

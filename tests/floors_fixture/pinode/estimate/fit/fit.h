@@ -1,0 +1,1 @@
+#include "pinode/estimate/solver/solve.h"

@@ -1,0 +1,1 @@
+#include "pinode/structure/model/model.h"  // refused
