@@ -140,20 +140,20 @@ int RunProgram(int argc, char** argv) {
   ranks.ShareWork(&c.options);
 
   // 2. The new state.
-  const FitWatch watch = ConsoleWatch(FLAGS_progress);
+  ConsoleWatch watch(FLAGS_progress);
   KeepFreedMemory();
   ResultFolder folder;
   IdentificationSummary summary;
   IdentifiedModel model;
   if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
                   &error) ||
-      !FitCase(folder, &begin_from, watch, &c, &summary, &model, &error)) {
+      !FitCase(folder, &begin_from, &watch, &c, &summary, &model, &error)) {
     return Refuse(error);
   }
 
   // 3. What changed.
   const JudgedChange judgement =
-      JudgeChange(summary, model, baselines, change, watch, &c);
+      JudgeChange(summary, model, baselines, change, &watch, &c);
   if (!judgement.why_not.empty()) {
     std::fprintf(stderr, "nothing can be said about changes: %s\n",
                  judgement.why_not.c_str());
@@ -165,7 +165,7 @@ int RunProgram(int argc, char** argv) {
   }
 
   const int status_of_fit = judgement.interrupted ? kExitInterrupted
-                            : summary.usable && judgement.judged
+                            : summary.usable() && judgement.judged
                                 ? kExitDone
                                 : kExitNotUsable;
   if (!ranks.is_first()) return status_of_fit;

@@ -21,9 +21,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/console_watch.h"
 #include "apps/fit_flags.h"
 #include "apps/program.h"
-#include "apps/progress_line.h"
 #include "apps/ranks.h"
 #include "pinode/base/free_memory.h"
 #include "pinode/base/parallel_for.h"
@@ -97,28 +97,28 @@ bool FindTerms(const Case& c, IdentifiedModel* model,
   return found;
 }
 
-// Watches a refit: its progress on standard error, and a checkpoint.
-class RefitWatch {
+// Watch on a refit: progress on standard error, and a checkpoint.
+class RefitWatch : public ConsoleWatch {
  public:
   explicit RefitWatch(RefitCheckpoint* checkpoint)
-      : line_(FLAGS_progress), checkpoint_(checkpoint) {}
+      : ConsoleWatch(FLAGS_progress), checkpoint_(checkpoint) {}
 
-  void Watch(DiscoveryOptions* discover, IdentificationOptions* options) {
-    options->callback = [this](const IdentificationProgress& progress) {
-      line_.Show(which_, progress);
-      return !Interrupted();
-    };
-    discover->on_equations =
-        [this](int fit, const std::vector<DiscoveredEquation>& equations) {
-          Name(fit, equations);
-          checkpoint_->Save(equations);
-          if (warned_ || checkpoint_->trouble().empty()) return;
-          std::fprintf(stderr, "no checkpoint: %s\n",
-                       checkpoint_->trouble().c_str());
-          warned_ = true;
-        };
+  bool OnIteration(const std::string&, const IdentificationProblem& problem,
+                   const IdentificationProgress& progress) override {
+    return ConsoleWatch::OnIteration(which_, problem, progress);
   }
-  void End() { line_.End(); }
+  // One line for all fits of a refit.
+  void OnFitEnd(Termination) override {}
+  void End() { line()->End(); }
+
+  // For DiscoveryOptions::on_equations.
+  void OnEquations(int fit, const std::vector<DiscoveredEquation>& equations) {
+    Name(fit, equations);
+    checkpoint_->Save(equations);
+    if (warned_ || checkpoint_->trouble().empty()) return;
+    OnTrouble("no checkpoint: " + checkpoint_->trouble());
+    warned_ = true;
+  }
 
  private:
   void Name(int fit, const std::vector<DiscoveredEquation>& equations) {
@@ -127,10 +127,9 @@ class RefitWatch {
       terms += equation.terms.size();
     }
     which_ = "fit " + std::to_string(fit) + ", " + std::to_string(terms) +
-             (terms == 1 ? " term  " : " terms  ");
+             (terms == 1 ? " term" : " terms");
   }
 
-  ProgressLine line_;
   RefitCheckpoint* const checkpoint_;
   std::string which_;
   bool warned_ = false;
@@ -151,14 +150,16 @@ bool RefitTerms(const Case& c, const IdentifiedModel& model,
   }
   *discovery = WithoutRefit(c.problem, equations);
   if (!c.discover.refit || discovery->num_terms() == 0) return true;
-  DiscoveryOptions discover = c.discover;
-  IdentificationOptions options = c.options;
   RefitWatch watch(checkpoint);
+  DiscoveryOptions discover = c.discover;
+  discover.on_equations = [&watch](int fit,
+                                   const std::vector<DiscoveredEquation>& now) {
+    watch.OnEquations(fit, now);
+  };
   KeepFreedMemory();
-  watch.Watch(&discover, &options);
-  const bool refitted =
-      RefitEquations(c.problem, model, equations, discover, options,
-                     resumed.empty() ? nullptr : &resumed, discovery, error);
+  const bool refitted = RefitEquations(
+      c.problem, model, equations, discover, c.options,
+      resumed.empty() ? nullptr : &resumed, &watch, discovery, error);
   watch.End();
   return refitted;
 }
@@ -271,11 +272,9 @@ int RunProgram(int argc, char** argv) {
     return Refuse(error);
   }
 
-  const bool usable = discovery.num_terms() > 0 &&
-                      (!discovery.refitted || discovery.summary.usable);
-  const int status_of_fit = IsInterrupted(discovery) ? kExitInterrupted
-                            : usable                 ? kExitDone
-                                                     : kExitNotUsable;
+  const int status_of_fit = IsInterrupted(discovery)       ? kExitInterrupted
+                            : discovery.verdict().usable() ? kExitDone
+                                                           : kExitNotUsable;
   if (!ranks.is_first()) return status_of_fit;
 
   // 4. The model that has the equations, and a report.

@@ -80,22 +80,22 @@ int RunProgram(int argc, char** argv) {
   // 3. The fit, with a checkpoint after every iteration.
   IdentificationSummary summary;
   IdentifiedModel model;
-  const FitWatch watch = ConsoleWatch(FLAGS_progress);
+  ConsoleWatch watch(FLAGS_progress);
   KeepFreedMemory();
-  if (!FitCase(folder, nullptr, watch, &c, &summary, &model, &error)) {
+  if (!FitCase(folder, nullptr, &watch, &c, &summary, &model, &error)) {
     return Refuse(error);
   }
 
   const bool profiles = FLAGS_profiles || c.profiles.has_value();
   if (profiles && !ranks.Interrupted()) {
-    ProfileCase(folder, watch, &c, model, &summary);
+    ProfileCase(folder, &watch, &c, model, &summary);
   }
   const bool cut_off = summary.termination == Termination::kInterrupted ||
                        (profiles && ranks.Interrupted());
 
-  const int status_of_fit = cut_off          ? kExitInterrupted
-                            : summary.usable ? kExitDone
-                                             : kExitNotUsable;
+  const int status_of_fit = cut_off            ? kExitInterrupted
+                            : summary.usable() ? kExitDone
+                                               : kExitNotUsable;
   if (!ranks.is_first()) return status_of_fit;
 
   // 4. Results and report.

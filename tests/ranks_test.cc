@@ -10,9 +10,9 @@
 #include "pinode/discover/lasso.h"
 #include "pinode/discover/regression_problem.h"
 #include "pinode/estimate/certainty/profile.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/ranks_testing.h"
 
 namespace pinode {
@@ -116,7 +116,8 @@ Outcome FitOn(const IdentificationProblem& problem, int num_starts,
   options.communicator = communicator;
   options.num_starts = num_starts;
   Outcome outcome;
-  Identify(problem, options, nullptr, &outcome.summary, &outcome.model);
+  testing::FitAndJudge(problem, options, nullptr, &outcome.summary,
+                       &outcome.model);
   std::string error;
   EXPECT_TRUE(ProfileParameters(problem, outcome.summary, outcome.model,
                                 options, ProfileOptions(), &outcome.profiles,
@@ -129,13 +130,13 @@ Outcome FitOn(const IdentificationProblem& problem, int num_starts,
 TEST(Ranks, FitTogether) {
   IdentificationProblem problem = GroupedChainProblem(2, 200);
   const Outcome alone = FitOn(problem, 3, nullptr);
-  ASSERT_TRUE(alone.summary.usable) << alone.summary.message;
+  ASSERT_TRUE(alone.summary.usable()) << alone.summary.message;
   std::vector<Outcome> found(2);
   testing::ThreadRanks(2).Run([&](Communicator* ranks) {
     found[static_cast<size_t>(ranks->rank())] = FitOn(problem, 3, ranks);
   });
   for (const Outcome& one : found) {
-    EXPECT_TRUE(one.summary.usable) << one.summary.message;
+    EXPECT_TRUE(one.summary.usable()) << one.summary.message;
     EXPECT_EQ(one.summary.num_starts, 3);
     EXPECT_EQ(one.summary.num_starts_at_best, alone.summary.num_starts_at_best);
     EXPECT_EQ(one.model.parameters, found[0].model.parameters);
@@ -209,8 +210,9 @@ TEST(Ranks, StopTogether) {
       return ranks->rank() != 1;
     };
     IdentifiedModel model;
-    Identify(problem, options, nullptr,
-             &summaries[static_cast<size_t>(ranks->rank())], &model);
+    testing::FitAndJudge(problem, options, nullptr,
+                         &summaries[static_cast<size_t>(ranks->rank())],
+                         &model);
   });
   for (const IdentificationSummary& summary : summaries) {
     EXPECT_EQ(summary.termination, Termination::kInterrupted);

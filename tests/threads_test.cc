@@ -17,9 +17,9 @@
 #include "pinode/discover/regression_problem.h"
 #include "pinode/dynamics/library_function.h"
 #include "pinode/estimate/certainty/assessment.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -138,12 +138,13 @@ TEST(Threads, FitsOfOneProblemSideBySide) {
   std::vector<std::thread> threads;
   for (size_t i = 0; i < kFits; ++i) {
     threads.emplace_back([&, i]() {
-      Identify(problem, options, nullptr, &summaries[i], &models[i]);
+      testing::FitAndJudge(problem, options, nullptr, &summaries[i],
+                           &models[i]);
     });
   }
   for (std::thread& thread : threads) thread.join();
   for (size_t i = 0; i < kFits; ++i) {
-    EXPECT_TRUE(summaries[i].usable) << summaries[i].message;
+    EXPECT_TRUE(summaries[i].usable()) << summaries[i].message;
     EXPECT_EQ(models[i].parameters, models[0].parameters);
     for (double value : models[i].parameters) EXPECT_NEAR(value, 0.05, 0.01);
   }

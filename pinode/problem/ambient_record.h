@@ -150,17 +150,11 @@ struct AmbientScore {
   }
 };
 
-// Below this probability the model does not describe the record.
-inline constexpr double kLeastAmbientProbability = 1e-4;
-// Below this one its intervals are those of a sandwich.
+// Below this probability the intervals of a record are those of a sandwich.
 inline constexpr double kDoubtfulAmbientProbability = 0.05;
 
 // Numbers of the loads' covariances at all knots.
 inline constexpr Eigen::Index kMostLoadUnknowns = 4000;
-
-// Where less than this part of the information is left, loads explain all that
-// a record shows.
-inline constexpr double kLeastInformationLeft = 0.01;
 
 }  // namespace pinode
 

@@ -20,7 +20,7 @@ const char* TerminationName(Termination termination) {
 
 std::string IdentificationSummary::BriefReport() const {
   std::ostringstream text;
-  text << (usable ? "usable" : "not usable") << ", " << message << ", "
+  text << (usable() ? "usable" : "not usable") << ", " << message << ", "
        << num_iterations << " iterations, " << seconds << " s";
   for (const RecordScore& record : records) {
     text << "; " << record.name

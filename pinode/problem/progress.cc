@@ -12,7 +12,7 @@ double SecondsSince(std::chrono::steady_clock::time_point begin) {
 }
 
 Progress::Progress(const IdentificationOptions& options,
-                   ModelToKeep model_to_keep, IdentificationSummary* summary)
+                   ModelToKeep model_to_keep, FitSummary* summary)
     : options_(options),
       model_to_keep_(std::move(model_to_keep)),
       summary_(summary),

@@ -8,8 +8,9 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/types.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 
@@ -25,7 +26,7 @@ class Progress {
 
   // `options` and `summary` must outlive this object.
   Progress(const IdentificationOptions& options, ModelToKeep model_to_keep,
-           IdentificationSummary* summary);
+           FitSummary* summary);
 
   void BeginStage(int stage, int num_stages, Eigen::Index segment_samples);
   void set_free_run_error(double error) { free_run_error_ = error; }
@@ -41,7 +42,7 @@ class Progress {
  private:
   const IdentificationOptions& options_;
   const ModelToKeep model_to_keep_;
-  IdentificationSummary* summary_;
+  FitSummary* summary_;
   std::chrono::steady_clock::time_point begin_;
   int stage_ = 0;
   int num_stages_ = 0;

@@ -325,7 +325,7 @@ TextTable MakeStageTable(const ReportInput& input) {
 }
 
 std::string ConsoleReport(const ReportInput& input) {
-  std::string text = Verdict(input) + "\n";
+  std::string text = VerdictSentence(input) + "\n";
   for (const std::string& direction : input.summary->undetermined) {
     text += "Not determined by these records: " + direction + ".\n";
   }

@@ -151,8 +151,8 @@ class PageMaker {
         "source",
         "Identification by pinode " + input_.version +
             (origin.case_path.empty() ? "" : ", case " + origin.case_path));
-    page_.set("usable", summary_.usable);
-    page_.set("verdict", Verdict(input_));
+    page_.set("usable", summary_.usable());
+    page_.set("verdict", VerdictSentence(input_));
     SetIf("command", !origin.command_line.empty(), origin.command_line, &page_);
     page_.set("footer", "pinode " + input_.version + ", " +
                             Duration(origin.wall_seconds) + " in all.");

@@ -11,6 +11,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/report/figure.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/report_testing.h"
 
 namespace pinode {
@@ -154,7 +155,7 @@ TEST(HtmlReport, EscapesWhatTheUserWrote) {
   example->summary.records[0].channels[0].name = evil;
   example->summary.parameters[0].name = evil;
   example->summary.undetermined = {evil};
-  example->summary.usable = false;
+  example->summary.verdict = testing::NotUsable(evil);
   example->summary.termination = Termination::kFailure;
   example->summary.message = evil;
   const std::string html =

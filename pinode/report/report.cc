@@ -9,8 +9,8 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/report/number_text.h"
-#include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {
@@ -26,101 +26,6 @@ std::string PercentOf(double fraction) {
 const IdentificationRecord& RecordAt(const ReportInput& input, int record) {
   CHECK(input.problem != nullptr) << "a report needs the problem";
   return input.problem->records.at(static_cast<size_t>(record));
-}
-
-// That the structure found gains energy by itself, and what prevents it; empty
-// where it does not.
-std::string Instability(const ReportInput& input) {
-  CHECK(input.problem != nullptr) << "a report needs the problem";
-  const StructuralDynamics& dynamics = *input.problem->dynamics;
-  if (input.model == nullptr ||
-      input.model->parameters.size() < dynamics.num_parameters()) {
-    return "";
-  }
-  const StructuralModel model = dynamics.HeldModel(
-      input.model->parameters.head(dynamics.num_parameters()));
-  if (model.num_dofs() == 0) return "";
-  UndampedModes modes;
-  std::string unused;
-  if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, &unused)) {
-    return "";
-  }
-  const Eigen::VectorXcd values =
-      StateEigenvalues(model.mass, model.damping, model.stiffness);
-  Eigen::Index fastest = 0;
-  const double growth = values.real().maxCoeff(&fastest);
-  double longest = 0.0;
-  for (const IdentificationRecord& record : input.problem->records) {
-    longest = std::max(longest, static_cast<double>(record.num_samples() - 1) *
-                                    record.excitation->step());
-  }
-  // Less than e-fold over a record makes no run infinite; rounding makes rigid
-  // bodies grow a little.
-  if (!(growth * longest > 1.0)) return "";
-  const double frequency = std::abs(values[fastest].imag()) / kTwoPi;
-  const bool stiffness = frequency == 0.0 && modes.eigenvalues[0] < 0.0;
-  std::string text = "a motion";
-  if (frequency > 0.0) {
-    text +=
-        " at " +
-        ReadableNumber(
-            frequency * input.problem->description.HzPerModelFrequency(), 4) +
-        " Hz";
-  }
-  text += std::string(" has negative ") +
-          (stiffness ? "stiffness" : "damping") + " in the matrices found";
-  const auto target = stiffness ? MatrixGroup::Target::kStiffness
-                                : MatrixGroup::Target::kDamping;
-  const auto& groups = dynamics.groups();
-  if (std::any_of(groups.begin(), groups.end(),
-                  [target](const GroupTerm& term) {
-                    return term.group.target == target && term.alpha.free;
-                  })) {
-    text +=
-        " ('lower' or 'prior_sigma' of the groups of that matrix can "
-        "prevent it)";
-  }
-  return text;
-}
-
-// Why a result is not usable: every record that speaks against it, else what
-// the solver says.
-std::vector<std::string> Objections(const ReportInput& input) {
-  const IdentificationSummary& summary = *input.summary;
-  if (summary.termination == Termination::kFailure) return {summary.message};
-  std::vector<std::string> objections;
-  for (const RecordScore& record : summary.records) {
-    const bool train = record.role == Role::kTrain;
-    if (!record.finite) {
-      objections.push_back("the free run of record " + Quoted(record.name) +
-                           " does not stay finite");
-    } else if (record.nrmse >= 1.0) {
-      objections.push_back(
-          std::string("on the ") + (train ? "training" : "hold-out") +
-          " record " + Quoted(record.name) + " the error of the free run is " +
-          PercentOf(record.nrmse) + ", and no motion at all would leave 100 %");
-    } else if (train ? record.nrmse >= record.prior_nrmse
-                     : record.nrmse > record.prior_nrmse) {
-      objections.push_back(
-          std::string("on the ") + (train ? "training" : "hold-out") +
-          " record " + Quoted(record.name) + " the error of the free run is " +
-          PercentOf(record.nrmse) + ", the prior model's " +
-          PercentOf(record.prior_nrmse));
-    }
-  }
-  if (std::any_of(summary.records.begin(), summary.records.end(),
-                  [](const RecordScore& record) { return !record.finite; })) {
-    const std::string instability = Instability(input);
-    if (!instability.empty()) objections.push_back(instability);
-  }
-  if (objections.empty()) {
-    objections.push_back(summary.message);
-  } else if (summary.termination == Termination::kNoConvergence) {
-    objections.push_back("the fit did not converge");
-  } else if (summary.termination == Termination::kInterrupted) {
-    objections.push_back("the fit was interrupted");
-  }
-  return objections;
 }
 
 // An error of a free run in words.
@@ -173,15 +78,12 @@ std::string ModeSentence(const IdentificationSummary& summary) {
 }  // namespace
 
 std::string WhatIsMissed(const IdentificationSummary& summary) {
-  constexpr double kMuch = 0.1;
-  // Enough where it is more than the noise: friction of a tenth of a storey's
-  // force left 0.05, and intervals that excluded the truth.
-  constexpr double kSome = 0.02;
   double most = 0.0;
   for (const RecordScore& record : summary.records) {
     if (record.role != Role::kTrain) continue;
     const double missed = StructuredError(record);
-    if (missed > kMuch || (missed > kSome && NoiseShareOf(record) < 0.5)) {
+    if (missed > limits::kMuchUnexplained ||
+        (missed > limits::kNotedUnexplained && NoiseShareOf(record) < 0.5)) {
       most = std::max(most, missed);
     }
   }
@@ -191,11 +93,15 @@ std::string WhatIsMissed(const IdentificationSummary& summary) {
          "look for what it does before relying on them.";
 }
 
-std::string Verdict(const ReportInput& input) {
+std::string VerdictSentence(const ReportInput& input) {
   CHECK(input.summary != nullptr) << "a report needs the summary";
   const IdentificationSummary& summary = *input.summary;
-  if (!summary.usable) {
-    return "Not usable: " + Join(Objections(input), "; ") + ".";
+  if (!summary.usable()) {
+    std::vector<std::string> findings;
+    for (const Finding& finding : summary.verdict.findings()) {
+      findings.push_back(finding.Sentence());
+    }
+    return "Not usable: " + Join(findings, "; ") + ".";
   }
   std::vector<std::string> holdouts;
   const RecordScore* worst_training = nullptr;

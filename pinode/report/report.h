@@ -57,9 +57,9 @@ ReportInput MakeReportInput(const IdentificationProblem& problem,
                             const IdentifiedModel& model,
                             const ReportOrigin& origin = ReportOrigin());
 
-// Whether the result may be used, and why, in a sentence or two:
-//   "Usable. ..." or "Not usable: ...".
-std::string Verdict(const ReportInput& input);
+// Returns the verdict of the summary in a sentence or two: "Usable. ...", or
+// "Not usable: ..." with its findings.
+std::string VerdictSentence(const ReportInput& input);
 
 // What the model misses of the motion it was fitted to, a sentence or two;
 // empty where training records leave little but noise.

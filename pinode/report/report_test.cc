@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "pinode/base/constants.h"
 #include "tests/support/report_testing.h"
 
 namespace pinode {
@@ -14,11 +15,11 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-TEST(Verdict, PutsTheHoldoutScoreFirst) {
+TEST(VerdictSentence, PutsTheHoldoutScoreFirst) {
   const auto example = testing::MakeReportExample();
   example->summary.records[1].nrmse = 0.0312;
   example->summary.records[1].prior_nrmse = 0.45;
-  EXPECT_EQ(Verdict(example->input),
+  EXPECT_EQ(VerdictSentence(example->input),
             "Usable. The updated model predicts the hold-out record "
             "'south_quake' well, with an error of 3.12 % (prior model: "
             "45.0 %).");
@@ -26,14 +27,15 @@ TEST(Verdict, PutsTheHoldoutScoreFirst) {
     channel.nrmse = 0.0312;
     channel.noise_share = 0.25;
   }
-  EXPECT_THAT(Verdict(example->input),
+  EXPECT_THAT(VerdictSentence(example->input),
               HasSubstr("45.0 %), whose energy is noise for 25 %."));
   example->summary.records[1].nrmse = 0.6;
-  EXPECT_THAT(Verdict(example->input), HasSubstr("'south_quake' poorly, with"));
+  EXPECT_THAT(VerdictSentence(example->input),
+              HasSubstr("'south_quake' poorly, with"));
 }
 
 // A twentieth of the motion, where it is most of what is left over.
-TEST(Verdict, SaysWhatIsMissedBesideLittleNoise) {
+TEST(VerdictSentence, SaysWhatIsMissedBesideLittleNoise) {
   const auto example = testing::MakeReportExample();
   RecordScore& train = example->summary.records[0];
   ASSERT_EQ(train.role, IdentificationRecord::Role::kTrain);
@@ -42,19 +44,20 @@ TEST(Verdict, SaysWhatIsMissedBesideLittleNoise) {
     channel.nrmse = 0.056;
     channel.noise_share = 0.13;
   }
-  EXPECT_THAT(Verdict(example->input),
+  EXPECT_THAT(VerdictSentence(example->input),
               HasSubstr("it misses 5.22 % that is no noise"));
   for (ChannelScore& channel : train.channels) channel.noise_share = 0.6;
-  EXPECT_THAT(Verdict(example->input), Not(HasSubstr("no noise")));
+  EXPECT_THAT(VerdictSentence(example->input), Not(HasSubstr("no noise")));
 }
 
-TEST(Verdict, SaysThatNothingWasHeldOut) {
+TEST(VerdictSentence, SaysThatNothingWasHeldOut) {
   const auto example = testing::MakeReportExample();
   example->summary.records.pop_back();
-  EXPECT_THAT(Verdict(example->input), StartsWith("Usable, but untested"));
+  EXPECT_THAT(VerdictSentence(example->input),
+              StartsWith("Usable, but untested"));
 }
 
-TEST(Verdict, SaysHowMeasuredModesAreMet) {
+TEST(VerdictSentence, SaysHowMeasuredModesAreMet) {
   const auto example = testing::MakeReportExample();
   example->summary.records.clear();
   ModeScore mode;
@@ -64,55 +67,32 @@ TEST(Verdict, SaysHowMeasuredModesAreMet) {
   example->summary.modes.push_back(mode);
   mode.updated = {1, 2.0, 0.75};
   example->summary.modes.push_back(mode);
-  EXPECT_THAT(Verdict(example->input),
+  EXPECT_THAT(VerdictSentence(example->input),
               HasSubstr("Frequencies of the measured modes are met within "
                         "0.500 % (prior model: 10.0 %), shapes with a MAC of "
                         "at least 0.7500."));
   for (ModeScore& score : example->summary.modes) {
     score.updated.mac = std::nan("");
   }
-  EXPECT_THAT(Verdict(example->input), HasSubstr("(prior model: 10.0 %)."));
+  EXPECT_THAT(VerdictSentence(example->input),
+              HasSubstr("(prior model: 10.0 %)."));
 }
 
-TEST(Verdict, NamesEveryObjection) {
+TEST(VerdictSentence, NamesEveryFinding) {
   const auto example = testing::MakeReportExample();
-  IdentificationSummary& summary = example->summary;
-  summary.usable = false;
-  summary.termination = Termination::kNoConvergence;
-  summary.message = "not converged after 200 iterations";
-  EXPECT_EQ(Verdict(example->input),
-            "Not usable: not converged after 200 iterations.");
-  summary.records[0].finite = false;
-  summary.records[1].nrmse = 0.5;
-  summary.records[1].prior_nrmse = 0.4;
-  EXPECT_EQ(Verdict(example->input),
-            "Not usable: the free run of record 'north_quake' does not stay "
-            "finite; on the hold-out record 'south_quake' the error of the "
-            "free run is 50.0 %, the prior model's 40.0 %; the fit did not "
-            "converge.");
+  example->summary.verdict = Verdict(std::vector<Finding>{
+      {"not_converged", "not converged after 200 iterations", 200.0, kNaN,
+       "raise options.max_iterations"},
+      {"negative_damping", "a mode has negative damping (-1 %)"}});
+  EXPECT_EQ(VerdictSentence(example->input),
+            "Not usable: not converged after 200 iterations; raise "
+            "options.max_iterations; a mode has negative damping (-1 %).");
 }
 
-TEST(Verdict, SaysThatTheMatricesGainEnergy) {
-  const auto example = testing::MakeReportExample();
-  example->summary.usable = false;
-  example->summary.records[0].finite = false;
-  EXPECT_THAT(Verdict(example->input), Not(HasSubstr("matrices")));
-  // The damping's factor is 1 + c: the highest of three modes, all negatively
-  // damped, grows fastest.
-  example->model.parameters[3] = -2.0;
-  EXPECT_THAT(Verdict(example->input),
-              HasSubstr("does not stay finite; a motion at 10.98 Hz has "
-                        "negative damping in the matrices found"));
-  // As a parameter of the stiffness does: k1 alone holds the frame.
-  example->model.parameters[3] = 0.0;
-  example->model.parameters[0] = -1.5;
-  EXPECT_THAT(Verdict(example->input), HasSubstr("has negative stiffness"));
-}
-
-TEST(Verdict, OfAFailureIsItsMessage) {
+TEST(VerdictSentence, OfWhatWasNeverJudged) {
   const auto example = testing::MakeReportExample();
   example->summary = IdentificationSummary();
-  EXPECT_EQ(Verdict(example->input),
+  EXPECT_EQ(VerdictSentence(example->input),
             "Not usable: the identification has not been started.");
 }
 

@@ -25,7 +25,6 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/case/sections/case_file.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/estimate/start/stage_schedule.h"
@@ -33,6 +32,7 @@
 #include "tests/benchmarks/measure.h"
 #include "tests/benchmarks/plain_chain.h"
 #include "tests/benchmarks/plain_fit.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace benchmarks {
@@ -141,7 +141,7 @@ FitTimes FitWithPinode(const Case& c) {
   };
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, options, nullptr, &summary, &model);
+  testing::FitAndJudge(c.problem, options, nullptr, &summary, &model);
   return watch.times();
 }
 

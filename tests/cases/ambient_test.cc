@@ -25,7 +25,7 @@ double TruthOf(const std::string& name) {
 
 TEST(AmbientCase, StoreysUnderWind) {
   const CaseRun run = RunCase(ReadCaseOrFail(kCase));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   for (const ParameterEstimate& found : run.summary.parameters) {
     ReportFigure("three_storey_ambient: " + found.name + ", deviations",
                  AtMost(3.5),
@@ -45,7 +45,7 @@ TEST(AmbientCase, WindIsNotWhite) {
   c.problem.ambient[0].knots = 1;
   c.problem.ambient[0].correlated = false;
   const CaseRun run = RunCase(std::move(c));
-  EXPECT_FALSE(run.summary.usable);
+  EXPECT_FALSE(run.summary.usable());
   EXPECT_NE(run.summary.message.find("spectra of ambient record 'wind'"),
             std::string::npos)
       << run.summary.message;
@@ -62,17 +62,18 @@ TEST(AmbientCase, AnEchoOfTheWindAsksForFinerSpectra) {
   const Matrix echo = 0.6 * samples.leftCols(rest);
   samples.rightCols(rest) += echo;
   const CaseRun coarse = RunCase(c);
-  EXPECT_FALSE(coarse.summary.usable);
+  EXPECT_FALSE(coarse.summary.usable());
   EXPECT_FALSE(coarse.summary.learns_force);
   ASSERT_EQ(coarse.summary.ambient.size(), 1u);
 
   IdentificationSummary summary;
   IdentifiedModel model;
   std::string error;
-  ASSERT_TRUE(FitCase(ResultFolder(), nullptr, FitWatch(), &c, &summary, &model,
-                      &error))
+  CaseWatch watch;
+  ASSERT_TRUE(
+      FitCase(ResultFolder(), nullptr, &watch, &c, &summary, &model, &error))
       << error;
-  ASSERT_TRUE(summary.usable) << summary.message;
+  ASSERT_TRUE(summary.usable()) << summary.message;
   EXPECT_GT(summary.ambient[0].num_knots, coarse.summary.ambient[0].num_knots);
   EXPECT_EQ(c.problem.ambient[0].knots, summary.ambient[0].num_knots);
   for (const ParameterEstimate& found : summary.parameters) {

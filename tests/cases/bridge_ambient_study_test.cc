@@ -15,7 +15,7 @@ namespace {
 TEST(BridgeAmbientStudy, GroupsWithinTheirIntervals) {
   const CaseRun run =
       RunCase(ReadCaseOrFail("data/bridge_ambient/bridge_ambient.toml"));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   ASSERT_EQ(run.summary.ambient.size(), 2u);
   for (const ParameterEstimate& found : run.summary.parameters) {
     const double truth =

@@ -105,7 +105,7 @@ std::vector<CaseFigure> ForcedFigures() {
 
 void ExpectFigures(const std::string& what,
                    const std::vector<CaseFigure>& figures, const CaseRun& run) {
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_TRUE(run.summary.usable()) << run.summary.message;
   for (const CaseFigure& figure : figures) {
     ExpectFigure(what + ": " + figure.name, figure.asked, figure.held(),
                  figure.measure(run));

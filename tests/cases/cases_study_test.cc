@@ -34,7 +34,7 @@ void ExpectTwentySeeds(const std::string& what, const std::string& path,
     SeedNetworks(static_cast<uint64_t>(seed + 1), &c);
     const CaseRun run = RunCase(std::move(c));
     const size_t i = static_cast<size_t>(seed);
-    usable[i] = run.summary.usable;
+    usable[i] = run.summary.usable();
     for (size_t f = 0; f < figures.size(); ++f) {
       values[f][i] = figures[f].measure(run);
     }

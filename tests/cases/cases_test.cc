@@ -10,10 +10,10 @@
 
 #include "gtest/gtest.h"
 #include "pinode/estimate/certainty/profile.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/cases/case_figures.h"
 #include "tests/cases/measure.h"
 #include "tests/support/figure_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace testing {
@@ -129,7 +129,7 @@ class Duffing : public ::testing::TestWithParam<const char*> {};
 TEST_P(Duffing, IsRecoveredExactly) {
   const CaseRun run = RunCase(
       ReadCaseOrFail(std::string("data/duffing/") + GetParam() + ".toml"));
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_TRUE(run.summary.usable()) << run.summary.message;
   const std::string truth = "data/duffing/truth.json";
   double worst = std::abs(run.Parameter("spring.k3").value /
                               Truth(truth, "/elements/spring/k3") -
@@ -169,7 +169,7 @@ TEST_P(ThreeStorey, FindsStoreysAndSpring) {
   const bool noisy = std::string(GetParam()) == "noisy_ground";
   const CaseRun run = RunCase(
       ReadCaseOrFail(std::string("data/three_storey/") + GetParam() + ".toml"));
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_TRUE(run.summary.usable()) << run.summary.message;
   EXPECT_EQ(run.summary.covariance_method,
             noisy ? "errors in variables" : "plain");
   const std::string truth = "data/three_storey/truth.json";

@@ -26,7 +26,7 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
   const std::string scheme = GetParam();
   const CaseRun run =
       RunCase(ReadCaseOrFail("data/four_dof_free/" + scheme + ".toml"));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   ExpectFigures("case 1, " + scheme, SchemeFigures(scheme), run);
   std::string error;
   std::vector<DiscoveredEquation> equations;
@@ -61,10 +61,10 @@ TEST_P(Discover, FindsExactlyTheTrueTerms) {
 
   Discovery discovery;
   ASSERT_TRUE(RefitEquations(run.c.problem, run.model, equations,
-                             run.c.discover, run.c.options, nullptr, &discovery,
-                             &error))
+                             run.c.discover, run.c.options, nullptr, nullptr,
+                             &discovery, &error))
       << error;
-  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  EXPECT_TRUE(discovery.summary.usable()) << discovery.summary.message;
   EXPECT_THAT(discovery.dropped, ::testing::IsEmpty());
   EXPECT_THAT(discovery.added, ::testing::IsEmpty());
   found = Compare(discovery, truth, share);
@@ -89,9 +89,9 @@ Discovery FromDerivatives(const Case& c) {
                                       &error))
       << error;
   EXPECT_TRUE(RefitEquations(c.problem, begin, equations, c.discover, c.options,
-                             nullptr, &discovery, &error))
+                             nullptr, nullptr, &discovery, &error))
       << error;
-  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  EXPECT_TRUE(discovery.summary.usable()) << discovery.summary.message;
   return discovery;
 }
 

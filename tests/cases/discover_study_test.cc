@@ -47,7 +47,7 @@ Discovery DiscoverChain(const std::string& scheme, double percent,
         << error;
   }
   EXPECT_TRUE(RefitEquations(c.problem, begin, equations, c.discover, c.options,
-                             nullptr, &discovery, &error))
+                             nullptr, nullptr, &discovery, &error))
       << error;
   return discovery;
 }

@@ -26,7 +26,7 @@ TEST(EighteenStoreyModal, ReachesThePublishedUpdateFromEveryStart) {
   c.options.num_starts = 100;
   const CaseRun run = RunCase(c);
   const IdentificationSummary& summary = run.summary;
-  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_TRUE(summary.usable()) << summary.message;
   const double objective = 2.0 * summary.final_modal_cost;
   ReportFigure("eighteen storeys, sum of squares", AtMost(0.0425 * 1.001),
                objective);

@@ -32,7 +32,7 @@ TEST_P(ForceSeeds, TwentySeeds) {
     c.options.num_threads = 1;
     DrawNoiseAnew(static_cast<uint64_t>(500 + seed), &c);
     const CaseRun run = RunCase(std::move(c));
-    usable[static_cast<size_t>(seed)] = run.summary.usable;
+    usable[static_cast<size_t>(seed)] = run.summary.usable();
     scores[static_cast<size_t>(seed)] = ScoreForce(run);
   });
   const std::string what = name + ", 20 seeds: ";

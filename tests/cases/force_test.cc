@@ -24,7 +24,7 @@ void Expect(const std::string& what, const Asked& asked, double measured) {
 
 TEST(ForceCases, ABlowIsFoundWithLocalSmoothness) {
   const CaseRun run = RunCase(ForceCase("impact"));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   EXPECT_EQ(run.summary.covariance_method, "plain");
   const ForceScore blow = ScoreForce(run);
   Expect("impact, local smoothness: impulse, relative error", AtMost(0.05),
@@ -63,7 +63,7 @@ TEST(ForceCases, ABlowIsFoundWithLocalSmoothness) {
 // The case says nothing of when the blow fell.
 TEST(ForceCases, ABlowIsFoundAsAPulse) {
   const CaseRun run = RunCase(ForceCase("impact_pulse"));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   const double impulse = run.Parameter("blow.amplitude").value *
                          run.Parameter("blow.duration").value * 2.0 / kPi;
   Expect("impact, half-sine pulse: impulse, relative error", AtMost(0.005),
@@ -93,7 +93,7 @@ TEST(ForceCases, ABlowIsFoundAsAPulse) {
 void ExpectForce(const std::string& name, const Asked& asked,
                  double least_coverage) {
   const CaseRun run = RunCase(ForceCase(name));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   EXPECT_EQ(run.summary.covariance_method, "plain");
   const ForceScore score = ScoreForce(run);
   Expect(name + ": force, nrmse", asked, score.nrmse);
@@ -131,7 +131,7 @@ TEST(ForceCases, TheStaticPartIsSaidToBeUnseen) {
 
 TEST(ForceCases, DegradingStiffnessIsFollowed) {
   const CaseRun run = RunCase(ForceCase("degrading"));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   Expect("degrading stiffness: initial value, relative error", AtMost(0.001),
          std::abs(run.Parameter("k1").value -
                   ForceTruthNumber("degrading/initial")));
@@ -143,7 +143,7 @@ TEST(ForceCases, DegradingStiffnessIsFollowed) {
 
 TEST(ForceCases, AStiffnessFollowsTheTemperature) {
   const CaseRun run = RunCase(ForceCase("temperature"));
-  ASSERT_TRUE(run.summary.usable) << run.summary.message;
+  ASSERT_TRUE(run.summary.usable()) << run.summary.message;
   const ParameterEstimate& slope = run.Parameter("per_degree");
   const double truth = ForceTruthNumber("temperature/per_degree");
   Expect("temperature: change of stiffness per degree, relative error",

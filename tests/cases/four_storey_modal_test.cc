@@ -71,7 +71,7 @@ class FourStoreyModal : public ::testing::Test {
   // Prints what came out, and how far the frequencies are from all four that
   // were measured, two of them unused.
   void Describe(const CaseRun& run, const std::string& what) const {
-    EXPECT_TRUE(run.summary.usable) << run.summary.message;
+    EXPECT_TRUE(run.summary.usable()) << run.summary.message;
     std::printf("%s: objective %.8g, %d of %d starts reached it\n",
                 what.c_str(), 2.0 * run.summary.final_modal_cost,
                 run.summary.num_starts_at_best, run.summary.num_starts);

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "gtest/gtest.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/study/damage/baseline.h"
 #include "tests/support/figure_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/measured_data_testing.h"
 
 namespace pinode {
@@ -63,7 +63,8 @@ Case ReadCaseOrFail(const std::string& path) {
 CaseRun RunCase(Case c, const IdentifiedModel* begin) {
   CaseRun run;
   run.c = std::move(c);
-  Identify(run.c.problem, run.c.options, begin, &run.summary, &run.model);
+  testing::FitAndJudge(run.c.problem, run.c.options, begin, &run.summary,
+                       &run.model);
   return run;
 }
 

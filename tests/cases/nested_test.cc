@@ -43,7 +43,7 @@ void ExpectNotWorse(const std::string& what, Case smaller, Case larger) {
   }
   const CaseRun before = RunCase(std::move(smaller));
   const CaseRun after = RunCase(std::move(larger));
-  EXPECT_TRUE(after.summary.usable) << after.summary.message;
+  EXPECT_TRUE(after.summary.usable()) << after.summary.message;
   ExpectFigure(what + ": objective, of the smaller model's", 1.0 + 1e-6,
                Objective(after) / Objective(before));
 }

@@ -29,7 +29,7 @@ void ExpectMatrices(const std::string& what, const Phase1Limits& limits,
 
 TEST_P(Nsd, LinearNetworkFindsStiffnessAndDamping) {
   const CaseRun run = Run("phase1");
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_TRUE(run.summary.usable()) << run.summary.message;
   const FoldedMatrices folded = Folded(run);
   const Matrix stiffness = TrueMatrix("stiffness");
   const Matrix damping = TrueMatrix("damping");
@@ -54,7 +54,7 @@ TEST_P(Nsd, LinearNetworkFindsStiffnessAndDamping) {
 
 TEST_P(Nsd, LinearNetworkNeedsAccelerationsOnly) {
   const CaseRun run = Run("phase1_acceleration");
-  EXPECT_TRUE(run.summary.usable) << run.summary.message;
+  EXPECT_TRUE(run.summary.usable()) << run.summary.message;
   const FoldedMatrices folded = Folded(run);
   const Matrix stiffness = TrueMatrix("stiffness");
   const Matrix damping = TrueMatrix("damping");

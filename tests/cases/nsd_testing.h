@@ -116,7 +116,7 @@ class Nsd : public ::testing::TestWithParam<const char*> {
     Case c = ReadCaseOrFail(folder_ + "/" + name + ".toml");
     if (IsMeasured()) {
       const CaseRun first = Run("phase1");
-      EXPECT_TRUE(first.summary.usable) << first.summary.message;
+      EXPECT_TRUE(first.summary.usable()) << first.summary.message;
       SetFirstNetwork(first, &c);
     }
     return c;
@@ -249,7 +249,7 @@ class Nsd : public ::testing::TestWithParam<const char*> {
   // What the table asks of a model with the device.
   void ExpectDevice(const CaseRun& run, const std::string& what,
                     double force_limit, double holdout_limit) const {
-    EXPECT_TRUE(run.summary.usable) << run.summary.message;
+    EXPECT_TRUE(run.summary.usable()) << run.summary.message;
     std::printf("%s%d iterations, %.1f s\n", what.c_str(),
                 run.summary.num_iterations, run.summary.seconds);
     ExpectFigure(what + "device force, nrmse", force_limit,

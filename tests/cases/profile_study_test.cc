@@ -10,9 +10,9 @@
 #include "gtest/gtest.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/estimate/certainty/profile.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/figure_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace testing {
@@ -62,7 +62,7 @@ TEST(ProfileStudy, AStopThatIsHardlyReached) {
     IdentificationOptions options;
     IdentificationSummary summary;
     IdentifiedModel model;
-    Identify(problem, options, nullptr, &summary, &model);
+    testing::FitAndJudge(problem, options, nullptr, &summary, &model);
     ProfileOptions profile_options;
     profile_options.parameters = names;
     std::string error;

@@ -31,7 +31,7 @@ TEST_P(UnitsOfEveryCase, ChangeNoResult) {
       Case other = c;
       other.problem = InOtherUnits(c.problem, unit);
       const CaseRun there = RunCase(std::move(other));
-      EXPECT_EQ(there.summary.usable, here.summary.usable)
+      EXPECT_EQ(there.summary.usable(), here.summary.usable())
           << unit.force << " " << unit.length << " " << unit.time << ": "
           << there.summary.message;
       const double change = LargestChange(here, there);
@@ -53,7 +53,7 @@ class UnitsOfNetworks : public ::testing::TestWithParam<const char*> {};
 TEST_P(UnitsOfNetworks, ChangeNoVerdict) {
   const Case c = ReadCaseOrFail(std::string("data/") + GetParam() + ".toml");
   const CaseRun here = RunCase(c);
-  EXPECT_TRUE(here.summary.usable) << here.summary.message;
+  EXPECT_TRUE(here.summary.usable()) << here.summary.message;
   double largest = 0.0;
   for (const UnitFactors& unit :
        {UnitFactors{"2^13 lengths", 1.0, 8192.0, 1.0},
@@ -64,7 +64,7 @@ TEST_P(UnitsOfNetworks, ChangeNoVerdict) {
     Case other = c;
     other.problem = InOtherUnits(c.problem, unit);
     const CaseRun there = RunCase(std::move(other));
-    EXPECT_EQ(there.summary.usable, here.summary.usable)
+    EXPECT_EQ(there.summary.usable(), here.summary.usable())
         << unit.name << ": " << there.summary.message;
     for (size_t r = 0; r < here.summary.records.size(); ++r) {
       const double ratio =

@@ -15,7 +15,7 @@ namespace {
 
 void ExpectSameResults(const std::string& name, const Case& c) {
   const CaseRun here = RunCase(c);
-  EXPECT_TRUE(here.summary.usable) << here.summary.message;
+  EXPECT_TRUE(here.summary.usable()) << here.summary.message;
   for (const UnitFactors& unit :
        {UnitFactors{"2^13 lengths", 1.0, 8192.0, 1.0},
         UnitFactors{"1e-4 lengths and forces", 1e-4, 1e-4, 1.0},
@@ -23,7 +23,7 @@ void ExpectSameResults(const std::string& name, const Case& c) {
     Case other = c;
     other.problem = InOtherUnits(c.problem, unit);
     const CaseRun there = RunCase(std::move(other));
-    EXPECT_EQ(there.summary.usable, here.summary.usable)
+    EXPECT_EQ(there.summary.usable(), here.summary.usable())
         << unit.name << ": " << there.summary.message;
     ExpectFigure(name + " in " + unit.name + ": largest change",
                  unit.name[1] == '^' ? 1e-12 : 1e-6,

@@ -11,10 +11,10 @@
 
 #include "gtest/gtest.h"
 #include "pinode/estimate/ambient/ambient_cost.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/record/resample.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/modal_testing.h"
 
 namespace pinode {
@@ -139,7 +139,7 @@ inline IdentificationSummary SummaryOfFit(
   options.num_threads = 2;
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, options, nullptr, &summary, &model);
+  testing::FitAndJudge(problem, options, nullptr, &summary, &model);
   return summary;
 }
 

@@ -11,6 +11,7 @@
 #include "pinode/problem/identification_summary.h"
 #include "pinode/problem/parameter_layout.h"
 #include "tests/support/case_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
@@ -62,7 +63,7 @@ gauge = "off"
 
     summary.termination = Termination::kConverged;
     summary.message = "done";
-    summary.usable = true;
+    summary.verdict = testing::Good();
     RecordScore score;
     score.name = "quake";
     score.finite = true;

@@ -11,6 +11,7 @@
 #include "pinode/dynamics/elements.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/structure/model/modal_analysis.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace testing {
@@ -288,7 +289,7 @@ void AddCourse(IdentificationSummary* summary) {
   }
   summary->termination = Termination::kConverged;
   summary->message = "converged";
-  summary->usable = true;
+  summary->verdict = testing::Good();
   summary->num_iterations = static_cast<int>(summary->iterations.size());
   summary->rejected_steps = 4;
   summary->initial_cost = summary->iterations.front().cost;

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
 #include "pinode/study/problem/substeps.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 
@@ -68,9 +68,9 @@ inline std::shared_ptr<StructuralDynamics> ChainAt(const Vector& alpha) {
 inline TestFit FitOf(IdentificationProblem problem) {
   TestFit fit;
   fit.problem = std::move(problem);
-  Identify(fit.problem, IdentificationOptions(), nullptr, &fit.summary,
-           &fit.model);
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  testing::FitAndJudge(fit.problem, IdentificationOptions(), nullptr,
+                       &fit.summary, &fit.model);
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   return fit;
 }
 

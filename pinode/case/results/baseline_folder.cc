@@ -11,6 +11,7 @@
 #include "pinode/base/file.h"
 #include "pinode/case/results/grown_case.h"
 #include "pinode/case/results/same_structure.h"
+#include "pinode/case/results/verdict_json.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrices/matrix_io.h"
@@ -53,7 +54,12 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
     *error = path + ": is not a result of pinode_update";
     return false;
   }
-  if (json.value("usable", Json()) != true) {
+  bool usable = false;
+  if (!ReadUsable(json, &usable, error)) {
+    *error = path + ": " + *error;
+    return false;
+  }
+  if (!usable) {
     *error = path + ": the result is not usable (" +
              json.value("message", std::string()) +
              "), expected one of a healthy record that is";

@@ -42,7 +42,7 @@ Json Modes(const Case& c, const CaseCheck& check) {
 }
 
 // Mode by mode of the whole model, what its reduction has of it.
-Json WholeModes(const Case& c) {
+Json WholeModesAsJson(const Case& c) {
   const ReducedStructure& source = *c.finite_element;
   const ReducedModel& reduced = source.reduced;
   const SparseModes& whole = reduced.whole_modes;
@@ -71,7 +71,7 @@ Json FiniteElement(const Case& c) {
                           ? Json(ReductionMethodName(source.options.method))
                           : Json(nullptr);
   json["notes"] = source.notes;
-  json["modes"] = WholeModes(c);
+  json["modes"] = WholeModesAsJson(c);
   return json;
 }
 

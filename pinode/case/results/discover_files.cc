@@ -9,6 +9,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/results/verdict_json.h"
 
 namespace pinode {
 namespace {
@@ -196,12 +197,8 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
   Json json;
   json["schema"] = "pinode-discover-1";
   json["refitted"] = discovery.refitted;
-  json["usable"] = discovery.num_terms() > 0 &&
-                   (!discovery.refitted || discovery.summary.usable);
-  json["message"] = discovery.num_terms() == 0 ? "no term was found"
-                    : discovery.refitted
-                        ? discovery.summary.message
-                        : "regressed, not refitted through the ODE";
+  WriteVerdict(discovery.verdict(), &json);
+  json["message"] = discovery.Message();
   json["step_refinement"] = discovery.step_refinement;
   json["dropped"] = discovery.dropped;
   json["added"] = discovery.added;

@@ -17,7 +17,8 @@ std::string BasisAsLatex(const std::string& basis);
 std::string EquationsAsText(const Discovery& discovery);
 // An align environment.
 std::string EquationsAsLatex(const Discovery& discovery);
-// {"schema": "pinode-discover-1", "refitted", "usable", "message",
+// {"schema": "pinode-discover-1", "refitted", the keys of verdict_json.h,
+//  "message",
 //  "step_refinement", "dropped": [...], "added": [...],
 //  "equations": [{"output", "network", "acts_as", "output_rms", "residual",
 //                 "uncertainty", "candidates",

@@ -215,14 +215,22 @@ bool RenewCase(const Case& c, const IdentifiedModel& model, Case* renewed,
   return true;
 }
 
-void RenewCaseUntilSettled(const FitFunction& fit, Case* c,
-                           IdentificationSummary* summary,
-                           IdentifiedModel* model) {
-  CHECK(c->finite_element != nullptr);
-  ReducedProblem result{c->problem, *c->finite_element};
-  RenewBasisUntilSettled(fit, c->options, &result, summary, model);
-  if (summary->termination == Termination::kInterrupted) return;
-  *c = CaseInBasis(*c, std::move(result));
+void TakeOver(IdentificationProblem problem,
+              const std::shared_ptr<const ReducedStructure>& reduced,
+              const IdentificationSummary& summary, Case* c) {
+  const ModelChoice& choice = summary.choice;
+  // A choice that was interrupted before its first step has changed nothing.
+  const bool begun = !choice.left_out.empty() ||
+                     summary.termination != Termination::kInterrupted;
+  if (!choice.empty() && begun) {
+    *c = CaseAfterChoice(*c, choice.left_out, problem);
+  } else {
+    c->problem = std::move(problem);
+  }
+  if (c->finite_element == nullptr || reduced == c->finite_element) return;
+  // CaseAfterChoice may have added remarks to the problem.
+  IdentificationProblem fitted = std::move(c->problem);
+  *c = CaseInBasis(*c, {std::move(fitted), *reduced});
 }
 
 }  // namespace pinode

@@ -4,6 +4,7 @@
 #define PINODE_CASE_RESULTS_GROWN_CASE_H_
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
 #include "pinode/study/damage/change_candidates.h"
-#include "pinode/study/problem/growth.h"
+#include "pinode/study/reduction/reduced_structure.h"
 
 namespace pinode {
 
@@ -62,10 +63,11 @@ bool RenewsBasis(const Case& c);
                              Case* renewed, IdentifiedModel* begin,
                              std::string* error);
 
-// RenewBasisUntilSettled of a case that asks for it.
-void RenewCaseUntilSettled(const FitFunction& fit, Case* c,
-                           IdentificationSummary* summary,
-                           IdentifiedModel* model);
+// Makes *c the case as it was fitted: `problem`, `reduced` and `summary` are
+// the outcome of Identify on it. Of c->problem only the dynamics are needed.
+void TakeOver(IdentificationProblem problem,
+              const std::shared_ptr<const ReducedStructure>& reduced,
+              const IdentificationSummary& summary, Case* c);
 
 }  // namespace pinode
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <type_traits>
 #include <utility>
 
 #include "pinode/base/file.h"
@@ -10,12 +11,39 @@
 #include "pinode/case/results/model_files.h"
 #include "pinode/case/text/csv_file.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/result_fields.h"
 #include "pinode/structure/matrices/matrix_io.h"
 #include "pinode/structure/model/symmetric.h"
 #include "pinode/study/problem/folded_matrices.h"
 
 namespace pinode {
 namespace {
+
+std::string Cell(const std::string& text) { return CsvCell(text); }
+std::string Cell(double number) { return CsvCell(number); }
+std::string Cell(bool value) { return value ? "1" : "0"; }
+template <typename T>
+std::enable_if_t<std::is_integral_v<T>, std::string> Cell(T number) {
+  return std::to_string(number);
+}
+
+// A column per field of the struct, a row per element.
+template <typename Struct>
+std::string TableAsCsv(const std::vector<Struct>& rows) {
+  std::string text;
+  const auto end_line = [&text] { text.back() = '\n'; };
+  VisitFields(Struct(), [&text](const char* name, const auto&) {
+    text += std::string(name) + ",";
+  });
+  end_line();
+  for (const Struct& row : rows) {
+    VisitFields(row, [&text](const char*, const auto& value) {
+      text += Cell(value) + ",";
+    });
+    end_line();
+  }
+  return text;
+}
 
 namespace fs = std::filesystem;
 
@@ -65,18 +93,7 @@ class ResultWriter {
                              SymmetricPart(folded.damping), error_);
   }
 
-  std::string Parameters() const {
-    std::string text =
-        "name,unit,initial,value,sigma,lower95,upper95,free,at_bound\n";
-    for (const ParameterEstimate& p : summary_.parameters) {
-      text += CsvCell(p.name) + "," + CsvCell(p.unit) + "," +
-              CsvCell(p.initial) + "," + CsvCell(p.value) + "," +
-              CsvCell(p.sigma) + "," + CsvCell(p.lower95) + "," +
-              CsvCell(p.upper95) + "," + (p.free ? "1" : "0") + "," +
-              (p.at_bound ? "1" : "0") + "\n";
-    }
-    return text;
-  }
+  std::string Parameters() const { return TableAsCsv(summary_.parameters); }
 
   std::string Covariance() const {
     std::string text = "name";
@@ -105,20 +122,7 @@ class ResultWriter {
     return text;
   }
 
-  std::string History() const {
-    std::string text =
-        "stage,segment_samples,iteration,cost,gradient_norm,step_norm,"
-        "trust_region_radius,largest_gap,accepted,seconds\n";
-    for (const IterationRecord& it : summary_.iterations) {
-      text +=
-          std::to_string(it.stage) + "," + std::to_string(it.segment_samples) +
-          "," + std::to_string(it.iteration) + "," + CsvCell(it.cost) + "," +
-          CsvCell(it.gradient_norm) + "," + CsvCell(it.step_norm) + "," +
-          CsvCell(it.trust_region_radius) + "," + CsvCell(it.largest_gap) +
-          "," + (it.accepted ? "1" : "0") + "," + CsvCell(it.seconds) + "\n";
-    }
-    return text;
-  }
+  std::string History() const { return TableAsCsv(summary_.iterations); }
 
   // Row `i` of `values`, which must outlive it, in the file's unit.
   static CsvColumn RowOf(const Matrix& values, size_t i, double factor,

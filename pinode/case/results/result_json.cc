@@ -6,7 +6,9 @@
 #include "pinode/base/file.h"
 #include "pinode/case/results/choice_json.h"
 #include "pinode/case/results/result_files.h"
+#include "pinode/case/results/verdict_json.h"
 #include "pinode/problem/record_grid.h"
+#include "pinode/problem/result_fields.h"
 #include "pinode/structure/model/mode_comparison.h"
 #include "pinode/study/problem/checkpoint.h"
 
@@ -63,15 +65,11 @@ Json Records(const IdentificationProblem& problem,
 Json Parameters(const IdentificationSummary& summary) {
   Json parameters = Json::array();
   for (const ParameterEstimate& estimate : summary.parameters) {
-    parameters.push_back({{"name", estimate.name},
-                          {"unit", estimate.unit},
-                          {"initial", estimate.initial},
-                          {"value", estimate.value},
-                          {"sigma", estimate.sigma},
-                          {"lower95", estimate.lower95},
-                          {"upper95", estimate.upper95},
-                          {"free", estimate.free},
-                          {"at_bound", estimate.at_bound}});
+    Json entry;
+    VisitFields(estimate, [&entry](const char* name, const auto& value) {
+      entry[name] = value;
+    });
+    parameters.push_back(std::move(entry));
   }
   return parameters;
 }
@@ -249,7 +247,7 @@ bool FormatResultJson(const IdentificationProblem& problem,
   Json json;
   json["schema"] = "pinode-result-1";
   json["title"] = problem.description.title;
-  json["usable"] = summary.usable;
+  WriteVerdict(summary.verdict, &json);
   json["termination"] = TerminationName(summary.termination);
   json["message"] = summary.message;
   json["problem"] = ProblemIdentity(problem);

@@ -56,7 +56,7 @@ std::vector<std::string> GroupsLeftOut(const ReducedStructure& structure,
 std::string HeadOf(const IdentificationSummary& summary,
                    const std::vector<std::string>& left_out) {
   std::string head;
-  if (!summary.usable) {
+  if (!summary.usable()) {
     head =
         "** From a fit that is not usable: see the report beside this deck.\n";
   }

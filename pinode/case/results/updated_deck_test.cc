@@ -6,6 +6,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/sections/case_file.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/rod_case_testing.h"
 
 namespace pinode {
@@ -31,7 +32,7 @@ class UpdatedDeckTest : public RodCaseTest {
     model.parameters = c.problem.dynamics->Parameters();
     model.parameters << lower, upper, brace;
     IdentificationSummary summary;
-    summary.usable = usable;
+    if (usable) summary.verdict = testing::Good();
     const std::string deck = folder_.Write("rod.inp", deck_);
     good_ = CheckDeck(c, deck, &error_) &&
             WriteUpdatedDeck(c, summary, model, deck, out_, &remark_, &error_);

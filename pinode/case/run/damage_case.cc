@@ -68,6 +68,20 @@ void HoldFollowers(const std::vector<Baseline>& baselines, Case* c) {
       Join(names, ", ") + ". The changes' intervals allow for it.");
 }
 
+// Remembers that a fit was interrupted.
+class InterruptWatch : public ForwardingWatch {
+ public:
+  explicit InterruptWatch(IdentificationWatch* next) : ForwardingWatch(next) {}
+  void OnFitEnd(Termination termination) override {
+    interrupted_ = interrupted_ || termination == Termination::kInterrupted;
+    ForwardingWatch::OnFitEnd(termination);
+  }
+  bool interrupted() const { return interrupted_; }
+
+ private:
+  bool interrupted_ = false;
+};
+
 }  // namespace
 
 bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
@@ -88,30 +102,23 @@ bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
 JudgedChange JudgeChange(const IdentificationSummary& summary,
                          const IdentifiedModel& model,
                          const std::vector<Baseline>& baselines,
-                         const ChangeOptions& change, const FitWatch& watch,
-                         Case* c) {
+                         const ChangeOptions& change,
+                         IdentificationWatch* watch, Case* c) {
   JudgedChange judgement;
   judgement.interrupted = summary.termination == Termination::kInterrupted;
-  if (!summary.usable || summary.covariance.size() == 0) return judgement;
+  if (!summary.usable() || summary.covariance.size() == 0) return judgement;
   DamageAnalysisOptions options;
   options.change = change;
   options.search = c->damage;
   options.identification = c->options;
-  const FitFunction fit = WatchedFit(watch);
-  options.fit =
-      [&](const std::string& what, const IdentificationProblem& problem,
-          const IdentificationOptions& fit_options, const IdentifiedModel* from,
-          IdentificationSummary* outcome, IdentifiedModel* found) {
-        fit(what, problem, fit_options, from, outcome, found);
-        if (outcome->termination == Termination::kInterrupted) {
-          judgement.interrupted = true;
-        }
-      };
+  InterruptWatch interrupts(watch);
+  options.watch = &interrupts;
   DamageResult& result = judgement.result;
   judgement.judged = AnalyseDamage(c->problem, summary, model, baselines,
                                    options, &result, &judgement.why_not) &&
                      CaseWithCandidates(*c, result.added, result.problem, c,
                                         &judgement.why_not);
+  judgement.interrupted = interrupts.interrupted();
   return judgement;
 }
 

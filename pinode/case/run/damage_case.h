@@ -32,13 +32,13 @@ struct JudgedChange {
   DamageResult result;
 };
 
-// Compares the fit of the new state with the baselines. *c then has the
-// candidates that were let in. A fit that is not usable says nothing.
+// Compares the result of the new state with the baselines. *c then has the
+// candidates that were let in. A result that is not usable is not judged.
 JudgedChange JudgeChange(const IdentificationSummary& summary,
                          const IdentifiedModel& model,
                          const std::vector<Baseline>& baselines,
-                         const ChangeOptions& change, const FitWatch& watch,
-                         Case* c);
+                         const ChangeOptions& change,
+                         IdentificationWatch* watch, Case* c);
 
 }  // namespace pinode
 

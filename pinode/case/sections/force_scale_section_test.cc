@@ -7,10 +7,10 @@
 #include <string>
 
 #include "pinode/case/results/model_case.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/parameter_layout.h"
 #include "tests/support/case_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
@@ -251,8 +251,8 @@ TEST_F(ForceScaleSection, IsFoundAndWrittenBack) {
   ASSERT_TRUE(Read(text, &c)) << error_;
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, nullptr, &summary, &model);
-  ASSERT_TRUE(summary.usable) << summary.message;
+  testing::FitAndJudge(c.problem, c.options, nullptr, &summary, &model);
+  ASSERT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(summary.parameters.size(), 3u);
   EXPECT_NEAR(summary.parameters[0].value, 0.1, 1e-6);
   EXPECT_NEAR(summary.parameters[1].value, -2.5, 1e-6);

@@ -10,8 +10,8 @@
 #include "pinode/case/results/model_case.h"
 #include "pinode/case/sections/case_file.h"
 #include "pinode/estimate/certainty/assessment.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/case_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -148,8 +148,8 @@ TEST_F(GroupCurveFigures, RecoversAKinkThatAStraightLineMisses) {
   const Case c = Read(kTable);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, nullptr, &summary, &model);
-  ASSERT_TRUE(summary.usable) << summary.message;
+  testing::FitAndJudge(c.problem, c.options, nullptr, &summary, &model);
+  ASSERT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(summary.parameters.size(), 6u);
   const auto& found = summary.parameters;
   EXPECT_EQ(found[0].name, "soil");
@@ -179,7 +179,8 @@ scale = 1e6
 follows = {covariate = "temperature", reference = 20}
 )");
   IdentificationSummary of_line;
-  Identify(straight.problem, straight.options, nullptr, &of_line, &model);
+  testing::FitAndJudge(straight.problem, straight.options, nullptr, &of_line,
+                       &model);
   EXPECT_GT(of_line.records[0].channels[0].nrmse,
             4.0 * summary.records[0].channels[0].nrmse);
   std::printf("nrmse %.4f by the table, %.4f by the straight line\n",

@@ -14,8 +14,8 @@
 #include "pinode/case/results/model_case.h"
 #include "pinode/case/results/result_files.h"
 #include "pinode/case/sections/case_file.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/case_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -68,9 +68,10 @@ TEST(ModalSection, CovarianceOfAShapeIsItsSigma) {
   ASSERT_TRUE(covariance.ok) << covariance.error;
   IdentificationSummary first, second;
   IdentifiedModel model, other;
-  Identify(sigma.c.problem, sigma.c.options, nullptr, &first, &model);
-  Identify(covariance.c.problem, covariance.c.options, nullptr, &second,
-           &other);
+  testing::FitAndJudge(sigma.c.problem, sigma.c.options, nullptr, &first,
+                       &model);
+  testing::FitAndJudge(covariance.c.problem, covariance.c.options, nullptr,
+                       &second, &other);
   EXPECT_NEAR(first.final_modal_cost, second.final_modal_cost,
               1e-9 * (1.0 + first.final_modal_cost));
   EXPECT_NEAR(model.parameters[0], other.parameters[0], 1e-9);
@@ -138,15 +139,17 @@ TEST(ModalSection, MoreModesThanTheModelHas) {
   const ReadResult without = ReadText(Modes());
   IdentificationSummary summary, expected;
   IdentifiedModel model, other;
-  Identify(result.c.problem, result.c.options, nullptr, &summary, &model);
-  Identify(without.c.problem, without.c.options, nullptr, &expected, &other);
+  testing::FitAndJudge(result.c.problem, result.c.options, nullptr, &summary,
+                       &model);
+  testing::FitAndJudge(without.c.problem, without.c.options, nullptr, &expected,
+                       &other);
   ASSERT_EQ(summary.modes.size(), 3u);
   EXPECT_TRUE(summary.modes[0].InUse() && summary.modes[2].InUse());
   EXPECT_FALSE(summary.modes[1].InUse());
   EXPECT_THAT(summary.remarks,
               Contains(HasSubstr("the fit does not use 'high'")));
   EXPECT_EQ(model.parameters, other.parameters);
-  EXPECT_EQ(summary.usable, expected.usable);
+  EXPECT_EQ(summary.usable(), expected.usable);
 }
 
 TEST(ModalSection, ConvertsHzToTheModelsTime) {
@@ -272,9 +275,11 @@ TEST(ModalSection, ModesAreOfTheirTemperature) {
   ASSERT_TRUE(plain.ok) << plain.error;
   IdentificationSummary of_plain, of_cold;
   IdentifiedModel model;
-  Identify(plain.c.problem, plain.c.options, nullptr, &of_plain, &model);
+  testing::FitAndJudge(plain.c.problem, plain.c.options, nullptr, &of_plain,
+                       &model);
   const double alpha = model.parameters[0];
-  Identify(result.c.problem, result.c.options, nullptr, &of_cold, &model);
+  testing::FitAndJudge(result.c.problem, result.c.options, nullptr, &of_cold,
+                       &model);
   EXPECT_NEAR(model.parameters[0], alpha - 0.1, 1e-6);
   ASSERT_EQ(of_cold.modes.size(), of_plain.modes.size());
   for (size_t i = 0; i < of_cold.modes.size(); ++i) {
@@ -285,7 +290,8 @@ TEST(ModalSection, ModesAreOfTheirTemperature) {
   result = ReadText(cold);
   ASSERT_TRUE(result.ok) << result.error;
   IdentificationSummary both;
-  Identify(result.c.problem, result.c.options, nullptr, &both, &model);
+  testing::FitAndJudge(result.c.problem, result.c.options, nullptr, &both,
+                       &model);
   ASSERT_EQ(both.undetermined.size(), 1u);
   EXPECT_THAT(both.undetermined[0], HasSubstr("slope"));
   EXPECT_NE(
@@ -328,7 +334,7 @@ TEST(ModalSection, LeavesItsMarkInTheResult) {
       << error;
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, nullptr, &summary, &model);
+  testing::FitAndJudge(c.problem, c.options, nullptr, &summary, &model);
   ASSERT_EQ(summary.termination, Termination::kConverged) << summary.message;
   std::string text;
   ASSERT_TRUE(FormatResultJson(c.problem, summary, model, &text, &error))
@@ -353,7 +359,7 @@ TEST(ModalSection, LeavesItsMarkInTheResult) {
       << error;
   Case again;
   ASSERT_TRUE(ReadCase(folder.Path("out/model.toml"), &again, &error)) << error;
-  Identify(again.problem, again.options, nullptr, &summary, &model);
+  testing::FitAndJudge(again.problem, again.options, nullptr, &summary, &model);
   EXPECT_NEAR(model.parameters[0], 0.0, 1e-6);
   EXPECT_EQ(again.problem.modal.modes[0].shape, c.problem.modal.modes[0].shape);
 }

@@ -7,8 +7,8 @@
 #include "gtest/gtest.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/sections/case_file.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/case_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -105,8 +105,8 @@ TEST_F(PrescribedMotionCase, FindsTheDeviceOnTheRig) {
 
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(c.problem, c.options, nullptr, &summary, &model);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  testing::FitAndJudge(c.problem, c.options, nullptr, &summary, &model);
+  EXPECT_TRUE(summary.usable()) << summary.message;
   // A force that resists is no sensor upside down.
   EXPECT_THAT(summary.remarks, ::testing::IsEmpty());
   EXPECT_NEAR(model.parameters[0], kRigStiffness, 1e-5 * kRigStiffness);

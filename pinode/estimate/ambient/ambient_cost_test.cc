@@ -7,8 +7,8 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/ambient_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/ranks_testing.h"
 
 namespace pinode {
@@ -95,7 +95,7 @@ TEST(AmbientCostTest, FindsStoreysUnderColouredWind) {
   const IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.15, RecordOfChain(chain, 600.0, 2, 0.9));
   const IdentificationSummary summary = SummaryOfFit(problem);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(summary.ambient.size(), 1u);
   for (size_t i = 0; i < 3; ++i) {
     const ParameterEstimate& k = summary.parameters[i];
@@ -120,7 +120,7 @@ TEST(AmbientCostFigures, FindsStoreysOnAMovingBase) {
     std::string error;
     ASSERT_TRUE(problem.IsValid(&error)) << error;
     const IdentificationSummary summary = SummaryOfFit(problem);
-    EXPECT_TRUE(summary.usable) << noise << ": " << summary.message;
+    EXPECT_TRUE(summary.usable()) << noise << ": " << summary.message;
     ASSERT_EQ(summary.ambient.size(), 1u);
     EXPECT_GT(summary.ambient[0].probability, 0.01) << noise;
     for (size_t i = 0; i < 2; ++i) {
@@ -139,7 +139,7 @@ TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
       chain, kChainSpring, 0.05, RecordOfChain(chain, 600.0, 5, 0.5));
   problem.ambient[0].highest_frequency = chain.frequency_hz[3] / 1.7;
   const IdentificationSummary summary = SummaryOfFit(problem);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(summary.ambient.size(), 1u);
   EXPECT_GT(summary.ambient[0].probability, 0.001);
   for (const double left : summary.ambient[0].information_left) {
@@ -157,7 +157,7 @@ TEST(AmbientCostFigures, RecordsOfDifferingRates) {
   options.num_threads = 2;
   IdentificationSummary alone, both;
   IdentifiedModel model;
-  Identify(problem, options, nullptr, &alone, &model);
+  testing::FitAndJudge(problem, options, nullptr, &alone, &model);
   AmbientRecord slow = RecordOfChain(chain, 300.0, 7, 0.5);
   slow.name = "slow";
   Matrix samples(3, slow.samples.cols() / 2);
@@ -169,8 +169,8 @@ TEST(AmbientCostFigures, RecordsOfDifferingRates) {
   slow.samples = samples;
   slow.sampling_step = 0.04;
   problem.ambient.push_back(slow);
-  Identify(problem, options, nullptr, &both, &model);
-  EXPECT_TRUE(both.usable) << both.message;
+  testing::FitAndJudge(problem, options, nullptr, &both, &model);
+  EXPECT_TRUE(both.usable()) << both.message;
   ASSERT_EQ(both.ambient.size(), 2u);
   EXPECT_LE(both.ambient[1].highest_frequency, 12.5);
   for (size_t i = 0; i < 3; ++i) {
@@ -190,15 +190,15 @@ TEST(AmbientCostTest, LoadsThatExplainEverythingAreSaid) {
       chain, kChainSpring, 0.0, RecordOfChain(chain, 300.0, 8, 0.5));
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, {}, nullptr, &summary, &model);
+  testing::FitAndJudge(problem, {}, nullptr, &summary, &model);
   ASSERT_EQ(summary.ambient.size(), 1u);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_TRUE(summary.usable()) << summary.message;
   EXPECT_GT(summary.ambient[0].most_information_left, 0.3);
   EXPECT_LE(summary.ambient[0].most_information_left, 1.0);
   problem.ambient[0].knots = 400;
-  Identify(problem, {}, nullptr, &summary, &model);
+  testing::FitAndJudge(problem, {}, nullptr, &summary, &model);
   ASSERT_EQ(summary.ambient.size(), 1u);
-  EXPECT_FALSE(summary.usable);
+  EXPECT_FALSE(summary.usable());
   EXPECT_LT(summary.ambient[0].most_information_left, 0.01);
   EXPECT_THAT(summary.message, HasSubstr("'wind' explain all that it shows"));
   ASSERT_FALSE(summary.remarks.empty());

@@ -4,6 +4,7 @@
 
 #include "gtest/gtest.h"
 #include "pinode/estimate/ambient/ambient_cost.h"
+#include "pinode/problem/verdict_limits.h"
 #include "tests/support/ambient_testing.h"
 
 namespace pinode {
@@ -12,7 +13,7 @@ namespace {
 AmbientScore ScoreOfFit(IdentificationProblem problem, int knots) {
   problem.ambient[0].knots = knots;
   const IdentificationSummary summary = SummaryOfFit(problem);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_TRUE(summary.usable()) << summary.message;
   return summary.ambient.at(0);
 }
 
@@ -54,7 +55,7 @@ TEST(AmbientEvidence, PromiseOfOneLoadIsKept) {
 TEST(AmbientEvidence, SeesWhatIsNotRefused) {
   const IdentificationProblem problem = ChainUnderWind();
   const AmbientScore two = ScoreOfFit(problem, 2);
-  EXPECT_GT(two.probability, kLeastAmbientProbability);
+  EXPECT_GT(two.probability, limits::kSpectrumProbability);
   EXPECT_TRUE(two.evidence.PromisesMore());
   const AmbientScore octaves = ScoreOfFit(problem, 0);
   EXPECT_GT(octaves.num_knots, 3);

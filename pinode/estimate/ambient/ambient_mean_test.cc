@@ -7,9 +7,9 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/feature.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/record/filter.h"
 #include "tests/support/ambient_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/ranks_testing.h"
 
 namespace pinode {
@@ -224,7 +224,7 @@ TEST(AmbientMeanFigures, MeasuredLoadsTellMore) {
   std::string error;
   ASSERT_TRUE(problem.IsValid(&error)) << error;
   const IdentificationSummary both = Fitted(problem);
-  ASSERT_TRUE(both.usable) << both.message;
+  ASSERT_TRUE(both.usable()) << both.message;
   ASSERT_EQ(both.ambient.size(), 1u);
   EXPECT_GT(both.ambient[0].probability, 0.01);
   EXPECT_GT(both.ambient[0].coherence_probability, 0.01);
@@ -233,7 +233,7 @@ TEST(AmbientMeanFigures, MeasuredLoadsTellMore) {
   EXPECT_LT(both.ambient[0].by_measured_loads.maxCoeff(), 0.65);
   problem.ambient[0].inputs.reset();
   const IdentificationSummary without = Fitted(problem);
-  ASSERT_TRUE(without.usable) << without.message;
+  ASSERT_TRUE(without.usable()) << without.message;
   EXPECT_EQ(without.ambient[0].by_measured_loads.size(), 0);
   EXPECT_EQ(without.ambient[0].coherence_probability, 1.0);
   for (size_t i = 0; i < both.parameters.size(); ++i) {
@@ -256,7 +256,7 @@ TEST(AmbientMeanFigures, AWrongLoadIsSeen) {
     wrong.ambient[0].inputs.emplace(0.0, 0.004, factor * force,
                                     Interpolation::kHeld);
     const IdentificationSummary summary = Fitted(wrong);
-    EXPECT_FALSE(summary.usable) << factor;
+    EXPECT_FALSE(summary.usable()) << factor;
     EXPECT_THAT(summary.message,
                 HasSubstr("the response to the measured loads of record "
                           "'wind' leaves still goes with it"));

@@ -8,7 +8,8 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/objective/objective.h"
 #include "pinode/estimate/solver/cost_part.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/fit_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/problem/parameter_layout.h"
 
 namespace pinode {

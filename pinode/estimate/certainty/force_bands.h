@@ -7,8 +7,8 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/tuning.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

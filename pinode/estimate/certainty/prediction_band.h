@@ -4,8 +4,8 @@
 #define PINODE_ESTIMATE_CERTAINTY_PREDICTION_BAND_H_
 
 #include "pinode/base/types.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 #include "pinode/problem/parameter_layout.h"
 
 namespace pinode {

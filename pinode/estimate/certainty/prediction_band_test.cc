@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/score.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/gaussian_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -64,7 +64,8 @@ TEST_P(PredictionBand, HoldsMeasurementsAsOftenAsItSays) {
         MakeTwoRecords(GetParam(), static_cast<uint64_t>(draw) + 1);
     IdentificationSummary summary;
     IdentifiedModel model;
-    Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+    testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                         &model);
     ASSERT_EQ(summary.records.size(), 2u);
     const RecordScore& score = summary.records[1];
     ASSERT_EQ(score.deviations.cols(), 400);
@@ -90,7 +91,8 @@ TEST(PredictionBandOfASensor, IsNotThereWithoutItsNoise) {
   problem.records[1].channels[1].observation.name = "another";
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
   const RecordScore& score = summary.records[1];
   EXPECT_TRUE(std::isfinite(score.channels[0].band_coverage));
   EXPECT_TRUE(std::isnan(score.channels[1].band_coverage));
@@ -103,7 +105,8 @@ TEST(PredictionDeviations, AreThoseOfMovedParameters) {
   const IdentificationProblem problem = MakeTwoRecords(Start::kRest, 3);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
   const RecordScore& score = summary.records[1];
   Matrix covariance = Matrix::Zero(2, 2);
   covariance(1, 1) = 1e-6;

@@ -17,7 +17,7 @@
 namespace pinode {
 namespace {
 
-const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
+const ParameterEstimate* FindEstimate(const FitSummary& summary,
                                       const std::string& name) {
   for (const ParameterEstimate& estimate : summary.parameters) {
     if (estimate.name == name) return &estimate;
@@ -56,7 +56,7 @@ struct LinearInterval {
   double lower95 = -kInfinity, upper95 = kInfinity;
 };
 
-LinearInterval LinearIntervalOf(const IdentificationSummary& summary,
+LinearInterval LinearIntervalOf(const FitSummary& summary,
                                 const std::string& name) {
   LinearInterval interval;
   const ParameterEstimate* estimate = FindEstimate(summary, name);
@@ -89,8 +89,7 @@ const ParameterProfile* FindKnown(const std::vector<ParameterProfile>& known,
 }  // namespace
 
 bool ProfileParameters(const IdentificationProblem& problem,
-                       const IdentificationSummary& summary,
-                       const IdentifiedModel& model,
+                       const FitSummary& summary, const IdentifiedModel& model,
                        const IdentificationOptions& options,
                        const ProfileOptions& profile_options,
                        std::vector<ParameterProfile>* profiles,

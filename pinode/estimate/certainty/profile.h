@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
+#include "pinode/problem/parameter_profile.h"
 
 namespace pinode {
 
@@ -46,7 +48,7 @@ struct ProfileOptions {
 // nothing to profile: no training record runs, or errors of the excitation were
 // unknowns of the fit, whose cost this is not.
 [[nodiscard]] bool ProfileParameters(const IdentificationProblem& problem,
-                                     const IdentificationSummary& summary,
+                                     const FitSummary& summary,
                                      const IdentifiedModel& model,
                                      const IdentificationOptions& options,
                                      const ProfileOptions& profile_options,

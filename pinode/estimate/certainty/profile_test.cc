@@ -7,9 +7,9 @@
 #include <string>
 
 #include "pinode/estimate/certainty/profile_combinations.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -48,7 +48,7 @@ struct Profiled {
   }
 
   bool Run(const std::vector<std::string>& names = {}) {
-    Identify(problem, options, nullptr, &summary, &model);
+    testing::FitAndJudge(problem, options, nullptr, &summary, &model);
     ProfileOptions profile_options;
     profile_options.parameters = names;
     return ProfileParameters(problem, summary, model, options, profile_options,
@@ -184,7 +184,8 @@ TEST(ProfileParameters, HasOneEndWhereTheDataSeeOne) {
 TEST(ProfileParameters, StopsWhereItIsToldTo) {
   Profiled fit(testing::MakeGroupedChain(3, 40.0, 0.4),
                Eigen::Vector3d(0.1, -0.05, 0.02), 0.02);
-  Identify(fit.problem, fit.options, nullptr, &fit.summary, &fit.model);
+  testing::FitAndJudge(fit.problem, fit.options, nullptr, &fit.summary,
+                       &fit.model);
   ProfileOptions options;
   options.callback = [](const std::vector<ParameterProfile>& done, int of) {
     EXPECT_EQ(of, 3);

@@ -9,10 +9,12 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/certainty/held_minimum.h"
 #include "pinode/estimate/objective/objective.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/parameter_profile.h"
 
 namespace pinode {
 

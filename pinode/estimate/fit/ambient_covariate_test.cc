@@ -59,7 +59,7 @@ TEST(AmbientCovariateTest, FindsTheSlopeFromRecordsOfSeveralTemperatures) {
       ProblemOfRecords(0.05, {RecordAt(-5.0, 1, 400.0), RecordAt(8.0, 2, 400.0),
                               RecordAt(25.0, 3, 400.0)});
   const IdentificationSummary summary = SummaryOfFit(problem);
-  ASSERT_TRUE(summary.usable) << summary.message;
+  ASSERT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(summary.parameters.size(), 5u);
   ExpectFound(summary.parameters[0], 0.0, 0.01);
   ExpectFound(summary.parameters[1], 0.0, 0.01);
@@ -73,7 +73,7 @@ TEST(AmbientCovariateTest, FindsATable) {
                         RecordAt(20.0, 3, 400.0)},
                        {0.0, 10.0, kReference});
   const IdentificationSummary summary = SummaryOfFit(problem);
-  ASSERT_TRUE(summary.usable) << summary.message;
+  ASSERT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(summary.parameters.size(), 7u);
   ExpectFound(summary.parameters[5], -20.0 * kSlope, 0.02);
   ExpectFound(summary.parameters[6], -10.0 * kSlope, 0.02);
@@ -111,7 +111,7 @@ TEST(AmbientCovariateTest, DampingIsThatOfTheRecord) {
   }
   problem.dynamics = dynamics;
   const IdentificationSummary summary = SummaryOfFit(problem);
-  ASSERT_TRUE(summary.usable) << summary.message;
+  ASSERT_TRUE(summary.usable()) << summary.message;
   // Of itself the group has nothing there, and nothing is left at 20 degrees.
   EXPECT_LT(summary.parameters[2].value, 0.5);
   EXPECT_NEAR(summary.final_damping, 0.01, 0.003);

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/fit/fit_once.h"
 #include "pinode/modal/identify_modes.h"
 
 namespace pinode {
@@ -190,9 +190,9 @@ bool StartFromAmbientModes(const IdentificationProblem& problem,
   IdentificationOptions quick = options;
   quick.num_starts = 1;
   quick.callback = nullptr;
-  IdentificationSummary summary;
+  FitSummary summary;
   IdentifiedModel found;
-  Identify(modes_alone, quick, nullptr, &summary, &found);
+  FitOnce(modes_alone, quick, nullptr, &summary, &found);
   if (summary.termination == Termination::kFailure ||
       summary.termination == Termination::kInterrupted ||
       !found.parameters.allFinite()) {

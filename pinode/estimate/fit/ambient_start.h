@@ -5,7 +5,7 @@
 
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 

@@ -12,10 +12,10 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/estimate/certainty/assessment.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/segment_cost.h"
 #include "pinode/estimate/trajectory_cost.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -190,8 +190,9 @@ TEST_P(BadProblemTest, IsRefusedEverywhere) {
 
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
-  EXPECT_FALSE(summary.usable);
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
+  EXPECT_FALSE(summary.usable());
   EXPECT_EQ(summary.termination, Termination::kFailure);
   EXPECT_THAT(summary.message, HasSubstr(message));
 
@@ -227,7 +228,8 @@ TEST(BadProblems, AnInitialModelOfAnotherProblemIsRefused) {
   initial.parameters = Vector::Zero(7);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), &initial, &summary, &model);
+  testing::FitAndJudge(problem, IdentificationOptions(), &initial, &summary,
+                       &model);
   EXPECT_EQ(summary.termination, Termination::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("has 7 parameters, the problem has"));
 }

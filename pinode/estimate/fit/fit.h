@@ -37,7 +37,7 @@ class Fit {
                          const IdentifiedModel* initial);
 
   // Iterations, stages and counts; the outcome is somebody else's to report.
-  const IdentificationSummary& summary() const { return summary_; }
+  const FitSummary& summary() const { return summary_; }
   const FitState& best() const { return best_; }
   // The stage in which it ended, from 1.
   int stage() const { return stage_; }
@@ -71,7 +71,7 @@ class Fit {
   void FitInputNoise();
 
   const IdentificationOptions options_;
-  IdentificationSummary summary_;
+  FitSummary summary_;
   const ParameterLayout layout_;
   const MultipleShooting::Options shooting_options_;
   Objective objective_;

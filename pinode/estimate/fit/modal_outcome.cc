@@ -19,7 +19,7 @@ constexpr double kLeastModalProbability = 0.01;
 // Measured modes beside those of the models before and after.
 void ScoreModes(const IdentificationProblem& problem,
                 const Vector& prior_parameters, const Vector& parameters,
-                IdentificationSummary* summary) {
+                FitSummary* summary) {
   if (problem.modal.empty()) return;
   const StructuralDynamics dynamics =
       AveragedDynamics(problem.modal, *problem.dynamics);
@@ -95,8 +95,7 @@ bool ScaleToResiduals(const Vector& free, double left, ModalCost* modes,
 // Of a fit to modes alone. Where nothing is left there is no covariance without
 // standard deviations of theirs.
 void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
-                CovarianceEstimate* covariance,
-                IdentificationSummary* summary) {
+                CovarianceEstimate* covariance, FitSummary* summary) {
   const double cost = summary->final_modal_cost;
   const double left =
       ResidualsLeft(*modes, summary->effective_parameters, *covariance);
@@ -139,7 +138,7 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
 void ReportModes(const IdentificationProblem& problem,
                  const ParameterLayout& layout, const Vector& parameters,
                  ModalCost* modes, bool* known, CovarianceEstimate* covariance,
-                 IdentificationSummary* summary) {
+                 FitSummary* summary) {
   const Vector initial = layout.InitialValues();
   ScoreModes(problem, initial, parameters, summary);
   summary->initial_modal_cost = ModalCostAt(initial, layout, modes);

@@ -6,8 +6,8 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/objective/modal_cost.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 #include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
@@ -24,7 +24,7 @@ namespace pinode {
 void ReportModes(const IdentificationProblem& problem,
                  const ParameterLayout& layout, const Vector& parameters,
                  ModalCost* modes, bool* known, CovarianceEstimate* covariance,
-                 IdentificationSummary* summary);
+                 FitSummary* summary);
 
 }  // namespace pinode
 

@@ -224,7 +224,7 @@ class Starts {
 
   // nullptr, with a message in *outcome, where nothing finite came out.
   std::unique_ptr<Fit> Run(int start, Communicator* communicator,
-                           IdentificationSummary* outcome) const {
+                           FitSummary* outcome) const {
     Vector parameters = layout_.InitialValues();
     if (start > 0) {
       parameters = DrawStart(problem_, layout_, options_.tuning.multistart,
@@ -296,7 +296,7 @@ bool RunApart(const Starts& starts, Communicator* ranks,
   Matrix numbers = Matrix::Zero(kNumbers + num_groups,
                                 static_cast<Eigen::Index>(results->size()));
   for (int s = ranks->rank(); s < numbers.cols(); s += ranks->size()) {
-    IdentificationSummary unused;
+    FitSummary unused;
     const std::unique_ptr<Fit> fit = starts.Run(s, nullptr, &unused);
     if (fit == nullptr) continue;
     const StartResult result = starts.ResultOf(*fit);
@@ -320,7 +320,7 @@ bool RunApart(const Starts& starts, Communicator* ranks,
 std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const IdentifiedModel* initial,
-                               IdentificationSummary* summary) {
+                               FitSummary* summary) {
   const Starts starts(problem, options, initial);
   Communicator& ranks = CommunicatorOrSingle(options.communicator);
   std::vector<StartResult> results(static_cast<size_t>(starts.count()));
@@ -347,7 +347,7 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
   for (int start = 0; !apart && start < static_cast<int>(results.size());
        ++start) {
     ++num_starts;
-    IdentificationSummary outcome;
+    FitSummary outcome;
     std::unique_ptr<Fit> fit =
         starts.Run(start, options.communicator, &outcome);
     const bool interrupted = fit != nullptr && fit->interrupted();

@@ -27,7 +27,7 @@ Vector DrawStart(const IdentificationProblem& problem,
 std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const IdentifiedModel* initial,
-                               IdentificationSummary* summary);
+                               FitSummary* summary);
 
 }  // namespace pinode
 

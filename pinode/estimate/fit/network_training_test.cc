@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/network/initialize_weights.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -90,7 +90,7 @@ struct HardeningOscillator {
       if (progress.stage == progress.num_stages) ++last;
       return last <= limit;
     };
-    Identify(problem, options, initial, &summary, &model);
+    testing::FitAndJudge(problem, options, initial, &summary, &model);
   }
 
   // The nrmse of a free run from rest.
@@ -114,7 +114,7 @@ Vector FirstLayer(const IdentifiedModel& model) {
 TEST(NetworkTraining, LeavesOutTheInputThatIsNotNeeded) {
   HardeningOscillator fit;
   fit.Run(nullptr);
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   EXPECT_LT(fit.summary.records[0].nrmse, 0.003);
   // Decay groups: inputs x and v, the output, the biases.
   ASSERT_EQ(fit.model.decays.size(), 4);
@@ -160,7 +160,7 @@ TEST(NetworkTraining, NoiseIsLeftToTheRecords) {
         value += noise.back() * normal(random);
     }
     fit.Run(nullptr);
-    EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+    EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
     for (int c = 0; c < 2; ++c) {
       const size_t k = static_cast<size_t>(c);
       // Of 160 samples the estimate has a relative standard deviation of 6 %.
@@ -226,7 +226,7 @@ TEST(NetworkTraining, AFitThatWasCutOffGoesOnFromWhatItLearned) {
   resumed.Run(&at.model);
   EXPECT_EQ(resumed.steps.front().stage, 1);
   EXPECT_EQ(FirstLayer(resumed.steps.front().model), FirstLayer(at.model));
-  EXPECT_TRUE(resumed.summary.usable) << resumed.summary.message;
+  EXPECT_TRUE(resumed.summary.usable()) << resumed.summary.message;
   // As good as the misfit that a network is allowed.
   EXPECT_LT(whole.summary.records[0].nrmse, 0.002);
   EXPECT_LT(resumed.summary.records[0].nrmse, 0.002);

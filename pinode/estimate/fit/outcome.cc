@@ -15,6 +15,7 @@
 #include "pinode/estimate/certainty/holdout_noise.h"
 #include "pinode/estimate/certainty/null_space.h"
 #include "pinode/estimate/certainty/prediction_band.h"
+#include "pinode/estimate/fit/growing_motion.h"
 #include "pinode/estimate/fit/modal_outcome.h"
 #include "pinode/estimate/objective/bending.h"
 #include "pinode/estimate/shooting/score.h"
@@ -22,6 +23,7 @@
 #include "pinode/estimate/start/signs.h"
 #include "pinode/estimate/start/time_scale.h"
 #include "pinode/problem/assumed_noise.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
@@ -60,7 +62,7 @@ struct Certainty {
 Certainty MeasureCertainty(const IdentificationProblem& problem,
                            const IdentificationOptions& options, Fit* fit) {
   const FitState& best = fit->best();
-  const IdentificationSummary& summary = fit->summary();
+  const FitSummary& summary = fit->summary();
   Objective& objective = fit->objective();
   MultipleShooting& shooting = objective.shooting();
   // The objective at the solution: single where that runs.
@@ -97,8 +99,8 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
 void ScoreRecords(const IdentificationProblem& problem,
                   const IdentificationOptions& options,
                   const Vector& prior_parameters,
-                  const std::vector<Matrix>& starts,
-                  IdentificationSummary* summary, IdentifiedModel* model) {
+                  const std::vector<Matrix>& starts, FitSummary* summary,
+                  IdentifiedModel* model) {
   size_t t = 0;
   for (size_t r = 0; r < problem.records.size(); ++r) {
     const int index = static_cast<int>(r);
@@ -132,7 +134,7 @@ void ScoreRecords(const IdentificationProblem& problem,
 // A sentence for each sensor of a training record whose residuals are mostly a
 // constant, and no offset is looked for.
 std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
-                                       const IdentificationSummary& summary) {
+                                       const FitSummary& summary) {
   // Of the residuals' and of the record's RMS.
   constexpr double kMostly = 0.7;
   constexpr double kSome = 0.02;
@@ -173,7 +175,7 @@ bool KeepsHistories(const IdentificationOptions& options) {
 void BandPredictions(const IdentificationProblem& problem,
                      const IdentificationOptions& options,
                      const Certainty& certainty, const IdentifiedModel& model,
-                     IdentificationSummary* summary) {
+                     FitSummary* summary) {
   if (!certainty.known || !options.prediction_bands) return;
   const CovarianceEstimate& covariance = certainty.covariance;
   for (size_t r = 0; r < summary->records.size(); ++r) {
@@ -256,19 +258,19 @@ std::string WhatLoadsHide(const AmbientScore& score) {
   std::vector<std::string> hidden;
   for (size_t g = 0; g < score.groups.size(); ++g) {
     if (score.information_left[static_cast<Eigen::Index>(g)] <
-        kLeastInformationLeft) {
+        limits::kAnyInformationLeft) {
       hidden.push_back("'" + score.groups[g] + "'");
     }
   }
   if (hidden.empty()) return "";
   return "Ambient record '" + score.name + "': of " + Join(hidden, ", ") +
-         " less than " + FormatNumber(100.0 * kLeastInformationLeft, 2) +
+         " less than " + FormatNumber(100.0 * limits::kAnyInformationLeft, 2) +
          " % of what it would say with known loads is left; other loads "
          "explain it as well.";
 }
 
 void ReportAmbient(const Vector& free, const Objective& objective,
-                   IdentificationSummary* summary) {
+                   FitSummary* summary) {
   for (const auto& record : objective.ambient()) {
     AmbientScore score;
     if (record->Score(free, &score)) {
@@ -284,8 +286,7 @@ void ReportAmbient(const Vector& free, const Objective& objective,
 
 void ReportParameters(const IdentificationProblem& problem,
                       const ParameterLayout& layout, const Vector& parameters,
-                      const Certainty& certainty,
-                      IdentificationSummary* summary) {
+                      const Certainty& certainty, FitSummary* summary) {
   const CovarianceEstimate& covariance = certainty.covariance;
   std::vector<int> named;
   for (int i = 0; i < layout.num_parameters(); ++i) {
@@ -316,7 +317,7 @@ void ReportParameters(const IdentificationProblem& problem,
 
 void ReportOutcome(const IdentificationProblem& problem,
                    const IdentificationOptions& options, Fit* fit,
-                   IdentificationSummary* summary, IdentifiedModel* model) {
+                   FitSummary* summary, IdentifiedModel* model) {
   const FitState& best = fit->best();
   const ParameterLayout& layout = fit->layout();
   model->parameters = fit->BestParameters();
@@ -365,6 +366,10 @@ void ReportOutcome(const IdentificationProblem& problem,
       problem, layout, model->parameters,
       certainty.known ? certainty.covariance.covariance : Matrix(),
       certainty.covariance.quantile);
+  if (std::any_of(summary->records.begin(), summary->records.end(),
+                  [](const RecordScore& score) { return !score.finite; })) {
+    ReportGrowingMotion(problem, model->parameters, summary);
+  }
 }
 
 }  // namespace pinode

@@ -4,9 +4,10 @@
 #define PINODE_ESTIMATE_FIT_OUTCOME_H_
 
 #include "pinode/estimate/fit/fit.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 
@@ -16,7 +17,7 @@ namespace pinode {
 // summary holds already: iterations, stages, gaps.
 void ReportOutcome(const IdentificationProblem& problem,
                    const IdentificationOptions& options, Fit* fit,
-                   IdentificationSummary* summary, IdentifiedModel* model);
+                   FitSummary* summary, IdentifiedModel* model);
 
 }  // namespace pinode
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/parameter_layout.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -101,8 +101,8 @@ TEST(PulseScanFigures, FindsAPulseFarFromWhereItBegins) {
     IdentifiedModel model;
     IdentificationOptions options;
     options.shooting = IdentificationOptions::Shooting::kSingle;
-    Identify(problem, options, nullptr, &summary, &model);
-    EXPECT_TRUE(summary.usable) << summary.message;
+    testing::FitAndJudge(problem, options, nullptr, &summary, &model);
+    EXPECT_TRUE(summary.usable()) << summary.message;
     EXPECT_NEAR(model.parameters[0], truth.start, 0.004);
     EXPECT_NEAR(model.parameters[1] * model.parameters[2], 1.8, 0.02);
   }

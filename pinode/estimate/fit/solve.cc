@@ -173,7 +173,7 @@ void Solver::Settle(const CondensedSystem& system, double gradient_norm,
 
 bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   *converged = false;
-  IdentificationSummary& summary = context_.summary;
+  FitSummary& summary = context_.summary;
   Objective& objective = context_.objective;
   const bool bends = objective.shooting().KeepRows(
       BendsSteps(context_.problem, context_.layout));

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -85,11 +85,12 @@ class Units : public ::testing::TestWithParam<UnitFactors> {};
 TEST_P(Units, ChangeNoResult) {
   IdentificationSummary here, there;
   IdentifiedModel model;
-  Identify(MakeRingDown({"SI", 1.0, 1.0, 1.0}), {}, nullptr, &here, &model);
-  Identify(MakeRingDown(GetParam()), {}, nullptr, &there, &model);
-  ASSERT_TRUE(here.usable) << here.message;
+  testing::FitAndJudge(MakeRingDown({"SI", 1.0, 1.0, 1.0}), {}, nullptr, &here,
+                       &model);
+  testing::FitAndJudge(MakeRingDown(GetParam()), {}, nullptr, &there, &model);
+  ASSERT_TRUE(here.usable()) << here.message;
   EXPECT_LT(here.records[0].nrmse, 0.05);
-  EXPECT_TRUE(there.usable) << there.message;
+  EXPECT_TRUE(there.usable()) << there.message;
   const bool exact = std::string(GetParam().name).find("2^") == 0;
   const double tolerance = exact ? 1e-12 : 1e-6;
   EXPECT_NEAR(there.records[0].nrmse / here.records[0].nrmse, 1.0, tolerance);

@@ -145,7 +145,7 @@ class Way {
   Fit& fit() { return *fit_; }
   // nullptr where nothing finite came out; *outcome is the fit's summary but
   // for what it says of ways.
-  std::unique_ptr<Fit> Take(IdentificationSummary* outcome) {
+  std::unique_ptr<Fit> Take(FitSummary* outcome) {
     const double linear_error = outcome->linear_error;
     std::string way = std::move(outcome->way);
     *outcome = fit_->summary();
@@ -230,7 +230,7 @@ constexpr char kByStages[] = "all terms at once by stages of multiple shooting";
 // Which of two ways stands, and what is said of it.
 std::unique_ptr<Fit> Better(Way* one, const std::string& one_name, Way* other,
                             const std::string& other_name,
-                            IdentificationSummary* outcome) {
+                            FitSummary* outcome) {
   const bool swap =
       !one->ok() || other->expected_error() < one->expected_error();
   Way* best = swap ? other : one;
@@ -249,8 +249,7 @@ std::unique_ptr<Fit> Better(Way* one, const std::string& one_name, Way* other,
 std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
                              const IdentificationProblem& linear,
                              const IdentificationOptions& options,
-                             const Vector& parameters,
-                             IdentificationSummary* outcome) {
+                             const Vector& parameters, FitSummary* outcome) {
   // A way that has done so many times the work of another is left off.
   constexpr int64_t kMostWork = 3;
   // A linear model with an error of less than this is somewhere near.
@@ -304,8 +303,7 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
 // the stages only if that leaves over what a linear model might explain.
 std::unique_ptr<Fit> RunLinear(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
-                               const Vector& parameters,
-                               IdentificationSummary* outcome) {
+                               const Vector& parameters, FitSummary* outcome) {
   IdentificationOptions single = options;
   single.shooting = Shooting::kSingle;
   Way whole(problem, single, 0);
@@ -329,7 +327,7 @@ std::unique_ptr<Fit> RunNetworks(const IdentificationProblem& problem,
                                  const IdentificationProblem& linear,
                                  const IdentificationOptions& options,
                                  const Vector& parameters,
-                                 IdentificationSummary* outcome) {
+                                 FitSummary* outcome) {
   // An error of the training records at which something may have gone wrong.
   constexpr double kPoor = 0.5;
 
@@ -360,7 +358,7 @@ std::unique_ptr<Fit> RunDirectly(const IdentificationProblem& problem,
                                  const IdentificationOptions& options,
                                  const Vector& parameters,
                                  const IdentifiedModel* initial,
-                                 IdentificationSummary* outcome) {
+                                 FitSummary* outcome) {
   Way way(problem, options, 0);
   way.Run(parameters, initial);
   return way.Take(outcome);
@@ -384,13 +382,13 @@ std::unique_ptr<Fit> RunWays(const IdentificationProblem& problem,
                              const IdentificationOptions& options,
                              const Vector& parameters,
                              const IdentifiedModel* initial,
-                             IdentificationSummary* summary) {
+                             FitSummary* summary) {
   const bool chosen = initial != nullptr ||
                       options.shooting == Shooting::kSingle ||
                       problem.num_train_records() == 0;
   const std::unique_ptr<IdentificationProblem> linear =
       chosen ? nullptr : LinearPart(problem);
-  *summary = IdentificationSummary();
+  *summary = FitSummary();
   if (linear == nullptr) {
     return !chosen && problem.dynamics->IsLinear()
                ? RunLinear(problem, options, parameters, summary)

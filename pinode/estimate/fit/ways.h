@@ -41,7 +41,7 @@ std::unique_ptr<Fit> RunWays(const IdentificationProblem& problem,
                              const IdentificationOptions& options,
                              const Vector& parameters,
                              const IdentifiedModel* initial,
-                             IdentificationSummary* summary);
+                             FitSummary* summary);
 
 }  // namespace pinode
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/shooting/score.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -88,8 +88,9 @@ TEST_F(WaysTest, EndsWhereOnlyNoiseIsLeft) {
   const IdentificationProblem problem = Problem(0.02, truth);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
+  EXPECT_TRUE(summary.usable()) << summary.message;
   // What no step promises to lower has been found, and not only been neared.
   EXPECT_LT(summary.promised_share, 1e-12);
   EXPECT_EQ(summary.way, "linear terms first, then all on whole records");
@@ -114,11 +115,11 @@ TEST_F(WaysTest, TriesBothWhereMoreThanNoiseIsLeft) {
   IdentificationSummary summary, single;
   IdentifiedModel model;
   IdentificationOptions options;
-  Identify(problem, options, nullptr, &summary, &model);
+  testing::FitAndJudge(problem, options, nullptr, &summary, &model);
   EXPECT_THAT(summary.way, HasSubstr("stages of multiple shooting"));
   EXPECT_THAT(summary.way, HasSubstr("linear terms first"));
   options.shooting = IdentificationOptions::Shooting::kSingle;
-  Identify(problem, options, nullptr, &single, &model);
+  testing::FitAndJudge(problem, options, nullptr, &single, &model);
   EXPECT_EQ(single.way, "");
   EXPECT_EQ(single.linear_error, kInfinity);
   EXPECT_LE(summary.records[0].nrmse, 1.001 * single.records[0].nrmse);
@@ -134,8 +135,9 @@ TEST_F(WaysTest, LinearModelsAreFittedOnWholeRecordsFirst) {
   IdentificationProblem problem = Problem(0.02, truth);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
+  EXPECT_TRUE(summary.usable()) << summary.message;
   EXPECT_EQ(summary.way, "whole records at once");
   EXPECT_EQ(summary.stages.size(), 1u);
   EXPECT_LT((model.parameters - truth).norm(), 0.02);
@@ -145,7 +147,8 @@ TEST_F(WaysTest, LinearModelsAreFittedOnWholeRecordsFirst) {
   for (int i = 0; i < values.size(); ++i) {
     values[i] += 0.3 * size * std::sin(0.11 * i);
   }
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
   EXPECT_THAT(summary.way, HasSubstr("whole records at once"));
   EXPECT_THAT(summary.way, HasSubstr("stages of multiple shooting"));
 }

@@ -4,7 +4,7 @@
 #define PINODE_ESTIMATE_OBJECTIVE_EVIDENCE_H_
 
 #include "pinode/base/types.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/tuning.h"
 

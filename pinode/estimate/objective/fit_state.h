@@ -10,9 +10,9 @@
 #include "pinode/estimate/objective/objective.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/optimality.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 #include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
@@ -42,7 +42,7 @@ struct FitContext {
   const IdentificationOptions& options;
   const ParameterLayout& layout;
   Objective& objective;
-  IdentificationSummary& summary;
+  FitSummary& summary;
 
   const Tuning& tuning() const { return options.tuning; }
   // Networks whose weights decay change how everything else is done.

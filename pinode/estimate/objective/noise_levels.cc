@@ -112,7 +112,7 @@ double NoiseLevels::ChannelShareLeft(size_t t, int c,
       std::max(tuning.least_channel_left,
                1.0 - leverage / static_cast<double>(std::max<Eigen::Index>(
                                     1, Measured(t, c).count)));
-  IdentificationSummary& summary = context_.summary;
+  FitSummary& summary = context_.summary;
   if (left < tuning.followed && summary.followed_channel.empty()) {
     summary.followed_channel = channel.observation.name;
     summary.followed_record = record.name;

@@ -8,8 +8,8 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/integrate/free_run.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 #include "pinode/problem/parameter_layout.h"
 
 namespace pinode {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/problem/parameter_layout.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -221,8 +221,9 @@ TEST(Signs, FitOfAScaleAndAGain) {
   frame.AddGain(2);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(frame.problem, IdentificationOptions(), nullptr, &summary, &model);
-  ASSERT_TRUE(summary.usable) << summary.message;
+  testing::FitAndJudge(frame.problem, IdentificationOptions(), nullptr,
+                       &summary, &model);
+  ASSERT_TRUE(summary.usable()) << summary.message;
   ASSERT_EQ(model.parameters.size(), 3);
   EXPECT_NEAR(model.parameters[0], 0.0, 1e-6);
   EXPECT_NEAR(model.parameters[1], -2.5, 1e-6);

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pinode/estimate/certainty/assessment.h"
-#include "pinode/estimate/fit/identify.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -63,7 +63,8 @@ TEST(TimeScale, RefusesDaysReadAsSeconds) {
   EXPECT_THAT(error, refusal);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
   EXPECT_EQ(summary.termination, Termination::kFailure);
   EXPECT_THAT(summary.message, refusal);
 }
@@ -78,7 +79,8 @@ TEST(TimeScale, NamesMillisecondsReadAsSeconds) {
   EXPECT_THAT(TimeScaleRemarks(problem), remarks);
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, IdentificationOptions(), nullptr, &summary, &model);
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
+                       &model);
   EXPECT_THAT(summary.remarks, ::testing::Contains(HasSubstr("milliseconds")));
 }
 

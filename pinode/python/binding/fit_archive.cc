@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/fnv.h"
+#include "pinode/problem/result_fields.h"
 #include "pinode/report/report.h"
 
 namespace pinode::python {
@@ -106,135 +107,23 @@ void VisitOne(Archive* a, std::vector<T>& values) {
   for (T& value : values) VisitOne(a, value);
 }
 
-template <typename Archive>
-void VisitOne(Archive* a, ChannelScore& value) {
-  auto& [name, rmse, nrmse, prior, sigma, noise, coverage] = value;
-  Visit(a, name, rmse, nrmse, prior, sigma, noise, coverage);
+// Structs with a table of their fields.
+template <typename Archive, typename T>
+std::enable_if_t<FieldTable<T>::kExists> VisitOne(Archive* a, T& value) {
+  VisitFields(value, [a](const char*, auto& field) { VisitOne(a, field); });
 }
 
 template <typename Archive>
-void VisitOne(Archive* a, RecordScore& value) {
-  auto& [name, role, finite, first, nrmse, prior, channels, start, prediction,
-         states, mean_squares, deviations] = value;
-  Visit(a, name, role, finite, first, nrmse, prior, channels, start, prediction,
-        states, mean_squares, deviations);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ParameterEstimate& value) {
-  auto& [name, unit, initial, estimate, sigma, lower, upper, free, at_bound] =
-      value;
-  Visit(a, name, unit, initial, estimate, sigma, lower, upper, free, at_bound);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ModeMatch& value) {
-  auto& [mode, frequency, mac] = value;
-  Visit(a, mode, frequency, mac);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ModeScore& value) {
-  auto& [name, frequency, initial, updated] = value;
-  Visit(a, name, frequency, initial, updated);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, LoadEvidence& value) {
-  auto& [log_likelihood, price, finer_knots, finer_gain, finer_price] = value;
-  Visit(a, log_likelihood, price, finer_knots, finer_gain, finer_price);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, AmbientScore& value) {
-  auto& [name, lowest, highest, lines, knots, evidence, chi_square, degrees,
-         probability, coherence, from, to, deviation, channels, explained,
-         by_loads, noise, groups, left, most_left, frequencies, measured,
-         modelled, counts] = value;
-  Visit(a, name, lowest, highest, lines, knots, evidence, chi_square, degrees,
-        probability, coherence, from, to, deviation, channels, explained,
-        by_loads, noise, groups, left, most_left, frequencies, measured,
-        modelled, counts);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ForceEstimate& value) {
-  auto& [name, record, times, estimate, sigma, lower, upper] = value;
-  Visit(a, name, record, times, estimate, sigma, lower, upper);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, IterationRecord& value) {
-  auto& [stage, segment, iteration, cost, gradient, step, radius, gap, accepted,
-         seconds] = value;
-  Visit(a, stage, segment, iteration, cost, gradient, step, radius, gap,
-        accepted, seconds);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, StageRecord& value) {
-  auto& [samples, segments, iterations, error, gap, rolled_back] = value;
-  Visit(a, samples, segments, iterations, error, gap, rolled_back);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ParameterProfile::Point& value) {
-  auto& [at, ratio] = value;
-  Visit(a, at, ratio);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ParameterProfile& value) {
-  auto& [name, unit, estimate, points, lower95, upper95, lower99, upper99,
-         threshold95, threshold99, linear_lower, linear_upper, determination,
-         combinations, found_lower, unsettled, linearizations] = value;
-  Visit(a, name, unit, estimate, points, lower95, upper95, lower99, upper99,
-        threshold95, threshold99, linear_lower, linear_upper, determination,
-        combinations, found_lower, unsettled, linearizations);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ModelChoice::Step& value) {
-  auto& [left_out, taken_in, fitted, accepted, deviance, price] = value;
-  Visit(a, left_out, taken_in, fitted, accepted, deviance, price);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, ModelChoice& value) {
-  auto& [candidates, left_out, parameters, memory, steps, complete] = value;
-  Visit(a, candidates, left_out, parameters, memory, steps, complete);
-}
-
-template <typename Archive>
-void VisitOne(Archive* a, IdentifiedModel& value) {
-  auto& [parameters, sigmas, starts, decays, resume_stage] = value;
-  Visit(a, parameters, sigmas, starts, decays, resume_stage);
+void VisitOne(Archive* a, Verdict& value) {
+  std::vector<Finding> findings = value.findings();
+  VisitOne(a, findings);
+  if constexpr (Archive::kReads) value = Verdict(std::move(findings));
 }
 
 template <typename Archive>
 void VisitOne(Archive* a, IdentificationSummary& value) {
-  auto& [termination, message, usable, records, parameters, modes,
-         num_model_modes, ambient, initial_modal_cost, final_modal_cost,
-         num_starts, num_starts_at_best, other_solution, forces,
-         covariance_names, covariance, covariance_method, profiles, choice,
-         undetermined, stages, iterations, initial_cost, final_cost,
-         gradient_cosine, promised_share, stalled, initial_damping,
-         final_damping, negative_damping_allowed, learns_force, way,
-         linear_error, largest_gap, single_shooting, num_iterations,
-         rejected_steps, failed_evaluations, effective_parameters, decays,
-         followed_record, followed_channel, remarks, seconds, profile_seconds,
-         jacobian_seconds, linear_solver_seconds] = value;
-  Visit(a, termination, message, usable, records, parameters, modes,
-        num_model_modes, ambient, initial_modal_cost, final_modal_cost,
-        num_starts, num_starts_at_best, other_solution, forces,
-        covariance_names, covariance, covariance_method, profiles, choice,
-        undetermined, stages, iterations, initial_cost, final_cost,
-        gradient_cosine, promised_share, stalled, initial_damping,
-        final_damping, negative_damping_allowed, learns_force, way,
-        linear_error, largest_gap, single_shooting, num_iterations,
-        rejected_steps, failed_evaluations, effective_parameters, decays,
-        followed_record, followed_channel, remarks, seconds, profile_seconds,
-        jacobian_seconds, linear_solver_seconds);
+  VisitOne(a, static_cast<FitSummary&>(value));
+  Visit(a, value.verdict, value.choice, value.profiles, value.profile_seconds);
 }
 
 template <typename Archive>
@@ -364,7 +253,11 @@ void Visit(Archive* a, Fields&... fields) {
   (VisitOne(a, fields), ...);
 }
 
-// How the records are integrated, which a fit may have refined.
+// Number of the layout of a packed fit. Count it up when a visited struct
+// changes.
+constexpr int kLayout = 2;
+
+// Integration steps of a record, which a fit may have refined.
 struct RecordSteps {
   int substeps = 0;
   bool chosen = false;
@@ -379,10 +272,10 @@ void VisitOne(Archive* a, RecordSteps& value) {
 }
 
 template <typename Archive>
-void VisitFit(Archive* a, std::string* version, std::vector<RecordSteps>* steps,
-              Fit* fit) {
-  Visit(a, *version, *steps, fit->c.problem.description.remarks, fit->summary,
-        fit->model, fit->seconds, fit->troubles);
+void VisitFit(Archive* a, int* layout, std::string* version,
+              std::vector<RecordSteps>* steps, Fit* fit) {
+  Visit(a, *layout, *version, *steps, fit->c.problem.description.remarks,
+        fit->summary, fit->model, fit->seconds, fit->troubles);
 }
 
 void SetSteps(const std::vector<RecordSteps>& steps,
@@ -402,6 +295,7 @@ void SetSteps(const std::vector<RecordSteps>& steps,
 }  // namespace
 
 std::string PackFit(const Fit& fit) {
+  int layout = kLayout;
   std::string version = PinodeVersion();
   std::vector<RecordSteps> steps;
   for (const IdentificationRecord& record : fit.c.problem.records) {
@@ -412,7 +306,7 @@ std::string PackFit(const Fit& fit) {
   }
   Fit copy = fit;
   Packer packer;
-  VisitFit(&packer, &version, &steps, &copy);
+  VisitFit(&packer, &layout, &version, &steps, &copy);
   VisitPart(&packer, fit, &copy.damage);
   VisitPart(&packer, fit, &copy.discovery);
   std::string bytes = packer.Take();
@@ -429,12 +323,13 @@ bool UnpackFit(const std::string& packed, Fit* fit) {
   std::memcpy(&sum, packed.data() + bytes.size(), sizeof(sum));
   if (sum != Fnv1a(bytes.data(), bytes.size())) return false;
   Unpacker unpacker(bytes);
+  int layout = 0;
   std::string version;
   std::vector<RecordSteps> steps;
   Fit result;
   result.c = fit->c;
-  VisitFit(&unpacker, &version, &steps, &result);
-  if (!unpacker.ok() || version != PinodeVersion() ||
+  VisitFit(&unpacker, &layout, &version, &steps, &result);
+  if (!unpacker.ok() || layout != kLayout || version != PinodeVersion() ||
       steps.size() != result.c.problem.records.size()) {
     return false;
   }

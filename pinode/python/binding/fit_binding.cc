@@ -23,6 +23,7 @@
 #include "pinode/case/run/fit_case.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/result_fields.h"
 #include "pinode/python/binding/case_tree.h"
 #include "pinode/python/binding/convert.h"
 #include "pinode/python/binding/fit.h"
@@ -101,12 +102,11 @@ std::shared_ptr<Fit> IdentifyCase(const CaseHandle& handle, const Fit* begin,
   PythonWatch python(request.callback);
   bool ok = false;
   python.Run([&] {
-    const FitWatch watch = python.watch();
-    ok = FitCase(folder, begin != nullptr ? &begin_from : nullptr, watch,
+    ok = FitCase(folder, begin != nullptr ? &begin_from : nullptr, &python,
                  &fit->c, &fit->summary, &fit->model, &error);
     if (!ok) return;
     if ((profiles || fit->c.profiles.has_value()) && !python.stopped()) {
-      ProfileCase(folder, watch, &fit->c, fit->model, &fit->summary);
+      ProfileCase(folder, &python, &fit->c, fit->model, &fit->summary);
     }
     fit->seconds = std::chrono::duration<double>(Clock::now() - begun).count();
     fit->troubles = python.troubles();
@@ -123,15 +123,24 @@ py::list ParametersOf(const Fit& fit) {
   py::list list;
   for (const ParameterEstimate& parameter : fit.summary.parameters) {
     py::dict entry;
-    entry["name"] = parameter.name;
-    entry["unit"] = parameter.unit;
-    entry["initial"] = parameter.initial;
-    entry["value"] = parameter.value;
-    entry["sigma"] = parameter.sigma;
-    entry["lower95"] = parameter.lower95;
-    entry["upper95"] = parameter.upper95;
-    entry["free"] = parameter.free;
-    entry["at_bound"] = parameter.at_bound;
+    VisitFields(parameter, [&entry](const char* name, const auto& value) {
+      entry[name] = value;
+    });
+    list.append(std::move(entry));
+  }
+  return list;
+}
+
+py::list FindingsOf(const Fit& fit) {
+  py::list list;
+  for (const Finding& finding : fit.summary.verdict.findings()) {
+    py::dict entry;
+    VisitFields(finding, [&entry](const char* name, const auto& value) {
+      if constexpr (!std::is_enum_v<std::decay_t<decltype(value)>>) {
+        entry[name] = value;
+      }
+    });
+    entry["grade"] = GradeName(finding.grade);
     list.append(std::move(entry));
   }
   return list;
@@ -329,22 +338,15 @@ py::list Ambient(const std::shared_ptr<Fit>& fit) {
 
 // One row an iteration.
 py::dict History(const Fit& fit) {
-  py::list stage, iteration, cost, accepted, gradient, gap;
-  for (const IterationRecord& record : fit.summary.iterations) {
-    stage.append(record.stage);
-    iteration.append(record.iteration);
-    cost.append(record.cost);
-    accepted.append(record.accepted);
-    gradient.append(record.gradient_norm);
-    gap.append(record.largest_gap);
-  }
   py::dict result;
-  result["stage"] = std::move(stage);
-  result["iteration"] = std::move(iteration);
-  result["cost"] = std::move(cost);
-  result["accepted"] = std::move(accepted);
-  result["gradient_norm"] = std::move(gradient);
-  result["largest_gap"] = std::move(gap);
+  VisitFields(IterationRecord(), [&result](const char* name, const auto&) {
+    result[name] = py::list();
+  });
+  for (const IterationRecord& record : fit.summary.iterations) {
+    VisitFields(record, [&result](const char* name, const auto& value) {
+      result[name].cast<py::list>().append(value);
+    });
+  }
   return result;
 }
 
@@ -437,8 +439,12 @@ void BindFit(py::module_* module) {
              handle->c = fit.c;
              return handle;
            })
-      .def_property_readonly("usable",
-                             [](const Fit& fit) { return fit.summary.usable; })
+      .def_property_readonly(
+          "usable", [](const Fit& fit) { return fit.summary.usable(); })
+      .def_property_readonly(
+          "grade",
+          [](const Fit& fit) { return GradeName(fit.summary.verdict.grade()); })
+      .def_property_readonly("findings", &FindingsOf)
       .def_property_readonly("message",
                              [](const Fit& fit) { return fit.summary.message; })
       .def_property_readonly("termination",
@@ -460,7 +466,8 @@ void BindFit(py::module_* module) {
       .def_property_readonly(
           "remarks", [](const Fit& fit) { return RemarksOf(ReportOf(fit)); })
       .def_property_readonly(
-          "verdict", [](const Fit& fit) { return Verdict(ReportOf(fit)); })
+          "verdict",
+          [](const Fit& fit) { return VerdictSentence(ReportOf(fit)); })
       .def("brief", [](const Fit& fit) { return fit.summary.BriefReport(); })
       .def("report",
            [](const Fit& fit) { return ConsoleReport(ReportOf(fit)); })

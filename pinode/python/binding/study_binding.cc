@@ -123,12 +123,11 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
   const auto begun = std::chrono::steady_clock::now();
   bool ok = true;
   python.Run([&] {
-    const FitWatch watch = python.watch();
-    ok = given != nullptr || FitCase(folder, &begin_from, watch, &fit->c,
+    ok = given != nullptr || FitCase(folder, &begin_from, &python, &fit->c,
                                      &fit->summary, &fit->model, &error);
     if (!ok) return;
-    judgement =
-        JudgeChange(fit->summary, fit->model, healthy, change, watch, &fit->c);
+    judgement = JudgeChange(fit->summary, fit->model, healthy, change, &python,
+                            &fit->c);
     fit->troubles = python.troubles();
     fit->seconds = SecondsSince(begun);
     KeepJudgement(std::move(judgement), fit.get());
@@ -183,8 +182,8 @@ Case CaseToDiscover(const CaseHandle& handle, const Fit* fit,
 // `equations` in place of the networks, refitted where the case asks for it:
 // into *result, which has the model that they are found from.
 bool PutInPlace(const Case& c, const std::vector<DiscoveredEquation>& equations,
-                const FitWatch& watch, RefitCheckpoint* checkpoint, Fit* result,
-                Discovery* discovery, std::string* error) {
+                IdentificationWatch* watch, RefitCheckpoint* checkpoint,
+                Fit* result, Discovery* discovery, std::string* error) {
   *discovery = WithoutRefit(c.problem, equations);
   result->c = c;
   if (discovery->num_terms() == 0) return true;
@@ -203,12 +202,9 @@ bool PutInPlace(const Case& c, const std::vector<DiscoveredEquation>& equations,
                               int, const std::vector<DiscoveredEquation>& now) {
     checkpoint->Save(now);
   };
-  IdentificationOptions options = c.options;
-  options.callback = [&watch](const IdentificationProgress& progress) {
-    return watch.on_iteration("refit", progress);
-  };
-  if (!RefitEquations(c.problem, model, equations, discover, options,
-                      resumed.empty() ? nullptr : &resumed, discovery, error) ||
+  if (!RefitEquations(c.problem, model, equations, discover, c.options,
+                      resumed.empty() ? nullptr : &resumed, watch, discovery,
+                      error) ||
       !CaseWithEquations(c, discovery->equations, discovery->problem,
                          /*given_steps=*/true, &result->c, error)) {
     return false;
@@ -255,20 +251,18 @@ std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
   auto result = std::make_shared<Fit>();
   auto discovery = std::make_shared<Discovery>();
   PythonWatch python(request.callback);
-  const FitWatch watch = python.watch();
   const auto begun = std::chrono::steady_clock::now();
   const std::shared_ptr<const FoundTerms> found = FindTerms(std::move(c), fit);
   bool ok = false;
   python.Run([&] {
     RefitCheckpoint checkpoint(folder, found->c.problem);
     result->model = found->model;
-    ok = PutInPlace(found->c, found->equations, watch, &checkpoint,
+    ok = PutInPlace(found->c, found->equations, &python, &checkpoint,
                     result.get(), discovery.get(), &error);
     if (!ok) return;
     if (!discovery->refitted) {
-      result->summary.message = discovery->num_terms() == 0
-                                    ? "no term was found"
-                                    : "the equations were not refitted";
+      result->summary.verdict = discovery->verdict();
+      result->summary.message = discovery->Message();
     }
     result->troubles = python.troubles();
     result->seconds = SecondsSince(begun);

@@ -139,17 +139,16 @@ void WaitForWorkAtExit() {
 PythonWatch::PythonWatch(py::object callback)
     : callback_(std::move(callback)) {}
 
-FitWatch PythonWatch::watch() {
-  FitWatch watch;
-  watch.on_iteration = [this](const std::string& what,
+bool PythonWatch::OnIteration(const std::string& what,
+                              const IdentificationProblem&,
                               const IdentificationProgress& progress) {
-    return GoOn(what, &progress);
-  };
-  watch.stop = [this] { return !GoOn("", nullptr); };
-  watch.on_trouble = [this](const std::string& sentence) {
-    troubles_.push_back(sentence);
-  };
-  return watch;
+  return GoOn(what, &progress);
+}
+
+bool PythonWatch::StopsProfiles() { return !GoOn("", nullptr); }
+
+void PythonWatch::OnTrouble(const std::string& sentence) {
+  troubles_.push_back(sentence);
 }
 
 bool PythonWatch::GoOn(const std::string& what,

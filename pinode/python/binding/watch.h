@@ -15,19 +15,23 @@
 
 namespace pinode::python {
 
-// Runs the library without the interpreter's lock, takes the lock to ask for
-// signals and to call back, and ends fits at Ctrl-C. What else a signal's
-// handler or the callback throws ends the fit too, and is thrown on when it is
-// over.
-class PythonWatch {
+// Runs the library without the interpreter's lock. Takes the lock to ask for
+// signals and to call back, and ends fits at Ctrl-C. Any other exception of a
+// signal's handler or of the callback ends the fit too, and is thrown on when
+// the fit is over.
+class PythonWatch : public CaseWatch {
  public:
   // `callback` is called with a dictionary after each iteration, and ends the
-  // fit where it returns False; None: there is none.
+  // fit by returning False. None: there is none.
   explicit PythonWatch(pybind11::object callback);
 
-  FitWatch watch();
+  bool OnIteration(const std::string& what,
+                   const IdentificationProblem& problem,
+                   const IdentificationProgress& progress) override;
+  bool StopsProfiles() override;
+  void OnTrouble(const std::string& sentence) override;
 
-  // Calls `work`, which may use watch(), without the lock.
+  // Calls `work`, which may use this watch, without the lock.
   template <typename Work>
   void Run(const Work& work) {
     {
@@ -37,7 +41,7 @@ class PythonWatch {
     Rethrow();
   }
 
-  // Whether somebody wanted an end.
+  // True if the user wanted an end.
   bool stopped() const { return stopped_; }
   // Sentences on what went wrong beside the fit.
   const std::vector<std::string>& troubles() const { return troubles_; }

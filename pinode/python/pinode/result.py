@@ -74,6 +74,17 @@ class _Outcome:
         return self._handle.usable
 
     @property
+    def grade(self) -> str:
+        """Grade of the verdict: "good" or "not_usable"."""
+        return self._handle.grade
+
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """Failed checks, each with `check`, `what`, `grade`, `number`, `limit` and
+        `advice`; the verdict follows from them. Empty: the result is good."""
+        return self._handle.findings
+
+    @property
     def message(self) -> str:
         """What came of the fit, in a sentence."""
         return self._handle.message

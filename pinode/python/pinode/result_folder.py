@@ -72,8 +72,23 @@ class ResultFolder:
 
     @property
     def usable(self) -> bool:
-        """Whether the programs called the result of a fit usable."""
+        """True if the programs called the result usable."""
         return self._get("usable", bool)
+
+    @property
+    def grade(self) -> str:
+        """Grade of the verdict, "good" or "not_usable"; from `usable` in folders of
+        versions before verdicts."""
+        verdict = self.json.get("verdict")
+        if verdict is None:
+            return "good" if self.usable else "not_usable"
+        return self._get("verdict", str)
+
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """Failed checks of a result, each with `check`, `what`, `grade`, `number`,
+        `limit` and `advice`."""
+        return self.json.get("findings", [])
 
     @property
     def message(self) -> str:

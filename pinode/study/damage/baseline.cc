@@ -78,7 +78,7 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
                   const IdentificationSummary& summary,
                   const IdentifiedModel& model, Baseline* baseline,
                   std::string* error) {
-  if (!IsFitOf(problem, summary, model, true, error)) {
+  if (!IsUsableResultOf(problem, summary, model, error)) {
     *error = "baseline '" + name + "': " + *error;
     return false;
   }
@@ -175,8 +175,7 @@ Vector AlreadyPresent(const StructuralDynamics& dynamics,
   return present;
 }
 
-bool GroupsOf(const StructuralDynamics& dynamics,
-              const IdentificationSummary& summary,
+bool GroupsOf(const StructuralDynamics& dynamics, const FitSummary& summary,
               const std::vector<std::string>& names, GroupState* state,
               std::string* error) {
   GroupState result;

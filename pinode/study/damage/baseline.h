@@ -97,7 +97,7 @@ IdentifiedModel BeginFromBaseline(const Baseline& baseline,
 // The free groups and other parameters `names` of a fit of `dynamics`; groups
 // as in Baseline. False, with *error, where one of them has no covariance.
 [[nodiscard]] bool GroupsOf(const StructuralDynamics& dynamics,
-                            const IdentificationSummary& summary,
+                            const FitSummary& summary,
                             const std::vector<std::string>& names,
                             GroupState* state, std::string* error);
 

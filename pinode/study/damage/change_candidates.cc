@@ -27,8 +27,7 @@ struct Motion {
   Vector rate;
 };
 
-Motion MotionAt(const IdentificationSummary& summary, int num_dofs, int from,
-                int to) {
+Motion MotionAt(const FitSummary& summary, int num_dofs, int from, int to) {
   Motion motion;
   for (const RecordScore& record : summary.records) {
     if (record.role != IdentificationRecord::Role::kTrain || !record.finite) {
@@ -116,7 +115,7 @@ bool ForceTerm(const ChangeCandidate& candidate,
 
 std::vector<ChangeCandidate> MakeChangeCandidates(
     const IdentificationProblem& problem, const DamageSearch& search,
-    const IdentificationSummary& summary, const IdentifiedModel& model) {
+    const FitSummary& summary, const IdentifiedModel& model) {
   const StructuralDynamics& dynamics = *problem.dynamics;
   const StructuralModel corrected =
       dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
@@ -216,8 +215,7 @@ bool AddCandidates(const IdentificationProblem& problem,
 }
 
 void SetForceShares(const IdentificationProblem& extended,
-                    const IdentificationSummary& summary,
-                    const IdentifiedModel& model,
+                    const FitSummary& summary, const IdentifiedModel& model,
                     std::vector<ChangeCandidate>* candidates) {
   const StructuralDynamics& dynamics = *extended.dynamics;
   const StructuralModel corrected =

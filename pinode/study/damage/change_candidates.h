@@ -8,8 +8,9 @@
 
 #include "pinode/base/types.h"
 #include "pinode/damage/verdict.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/study/damage/damage_search.h"
 
 namespace pinode {
@@ -41,7 +42,7 @@ struct ChangeCandidate {
 // fit of the problem's own unknowns.
 std::vector<ChangeCandidate> MakeChangeCandidates(
     const IdentificationProblem& problem, const DamageSearch& search,
-    const IdentificationSummary& summary, const IdentifiedModel& model);
+    const FitSummary& summary, const IdentifiedModel& model);
 
 // The deformation of a candidate's place, then its rate: what its function may
 // look at.
@@ -63,8 +64,7 @@ double PriorOf(const ChangeCandidate& candidate);
 // RMS of the whole restoring force there, K x and theirs at DOF `to`, on the
 // trajectories of `summary`, a fit that had them; into their subjects.
 void SetForceShares(const IdentificationProblem& extended,
-                    const IdentificationSummary& summary,
-                    const IdentifiedModel& model,
+                    const FitSummary& summary, const IdentifiedModel& model,
                     std::vector<ChangeCandidate>* candidates);
 
 }  // namespace pinode

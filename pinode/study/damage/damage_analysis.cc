@@ -7,9 +7,12 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/study/damage/held_followers.h"
 #include "pinode/study/damage/wide_state.h"
+#include "pinode/study/identify/identify.h"
+#include "pinode/study/problem/inner_fit.h"
 
 namespace pinode {
 namespace {
@@ -28,7 +31,7 @@ using Candidates = std::vector<ChangeCandidate>;
 
 // Of the training records, the largest; of those that leave `least_share` of it
 // at least, for from noise alone less cannot be told.
-double MissedOf(const IdentificationSummary& summary, double least_share) {
+double MissedOf(const FitSummary& summary, double least_share) {
   double largest = 0.0;
   for (const RecordScore& record : summary.records) {
     const double missed = StructuredError(record);
@@ -65,7 +68,7 @@ class Analyst {
         identification_(options.identification),
         search_(options.search),
         options_(options.change),
-        fit_(FitOrIdentify(options.fit)),
+        inner_(options.watch),
         groups_(FreeGroups(*problem.dynamics)),
         held_(baselines, problem),
         result_(*result) {}
@@ -91,8 +94,11 @@ class Analyst {
       }
     }
     std::string why;
-    const bool kinds =
-        !candidates_.empty() && RefitBaselines(&why) && LookForKinds(&why);
+    verdict_ = summary.verdict;
+    choice_ = summary.choice;
+    const bool kinds = !candidates_.empty() && RefitBaselines(&why) &&
+                       LookForKinds(&why) &&
+                       (found_.empty() || IdentifyWithFound(&why));
     if (!why.empty()) {
       result_.remarks.push_back(
           "Kinds of change were not told apart from one another: " + why + ".");
@@ -134,8 +140,8 @@ class Analyst {
         options.num_threads = identification_.num_threads;
         options.communicator = identification_.communicator;
         BeginNearTheEnd(&options);
-        fit_("healthy", fit.problem, options, nullptr, &fit.summary,
-             &fit.model);
+        inner_.Run("healthy", fit.problem, options, nullptr, &fit.summary,
+                   &fit.model);
         // No better than before, so not "usable".
         if (fit.summary.termination != Termination::kConverged) {
           *error = baseline.name + ": " + fit.summary.message;
@@ -247,17 +253,40 @@ class Analyst {
       const IdentifiedModel begin =
           BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
                     fit_of_new_.model, fit.problem);
-      fit_("with " + std::to_string(asked_for.size()) + " more", fit.problem,
-           options, &begin, &fit.summary, &fit.model);
-      if (!fit.summary.usable || fit.summary.covariance.size() == 0) {
+      inner_.Run("with " + std::to_string(asked_for.size()) + " more",
+                 fit.problem, options, &begin, &fit.summary, &fit.model);
+      const std::string why_not = WhyNotSound(options.tuning.gaps, fit.summary);
+      if (!why_not.empty() || fit.summary.covariance.size() == 0) {
         *error = "the fit with " + asked_for[0].subject.name +
                  (asked_for.size() > 1 ? " and others" : "") +
-                 " is not usable: " + fit.summary.message;
+                 " is not usable: " +
+                 (why_not.empty() ? "it has no covariance" : why_not);
         return false;
       }
       found_ = std::move(asked_for);
       fit_of_new_ = std::move(fit);
     }
+    return true;
+  }
+
+  // The result with the kinds of change that were found, by the main job.
+  bool IdentifyWithFound(std::string* error) {
+    IdentificationOptions options = identification_;
+    BeginNearTheEnd(&options);
+    IdentificationExtras extras;
+    extras.start = &fit_of_new_.model;
+    Identification found =
+        Identify(fit_of_new_.problem, options, extras, inner_.watch());
+    if (!found.summary.usable()) {
+      *error = "the result with " + found_[0].subject.name +
+               (found_.size() > 1 ? " and others" : "") +
+               " is not usable: " + found.summary.message;
+      return false;
+    }
+    verdict_ = std::move(found.summary.verdict);
+    choice_ = std::move(found.summary.choice);
+    fit_of_new_ = {kNewRecords, std::move(found.problem),
+                   std::move(found.summary), std::move(found.model)};
     return true;
   }
 
@@ -324,7 +353,9 @@ class Analyst {
     }
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
-    result_.summary = std::move(fit_of_new_.summary);
+    result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));
+    result_.summary.verdict = std::move(verdict_);
+    result_.summary.choice = std::move(choice_);
     result_.model = std::move(fit_of_new_.model);
     return true;
   }
@@ -400,7 +431,7 @@ class Analyst {
   const IdentificationOptions& identification_;
   const DamageSearch& search_;
   const ChangeOptions& options_;
-  const FitFunction fit_;
+  InnerFit inner_;
   const std::vector<std::string> groups_;
   HeldFollowers held_;
   DamageResult& result_;
@@ -408,6 +439,9 @@ class Analyst {
   Candidates candidates_, found_;
   std::vector<FitOfRecords> fits_of_healthy_;
   FitOfRecords fit_of_new_;
+  // Verdict and choice of the result in fit_of_new_.
+  Verdict verdict_;
+  ModelChoice choice_;
   double missed_by_groups_ = 0.0;  // see MissedMotion
   // Groups and all candidates, see ToLogarithms.
   std::vector<GroupState> healthy_;
@@ -486,7 +520,7 @@ bool AnalyseDamage(const IdentificationProblem& problem,
                    const std::vector<Baseline>& baselines,
                    const DamageAnalysisOptions& options, DamageResult* result,
                    std::string* error) {
-  if (!IsFitOf(problem, summary, model, true, error) ||
+  if (!IsUsableResultOf(problem, summary, model, error) ||
       !CheckInput(problem, baselines, options, error)) {
     return false;
   }

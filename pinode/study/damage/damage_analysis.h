@@ -15,6 +15,7 @@
 #include "pinode/study/damage/change_candidates.h"
 #include "pinode/study/damage/damage_search.h"
 #include "pinode/study/problem/growth.h"
+#include "pinode/study/problem/identification_watch.h"
 
 namespace pinode {
 
@@ -23,9 +24,9 @@ struct DamageAnalysisOptions {
   // Where masses and nonlinear forces are looked for: nowhere unless told, see
   // LookEverywhere.
   DamageSearch search;
-  // Of the further fits, and what runs them (empty: Identify).
+  // Options of further fits, and a watch on them (may be nullptr).
   IdentificationOptions identification;
-  FitFunction fit;
+  IdentificationWatch* watch = nullptr;
 };
 
 struct DamageResult {
@@ -41,8 +42,9 @@ struct DamageResult {
   // One sentence each, such as why kinds of change were not told apart.
   std::vector<std::string> remarks;
 
-  // The fit that all this is from: that of the problem as it was, or, where
-  // other kinds of change were found, with these as further unknowns.
+  // The result that the changes are taken from: that of the given problem, or,
+  // where other kinds of change were found, of Identify with these as further
+  // unknowns.
   std::vector<ChangeCandidate> added;
   IdentificationProblem problem;
   IdentificationSummary summary;

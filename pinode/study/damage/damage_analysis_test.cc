@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/study_testing.h"
 
 namespace pinode {
@@ -89,21 +90,18 @@ TEST_F(AnalyseDamageTest, LooksForOtherKindsWhereItIsTold) {
   const TestFit fit = FitOf(MeasuredChain(3, *heavier, 3));
   DamageAnalysisOptions options;
   options.search = LookEverywhere(fit.problem);
-  int fits = 0;
-  options.fit = [&fits](
-                    const std::string&, const IdentificationProblem& problem,
-                    const IdentificationOptions& fit_options,
-                    const IdentifiedModel* begin,
-                    IdentificationSummary* summary, IdentifiedModel* model) {
-    ++fits;
-    Identify(problem, fit_options, begin, summary, model);
-  };
+  struct CountingWatch : IdentificationWatch {
+    void OnFitEnd(Termination) override { ++fits; }
+    int fits = 0;
+  } watch;
+  options.watch = &watch;
   DamageResult result;
   ASSERT_TRUE(Analyse(fit, {baseline}, options, &result, &error)) << error;
   EXPECT_EQ(result.judgement.verdict, DamageVerdict::kOtherChange)
       << result.judgement.sentence;
   // The healthy records were fitted before.
-  EXPECT_GE(fits, 1);
+  EXPECT_GE(watch.fits, 2);
+  EXPECT_TRUE(result.summary.usable()) << result.summary.message;
   ASSERT_EQ(result.added.size(), 1u);
   EXPECT_EQ(result.added[0].subject.name, "mass.u2");
   EXPECT_EQ(result.problem.dynamics->groups().size(), 4u);
@@ -170,7 +168,7 @@ TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {
   fit.summary.covariance.resize(0, 0);
   EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("covariance"));
   fit = *damaged_;
-  fit.summary.usable = false;
+  fit.summary.verdict = testing::NotUsable();
   fit.summary.message = "of the test";
   EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("of the test"));
 }
@@ -200,7 +198,7 @@ TEST_F(AnalyseDamageTest, BaselinesAreOfUsableFits) {
   Baseline baseline;
   std::string error;
   TestFit fit = *healthy_;
-  fit.summary.usable = false;
+  fit.summary.verdict = testing::NotUsable();
   EXPECT_FALSE(BaselineFrom("D", fit.problem, fit.summary, fit.model, &baseline,
                             &error));
   EXPECT_THAT(error, HasSubstr("baseline 'D': the fit is not usable"));

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/study/damage/damage_analysis.h"
 #include "tests/support/ambient_covariate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -29,8 +29,8 @@ FitOfRecords FitOf(const std::string& name, IdentificationProblem problem) {
   fit.problem = std::move(problem);
   IdentificationOptions options;
   options.num_threads = 2;
-  Identify(fit.problem, options, nullptr, &fit.summary, &fit.model);
-  EXPECT_TRUE(fit.summary.usable) << name << ": " << fit.summary.message;
+  testing::FitAndJudge(fit.problem, options, nullptr, &fit.summary, &fit.model);
+  EXPECT_TRUE(fit.summary.usable()) << name << ": " << fit.summary.message;
   return fit;
 }
 

@@ -16,7 +16,7 @@ bool WithCandidates(const FitOfRecords& fit,
                     const std::vector<ChangeCandidate>& candidates,
                     IdentificationProblem* extended, IdentifiedModel* at,
                     std::string* error) {
-  if (!IsFitOf(fit.problem, fit.summary, fit.model, false, error)) return false;
+  if (!IsFitOf(fit.problem, fit.summary, fit.model, error)) return false;
   const std::map<std::string, double> values =
       ParametersByName(fit.problem, fit.model);
   std::vector<ChangeCandidate> missing;

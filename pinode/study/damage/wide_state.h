@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "pinode/damage/change.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/study/damage/change_candidates.h"
 
 namespace pinode {
@@ -17,7 +18,7 @@ namespace pinode {
 struct FitOfRecords {
   std::string name;  // for messages
   IdentificationProblem problem;
-  IdentificationSummary summary;
+  FitSummary summary;
   IdentifiedModel model;
 };
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/estimate/fit/fit_checks.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/study/problem/checkpoint.h"
 
 namespace pinode {
@@ -15,9 +17,8 @@ constexpr int kMostRounds = 2;
 
 // By the record that is described worst; where no probability can be told from
 // zero, by how far the spectra are from it.
-bool IsBetter(const IdentificationSummary& one,
-              const IdentificationSummary& other) {
-  const auto least = [](const IdentificationSummary& summary) {
+bool IsBetter(const FitSummary& one, const FitSummary& other) {
+  const auto least = [](const FitSummary& summary) {
     std::pair<double, double> worst{1.0, 0.0};
     for (const AmbientScore& score : summary.ambient) {
       worst = std::min(
@@ -31,8 +32,7 @@ bool IsBetter(const IdentificationSummary& one,
 }
 
 // "7 knots (probability 3e-18)" of each record that is refined.
-std::string Describe(const std::vector<int>& given,
-                     const IdentificationSummary& summary) {
+std::string Describe(const std::vector<int>& given, const FitSummary& summary) {
   std::vector<std::string> texts;
   for (size_t i = 0; i < summary.ambient.size(); ++i) {
     if (given[i] > 0) continue;
@@ -46,7 +46,7 @@ std::string Describe(const std::vector<int>& given,
 
 // Loads and noise were first found at a model that was further away: the powers
 // of their spectra, and what their covariances are held to, are of that one.
-bool MayHaveBetterLoads(const IdentificationSummary& summary) {
+bool MayHaveBetterLoads(const FitSummary& summary) {
   return summary.termination == Termination::kConverged &&
          std::any_of(summary.ambient.begin(), summary.ambient.end(),
                      [](const AmbientScore& score) {
@@ -82,8 +82,7 @@ struct Comparison {
   double gain = 0.0;
   double price = 0.0;
 };
-Comparison Compare(const IdentificationSummary& one,
-                   const IdentificationSummary& other) {
+Comparison Compare(const FitSummary& one, const FitSummary& other) {
   Comparison comparison;
   for (size_t i = 0; i < one.ambient.size(); ++i) {
     const LoadEvidence& first = one.ambient[i].evidence;
@@ -95,8 +94,7 @@ Comparison Compare(const IdentificationSummary& one,
 }
 
 // "'wind' 13 in place of 7".
-std::string DescribeFiner(const IdentificationSummary& finer,
-                          const IdentificationSummary& coarser) {
+std::string DescribeFiner(const FitSummary& finer, const FitSummary& coarser) {
   std::vector<std::string> texts;
   for (size_t i = 0; i < finer.ambient.size(); ++i) {
     const int knots = finer.ambient[i].num_knots;
@@ -111,19 +109,18 @@ std::string DescribeFiner(const IdentificationSummary& finer,
 // From a fit to the one that stands.
 class LoadSettling {
  public:
-  LoadSettling(const FitFunction& fit, const IdentificationOptions& options,
-               IdentificationProblem* problem, IdentificationSummary* summary,
+  LoadSettling(InnerFit* fit, const IdentificationOptions& options,
+               IdentificationProblem* problem, FitSummary* summary,
                IdentifiedModel* model)
-      : run_(FitOrIdentify(fit)),
+      : fit_(*fit),
         near_(options),
-        first_(*summary),
+        history_(FitHistory::Of(*summary)),
         given_(SpectraOfLoads::Of(*problem)),
         identity_(ProblemIdentity(*problem)),
         problem_(problem),
         summary_(summary),
         model_(model),
-        best_(given_),
-        seconds_(summary->seconds) {
+        best_(given_) {
     BeginNearTheEnd(&near_);
   }
 
@@ -139,26 +136,29 @@ class LoadSettling {
  private:
   // False where it was interrupted, which ends everything.
   bool Run(const std::string& what, const IdentifiedModel& begin,
-           IdentificationSummary* next, IdentifiedModel* found) {
-    run_(what, *problem_, near_, &begin, next, found);
+           FitSummary* next, IdentifiedModel* found) {
+    fit_.Run(what, *problem_, near_, &begin, next, found);
     ++num_fits_;
-    seconds_ += next->seconds;
+    history_.seconds += next->seconds;
     if (next->termination != Termination::kInterrupted) return true;
     summary_->termination = Termination::kInterrupted;
-    summary_->usable = false;
     summary_->message = "interrupted while the loads' spectra were refined";
     return false;
   }
 
-  void Take(IdentificationSummary next, IdentifiedModel found) {
+  void Take(FitSummary next, IdentifiedModel found) {
     *summary_ = std::move(next);
     *model_ = std::move(found);
     best_ = SpectraOfLoads::Of(*problem_);
   }
 
+  bool IsSound(const FitSummary& summary) const {
+    return CheckFit(near_.tuning.gaps, summary).empty();
+  }
+
   void LookAnew() {
     if (!MayHaveBetterLoads(*summary_)) return;
-    IdentificationSummary next;
+    FitSummary next;
     IdentifiedModel found;
     if (!Run("loads at the model found", *model_, &next, &found)) return;
     if (next.termination == Termination::kConverged &&
@@ -168,7 +168,7 @@ class LoadSettling {
   }
 
   void RefineUntilDescribed() {
-    IdentificationSummary last = *summary_;
+    FitSummary last = *summary_;
     IdentifiedModel begin = *model_;
     std::vector<std::string> tried;
     for (; num_rounds_ < kMostRounds; ++num_rounds_) {
@@ -178,7 +178,7 @@ class LoadSettling {
       }
       if (tried.empty()) tried.push_back(Describe(given_.knots, last));
       problem_->description.known_as = identity_;
-      IdentificationSummary next;
+      FitSummary next;
       IdentifiedModel found;
       if (!Run("finer spectra of the loads", begin, &next, &found)) return;
       tried.push_back(Describe(given_.knots, next));
@@ -200,13 +200,13 @@ class LoadSettling {
   void RefineWhileEvidenceGrows() {
     for (; num_rounds_ < kMostRounds; ++num_rounds_) {
       best_.Set(problem_);
-      if (!summary_->usable ||
+      if (!IsSound(*summary_) ||
           summary_->termination != Termination::kConverged ||
           !RefineByEvidence(given_.knots, *summary_, problem_)) {
         return;
       }
       problem_->description.known_as = identity_;
-      IdentificationSummary next;
+      FitSummary next;
       IdentifiedModel found;
       if (!Run("spectra of the loads that the evidence asks for", *model_,
                &next, &found) ||
@@ -216,20 +216,20 @@ class LoadSettling {
       const Comparison more = Compare(next, *summary_);
       const bool has_evidence = more.gain > more.price;
       remarks_.push_back(Sentence(next, more));
-      if (!has_evidence || !next.usable) return;
+      if (!has_evidence || !IsSound(next)) return;
       Take(std::move(next), std::move(found));
     }
   }
 
   // What the evidence has chosen.
-  std::string Sentence(const IdentificationSummary& next,
-                       const Comparison& more) const {
+  std::string Sentence(const FitSummary& next, const Comparison& more) const {
     const std::string outcome =
         more.gain <= more.price
             ? "The evidence chose no more knots of the loads' spectra: "
-        : next.usable ? "The evidence chose more knots of the loads' spectra: "
-                      : "More knots of the loads' spectra, which the evidence "
-                        "would choose, leave no usable fit: ";
+        : IsSound(next)
+            ? "The evidence chose more knots of the loads' spectra: "
+            : "More knots of the loads' spectra, which the evidence "
+              "would choose, leave no usable fit: ";
     return outcome + DescribeFiner(next, *summary_) +
            "; the logarithm of the likelihood is larger by " +
            FormatNumber(more.gain, 3) + ", from which the evidence takes off " +
@@ -238,30 +238,22 @@ class LoadSettling {
 
   // Of all that came before, the fit that stands knows nothing.
   void Finish() {
-    summary_->seconds = seconds_;
-    summary_->choice = first_.choice;
-    summary_->way = first_.way;
-    summary_->linear_error = first_.linear_error;
+    summary_->seconds = 0.0;
+    history_.Enter(summary_);
     std::vector<std::string>& remarks = summary_->remarks;
-    const std::string sentence = first_.choice.Sentence();
-    if (!first_.choice.empty() &&
-        std::find(remarks.begin(), remarks.end(), sentence) == remarks.end()) {
-      remarks.push_back(sentence);
-    }
     remarks.insert(remarks.end(), remarks_.begin(), remarks_.end());
   }
 
-  const FitFunction run_;
+  InnerFit& fit_;
   IdentificationOptions near_;
-  const IdentificationSummary first_;
+  FitHistory history_;
   const SpectraOfLoads given_;
   // To whoever wrote the case, one with finer spectra is the same problem.
   const std::string identity_;
   IdentificationProblem* const problem_;
-  IdentificationSummary* const summary_;  // of what stands
+  FitSummary* const summary_;  // of what stands
   IdentifiedModel* const model_;
   SpectraOfLoads best_;
-  double seconds_;
   int num_fits_ = 0;
   int num_rounds_ = 0;  // of finer spectra
   std::vector<std::string> remarks_;
@@ -269,13 +261,13 @@ class LoadSettling {
 
 // Records for which `asks` is true get a knot between any two.
 template <typename Asks>
-bool Refine(const std::vector<int>& given, const IdentificationSummary& summary,
+bool Refine(const std::vector<int>& given, const FitSummary& summary,
             const Asks& asks, IdentificationProblem* problem) {
   bool refined = false;
   for (size_t i = 0; i < summary.ambient.size(); ++i) {
     const AmbientScore& score = summary.ambient[i];
     if (given[i] > 0 || score.num_knots < 2 ||
-        score.coherence_probability < kLeastAmbientProbability ||
+        score.coherence_probability < limits::kSpectrumProbability ||
         !asks(score)) {
       continue;
     }
@@ -287,33 +279,30 @@ bool Refine(const std::vector<int>& given, const IdentificationSummary& summary,
 
 }  // namespace
 
-bool RefineLoadSpectra(const std::vector<int>& given,
-                       const IdentificationSummary& summary,
+bool RefineLoadSpectra(const std::vector<int>& given, const FitSummary& summary,
                        IdentificationProblem* problem) {
   return Refine(
       given, summary,
       [](const AmbientScore& score) {
-        return score.probability < kLeastAmbientProbability;
+        return score.probability < limits::kSpectrumProbability;
       },
       problem);
 }
 
-bool RefineByEvidence(const std::vector<int>& given,
-                      const IdentificationSummary& summary,
+bool RefineByEvidence(const std::vector<int>& given, const FitSummary& summary,
                       IdentificationProblem* problem) {
   return Refine(
       given, summary,
       [](const AmbientScore& score) {
-        return score.probability >= kLeastAmbientProbability &&
+        return score.probability >= limits::kSpectrumProbability &&
                score.evidence.PromisesMore();
       },
       problem);
 }
 
-void SettleLoadSpectra(const FitFunction& fit,
-                       const IdentificationOptions& options,
-                       IdentificationProblem* problem,
-                       IdentificationSummary* summary, IdentifiedModel* model) {
+void SettleLoadSpectra(const IdentificationOptions& options, InnerFit* fit,
+                       IdentificationProblem* problem, FitSummary* summary,
+                       IdentifiedModel* model) {
   if (problem->ambient.empty()) return;
   LoadSettling(fit, options, problem, summary, model).Settle();
 }

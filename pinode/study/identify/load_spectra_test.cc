@@ -10,17 +10,18 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/study/problem/checkpoint.h"
 #include "tests/support/ambient_testing.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 IdentificationProblem TwoAmbientRecords() {
   IdentificationProblem problem;
@@ -32,9 +33,8 @@ IdentificationProblem TwoAmbientRecords() {
   return problem;
 }
 
-IdentificationSummary FitOf(const IdentificationProblem& problem,
-                            double probability) {
-  IdentificationSummary summary;
+FitSummary FitOf(const IdentificationProblem& problem, double probability) {
+  FitSummary summary;
   summary.termination = Termination::kConverged;
   summary.seconds = 1.0;
   summary.final_cost = 10.0 - probability;
@@ -44,6 +44,8 @@ IdentificationSummary FitOf(const IdentificationProblem& problem,
     score.num_knots = record.knots > 0 ? record.knots : 7;
     score.probability = record.name == "monday" ? probability : 0.5;
     score.degrees_of_freedom = 100;
+    score.most_information_left = 1.0;
+    score.coherence_probability = 0.5;
     score.chi_square = 1e5 / score.num_knots;
     score.evidence.price = 10.0 * score.num_knots;
     summary.ambient.push_back(score);
@@ -52,22 +54,19 @@ IdentificationSummary FitOf(const IdentificationProblem& problem,
 }
 
 // Fits that end as they are told to, and remember what they were asked.
-class Fits {
+class Fits : public InnerFit {
  public:
   explicit Fits(std::vector<double> probabilities)
       : probabilities_(std::move(probabilities)) {}
-  FitFunction Function() {
-    return [this](const std::string&, const IdentificationProblem& problem,
-                  const IdentificationOptions&, const IdentifiedModel* begin,
-                  IdentificationSummary* summary, IdentifiedModel* model) {
-      knots.push_back(problem.ambient[0].knots);
-      identities.push_back(ProblemIdentity(problem));
-      EXPECT_NE(begin, nullptr);
-      *summary = FitOf(problem, probabilities_[knots.size() - 1]);
-      if (interrupts) summary->termination = Termination::kInterrupted;
-      model->parameters =
-          Vector::Constant(1, static_cast<double>(knots.back()));
-    };
+  void Run(const std::string&, const IdentificationProblem& problem,
+           const IdentificationOptions&, const IdentifiedModel* begin,
+           FitSummary* summary, IdentifiedModel* model) override {
+    knots.push_back(problem.ambient[0].knots);
+    identities.push_back(ProblemIdentity(problem));
+    EXPECT_NE(begin, nullptr);
+    *summary = FitOf(problem, probabilities_[knots.size() - 1]);
+    if (interrupts) summary->termination = Termination::kInterrupted;
+    model->parameters = Vector::Constant(1, static_cast<double>(knots.back()));
   }
   std::vector<int> knots;
   std::vector<std::string> identities;
@@ -79,7 +78,7 @@ class Fits {
 
 TEST(LoadSpectra, KnotsThatSomebodyGaveStay) {
   const IdentificationProblem given = TwoAmbientRecords();
-  IdentificationSummary summary = FitOf(given, 1e-9);
+  FitSummary summary = FitOf(given, 1e-9);
   summary.ambient[1].probability = 1e-9;
   IdentificationProblem problem = given;
   const std::vector<int> knots = {given.ambient[0].knots,
@@ -96,10 +95,10 @@ TEST(LoadSpectra, KnotsThatSomebodyGaveStay) {
 TEST(LoadSpectra, RefinedUntilTheyDescribeTheRecords) {
   IdentificationProblem problem = TwoAmbientRecords();
   const std::string identity = ProblemIdentity(problem);
-  IdentificationSummary summary = FitOf(problem, 1e-18);
+  FitSummary summary = FitOf(problem, 1e-18);
   IdentifiedModel model;
   Fits fits({1e-17, 0.3, 0.9});
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_THAT(fits.knots, ElementsAre(0, 13));
   EXPECT_THAT(fits.identities, ElementsAre(identity, identity));
   EXPECT_EQ(problem.ambient[0].knots, 13);
@@ -115,10 +114,10 @@ TEST(LoadSpectra, RefinedUntilTheyDescribeTheRecords) {
 
 TEST(LoadSpectra, TheBestStandsWhereNoneIsGood) {
   IdentificationProblem problem = TwoAmbientRecords();
-  IdentificationSummary summary = FitOf(problem, 1e-18);
+  FitSummary summary = FitOf(problem, 1e-18);
   IdentifiedModel model;
   Fits fits({1e-19, 1e-7, 1e-9});
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_THAT(fits.knots, ElementsAre(0, 13, 25));
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(model.parameters[0], 13.0);
@@ -128,14 +127,14 @@ TEST(LoadSpectra, TheBestStandsWhereNoneIsGood) {
 // What is too small to be told from zero is smaller yet with coarser spectra.
 TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
   IdentificationProblem problem = TwoAmbientRecords();
-  IdentificationSummary summary = FitOf(problem, 0.0);
+  FitSummary summary = FitOf(problem, 0.0);
   summary.way = "by stages";
   summary.linear_error = 0.25;
   summary.choice.complete = true;
   summary.choice.candidates = summary.choice.left_out = {"spring"};
   IdentifiedModel model;
   Fits fits({0.0, 0.0, 0.0});
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_EQ(problem.ambient[0].knots, 25);
   EXPECT_EQ(model.parameters[0], 25.0);
   EXPECT_EQ(summary.way, "by stages");
@@ -148,11 +147,11 @@ TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
 // With the same knots: what the first fit took for loads was of its start.
 TEST(LoadSpectra, FoundAnewAtTheModel) {
   IdentificationProblem problem = TwoAmbientRecords();
-  IdentificationSummary summary = FitOf(problem, 1e-3);
+  FitSummary summary = FitOf(problem, 1e-3);
   summary.way = "by stages";
   IdentifiedModel model;
   Fits fits({0.4});
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_THAT(fits.knots, ElementsAre(0));
   EXPECT_EQ(summary.ambient[0].probability, 0.4);
   EXPECT_EQ(summary.seconds, 2.0);
@@ -163,16 +162,14 @@ TEST(LoadSpectra, FoundAnewAtTheModel) {
   // What costs more does not stand.
   summary = FitOf(problem, 1e-3);
   Fits worse({1e-5});
-  SettleLoadSpectra(worse.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &worse, &problem, &summary, &model);
   EXPECT_THAT(worse.knots, ElementsAre(0));
   EXPECT_EQ(summary.ambient[0].probability, 1e-3);
 }
 
 // A fit whose first record would have `gain` of likelihood for a price of 60.
-IdentificationSummary FitWithPromise(const IdentificationProblem& problem,
-                                     double gain) {
-  IdentificationSummary summary = FitOf(problem, 0.5);
-  summary.usable = true;
+FitSummary FitWithPromise(const IdentificationProblem& problem, double gain) {
+  FitSummary summary = FitOf(problem, 0.5);
   LoadEvidence& evidence = summary.ambient[0].evidence;
   evidence.finer_knots = 2 * summary.ambient[0].num_knots - 1;
   evidence.finer_gain = gain;
@@ -184,7 +181,7 @@ TEST(LoadSpectra, TheEvidenceAsksForMore) {
   const IdentificationProblem given = TwoAmbientRecords();
   const std::vector<int> knots = {0, 5};
   IdentificationProblem problem = given;
-  IdentificationSummary summary = FitWithPromise(problem, 61.0);
+  FitSummary summary = FitWithPromise(problem, 61.0);
   // Of the second record, whose knots were given, it is not asked.
   summary.ambient[1].evidence = summary.ambient[0].evidence;
   EXPECT_TRUE(RefineByEvidence(knots, summary, &problem));
@@ -207,29 +204,26 @@ TEST(LoadSpectra, TheEvidenceAsksForMore) {
 }
 
 // Fits whose evidence is told.
-class FitsWithEvidence {
+class FitsWithEvidence : public InnerFit {
  public:
   // Likelihoods; what the last one promises.
   FitsWithEvidence(std::vector<double> likelihoods, double promise)
       : likelihoods_(std::move(likelihoods)), promise_(promise) {}
-  FitFunction Function() {
-    return [this](const std::string&, const IdentificationProblem& problem,
-                  const IdentificationOptions&, const IdentifiedModel* begin,
-                  IdentificationSummary* summary, IdentifiedModel* model) {
-      ASSERT_LT(knots.size(), likelihoods_.size());
-      EXPECT_NE(begin, nullptr);
-      knots.push_back(problem.ambient[0].knots);
-      EXPECT_EQ(problem.ambient[1].knots, 5);
-      *summary = FitWithPromise(problem, promise_);
-      summary->ambient[0].evidence.log_likelihood =
-          likelihoods_[knots.size() - 1];
-      summary->usable = usable;
-      model->parameters =
-          Vector::Constant(1, static_cast<double>(knots.back()));
-    };
+  void Run(const std::string&, const IdentificationProblem& problem,
+           const IdentificationOptions&, const IdentifiedModel* begin,
+           FitSummary* summary, IdentifiedModel* model) override {
+    ASSERT_LT(knots.size(), likelihoods_.size());
+    EXPECT_NE(begin, nullptr);
+    knots.push_back(problem.ambient[0].knots);
+    EXPECT_EQ(problem.ambient[1].knots, 5);
+    *summary = FitWithPromise(problem, promise_);
+    summary->ambient[0].evidence.log_likelihood =
+        likelihoods_[knots.size() - 1];
+    summary->stalled = !sound;
+    model->parameters = Vector::Constant(1, static_cast<double>(knots.back()));
   }
   std::vector<int> knots;
-  bool usable = true;
+  bool sound = true;
 
  private:
   std::vector<double> likelihoods_;
@@ -239,11 +233,11 @@ class FitsWithEvidence {
 TEST(LoadSpectra, WhatHasMoreEvidenceStands) {
   IdentificationProblem problem = TwoAmbientRecords();
   const std::string identity = ProblemIdentity(problem);
-  IdentificationSummary summary = FitWithPromise(problem, 100.0);
+  FitSummary summary = FitWithPromise(problem, 100.0);
   summary.way = "by stages";
   IdentifiedModel model;
   FitsWithEvidence fits({90.0}, 59.0);
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_THAT(fits.knots, ElementsAre(13));
   EXPECT_EQ(problem.ambient[0].knots, 13);
   EXPECT_EQ(problem.ambient[1].knots, 5);
@@ -262,10 +256,10 @@ TEST(LoadSpectra, WhatHasMoreEvidenceStands) {
 // knots an octave.
 TEST(LoadSpectra, PromisesOfTheEvidenceAreHeldAgainstFits) {
   IdentificationProblem problem = TwoAmbientRecords();
-  IdentificationSummary summary = FitWithPromise(problem, 100.0);
+  FitSummary summary = FitWithPromise(problem, 100.0);
   IdentifiedModel model;
   FitsWithEvidence less({50.0}, 59.0);
-  SettleLoadSpectra(less.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &less, &problem, &summary, &model);
   EXPECT_THAT(less.knots, ElementsAre(13));
   EXPECT_EQ(problem.ambient[0].knots, 0);
   EXPECT_EQ(model.parameters.size(), 0);
@@ -275,16 +269,16 @@ TEST(LoadSpectra, PromisesOfTheEvidenceAreHeldAgainstFits) {
 
   summary = FitWithPromise(problem, 100.0);
   FitsWithEvidence unusable({500.0}, 59.0);
-  unusable.usable = false;
-  SettleLoadSpectra(unusable.Function(), {}, &problem, &summary, &model);
+  unusable.sound = false;
+  SettleLoadSpectra({}, &unusable, &problem, &summary, &model);
   EXPECT_EQ(problem.ambient[0].knots, 0);
-  EXPECT_TRUE(summary.usable);
+  EXPECT_THAT(CheckFit(GapTuning(), summary), IsEmpty());
   ASSERT_EQ(summary.remarks.size(), 1u);
   EXPECT_THAT(summary.remarks[0], HasSubstr("leave no usable fit"));
 
   summary = FitWithPromise(problem, 100.0);
   FitsWithEvidence more({500.0, 1000.0}, 100.0);
-  SettleLoadSpectra(more.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &more, &problem, &summary, &model);
   EXPECT_THAT(more.knots, ElementsAre(13, 25));
   EXPECT_EQ(problem.ambient[0].knots, 25);
   EXPECT_EQ(summary.remarks.size(), 2u);
@@ -320,17 +314,18 @@ IdentificationProblem ChainOnAnUnevenBase(double decibels) {
 TEST(LoadSpectra, EvidenceSeesWhatChanceMightHaveMade) {
   IdentificationProblem problem = ChainOnAnUnevenBase(1.5);
   const auto settle = [&problem] {
-    IdentificationSummary summary;
+    FitSummary summary;
     IdentifiedModel model;
-    Identify(problem, {}, nullptr, &summary, &model);
-    EXPECT_TRUE(summary.usable) << summary.message;
+    FitOnce(problem, {}, nullptr, &summary, &model);
+    EXPECT_EQ(WhyNotSound(GapTuning(), summary), "");
     EXPECT_GT(summary.ambient.at(0).probability, 0.1);
     EXPECT_EQ(summary.ambient.at(0).num_knots, 5);
-    SettleLoadSpectra({}, {}, &problem, &summary, &model);
-    EXPECT_TRUE(summary.usable) << summary.message;
+    InnerFit fit;
+    SettleLoadSpectra({}, &fit, &problem, &summary, &model);
+    EXPECT_EQ(WhyNotSound(GapTuning(), summary), "");
     return summary;
   };
-  IdentificationSummary summary = settle();
+  FitSummary summary = settle();
   EXPECT_EQ(problem.ambient[0].knots, 9);
   EXPECT_EQ(summary.ambient.at(0).num_knots, 9);
   EXPECT_FALSE(summary.ambient.at(0).evidence.PromisesMore());
@@ -352,10 +347,10 @@ TEST(LoadSpectra, EvidenceSeesWhatChanceMightHaveMade) {
 
 TEST(LoadSpectra, NothingToRefine) {
   IdentificationProblem problem = TwoAmbientRecords();
-  IdentificationSummary summary = FitOf(problem, 0.5);
+  FitSummary summary = FitOf(problem, 0.5);
   IdentifiedModel model;
   Fits fits({});
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_TRUE(fits.knots.empty());
   EXPECT_TRUE(summary.remarks.empty());
   EXPECT_EQ(problem.ambient[0].knots, 0);
@@ -363,14 +358,12 @@ TEST(LoadSpectra, NothingToRefine) {
 
 TEST(LoadSpectra, InterruptedWhileRefined) {
   IdentificationProblem problem = TwoAmbientRecords();
-  IdentificationSummary summary = FitOf(problem, 1e-18);
-  summary.usable = true;
+  FitSummary summary = FitOf(problem, 1e-18);
   IdentifiedModel model;
   Fits fits({0.5});
   fits.interrupts = true;
-  SettleLoadSpectra(fits.Function(), {}, &problem, &summary, &model);
+  SettleLoadSpectra({}, &fits, &problem, &summary, &model);
   EXPECT_EQ(summary.termination, Termination::kInterrupted);
-  EXPECT_FALSE(summary.usable);
   EXPECT_EQ(problem.ambient[0].knots, 0);
 }
 

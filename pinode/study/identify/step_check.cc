@@ -6,16 +6,17 @@
 #include "pinode/base/strings.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/objective/objective.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/record_grid.h"
+#include "pinode/problem/verdict_limits.h"
 
 namespace pinode {
 namespace {
 
 constexpr double kShift = 0.1;  // deviations
 constexpr int kMostSteps = 64;
-constexpr double kLargeShare = 0.01;
 
 bool TakesSteps(const IdentificationProblem& problem) {
   return std::any_of(
@@ -34,8 +35,7 @@ IdentificationProblem WithHalvedSteps(IdentificationProblem problem) {
   return problem;
 }
 
-bool Linearize(const IdentificationProblem& problem,
-               const IdentificationSummary& summary,
+bool Linearize(const IdentificationProblem& problem, const FitSummary& summary,
                const IdentifiedModel& model, int num_threads,
                CondensedSystem* system) {
   const ParameterLayout layout(problem);
@@ -49,16 +49,14 @@ bool Linearize(const IdentificationProblem& problem,
 }  // namespace
 
 std::string StepCheck::Sentence() const {
-  return "Integrated with two steps in place of each, '" + parameter +
-         "' would move by " + FormatNumber(change, 3) + ", " +
-         FormatNumber(shift, 2) +
-         " of its standard deviation; substeps asks for more.";
+  return "with two steps in place of each, '" + parameter + "' would move by " +
+         FormatNumber(change, 3) + ", " + FormatNumber(shift, 2) +
+         " of its standard deviation";
 }
 
 bool CheckStepsAtFit(const IdentificationProblem& problem,
-                     const IdentificationSummary& summary,
-                     const IdentifiedModel& model, int num_threads,
-                     StepCheck* check) {
+                     const FitSummary& summary, const IdentifiedModel& model,
+                     int num_threads, StepCheck* check) {
   *check = StepCheck();
   if (!TakesSteps(problem) || !problem.dynamics->networks().empty() ||
       !problem.dynamics->unknown_forces().empty()) {
@@ -91,7 +89,7 @@ bool CheckStepsAtFit(const IdentificationProblem& problem,
     check->change = step[j];
     check->is_large =
         std::abs(step[j]) >
-        kLargeShare * (is_factor ? 1.0 : std::abs(estimate.value));
+        limits::kStepShare * (is_factor ? 1.0 : std::abs(estimate.value));
   }
   return seen;
 }
@@ -112,6 +110,37 @@ bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
     record.exponential_steps = std::max(record.exponential_steps, steps);
   }
   return changed;
+}
+
+std::vector<Finding> SettleSteps(const IdentificationOptions& options,
+                                 InnerFit* fit, IdentificationProblem* problem,
+                                 FitSummary* summary, IdentifiedModel* model) {
+  constexpr int kMostRounds = 2;
+  StepCheck check;
+  for (int round = 0;; ++round) {
+    if (!CheckStepsAtFit(*problem, *summary, *model, options.num_threads,
+                         &check)) {
+      return {};
+    }
+    if (round == kMostRounds || !RefineSteps(check, problem)) break;
+    IdentificationOptions near = options;
+    BeginNearTheEnd(&near);
+    const FitHistory history = FitHistory::Of(*summary);
+    const IdentifiedModel begin = *model;
+    fit->Run("finer steps", *problem, near, &begin, summary, model);
+    history.Enter(summary);
+    // Its own findings say why it ends here.
+    if (!CheckFit(options.tuning.gaps, *summary).empty()) return {};
+  }
+  if (check.shift > limits::kStepShift && check.is_large) {
+    return {{"long_steps", "the steps are too long: " + check.Sentence(),
+             check.shift, limits::kStepShift, "increase `substeps`"}};
+  }
+  if (check.shift > limits::kNotedStepShift) {
+    summary->remarks.push_back("The integration steps are long: " +
+                               check.Sentence() + ". Increase `substeps`.");
+  }
+  return {};
 }
 
 }  // namespace pinode

@@ -1,12 +1,16 @@
-// Whether the steps with which a fit was integrated are short enough for it.
+// Check of the integration steps of a fit.
 
 #ifndef PINODE_STUDY_IDENTIFY_STEP_CHECK_H_
 #define PINODE_STUDY_IDENTIFY_STEP_CHECK_H_
 
 #include <string>
+#include <vector>
 
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
+#include "pinode/problem/verdict.h"
+#include "pinode/study/problem/inner_fit.h"
 
 namespace pinode {
 
@@ -17,28 +21,37 @@ struct StepCheck {
   std::string parameter;
   double shift = 0.0;
   double change = 0.0;
-  // Whether that is a hundredth of the parameter's value, of 1 for the factors
-  // of groups.
+  // The change is a share limits::kStepShare of the parameter's value, of 1 for
+  // the factors of groups.
   bool is_large = false;
 
+  // "with two steps in place of each, 'c' would move by ...".
   std::string Sentence() const;
 };
 
-// By one Gauss-Newton step from the fit (`summary` and `model` of `problem`):
-// what the steps do to the cost's gradient, through its Hessian. Steps are
-// chosen for the model before the fit, in which what is unknown may not act
-// yet; this sees them where they count. False where no training record takes
-// steps, there are networks, whose weights have no standard deviations, or the
-// fit has none.
+// Finds the shift by one Gauss-Newton step from the fit (`summary` and `model`
+// of `problem`): halved steps change the cost's gradient, and its Hessian tells
+// how far the parameters would follow. Steps are chosen for the initial model,
+// in which unknown terms may not act yet; this looks at the fitted one. False
+// if no training record takes steps, if there are networks, whose weights have
+// no standard deviations, or if the fit has none.
 [[nodiscard]] bool CheckStepsAtFit(const IdentificationProblem& problem,
-                                   const IdentificationSummary& summary,
+                                   const FitSummary& summary,
                                    const IdentifiedModel& model,
                                    int num_threads, StepCheck* check);
 
-// More exponential steps where they were chosen and the shift is more than a
-// tenth of a deviation: as many as make it half of that, by their fourth order.
-// False where nothing changes.
+// Takes more exponential steps in records whose steps were chosen, if the shift
+// is more than a tenth of a deviation: as many as halve that tenth, by their
+// fourth order. False if nothing changes.
 bool RefineSteps(const StepCheck& check, IdentificationProblem* problem);
+
+// Checks the steps of a fit of *problem. Where finer ones would move what was
+// found, refines them (at most twice) and goes on with the fit. A shift that is
+// left becomes a finding where limits::kStepShift forbids it, else a remark of
+// *summary.
+std::vector<Finding> SettleSteps(const IdentificationOptions& options,
+                                 InnerFit* fit, IdentificationProblem* problem,
+                                 FitSummary* summary, IdentifiedModel* model);
 
 }  // namespace pinode
 

@@ -56,8 +56,8 @@ TEST(StepCheck, SeesTheStepsWhereTheyCount) {
   // Nothing hardens yet.
   EXPECT_EQ(record.exponential_steps, 1);
   const auto identify = [&fit] {
-    Identify(fit.problem, IdentificationOptions(), nullptr, &fit.summary,
-             &fit.model);
+    testing::FitAndJudge(fit.problem, IdentificationOptions(), nullptr,
+                         &fit.summary, &fit.model);
     ASSERT_EQ(fit.summary.termination, Termination::kConverged)
         << fit.summary.message;
   };
@@ -74,8 +74,8 @@ TEST(StepCheck, SeesTheStepsWhereTheyCount) {
                    ParameterLayout(fit.problem).FreeIndex(check.parameter))]];
   TestFit fine = fit;
   fine.problem.records[0].exponential_steps *= 2;
-  Identify(fine.problem, IdentificationOptions(), nullptr, &fine.summary,
-           &fine.model);
+  testing::FitAndJudge(fine.problem, IdentificationOptions(), nullptr,
+                       &fine.summary, &fine.model);
   const double after =
       fine.model.parameters
           [ParameterLayout(fit.problem)

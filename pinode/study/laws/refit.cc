@@ -9,11 +9,13 @@
 #include "pinode/base/statistics.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/certainty/covariance.h"
-#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/estimate/start/free_run_start.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/growth.h"
+#include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/terms/discovered_problem.h"
 #include "pinode/study/terms/library_term.h"
 #include "pinode/study/terms/term_proposal.h"
@@ -49,7 +51,7 @@ bool SameTerms(const std::vector<DiscoveredEquation>& a,
 // without one) and is by it.
 void CompleteTerms(const IdentificationProblem& problem,
                    const std::vector<DiscoveredEquation>& selected,
-                   const IdentificationSummary* summary,
+                   const FitSummary* summary,
                    std::vector<DiscoveredEquation>* equations) {
   for (size_t e = 0; e < equations->size(); ++e) {
     DiscoveredEquation& equation = (*equations)[e];
@@ -81,12 +83,14 @@ class Refitter {
  public:
   Refitter(const IdentificationProblem& problem, const IdentifiedModel& model,
            const DiscoveryOptions& options,
-           const IdentificationOptions& identification, Discovery* discovery,
-           std::string* error)
+           const IdentificationOptions& identification,
+           IdentificationWatch* watch, Discovery* discovery, std::string* error)
       : problem_(problem),
         model_(model),
         options_(options),
         identification_(identification),
+        announcing_(watch, this),
+        inner_(&announcing_),
         discovery_(*discovery),
         error_(error),
         last_model_(model) {}
@@ -121,6 +125,7 @@ class Refitter {
     }
     // The last fit is of a term that is not worth its place.
     if (!Left()) discovery_.refitted = false;
+    if (discovery_.refitted) Judge();
     discovery_.dropped = Difference(equations, discovery_.equations);
     discovery_.added = Difference(discovery_.equations, equations);
     return true;
@@ -168,7 +173,7 @@ class Refitter {
                                error_)) {
       return false;
     }
-    IdentificationSummary summary;
+    FitSummary summary;
     summary.termination = Termination::kConverged;
     if (!ScoreAsItIs(problem, &initial, &summary.records)) return true;
     if (Good() && Deviance(problem_, discovery_.summary) +
@@ -179,7 +184,7 @@ class Refitter {
     discovery_.equations = std::move(equations);
     substeps_ = FinerSteps(problem);
     discovery_.problem = std::move(problem);
-    discovery_.summary = std::move(summary);
+    discovery_.summary = IdentificationSummary(std::move(summary));
     last_model_ = std::move(initial);
     unfitted_ = true;
     return true;
@@ -298,8 +303,10 @@ class Refitter {
     unfitted_ = false;
     discovery_.refitted = true;
     discovery_.step_refinement = factor;
-    Identify(discovery_.problem, Options(), &initial, &discovery_.summary,
-             &discovery_.model);
+    FitSummary summary;
+    inner_.Run("refit", discovery_.problem, Options(), &initial, &summary,
+               &discovery_.model);
+    discovery_.summary = IdentificationSummary(std::move(summary));
     if (discovery_.model.parameters.size() == initial.parameters.size()) {
       last_model_ = discovery_.model;
       TakeOver(discovery_.summary, &discovery_.equations);
@@ -307,29 +314,68 @@ class Refitter {
     return true;
   }
 
-  // As given, and whoever asked hears of the equations as they change.
+  // The main job on the equations that are left, from where the last fit ended.
+  // An interrupted refit stays as it is.
+  void Judge() {
+    if (!Good()) {
+      discovery_.summary.verdict =
+          Verdict(CheckFit(identification_.tuning.gaps, discovery_.summary));
+      return;
+    }
+    IdentificationOptions options = Options();
+    BeginNearTheEnd(&options);
+    IdentificationExtras extras;
+    extras.start = &last_model_;
+    Identification found =
+        Identify(discovery_.problem, options, extras, &announcing_);
+    discovery_.problem = std::move(found.problem);
+    discovery_.summary = std::move(found.summary);
+    discovery_.model = std::move(found.model);
+    TakeOver(discovery_.summary, &discovery_.equations);
+  }
+
   IdentificationOptions Options() const {
     IdentificationOptions options = identification_;
     if (!exact_) DecideQuickly(&options);
-    if (!options_.on_equations) return options;
-    options.callback = [this](const IdentificationProgress& progress) {
-      std::vector<DiscoveredEquation> equations = discovery_.equations;
-      const ParameterLayout layout(discovery_.problem);
-      std::map<std::string, double> values;
-      for (int i = 0; i < layout.num_parameters(); ++i) {
-        values[layout.parameter(i).name] = progress.model->parameters[i];
-      }
-      for (DiscoveredEquation& equation : equations) {
-        for (DiscoveredTerm& term : equation.terms) {
-          const auto found = values.find(CoefficientName(equation, term.basis));
-          if (found != values.end()) term.coefficient = found->second;
-        }
-      }
-      options_.on_equations(num_fits_, equations);
-      return !identification_.callback || identification_.callback(progress);
-    };
     return options;
   }
+
+  // The equations with the coefficients of `model`, one of discovery_.problem.
+  std::vector<DiscoveredEquation> EquationsAt(
+      const IdentifiedModel& model) const {
+    std::vector<DiscoveredEquation> equations = discovery_.equations;
+    const ParameterLayout layout(discovery_.problem);
+    std::map<std::string, double> values;
+    for (int i = 0; i < layout.num_parameters(); ++i) {
+      values[layout.parameter(i).name] = model.parameters[i];
+    }
+    for (DiscoveredEquation& equation : equations) {
+      for (DiscoveredTerm& term : equation.terms) {
+        const auto found = values.find(CoefficientName(equation, term.basis));
+        if (found != values.end()) term.coefficient = found->second;
+      }
+    }
+    return equations;
+  }
+
+  // Announces the equations as they change.
+  class AnnouncingWatch : public ForwardingWatch {
+   public:
+    AnnouncingWatch(IdentificationWatch* next, const Refitter* refitter)
+        : ForwardingWatch(next), refitter_(*refitter) {}
+    bool OnIteration(const std::string& what,
+                     const IdentificationProblem& problem,
+                     const IdentificationProgress& progress) override {
+      if (refitter_.options_.on_equations) {
+        refitter_.options_.on_equations(refitter_.num_fits_,
+                                        refitter_.EquationsAt(*progress.model));
+      }
+      return ForwardingWatch::OnIteration(what, problem, progress);
+    }
+
+   private:
+    const Refitter& refitter_;
+  };
 
   bool Agree(const std::vector<DiscoveredEquation>& before) const {
     for (size_t e = 0; e < before.size(); ++e) {
@@ -353,6 +399,8 @@ class Refitter {
   const IdentifiedModel& model_;
   const DiscoveryOptions& options_;
   const IdentificationOptions& identification_;
+  AnnouncingWatch announcing_;
+  InnerFit inner_;
   Discovery& discovery_;
   std::string* error_;
   IdentifiedModel last_model_;
@@ -367,13 +415,26 @@ class Refitter {
 
 int Discovery::num_terms() const { return CountTerms(equations); }
 
+Verdict Discovery::verdict() const {
+  if (num_terms() == 0) {
+    return Verdict(std::vector<Finding>{{"no_term", "no term was found"}});
+  }
+  return refitted ? summary.verdict : Verdict(std::vector<Finding>{});
+}
+
+std::string Discovery::Message() const {
+  if (num_terms() == 0) return "no term was found";
+  return refitted ? summary.message : "regressed, not refitted through the ODE";
+}
+
 bool RefitEquations(const IdentificationProblem& problem,
                     const IdentifiedModel& model,
                     const std::vector<DiscoveredEquation>& equations,
                     const DiscoveryOptions& options,
                     const IdentificationOptions& identification,
                     const std::vector<DiscoveredEquation>* resumed,
-                    Discovery* discovery, std::string* error) {
+                    IdentificationWatch* watch, Discovery* discovery,
+                    std::string* error) {
   if (!problem.IsValid(error) || !options.IsValid(error) ||
       !identification.IsValid(error) ||
       !AreEquationsOf(problem, equations, error)) {
@@ -387,7 +448,7 @@ bool RefitEquations(const IdentificationProblem& problem,
     if (!AreEquationsOf(problem, *resumed, error)) return false;
   }
   Discovery result;
-  if (!Refitter(problem, model, options, identification, &result, error)
+  if (!Refitter(problem, model, options, identification, watch, &result, error)
            .Run(equations, resumed != nullptr ? *resumed : equations)) {
     return false;
   }

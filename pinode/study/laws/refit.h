@@ -10,6 +10,7 @@
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
+#include "pinode/study/problem/identification_watch.h"
 
 namespace pinode {
 
@@ -20,7 +21,8 @@ struct Discovery {
   std::vector<std::string> dropped;
   std::vector<std::string> added;
 
-  // Of the refit; nothing of it holds without one (`refitted` false).
+  // The refit by the main job. Without one (`refitted` false) problem, summary,
+  // model and step_refinement hold nothing.
   bool refitted = false;
   IdentificationProblem problem;  // with the equations
   IdentificationSummary summary;
@@ -30,6 +32,10 @@ struct Discovery {
   int step_refinement = 1;
 
   int num_terms() const;
+  // Verdict on the equations: that of the refit, if there was one.
+  Verdict verdict() const;
+  // The first finding, or the state of the refit, in a sentence.
+  std::string Message() const;
 };
 
 // Replaces the networks of `problem`, trained as `model`, by `equations` and
@@ -42,9 +48,10 @@ struct Discovery {
 // records is noise there, whatever smoothing or a network has made of it. At
 // the end the Runge-Kutta steps are halved until no coefficient moves by more
 // than a tenth of its standard deviation or 1e-8 of itself, at most five times:
-// an equation should not make up for its integrator. `identification` holds for
-// each fit. `resumed`: the equations with which a refit that was cut off is to
-// go on, nullptr for a new one.
+// an equation should not make up for its integrator. The last fit is that of
+// Identify. `identification` holds for each fit; `watch` (may be nullptr) hears
+// of each. `resumed`: the equations with which an interrupted refit goes on,
+// nullptr for a new one.
 //
 // False, with *error, where equations or model do not fit the problem, or
 // nothing is left to be found; a fit that fails is a summary that says so.
@@ -53,8 +60,8 @@ struct Discovery {
     const std::vector<DiscoveredEquation>& equations,
     const DiscoveryOptions& options,
     const IdentificationOptions& identification,
-    const std::vector<DiscoveredEquation>* resumed, Discovery* discovery,
-    std::string* error);
+    const std::vector<DiscoveredEquation>* resumed, IdentificationWatch* watch,
+    Discovery* discovery, std::string* error);
 
 // The equations as selected, without a refit; with units where they are of
 // `problem`.

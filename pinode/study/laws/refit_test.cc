@@ -106,7 +106,7 @@ class RefitTest : public ::testing::Test {
 
   bool Refit(Discovery* discovery) {
     return RefitEquations(problem_, model_, {equation_}, DiscoveryOptions(),
-                          options_, nullptr, discovery, &error_);
+                          options_, nullptr, nullptr, discovery, &error_);
   }
 
   std::string error_;
@@ -142,7 +142,7 @@ TEST_F(RefitTest, RefitFindsTheCoefficientAndDropsWhatIsNotThere) {
   Add("x[u]", -0.2, 0.8);
   Discovery discovery;
   ASSERT_TRUE(Refit(&discovery)) << error_;
-  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  EXPECT_TRUE(discovery.summary.usable()) << discovery.summary.message;
   EXPECT_THAT(discovery.dropped,
               ::testing::UnorderedElementsAre("u: v[u]^3", "u: x[u]"));
   ASSERT_EQ(discovery.num_terms(), 1);
@@ -175,7 +175,7 @@ TEST_F(RefitTest, TermsThatCannotBeFittedDoNotStay) {
   Discovery discovery;
   ASSERT_TRUE(Refit(&discovery)) << error_;
   EXPECT_TRUE(discovery.refitted);
-  EXPECT_TRUE(discovery.summary.usable) << discovery.summary.message;
+  EXPECT_TRUE(discovery.summary.usable()) << discovery.summary.message;
   ASSERT_EQ(discovery.num_terms(), 1);
   EXPECT_EQ(discovery.equations[0].terms[0].basis, "x[u]^3");
   EXPECT_NEAR(discovery.equations[0].terms[0].coefficient, -2.0, 2e-8);
@@ -231,7 +231,7 @@ TEST_F(RefitTest, RefusesWhatDoesNotFitTogether) {
   options_ = {};
   const std::vector<DiscoveredEquation> resumed;
   EXPECT_FALSE(RefitEquations(problem_, model_, {equation_}, {}, options_,
-                              &resumed, &discovery, &error_));
+                              &resumed, nullptr, &discovery, &error_));
   EXPECT_THAT(error_, HasSubstr("other equations"));
   IdentificationProblem found;
   IdentifiedModel initial;

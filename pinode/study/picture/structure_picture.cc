@@ -34,8 +34,7 @@ class PictureMaker {
     picture_->notes = placed.geometry.notes;
   }
 
-  void AddGroups(const IdentificationSummary* summary,
-                 const DamageResult* damage) {
+  void AddGroups(const FitSummary* summary, const DamageResult* damage) {
     picture_->since_baseline = damage != nullptr;
     if (damage != nullptr) picture_->threshold = damage->options.threshold;
     std::vector<std::string> without;
@@ -170,8 +169,7 @@ class PictureMaker {
     }
   }
 
-  static void SetAgainstModel(const IdentificationSummary& summary,
-                              const GroupTerm& term,
+  static void SetAgainstModel(const FitSummary& summary, const GroupTerm& term,
                               StructurePicture::Group* group) {
     for (const ParameterEstimate& estimate : summary.parameters) {
       if (estimate.name != term.alpha.name) continue;
@@ -222,7 +220,7 @@ class PictureMaker {
 
 StructurePicture MakeStructurePicture(
     const PlacedGeometry& placed, const IdentificationProblem& problem,
-    const ReducedStructure* structure, const IdentificationSummary* summary,
+    const ReducedStructure* structure, const FitSummary* summary,
     const IdentifiedModel* model, const DamageResult* damage, int num_modes) {
   StructurePicture picture;
   PictureMaker maker(placed, problem, structure, &picture);

@@ -12,8 +12,9 @@
 #include "pinode/base/types.h"
 #include "pinode/modal/merge_setups.h"
 #include "pinode/modal/resolve_dofs.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/structure/model/geometry.h"
 #include "pinode/study/damage/damage_analysis.h"
 #include "pinode/study/reduction/reduced_structure.h"
@@ -82,7 +83,7 @@ struct StructurePicture {
 // most `num_modes` modes that move a node.
 StructurePicture MakeStructurePicture(
     const PlacedGeometry& placed, const IdentificationProblem& problem,
-    const ReducedStructure* structure, const IdentificationSummary* summary,
+    const ReducedStructure* structure, const FitSummary* summary,
     const IdentifiedModel* model, const DamageResult* damage, int num_modes);
 
 // Modes that were found from records alone, without groups: `sensors` as they

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
+#include "pinode/problem/model_choice.h"
+#include "pinode/problem/parameter_profile.h"
 
 namespace pinode {
 

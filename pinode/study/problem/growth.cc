@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/problem/substeps.h"
 
@@ -91,9 +90,8 @@ bool SetStepsAgain(const std::vector<int>& substeps,
   return SetSubsteps(problem, &choices, &failed, error);
 }
 
-bool IsFitOf(const IdentificationProblem& problem,
-             const IdentificationSummary& summary, const IdentifiedModel& model,
-             bool needs_covariance, std::string* error) {
+bool IsFitOf(const IdentificationProblem& problem, const FitSummary& summary,
+             const IdentifiedModel& model, std::string* error) {
   if (!problem.IsValid(error)) return false;
   const ParameterLayout layout(problem);
   const size_t num_records = problem.records.size();
@@ -123,8 +121,14 @@ bool IsFitOf(const IdentificationProblem& problem,
       return false;
     }
   }
-  if (!needs_covariance) return true;
-  if (!summary.usable) {
+  return true;
+}
+
+bool IsUsableResultOf(const IdentificationProblem& problem,
+                      const IdentificationSummary& summary,
+                      const IdentifiedModel& model, std::string* error) {
+  if (!IsFitOf(problem, summary, model, error)) return false;
+  if (!summary.usable()) {
     *error = "the fit is not usable: " + summary.message;
     return false;
   }
@@ -146,28 +150,6 @@ std::map<std::string, double> ParametersByName(
     values[layout.parameter(i).name] = model.parameters[i];
   }
   return values;
-}
-
-FitFunction FitOrIdentify(FitFunction fit) {
-  if (fit != nullptr) return fit;
-  return [](const std::string&, const IdentificationProblem& problem,
-            const IdentificationOptions& options, const IdentifiedModel* begin,
-            IdentificationSummary* summary, IdentifiedModel* model) {
-    Identify(problem, options, begin, summary, model);
-  };
-}
-
-void BeginNearTheEnd(IdentificationOptions* options) {
-  options->shooting = IdentificationOptions::Shooting::kSingle;
-}
-
-void DecideQuickly(IdentificationOptions* options) {
-  constexpr double kTolerance = 1e-7;
-  constexpr int kMaxIterations = 60;
-  options->function_tolerance =
-      std::max(options->function_tolerance, kTolerance);
-  options->max_num_iterations =
-      std::min(options->max_num_iterations, kMaxIterations);
 }
 
 IdentifiedModel BeginFrom(const std::map<std::string, double>& values,

@@ -3,16 +3,16 @@
 #ifndef PINODE_STUDY_PROBLEM_GROWTH_H_
 #define PINODE_STUDY_PROBLEM_GROWTH_H_
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/problem/identification_options.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 
@@ -49,41 +49,27 @@ StructureTerms TermsOf(const StructuralDynamics& dynamics);
                                  IdentificationProblem* problem,
                                  std::string* error);
 
-// Whether `summary` and `model` can be what came out of a fit of `problem`: its
-// sizes, parameters that are finite, and, with `needs_covariance`, a usable fit
-// with the covariance of its free named parameters. On failure *error says what
-// is missing.
+// Checks that `summary` and `model` can come from a fit of `problem`: their
+// sizes, and that parameters are finite. On failure *error says what is wrong.
 [[nodiscard]] bool IsFitOf(const IdentificationProblem& problem,
-                           const IdentificationSummary& summary,
-                           const IdentifiedModel& model, bool needs_covariance,
-                           std::string* error);
+                           const FitSummary& summary,
+                           const IdentifiedModel& model, std::string* error);
+
+// The same for the outcome of Identify, which must also be usable and have the
+// covariance of its free named parameters.
+[[nodiscard]] bool IsUsableResultOf(const IdentificationProblem& problem,
+                                    const IdentificationSummary& summary,
+                                    const IdentifiedModel& model,
+                                    std::string* error);
 
 // The parameters of `problem` by name, as in `model`, which has one value per
 // parameter of it.
 std::map<std::string, double> ParametersByName(
     const IdentificationProblem& problem, const IdentifiedModel& model);
 
-// Fits `problem` from `begin` (nullptr: from the problem's own values); `what`
-// is for a progress line.
-using FitFunction = std::function<void(
-    const std::string& what, const IdentificationProblem& problem,
-    const IdentificationOptions& options, const IdentifiedModel* begin,
-    IdentificationSummary* summary, IdentifiedModel* model)>;
-
-// `fit`, or Identify where it is empty.
-FitFunction FitOrIdentify(FitFunction fit);
-
-// For a fit that begins where one of much the same problem ended: segments are
-// for those that begin far away.
-void BeginNearTheEnd(IdentificationOptions* options);
-
-// For a fit that only decides which terms stay: it need not be exact, and wrong
-// terms have long valleys.
-void DecideQuickly(IdentificationOptions* options);
-
-// What a fit of `problem` begins from: `values` where it has parameters of
-// these names, its own initial values elsewhere; noise and starts of `model`, a
-// fit of the same records.
+// Returns the model with which a fit of `problem` begins: `values` where it has
+// parameters of these names, its own initial values elsewhere; noise and starts
+// of `model`, a fit of the same records.
 IdentifiedModel BeginFrom(const std::map<std::string, double>& values,
                           const IdentifiedModel& model,
                           const IdentificationProblem& problem);

@@ -10,8 +10,8 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/elements.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/study/problem/prepare_problem.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -69,7 +69,7 @@ TEST(MakeProblemTest, IsReadyToBeFitted) {
   EXPECT_EQ(problem.LocationOf(record.channels[1]), "u2");
   IdentificationSummary summary;
   IdentifiedModel model;
-  Identify(problem, {}, nullptr, &summary, &model);
+  testing::FitAndJudge(problem, {}, nullptr, &summary, &model);
   EXPECT_NE(summary.termination, Termination::kFailure) << summary.message;
 }
 

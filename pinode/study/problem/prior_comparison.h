@@ -9,7 +9,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/structure/model/mode_comparison.h"
 
 namespace pinode {

@@ -11,7 +11,6 @@
 
 #include "pinode/base/types.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 

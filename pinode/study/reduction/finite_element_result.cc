@@ -43,9 +43,9 @@ FiniteElementModel UpdatedExport(const ReducedStructure& structure,
   return updated;
 }
 
-std::vector<ElementFactor> ElementFactors(
-    const ReducedStructure& structure, const StructuralDynamics& dynamics,
-    const IdentificationSummary& summary) {
+std::vector<ElementFactor> ElementFactors(const ReducedStructure& structure,
+                                          const StructuralDynamics& dynamics,
+                                          const FitSummary& summary) {
   CHECK_EQ(structure.groups.size(), dynamics.groups().size());
   std::vector<ElementFactor> factors;
   for (size_t j = 0; j < structure.groups.size(); ++j) {

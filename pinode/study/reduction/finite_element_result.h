@@ -8,7 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/structure/sparse/finite_element_model.h"
 #include "pinode/study/reduction/reduced_structure.h"
 
@@ -44,7 +44,7 @@ FiniteElementModel UpdatedExport(const ReducedStructure& structure,
 // Of the groups that are element sets, but for those that follow something.
 std::vector<ElementFactor> ElementFactors(const ReducedStructure& structure,
                                           const StructuralDynamics& dynamics,
-                                          const IdentificationSummary& summary);
+                                          const FitSummary& summary);
 
 // T times the undamped modes of the coordinates with the groups at the values
 // of `dynamics`. False, with *error, where ComputeUndampedModes is.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/strings.h"
+#include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/problem/checkpoint.h"
 
@@ -24,9 +25,8 @@ bool ShapesBasis(const GroupTerm& term, const ReducedStructure::Group& group) {
 }
 
 // The farthest that a group which shapes the basis went, in standard errors.
-double LargestMove(const ReducedProblem& problem,
-                   const IdentificationSummary& before,
-                   const IdentificationSummary& after) {
+double LargestMove(const ReducedProblem& problem, const FitSummary& before,
+                   const FitSummary& after) {
   double largest = 0.0;
   const std::vector<GroupTerm>& groups = problem.problem.dynamics->groups();
   for (const ParameterEstimate& now : after.parameters) {
@@ -124,16 +124,13 @@ bool RenewBasis(const ReducedProblem& from, const IdentifiedModel& model,
   return true;
 }
 
-void RenewBasisUntilSettled(const FitFunction& fit,
-                            const IdentificationOptions& options,
-                            ReducedProblem* from,
-                            IdentificationSummary* summary,
+void RenewBasisUntilSettled(const IdentificationOptions& options, InnerFit* fit,
+                            ReducedProblem* from, FitSummary* summary,
                             IdentifiedModel* model) {
-  const FitFunction run = FitOrIdentify(fit);
   IdentificationOptions near = options;
   BeginNearTheEnd(&near);
   ReducedProblem now = *from;
-  IdentificationSummary summary_now = *summary;
+  FitSummary summary_now = *summary;
   IdentifiedModel model_now = *model;
   std::string remark;
   for (int round = 1; round <= kMaxRenewals; ++round) {
@@ -144,18 +141,18 @@ void RenewBasisUntilSettled(const FitFunction& fit,
       remark = "could not be renewed: " + error;
       break;
     }
-    IdentificationSummary summary_next;
+    FitSummary summary_next;
     IdentifiedModel model_next;
-    run("basis " + std::to_string(round), next.problem, near, &begin,
-        &summary_next, &model_next);
+    fit->Run("basis " + std::to_string(round), next.problem, near, &begin,
+             &summary_next, &model_next);
     if (summary_next.termination == Termination::kInterrupted) {
       summary->termination = Termination::kInterrupted;
-      summary->usable = false;
       summary->message = "interrupted while the basis was being renewed";
       return;
     }
-    if (!summary_next.usable) {
-      remark = "could not be renewed: " + summary_next.message;
+    const std::string why_not = WhyNotSound(near.tuning.gaps, summary_next);
+    if (!why_not.empty()) {
+      remark = "could not be renewed: " + why_not;
       break;
     }
     const double moved = LargestMove(next, summary_now, summary_next);

@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/study/problem/growth.h"
+#include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/reduction/reduced_structure.h"
 
 namespace pinode {
@@ -37,17 +39,14 @@ std::vector<GroupAtBasis> GroupsOfBasis(const ReducedProblem& from,
                               ReducedProblem* renewed, IdentifiedModel* begin,
                               std::string* error);
 
-// After a usable fit of *from: renews the basis and fits again, with `options`
-// and from where the last fit ended, until no group of mass or stiffness moves
+// Renews the basis after a sound fit of *from and fits again, with `options`
+// and from the end of the last fit, until no group of mass or stiffness moves
 // by more than 0.3 of its standard error, at most five times. *from, *summary
-// and *model are then those of the last fit; a remark of the problem's
-// description says how often, and what is left. Where a fit is interrupted,
-// they are as they were, but for the termination. `fit`: what runs the fits
-// (empty: Identify).
-void RenewBasisUntilSettled(const FitFunction& fit,
-                            const IdentificationOptions& options,
-                            ReducedProblem* from,
-                            IdentificationSummary* summary,
+// and *model become those of the last fit. A remark of the problem's
+// description says how often, and what is left. If a fit is interrupted, they
+// stay as they were, but for the termination.
+void RenewBasisUntilSettled(const IdentificationOptions& options, InnerFit* fit,
+                            ReducedProblem* from, FitSummary* summary,
                             IdentifiedModel* model);
 
 }  // namespace pinode

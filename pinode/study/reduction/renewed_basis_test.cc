@@ -11,6 +11,7 @@
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/reduction/finite_element_result.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 #include "tests/support/rod_testing.h"
 #include "tests/support/study_testing.h"
 
@@ -18,6 +19,7 @@ namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using InBasis = ReducedStructure::Group::InBasis;
 
 ReducedStructure::Group SetOfElements(const SparseMatrix& matrix) {
@@ -187,7 +189,7 @@ TEST_F(RenewedBasisTest, GoesBackToTheExport) {
   const FiniteElementModel updated = UpdatedExport(rod_.structure, dynamics);
   EXPECT_LT((Matrix(updated.stiffness) - Matrix(Rod(0.9, 1.4))).norm(), 1e-9);
   EXPECT_FALSE(updated.has_damping());
-  IdentificationSummary summary;
+  FitSummary summary;
   ParameterEstimate upper;
   upper.name = "upper";
   upper.value = 0.4;
@@ -219,21 +221,20 @@ TEST_F(RenewedBasisTest, GoesBackToTheExport) {
 
 // A fit that finds `lower` at half of where the basis was taken plus 0.1, so
 // that 0.2 is where it settles, each time half as far away.
-struct HalvingFit {
+struct HalvingFit : InnerFit {
   int calls = 0;
   int interrupted_at = 0;
-  int unusable_at = 0;
+  int unsound_at = 0;
 
-  void operator()(const std::string&, const IdentificationProblem&,
-                  const IdentificationOptions& options,
-                  const IdentifiedModel* begin, IdentificationSummary* summary,
-                  IdentifiedModel* model) {
+  void Run(const std::string&, const IdentificationProblem&,
+           const IdentificationOptions& options, const IdentifiedModel* begin,
+           FitSummary* summary, IdentifiedModel* model) override {
     ++calls;
     *model = *begin;
     model->parameters[0] = 0.1 + 0.5 * begin->parameters[0];
     summary->termination = calls == interrupted_at ? Termination::kInterrupted
                                                    : Termination::kConverged;
-    summary->usable = calls != interrupted_at && calls != unusable_at;
+    summary->stalled = calls == unsound_at;
     summary->message = "of the test";
     ParameterEstimate lower;
     lower.name = "lower";
@@ -254,22 +255,21 @@ class UntilSettledTest : public RenewedBasisTest {
     lower.sigma = 0.1;
     summary_.parameters = {lower};
     summary_.termination = Termination::kConverged;
-    summary_.usable = true;
   }
 
   double BasisAt() const { return StiffnessOf(rod_, At(0.0, 0.0, 0.0))(1, 1); }
 
-  IdentificationSummary summary_;
+  FitSummary summary_;
   IdentifiedModel model_;
 };
 
 // 0.1, 0.15, 0.175: the last move is a quarter of a standard error.
 TEST_F(UntilSettledTest, EndsWhereMovesAreSmall) {
   HalvingFit fit;
-  RenewBasisUntilSettled(std::ref(fit), {}, &rod_, &summary_, &model_);
+  RenewBasisUntilSettled({}, &fit, &rod_, &summary_, &model_);
   EXPECT_EQ(fit.calls, 3);
   EXPECT_NEAR(model_.parameters[0], 0.175, 1e-15);
-  EXPECT_TRUE(summary_.usable);
+  EXPECT_THAT(WhyNotSound(GapTuning(), summary_), IsEmpty());
   ASSERT_FALSE(rod_.problem.description.remarks.empty());
   EXPECT_EQ(rod_.problem.description.remarks.back(),
             "The basis of the reduction was taken again at the values found, "
@@ -277,26 +277,25 @@ TEST_F(UntilSettledTest, EndsWhereMovesAreSmall) {
             "errors.");
 }
 
-TEST_F(UntilSettledTest, KeepsTheLastUsableFit) {
+TEST_F(UntilSettledTest, KeepsTheLastSoundFit) {
   HalvingFit fit;
-  fit.unusable_at = 2;
-  RenewBasisUntilSettled(std::ref(fit), {}, &rod_, &summary_, &model_);
+  fit.unsound_at = 2;
+  RenewBasisUntilSettled({}, &fit, &rod_, &summary_, &model_);
   EXPECT_EQ(model_.parameters[0], 0.1);
-  EXPECT_TRUE(summary_.usable);
+  EXPECT_THAT(WhyNotSound(GapTuning(), summary_), IsEmpty());
   ASSERT_FALSE(rod_.problem.description.remarks.empty());
   EXPECT_THAT(rod_.problem.description.remarks.back(),
-              HasSubstr("could not be renewed: of the test"));
+              HasSubstr("could not be renewed: the fit came to a halt"));
 }
 
 TEST_F(UntilSettledTest, AnInterruptLeavesWhatAResumptionBeginsFrom) {
   HalvingFit fit;
   fit.interrupted_at = 2;
   const double before = BasisAt();
-  RenewBasisUntilSettled(std::ref(fit), {}, &rod_, &summary_, &model_);
+  RenewBasisUntilSettled({}, &fit, &rod_, &summary_, &model_);
   EXPECT_EQ(model_.parameters[0], 0.0);
   EXPECT_EQ(BasisAt(), before);
   EXPECT_EQ(summary_.termination, Termination::kInterrupted);
-  EXPECT_FALSE(summary_.usable);
 }
 
 }  // namespace

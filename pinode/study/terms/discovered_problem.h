@@ -9,7 +9,7 @@
 #include "pinode/discover/discovery.h"
 #include "pinode/dynamics/library_function.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 

@@ -9,7 +9,7 @@
 #include "pinode/dynamics/elements.h"
 #include "pinode/dynamics/law_term.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 

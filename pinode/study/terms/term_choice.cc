@@ -65,19 +65,20 @@ class Chooser {
  public:
   Chooser(const IdentificationProblem& all,
           const std::vector<ModelCandidate>& candidates,
-          const TermChoiceOptions& options, std::string* error)
+          const IdentificationOptions& options, InnerFit* inner,
+          std::string* error)
       : all_(all),
         training_(TrainingPart(all)),
         candidates_(candidates),
         options_(options),
-        fit_function_(FitOrIdentify(options.fit)),
+        inner_(*inner),
         error_(error),
         out_(candidates.size(), false) {}
 
   bool Run(TermFit* fit) {
     const auto begin = std::chrono::steady_clock::now();
     const double seconds_before = fit->summary.seconds;
-    choice_ = fit->summary.choice;
+    choice_ = fit->choice;
     if (!Begin(*fit)) return false;
     // Where the cost is as quadratic as it looks, it has left out the terms of
     // libraries already.
@@ -87,8 +88,7 @@ class Chooser {
     TermFit result;
     if (!Finish(*fit, &result)) return false;
     choice_.complete = !interrupted_;
-    result.summary.choice = choice_;
-    result.summary.remarks.push_back(choice_.Sentence());
+    result.choice = choice_;
     result.summary.seconds = seconds_before + SecondsSince(begin);
     *fit = std::move(result);
     return true;
@@ -244,19 +244,19 @@ class Chooser {
   }
 
   void Report() const {
-    if (!options_.on_choice) return;
+    if (inner_.watch() == nullptr) return;
     Checkpoint checkpoint;
     checkpoint.iteration = fit_.summary.num_iterations;
     checkpoint.cost = fit_.summary.final_cost;
     checkpoint.model = WithAllRecords(all_, fit_.model);
     checkpoint.choice = choice_;
-    options_.on_choice(checkpoint);
+    inner_.watch()->OnChoice(all_, checkpoint);
   }
 
   // The fit of all records without what is out. Where nothing is, that is the
   // one from which the choice began.
   bool Finish(const TermFit& first, TermFit* result) {
-    if (choice_.left_out == first.summary.choice.left_out) {
+    if (choice_.left_out == first.choice.left_out) {
       *result = first;
       if (interrupted_) {
         result->summary.termination = Termination::kInterrupted;
@@ -267,11 +267,11 @@ class Chooser {
     if (!LeaveOutThose(all_, out_, &result->problem)) return false;
     const IdentifiedModel begin = ModelOfOther(
         fit_.problem, WithAllRecords(all_, fit_.model), result->problem);
-    IdentificationOptions options = options_.identification;
+    IdentificationOptions options = options_;
     BeginNearTheEnd(&options);
     options.num_starts = 1;
-    fit_function_("what is left", result->problem, options, &begin,
-                  &result->summary, &result->model);
+    inner_.Run("what is left", result->problem, options, &begin,
+               &result->summary, &result->model);
     if (result->summary.termination == Termination::kFailure) {
       *error_ = "the fit of what is left: " + result->summary.message;
       return false;
@@ -288,7 +288,7 @@ class Chooser {
     IdentifiedModel begin =
         ModelOfOther(from.problem, from.model, result->problem);
     SetNewToZero(from.problem, result->problem, &begin);
-    IdentificationOptions options = options_.identification;
+    IdentificationOptions options = options_;
     BeginNearTheEnd(&options);
     DecideQuickly(&options);
     options.num_starts = 1;
@@ -296,8 +296,8 @@ class Chooser {
     // residuals with whatever memory they have.
     options.covariance = IdentificationOptions::Covariance::kSandwich;
     options.prediction_bands = false;
-    fit_function_(what, result->problem, options, &begin, &result->summary,
-                  &result->model);
+    inner_.Run(what, result->problem, options, &begin, &result->summary,
+               &result->model);
     interrupted_ = interrupted_ ||
                    result->summary.termination == Termination::kInterrupted;
     return true;
@@ -316,8 +316,7 @@ class Chooser {
 
   bool Linearize(const TermFit& fit, FittedCost* around) const {
     return LinearizeAtFit(fit.problem, ParameterLayout(fit.problem), fit.model,
-                          fit.summary.records,
-                          options_.identification.num_threads, around);
+                          fit.summary.records, options_.num_threads, around);
   }
 
   double PriceOf(const ModelCandidate& candidate) const {
@@ -348,7 +347,7 @@ class Chooser {
 
   // Of the amplitudes that are free; 0 where nothing determines them.
   double WaldValue(const ModelCandidate& candidate) const {
-    const IdentificationSummary& summary = fit_.summary;
+    const FitSummary& summary = fit_.summary;
     std::vector<int> rows;
     std::vector<double> values;
     for (const std::string& name : candidate.amplitudes) {
@@ -423,8 +422,8 @@ class Chooser {
   const IdentificationProblem& all_;
   const IdentificationProblem training_;
   const std::vector<ModelCandidate>& candidates_;
-  const TermChoiceOptions& options_;
-  const FitFunction fit_function_;
+  const IdentificationOptions& options_;
+  InnerFit& inner_;
   std::string* error_;
   std::vector<bool> out_;  // of each candidate
   TermFit fit_;            // of what is left, by training records
@@ -436,15 +435,14 @@ class Chooser {
 
 bool ChooseTerms(const IdentificationProblem& all,
                  const std::vector<ModelCandidate>& candidates,
-                 const TermChoiceOptions& options, TermFit* fit,
-                 std::string* error) {
-  if (!all.IsValid(error) || !options.identification.IsValid(error) ||
+                 const IdentificationOptions& options, InnerFit* inner,
+                 TermFit* fit, std::string* error) {
+  if (!all.IsValid(error) || !options.IsValid(error) ||
       !AreCandidatesOf(all, candidates, error) ||
-      !IsFitOf(fit->problem, fit->summary, fit->model,
-               /*needs_covariance=*/false, error)) {
+      !IsFitOf(fit->problem, fit->summary, fit->model, error)) {
     return false;
   }
-  return Chooser(all, candidates, options, error).Run(fit);
+  return Chooser(all, candidates, options, inner, error).Run(fit);
 }
 
 }  // namespace pinode

@@ -3,35 +3,28 @@
 #ifndef PINODE_STUDY_TERMS_TERM_CHOICE_H_
 #define PINODE_STUDY_TERMS_TERM_CHOICE_H_
 
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/study/problem/checkpoint.h"
 #include "pinode/study/problem/growth.h"
+#include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/terms/model_candidate.h"
 
 namespace pinode {
 
 // A problem with what came out of its fit.
+// A fit with the terms that are left.
 struct TermFit {
   IdentificationProblem problem;
-  IdentificationSummary summary;
+  FitSummary summary;
   IdentifiedModel model;
-};
-
-struct TermChoiceOptions {
-  // Of the last fit; those on the way are of training records alone, and looser
-  // (DecideQuickly).
-  IdentificationOptions identification;
-  // What runs the fits; empty: Identify.
-  FitFunction fit;
-  // Called after each step with what the choice can go on from: a model of what
-  // is left, with noise and starts of the training records.
-  std::function<void(const Checkpoint& checkpoint)> on_choice;
+  // Candidates that were left out so far. Empty: the choice has not begun.
+  ModelChoice choice;
 };
 
 // Elimination by the extended BIC of the training records,
@@ -50,15 +43,20 @@ struct TermChoiceOptions {
 // taken in again. After each of these everything else is fitted from where it
 // was, and what makes the criterion smaller stays.
 //
-// *fit: a fit of `all` without fit->summary.choice.left_out (which is empty, or
-// of a choice that was cut off); then the fit of what is left, its
-// summary.choice, and a remark that says it. Where a fit is interrupted, what
-// was left then, with a termination that says so. False, with *error and *fit
-// untouched, where candidates or fit do not fit the problem or what is left
+// `options` are those of the last fit. The fits on the way use the training
+// records alone and are looser (DecideQuickly). The watch of `inner` hears of
+// each step (OnChoice).
+//
+// *fit: before, a fit of `all` without fit->choice.left_out, which is empty or
+// that of an interrupted choice; after, the fit of the terms that are left, and
+// its choice. If a fit is interrupted, *fit is what was left then, with a
+// termination that says so. False, with *error and *fit untouched, if
+// candidates or fit do not fit the problem, or if the terms that are left
 // cannot be fitted.
 [[nodiscard]] bool ChooseTerms(const IdentificationProblem& all,
                                const std::vector<ModelCandidate>& candidates,
-                               const TermChoiceOptions& options, TermFit* fit,
+                               const IdentificationOptions& options,
+                               InnerFit* inner, TermFit* fit,
                                std::string* error);
 
 }  // namespace pinode

@@ -136,17 +136,18 @@ class TermChoiceTest : public ::testing::Test {
   }
 
   // The choice after a fit with all candidates.
-  TermFit Choose() {
+  TermFit Choose(IdentificationWatch* watch = nullptr) {
     TermFit fit;
     fit.problem = problem_;
-    Identify(problem_, options_.identification, nullptr, &fit.summary,
-             &fit.model);
+    FitOnce(problem_, options_, nullptr, &fit.summary, &fit.model);
     // With all candidates it may come to a halt: some are nearly the same.
     EXPECT_NE(fit.summary.termination, Termination::kFailure);
-    EXPECT_TRUE(ChooseTerms(problem_, candidates_, options_, &fit, &error_))
+    InnerFit inner(watch);
+    EXPECT_TRUE(
+        ChooseTerms(problem_, candidates_, options_, &inner, &fit, &error_))
         << error_;
-    if (fit.summary.choice.complete) {
-      EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+    if (fit.choice.complete) {
+      EXPECT_EQ(WhyNotSound(GapTuning(), fit.summary), "");
     }
     return fit;
   }
@@ -165,7 +166,7 @@ class TermChoiceTest : public ::testing::Test {
   std::string error_;
   IdentificationProblem problem_;
   std::vector<ModelCandidate> candidates_;
-  TermChoiceOptions options_;
+  IdentificationOptions options_;
 };
 
 Vector WithTwinNoise(const Vector& clean, uint64_t seed, double memory) {
@@ -178,7 +179,7 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInWhiteNoise) {
     candidates_.clear();
     Make(WithTwinNoise(clean, seed, 0.0), false);
     const TermFit fit = Choose();
-    const ModelChoice& choice = fit.summary.choice;
+    const ModelChoice& choice = fit.choice;
     EXPECT_THAT(Kept(choice), ElementsAre("nl.x[u]^3")) << seed;
     EXPECT_TRUE(choice.complete);
     EXPECT_LT(choice.memory, 1.5);
@@ -188,9 +189,9 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInWhiteNoise) {
     const int cubic = layout.FreeIndex("nl.x[u]^3");
     ASSERT_GE(cubic, 0);
     EXPECT_NEAR(layout.Free(fit.model.parameters)[cubic], 4.0, 0.1) << seed;
-    EXPECT_THAT(fit.summary.remarks,
-                Contains(HasSubstr("Model choice: 6 candidates, 1 kept "
-                                   "(nl.x[u]^3); left out: nl.x[u]^2, ")));
+    EXPECT_THAT(fit.choice.Sentence(),
+                HasSubstr("Model choice: 6 candidates, 1 kept "
+                          "(nl.x[u]^3); left out: nl.x[u]^2, "));
     // Results of the choice are known as those of the whole problem.
     EXPECT_EQ(ProblemIdentity(fit.problem), ProblemIdentity(problem_));
   }
@@ -204,9 +205,9 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInColouredNoise) {
     candidates_.clear();
     Make(WithTwinNoise(clean, seed, 0.9), false);
     const TermFit fit = Choose();
-    EXPECT_THAT(Kept(fit.summary.choice), ElementsAre("nl.x[u]^3")) << seed;
-    EXPECT_GT(fit.summary.choice.memory, 4.0);
-    EXPECT_LT(fit.summary.choice.memory, 40.0);
+    EXPECT_THAT(Kept(fit.choice), ElementsAre("nl.x[u]^3")) << seed;
+    EXPECT_GT(fit.choice.memory, 4.0);
+    EXPECT_LT(fit.choice.memory, 40.0);
   }
 }
 
@@ -215,8 +216,8 @@ using TermChoiceFigures = TermChoiceTest;
 TEST_F(TermChoiceFigures, LeavesOutElementsThatAreNotThere) {
   Make(WithTwinNoise(TwinDisplacement(4.0, 0.0), 21, 0.0), true);
   const TermFit fit = Choose();
-  EXPECT_THAT(Kept(fit.summary.choice), ElementsAre("nl.x[u]^3"));
-  EXPECT_THAT(fit.summary.choice.left_out_parameters,
+  EXPECT_THAT(Kept(fit.choice), ElementsAre("nl.x[u]^3"));
+  EXPECT_THAT(fit.choice.left_out_parameters,
               IsSupersetOf({"friction.f", "friction.v0", "hysteresis.k",
                             "hysteresis.n"}));
   // The hysteretic state went with its element.
@@ -227,7 +228,7 @@ TEST_F(TermChoiceFigures, LeavesOutElementsThatAreNotThere) {
 TEST_F(TermChoiceTest, KeepsTheFrictionThatIsThere) {
   Make(WithTwinNoise(TwinDisplacement(0.0, 0.6), 22, 0.0), true);
   const TermFit fit = Choose();
-  EXPECT_THAT(Kept(fit.summary.choice), ElementsAre("friction"));
+  EXPECT_THAT(Kept(fit.choice), ElementsAre("friction"));
   const ParameterLayout layout(fit.problem);
   const int friction = layout.FreeIndex("friction.f");
   ASSERT_GE(friction, 0);
@@ -236,13 +237,16 @@ TEST_F(TermChoiceTest, KeepsTheFrictionThatIsThere) {
 
 TEST_F(TermChoiceTest, EachStepMakesTheCriterionSmaller) {
   Make(WithTwinNoise(TwinDisplacement(4.0, 0.0), 31, 0.0), false);
-  int calls = 0;
-  options_.on_choice = [&calls](const Checkpoint& checkpoint) {
-    EXPECT_EQ(static_cast<int>(checkpoint.choice.steps.size()), ++calls);
-  };
-  const TermFit fit = Choose();
+  struct CountingWatch : IdentificationWatch {
+    void OnChoice(const IdentificationProblem&,
+                  const Checkpoint& checkpoint) override {
+      EXPECT_EQ(static_cast<int>(checkpoint.choice.steps.size()), ++calls);
+    }
+    int calls = 0;
+  } watch;
+  const TermFit fit = Choose(&watch);
   double left_out = 0.0;
-  for (const ModelChoice::Step& step : fit.summary.choice.steps) {
+  for (const ModelChoice::Step& step : fit.choice.steps) {
     EXPECT_EQ(step.accepted, step.fitted && step.criterion() < 0.0);
     const double change = static_cast<double>(step.taken_in.size()) -
                           static_cast<double>(step.left_out.size());
@@ -251,47 +255,43 @@ TEST_F(TermChoiceTest, EachStepMakesTheCriterionSmaller) {
     if (step.accepted) left_out -= change;
   }
   EXPECT_EQ(left_out, 5.0);
-  EXPECT_EQ(calls, static_cast<int>(fit.summary.choice.steps.size()));
+  EXPECT_EQ(watch.calls, static_cast<int>(fit.choice.steps.size()));
 }
 
 // A fit that is cut off leaves what was chosen by then, and the choice goes on
 // from there.
 TEST_F(TermChoiceTest, GoesOnAfterAnInterrupt) {
   Make(WithTwinNoise(TwinDisplacement(4.0, 0.0), 41, 0.0), true);
-  bool stop = false;
-  options_.on_choice = [&stop](const Checkpoint& checkpoint) {
-    stop = stop || !checkpoint.choice.left_out.empty();
-  };
-  options_.fit = [&stop](
-                     const std::string&, const IdentificationProblem& problem,
-                     const IdentificationOptions& options,
-                     const IdentifiedModel* begin,
-                     IdentificationSummary* summary, IdentifiedModel* model) {
-    IdentificationOptions stopping = options;
-    stopping.callback = [&stop](const IdentificationProgress&) {
+  struct StoppingWatch : IdentificationWatch {
+    bool OnIteration(const std::string&, const IdentificationProblem&,
+                     const IdentificationProgress&) override {
       return !stop;
-    };
-    Identify(problem, stopping, begin, summary, model);
-  };
-  const TermFit cut_off = Choose();
+    }
+    void OnChoice(const IdentificationProblem&,
+                  const Checkpoint& checkpoint) override {
+      stop = stop || !checkpoint.choice.left_out.empty();
+    }
+    bool stop = false;
+  } watch;
+  const TermFit cut_off = Choose(&watch);
   EXPECT_EQ(cut_off.summary.termination, Termination::kInterrupted);
-  EXPECT_FALSE(cut_off.summary.choice.complete);
-  const ModelChoice& chosen = cut_off.summary.choice;
+  EXPECT_FALSE(cut_off.choice.complete);
+  const ModelChoice& chosen = cut_off.choice;
   EXPECT_LT(chosen.left_out.size(), 7u);
   EXPECT_EQ(ParameterLayout(cut_off.problem).num_parameters() +
                 static_cast<int>(chosen.left_out_parameters.size()),
             ParameterLayout(problem_).num_parameters());
-  EXPECT_THAT(cut_off.summary.remarks,
-              Contains(HasSubstr("Model choice, cut off: 8 candidates")));
+  EXPECT_THAT(cut_off.choice.Sentence(),
+              HasSubstr("Model choice, cut off: 8 candidates"));
 
-  stop = false;
-  options_.on_choice = nullptr;
   TermFit fit = cut_off;
-  ASSERT_TRUE(ChooseTerms(problem_, candidates_, options_, &fit, &error_))
+  InnerFit inner;
+  ASSERT_TRUE(
+      ChooseTerms(problem_, candidates_, options_, &inner, &fit, &error_))
       << error_;
-  EXPECT_THAT(Kept(fit.summary.choice), ElementsAre("nl.x[u]^3"));
-  EXPECT_TRUE(fit.summary.choice.complete);
-  EXPECT_THAT(fit.summary.choice.left_out, Contains(chosen.left_out[0]));
+  EXPECT_THAT(Kept(fit.choice), ElementsAre("nl.x[u]^3"));
+  EXPECT_TRUE(fit.choice.complete);
+  EXPECT_THAT(fit.choice.left_out, Contains(chosen.left_out[0]));
 }
 
 TEST_F(TermChoiceTest, KnownStartsLoseTheStatesThatGo) {

@@ -10,8 +10,9 @@
 #include "pinode/discover/stepwise.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
+#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 

@@ -22,7 +22,7 @@ int CountTerms(const std::vector<DiscoveredEquation>& equations) {
   return count;
 }
 
-const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
+const ParameterEstimate* FindEstimate(const FitSummary& summary,
                                       const std::string& name) {
   for (const ParameterEstimate& estimate : summary.parameters) {
     if (estimate.name == name) return &estimate;
@@ -43,7 +43,7 @@ Eigen::Index NumFittedValues(const IdentificationProblem& problem) {
 }
 
 double Deviance(const IdentificationProblem& problem,
-                const IdentificationSummary& summary) {
+                const FitSummary& summary) {
   double deviance = 0.0;
   for (size_t r = 0; r < problem.records.size(); ++r) {
     const IdentificationRecord& record = problem.records[r];
@@ -63,7 +63,7 @@ double Deviance(const IdentificationProblem& problem,
   return deviance;
 }
 
-void TakeOver(const IdentificationSummary& summary,
+void TakeOver(const FitSummary& summary,
               std::vector<DiscoveredEquation>* equations) {
   for (DiscoveredEquation& equation : *equations) {
     for (DiscoveredTerm& term : equation.terms) {
@@ -76,8 +76,8 @@ void TakeOver(const IdentificationSummary& summary,
   }
 }
 
-bool DropWeakest(const DiscoveryOptions& options,
-                 const IdentificationSummary& summary, const TermPrices& prices,
+bool DropWeakest(const DiscoveryOptions& options, const FitSummary& summary,
+                 const TermPrices& prices,
                  std::vector<DiscoveredEquation>* equations) {
   // Below 1: to be dropped.
   double weakest = 1.0;

@@ -8,8 +8,8 @@
 
 #include "pinode/discover/discovery.h"
 #include "pinode/discover/term_prices.h"
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identification_summary.h"
 
 namespace pinode {
 
@@ -19,7 +19,7 @@ bool HasTerm(const DiscoveredEquation& equation, const std::string& basis);
 int CountTerms(const std::vector<DiscoveredEquation>& equations);
 
 // The parameter of that name; nullptr where there is none.
-const ParameterEstimate* FindEstimate(const IdentificationSummary& summary,
+const ParameterEstimate* FindEstimate(const FitSummary& summary,
                                       const std::string& name);
 
 // Values of the training records that are fitted.
@@ -33,17 +33,17 @@ Eigen::Index NumFittedValues(const IdentificationProblem& problem);
 // where the noise of channel c is to be estimated. `summary` is of a fit of
 // `problem`.
 double Deviance(const IdentificationProblem& problem,
-                const IdentificationSummary& summary);
+                const FitSummary& summary);
 
 // Coefficients and shares as fitted.
-void TakeOver(const IdentificationSummary& summary,
+void TakeOver(const FitSummary& summary,
               std::vector<DiscoveredEquation>* equations);
 
 // Takes out the term that is least worth its place: one with a share below
 // prune_fraction of the tolerance, with a coefficient at the bound that its
 // sign sets, or with (xi / sigma_xi)^2 below its price. False where all are.
-bool DropWeakest(const DiscoveryOptions& options,
-                 const IdentificationSummary& summary, const TermPrices& prices,
+bool DropWeakest(const DiscoveryOptions& options, const FitSummary& summary,
+                 const TermPrices& prices,
                  std::vector<DiscoveredEquation>* equations);
 
 }  // namespace pinode

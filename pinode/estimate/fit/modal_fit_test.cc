@@ -15,10 +15,10 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/assessment.h"
 #include "pinode/estimate/certainty/covariance.h"
-#include "pinode/estimate/fit/identify.h"
 #include "pinode/estimate/objective/modal_cost.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -58,7 +58,7 @@ std::vector<MeasuredMode> Measure(const StructuralDynamics& dynamics,
 
 struct ModalFit {
   void Run(const IdentificationOptions& options = {}) {
-    Identify(problem, options, nullptr, &summary, &model);
+    testing::FitAndJudge(problem, options, nullptr, &summary, &model);
   }
   IdentificationProblem problem;
   IdentificationSummary summary;
@@ -76,7 +76,7 @@ TEST_P(ModalForms, FindTheChainThatTheModesBelongTo) {
   fit.problem.modal.form = GetParam();
   fit.problem.modal.modes = Measure(*dynamics, truth, 5, {0, 1, 3, 4});
   fit.Run();
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   EXPECT_LT((fit.model.parameters - truth).cwiseAbs().maxCoeff(), 1e-8);
   ASSERT_EQ(fit.summary.modes.size(), 5u);
   const ModalProperties before = ModesAt(*dynamics, Vector::Zero(5));
@@ -130,7 +130,7 @@ TEST(ModalIdentify, DoesNotStallAtBounds) {
   IdentificationOptions options;
   options.num_starts = 40;
   fit.Run(options);
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   EXPECT_GE(fit.summary.num_starts_at_best, 38);
   EXPECT_LT(fit.summary.promised_share, 1e-6);
   EXPECT_GE(std::count_if(
@@ -193,7 +193,7 @@ TEST(ModalIdentify, LeavesOutWhatTheModelHasNoModeFor) {
     mode.shape_sigma = 0.01;
   }
   fit.Run();
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   EXPECT_LT((fit.model.parameters - truth).cwiseAbs().maxCoeff(), 1e-6);
   ASSERT_EQ(fit.summary.modes.size(), 5u);
   EXPECT_FALSE(fit.summary.modes[0].InUse());
@@ -220,7 +220,7 @@ TEST(ModalIdentify, NamesAnotherStructureOfTheSameFrequencies) {
   options.num_starts = 20;
   fit.Run(options);
   EXPECT_LT(fit.summary.final_modal_cost, 1e-9);
-  EXPECT_FALSE(fit.summary.usable);
+  EXPECT_FALSE(fit.summary.usable());
   EXPECT_THAT(fit.summary.message, HasSubstr("another solution describes"));
   // Shapes tell which it is.
   fit.problem.modal.modes = Measure(*dynamics, truth, 4, {0, 1, 2, 3});
@@ -229,7 +229,7 @@ TEST(ModalIdentify, NamesAnotherStructureOfTheSameFrequencies) {
     mode.shape_sigma = 0.01;
   }
   fit.Run(options);
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
 }
 
 // Deviations of a fifth of what the modes are off by: what is left over says
@@ -331,7 +331,7 @@ TEST(ModalIdentify, EstimatesTheErrorsOfWeightedModes) {
   // As many residuals as unknowns leave nothing to tell it by.
   fit.problem.modal.modes.resize(1);
   fit.Run();
-  EXPECT_TRUE(fit.summary.usable) << fit.summary.message;
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   EXPECT_TRUE(std::isinf(fit.summary.parameters[0].sigma));
 }
 
@@ -386,7 +386,7 @@ TEST(ModalIdentify, AddsToARecord) {
   options.num_starts = 1;  // a sensor alone has other solutions
   options.covariance = IdentificationOptions::Covariance::kPlain;
   fit.Run(options);
-  ASSERT_TRUE(fit.summary.usable) << fit.summary.message;
+  ASSERT_TRUE(fit.summary.usable()) << fit.summary.message;
   const Matrix of_record = fit.summary.covariance.inverse();
   const Vector by_record = fit.model.parameters;
 
@@ -401,7 +401,7 @@ TEST(ModalIdentify, AddsToARecord) {
   modes.Run();
   const Matrix of_modes = modes.summary.covariance.inverse();
   joint.Run(options);
-  ASSERT_TRUE(joint.summary.usable) << joint.summary.message;
+  ASSERT_TRUE(joint.summary.usable()) << joint.summary.message;
   const Matrix sum = of_record + of_modes;
   const Matrix found = joint.summary.covariance.inverse();
   EXPECT_LT((found - sum).norm(), 0.1 * sum.norm());
@@ -464,7 +464,7 @@ TEST(ModalIdentify, SaysWhatIsWrong) {
   // Nothing can be better than what is exact already.
   fit.problem.modal.modes = Measure(*dynamics, Vector::Zero(2), 2, {0, 1});
   fit.Run();
-  EXPECT_FALSE(fit.summary.usable);
+  EXPECT_FALSE(fit.summary.usable());
   EXPECT_THAT(fit.summary.message, HasSubstr("not met better"));
 
   // Equal frequencies that the unknown spring mixes.

@@ -1,4 +1,4 @@
-#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/fit/fit_once.h"
 
 #include <chrono>
 #include <memory>
@@ -7,13 +7,12 @@
 #include "pinode/estimate/fit/ambient_start.h"
 #include "pinode/estimate/fit/multistart.h"
 #include "pinode/estimate/fit/outcome.h"
-#include "pinode/estimate/fit/usable.h"
 #include "pinode/estimate/start/time_scale.h"
 
 namespace pinode {
 namespace {
 
-// Whether `initial` (may be nullptr) can have come from such a problem.
+// Checks that `initial` (may be nullptr) can have come from such a problem.
 bool FitsProblem(const IdentificationProblem& problem,
                  const IdentifiedModel* initial, std::string* error) {
   if (initial == nullptr) return true;
@@ -33,8 +32,7 @@ bool FitsProblem(const IdentificationProblem& problem,
 
 // Networks have valleys without end, along which something could be saved for
 // ever; what they are asked for is in Stage.
-void ReportOptimality(const Fit& fit, bool with_records,
-                      IdentificationSummary* summary) {
+void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
   if (!fit.converged()) return;
   const FitState& best = fit.best();
   summary->gradient_cosine = best.optimality.cosine;
@@ -51,7 +49,7 @@ void ReportOptimality(const Fit& fit, bool with_records,
                      best.optimality.IsStalled(best.cost, first_cost);
 }
 
-void SetTermination(const Fit& fit, IdentificationSummary* summary) {
+void SetTermination(const Fit& fit, FitSummary* summary) {
   if (fit.interrupted()) {
     summary->termination = Termination::kInterrupted;
     summary->message = "interrupted; best so far";
@@ -69,12 +67,12 @@ void SetTermination(const Fit& fit, IdentificationSummary* summary) {
 
 }  // namespace
 
-void Identify(const IdentificationProblem& problem,
-              const IdentificationOptions& options,
-              const IdentifiedModel* initial, IdentificationSummary* summary,
-              IdentifiedModel* model) {
+void FitOnce(const IdentificationProblem& problem,
+             const IdentificationOptions& options,
+             const IdentifiedModel* initial, FitSummary* summary,
+             IdentifiedModel* model) {
   const auto begin = std::chrono::steady_clock::now();
-  *summary = IdentificationSummary();
+  *summary = FitSummary();
   *model = IdentifiedModel();
   std::string error;
   if (!problem.IsValid(&error) || !options.IsValid(&error) ||
@@ -93,7 +91,6 @@ void Identify(const IdentificationProblem& problem,
     ReportOptimality(*fit, problem.num_train_records() > 0, summary);
     SetTermination(*fit, summary);
     ReportOutcome(problem, options, fit.get(), summary, model);
-    JudgeUsable(options.tuning.gaps, summary);
   }
   summary->seconds = SecondsSince(begin);
 }

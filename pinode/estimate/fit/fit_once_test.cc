@@ -1,4 +1,4 @@
-#include "pinode/estimate/fit/identify.h"
+#include "pinode/estimate/fit/fit_once.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -47,7 +48,7 @@ struct ChainProblem {
   }
 
   void Run(const IdentificationOptions& options = {}) {
-    Identify(problem, options, nullptr, &summary, &model);
+    testing::FitAndJudge(problem, options, nullptr, &summary, &model);
   }
 
   const ParameterEstimate& Find(const std::string& name) const {
@@ -78,7 +79,7 @@ TEST(Identify, FindsAStiffnessFromAccelerationsAlone) {
     chain.Run();
     ASSERT_EQ(chain.summary.termination, Termination::kConverged)
         << chain.summary.message;
-    EXPECT_TRUE(chain.summary.usable) << chain.summary.message;
+    EXPECT_TRUE(chain.summary.usable()) << chain.summary.message;
     const ParameterEstimate& k1 = chain.Find("k1");
     EXPECT_EQ(k1.initial, -0.2);
     EXPECT_GT(k1.sigma, 0.0);
@@ -134,9 +135,9 @@ TEST(Identify, RefusesWhatIsNotAProblem) {
                         const IdentificationOptions& options = {}) {
     IdentificationSummary summary;
     IdentifiedModel model;
-    Identify(chain.problem, options, nullptr, &summary, &model);
+    testing::FitAndJudge(chain.problem, options, nullptr, &summary, &model);
     EXPECT_EQ(summary.termination, Termination::kFailure);
-    EXPECT_FALSE(summary.usable);
+    EXPECT_FALSE(summary.usable());
     EXPECT_THAT(summary.message, HasSubstr(message));
     EXPECT_EQ(summary.num_iterations, 0);
   };
@@ -219,7 +220,7 @@ TEST(Identify, StopsWhenTheCallbackSaysSo) {
     };
     chain.Run(options);
     EXPECT_EQ(chain.summary.termination, Termination::kInterrupted);
-    EXPECT_FALSE(chain.summary.usable);
+    EXPECT_FALSE(chain.summary.usable());
     EXPECT_EQ(calls, stop_at + 1);
     ASSERT_EQ(chain.model.parameters.size(), 2);
     EXPECT_TRUE(chain.model.parameters.allFinite());
@@ -279,7 +280,7 @@ TEST(Identify, StopsAtTheIterationLimit) {
   chain.Run(options);
   EXPECT_EQ(chain.summary.termination, Termination::kNoConvergence);
   EXPECT_LE(chain.summary.num_iterations, 2);
-  EXPECT_FALSE(chain.summary.usable);
+  EXPECT_FALSE(chain.summary.usable());
 }
 
 TEST(Identify, RespectsBounds) {
@@ -317,7 +318,7 @@ TEST(Identify, SaysWhereTheTrajectoryExplodes) {
   options.shooting = IdentificationOptions::Shooting::kSingle;
   chain.Run(options);
   EXPECT_EQ(chain.summary.termination, Termination::kFailure);
-  EXPECT_FALSE(chain.summary.usable);
+  EXPECT_FALSE(chain.summary.usable());
   EXPECT_THAT(chain.summary.message, HasSubstr("record 'shake'"));
   EXPECT_THAT(chain.summary.message, HasSubstr("segment 1"));
   EXPECT_THAT(chain.summary.message, HasSubstr(" at t = "));
@@ -334,7 +335,7 @@ TEST(Identify, MultipleShootingComesBackFromAnUnstableModel) {
   chain.Run();
   EXPECT_EQ(chain.summary.termination, Termination::kConverged)
       << chain.summary.message;
-  EXPECT_TRUE(chain.summary.usable) << chain.summary.message;
+  EXPECT_TRUE(chain.summary.usable()) << chain.summary.message;
   EXPECT_NEAR(chain.Find("k1").value, 0.0, 0.01);
 }
 
@@ -507,7 +508,7 @@ TEST(Identify, HoldoutsDoNotTakePart) {
   // Another structure is predicted worse by the better model of this one, or
   // half wrong.
   const RecordScore& other = chain.summary.records[1];
-  EXPECT_EQ(chain.summary.usable,
+  EXPECT_EQ(chain.summary.usable(),
             other.nrmse <= other.prior_nrmse && other.nrmse <= 0.5);
 }
 

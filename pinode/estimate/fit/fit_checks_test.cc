@@ -1,9 +1,11 @@
-#include "pinode/estimate/fit/usable.h"
+#include "pinode/estimate/fit/fit_checks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -28,20 +30,20 @@ IdentificationSummary GoodSummary() {
 }
 
 std::string Judged(IdentificationSummary summary) {
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_FALSE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_FALSE(summary.usable());
   return summary.message;
 }
 
 TEST(Usable, WhatHasAllItNeeds) {
   IdentificationSummary summary = GoodSummary();
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable());
   EXPECT_EQ(summary.message, "converged");
   summary.final_damping = -0.012;
   summary.negative_damping_allowed = true;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable());
 }
 
 TEST(Usable, SaysWhatIsMissing) {
@@ -113,14 +115,14 @@ TEST(Usable, FrequenciesAreNotDrivenAway) {
   summary.modes = {mode, mode};
   summary.modes[1].updated.frequency = 1.0;
   EXPECT_THAT(Judged(summary),
-              HasSubstr("within 8 %, by the model before within 0.6 %"));
+              HasSubstr("within 8 %, by the initial model within 0.6 %"));
   summary.modes[0].updated.frequency = 1.019;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "two per cent are met";
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << "two per cent are met";
   summary.modes[0].initial.frequency = 0.95;
   summary.modes[0].updated.frequency = 1.08;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "it was not met before";
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << "it was not met before";
   summary.modes[0].initial.frequency = 0.8;
   summary.modes[0].updated.frequency = 1.11;
   EXPECT_THAT(Judged(summary), HasSubstr("within no less than 11 %"));
@@ -139,10 +141,10 @@ TEST(Usable, FrequenciesAreNotInRadiansPerSecond) {
     summary.modes[j].initial = {0, before[j], 1.0};
   }
   EXPECT_THAT(Judged(summary),
-              HasSubstr("are 6 times those of the model before"));
+              HasSubstr("are 6 times those of the initial model"));
   summary.modes[0].initial.frequency = 2.1;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "two of three are not far off";
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << "two of three are not far off";
   for (ModeScore& each : summary.modes) each.initial.frequency = 40.0;
   EXPECT_THAT(Judged(summary), HasSubstr("are 0.15 times"));
 }
@@ -155,8 +157,8 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   mode.initial = {0, 3.0, 0.9};
   summary.modes = {mode};
   summary.num_model_modes = 2;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_FALSE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_FALSE(summary.usable());
   EXPECT_THAT(summary.message,
               HasSubstr("of 1 measured modes only 0 are like any"));
   summary.modes.resize(5, mode);
@@ -166,8 +168,8 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   EXPECT_THAT(Judged(summary),
               HasSubstr("of 5 measured modes only 1 are like any"));
   summary.modes[4].updated = {0, 2.0, 1.0};
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "both that the model has";
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << "both that the model has";
   summary.num_model_modes = 3;
   EXPECT_THAT(Judged(summary),
               HasSubstr("of 5 measured modes only 2 are like any"));
@@ -178,11 +180,11 @@ TEST(Usable, MeasuredModesAreStillThoseOfTheModel) {
   summary.modes[0].updated = {0, 2.0, 1.0};
   ModeMatch& match = summary.modes[0].updated;
   match = {0, 2.18, 0.6};
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << summary.message;
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << summary.message;
   match.mac = kNaN;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "no shape was measured";
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << "no shape was measured";
   match = {0, 2.8, 0.99};
   EXPECT_THAT(Judged(summary),
               HasSubstr("'sway' (the nearest: 40 % in frequency, MAC 0.99)"));
@@ -203,8 +205,8 @@ TEST(Usable, MostOfTheMotionIsFollowed) {
   EXPECT_THAT(Judged(summary),
               HasSubstr("misses 50 % of the motion of record 't'"));
   summary.records[0].channels[0].noise_share = 0.5;  // 0.35
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable());
   // All of it is noise where samples are out of order.
   summary.records[0].nrmse = 0.99;
   summary.records[0].channels[0].noise_share = 1.0;
@@ -219,13 +221,13 @@ TEST(Usable, NetworksHaveLearnedWhatThereIs) {
   channel.nrmse = 0.15;
   channel.noise_share = 0.02;
   summary.records[0].channels = {channel};
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable) << "a law may be what somebody wants";
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << "a law may be what somebody wants";
   summary.learns_force = true;
   EXPECT_THAT(Judged(summary), HasSubstr("the network leaves 15 %"));
   summary.records[0].channels[0].noise_share = 0.9;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable());
 }
 
 // Half of the motion wrong is not wrong where the training records are as bad.
@@ -234,8 +236,8 @@ TEST(Usable, HoldoutsMayBeAsBadAsTrainingRecords) {
   summary.records[0].nrmse = 0.2;
   summary.records[1].nrmse = 0.55;
   summary.records[1].prior_nrmse = 0.9;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable());
   // But for nearly all of it, unless it is noise.
   summary.records[0].nrmse = 0.35;
   ChannelScore channel;
@@ -244,8 +246,8 @@ TEST(Usable, HoldoutsMayBeAsBadAsTrainingRecords) {
   summary.records[1].channels = {channel};
   EXPECT_THAT(Judged(summary), HasSubstr("does not carry over"));
   summary.records[1].channels[0].noise_share = 0.9;
-  JudgeUsable(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable);
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable());
 }
 
 // Two groups, of which one record says this.
@@ -276,8 +278,8 @@ IdentificationSummary AmbientSummary(double left, double half_width) {
 // A combination of groups that looks well told is not enough.
 TEST(Usable, GroupsHaveToBeTold) {
   const auto usable = [](IdentificationSummary summary) {
-    JudgeUsable(GapTuning(), &summary);
-    return summary.usable;
+    testing::JudgeFit(GapTuning(), &summary);
+    return summary.usable();
   };
   EXPECT_TRUE(usable(AmbientSummary(0.5, 0.9)));
   EXPECT_THAT(Judged(AmbientSummary(0.001, 0.9)),

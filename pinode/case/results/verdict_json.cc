@@ -1,0 +1,53 @@
+#include "pinode/case/results/verdict_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace pinode {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json NumberOrNull(double number) {
+  return std::isfinite(number) ? Json(number) : Json();
+}
+
+}  // namespace
+
+void WriteVerdict(const Verdict& verdict, Json* json) {
+  (*json)["usable"] = verdict.usable();
+  (*json)["verdict"] = GradeName(verdict.grade());
+  (*json)["findings"] = Json::array();
+  for (const Finding& finding : verdict.findings()) {
+    (*json)["findings"].push_back({{"check", finding.check},
+                                   {"what", finding.what},
+                                   {"grade", GradeName(finding.grade)},
+                                   {"number", NumberOrNull(finding.number)},
+                                   {"limit", NumberOrNull(finding.limit)},
+                                   {"advice", finding.advice}});
+  }
+}
+
+bool ReadUsable(const Json& json, bool* usable, std::string* error) {
+  const Json verdict = json.value("verdict", Json());
+  if (verdict.is_null()) {
+    const Json value = json.value("usable", Json());
+    if (!value.is_boolean()) {
+      *error = "\"usable\" is missing or neither true nor false";
+      return false;
+    }
+    *usable = value;
+    return true;
+  }
+  for (const Grade grade : {Grade::kGood, Grade::kNotUsable}) {
+    if (verdict == GradeName(grade)) {
+      *usable = grade != Grade::kNotUsable;
+      return true;
+    }
+  }
+  *error = "\"verdict\" is " + verdict.dump() +
+           ", expected \"good\" or \"not_usable\"";
+  return false;
+}
+
+}  // namespace pinode

@@ -1,0 +1,437 @@
+#include "pinode/estimate/fit/fit_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/estimate/shooting/score.h"
+#include "pinode/problem/verdict_limits.h"
+
+namespace pinode {
+namespace {
+
+using Findings = std::vector<Finding>;
+using Role = IdentificationRecord::Role;
+
+bool IsTraining(const RecordScore& score) { return score.role == Role::kTrain; }
+
+bool HasTrainRecord(const FitSummary& fit) {
+  return std::any_of(fit.records.begin(), fit.records.end(), IsTraining);
+}
+
+// Free text in which numbers are written as a stream writes them.
+template <typename... Parts>
+std::string Text(const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  return text.str();
+}
+
+std::string Percent(double fraction) {
+  return FormatNumber(100.0 * fraction, 2) + " %";
+}
+
+// RMS over the training records of `error`, a function of their scores.
+template <typename Error>
+double RmsOverTraining(const FitSummary& fit, const Error& error) {
+  double sum = 0.0;
+  int count = 0;
+  for (const RecordScore& score : fit.records) {
+    if (!IsTraining(score)) continue;
+    sum += std::pow(error(score), 2);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
+double TrainingError(const FitSummary& fit) {
+  return RmsOverTraining(fit,
+                         [](const RecordScore& score) { return score.nrmse; });
+}
+
+void CheckPrediction(const RecordScore& score, Findings* findings) {
+  const bool train = IsTraining(score);
+  const double no_motion =
+      train ? limits::kNoMotion : limits::kNoMotionOfHoldout;
+  if (!score.finite) {
+    findings->push_back(
+        {"free_run_not_finite",
+         "the free run of record '" + score.name + "' is not finite"});
+  } else if (score.nrmse >= no_motion) {
+    findings->push_back(
+        {"no_better_than_no_motion",
+         Text("record '", score.name, "' is predicted no better (nrmse ",
+              score.nrmse, ") than by no motion at all (1)"),
+         score.nrmse, no_motion});
+  } else if (train ? score.nrmse >= score.prior_nrmse
+                   : score.nrmse > score.prior_nrmse) {
+    findings->push_back(
+        {"no_better_than_initial_model",
+         Text("record '", score.name, "' is not predicted better (nrmse ",
+              score.nrmse, ") than by the initial model (", score.prior_nrmse,
+              ")"),
+         score.nrmse, score.prior_nrmse});
+  } else if (train && StructuredError(score) > limits::kUnexplained) {
+    findings->push_back(
+        {"unexplained_motion",
+         "the model misses " + Percent(score.nrmse) +
+             " of the motion of record '" + score.name +
+             "', and noise does not explain it",
+         StructuredError(score), limits::kUnexplained,
+         "look for a load or a sensor of the wrong size, sign, place or time, "
+         "for damping that is far off, or for something that the model lacks"});
+  }
+}
+
+void CheckLinearTerms(const FitSummary& fit, Findings* findings) {
+  const double error = TrainingError(fit);
+  if (!(error > limits::kLinearTermsTolerance * fit.linear_error)) return;
+  findings->push_back({"worse_than_linear_terms",
+                       "the training records are predicted worse than by the "
+                       "linear terms alone",
+                       error, fit.linear_error});
+}
+
+void CheckLearnedForce(const FitSummary& fit, Findings* findings) {
+  if (!fit.learns_force) return;
+  const double left = RmsOverTraining(fit, StructuredError);
+  if (left <= limits::kUnexplainedByNetwork) return;
+  findings->push_back(
+      {"force_not_learned",
+       "the network leaves " + Percent(left) +
+           " of the training records unexplained: its force is not the "
+           "missing one",
+       left, limits::kUnexplainedByNetwork,
+       "try another 'seed' of the network, more hidden units, or inputs that "
+       "it lacks"});
+}
+
+void CheckHoldouts(const FitSummary& fit, Findings* findings) {
+  if (!HasTrainRecord(fit)) return;
+  const double training = TrainingError(fit);
+  const double largest =
+      std::max(limits::kHoldoutError, limits::kHoldoutGrowth * training);
+  for (const RecordScore& score : fit.records) {
+    if (IsTraining(score) || !score.finite) continue;
+    const bool much = score.nrmse > largest;
+    const double unexplained = StructuredError(score);
+    if (!much && !(unexplained > limits::kUnexplainedOfHoldout)) continue;
+    findings->push_back({"does_not_carry_over",
+                         "the result does not carry over: hold-out record '" +
+                             score.name + "' is predicted with an error of " +
+                             Percent(score.nrmse) +
+                             ", the training records with " + Percent(training),
+                         much ? score.nrmse : unexplained,
+                         much ? largest : limits::kUnexplainedOfHoldout});
+  }
+}
+
+void CheckFrequencyUnit(const FitSummary& fit, Findings* findings) {
+  std::vector<double> ratios;
+  for (const ModeScore& mode : fit.modes) {
+    if (mode.InUse() && mode.initial.frequency > 0.0) {
+      ratios.push_back(mode.frequency / mode.initial.frequency);
+    }
+  }
+  if (ratios.empty()) return;
+  std::nth_element(
+      ratios.begin(),
+      ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+      ratios.end());
+  const double ratio = ratios[ratios.size() / 2];
+  if (std::abs(std::log(ratio)) <= std::log(limits::kFrequencyScale)) return;
+  findings->push_back(
+      {"frequencies_of_another_unit",
+       "the measured frequencies are " + FormatNumber(ratio, 2) +
+           " times those of the initial model: radians per second in place of "
+           "cycles, a model whose masses and stiffnesses are in other units "
+           "than its time, or another structure",
+       ratio, limits::kFrequencyScale});
+}
+
+// A fit that holds a mode against the wrong one of the model has moved
+// parameters to no end.
+void CheckModePartners(const FitSummary& fit, Findings* findings) {
+  const auto used =
+      std::count_if(fit.modes.begin(), fit.modes.end(),
+                    [](const ModeScore& mode) { return mode.InUse(); });
+  const auto measured = static_cast<std::ptrdiff_t>(fit.modes.size());
+  // If the model has fewer modes than were measured, all of its are enough.
+  if (2 * used <= measured && used < fit.num_model_modes) {
+    findings->push_back(
+        {"modes_without_partner",
+         "of " + std::to_string(measured) + " measured modes only " +
+             std::to_string(used) +
+             " are like any of the initial model: wrong units, places or signs "
+             "of sensors, or another structure",
+         static_cast<double>(used), static_cast<double>(measured) / 2.0});
+  }
+  for (const ModeScore& mode : fit.modes) {
+    if (!mode.InUse()) continue;
+    const double ratio = mode.updated.frequency / mode.frequency;
+    const double distance = std::abs(std::log(ratio));
+    // A MAC of NaN is of a mode without a shape.
+    const bool unlike = mode.updated.mac < limits::kModeMac;
+    if (distance <= limits::kModeDistance && !unlike) continue;
+    const std::string nearest = std::isfinite(ratio)
+                                    ? Percent(ratio - 1.0) + " in frequency"
+                                    : "without a frequency";
+    findings->push_back(
+        {"mode_lost",
+         "no mode of the model that was found is like measured mode '" +
+             mode.name + "' (the nearest: " + nearest +
+             (std::isfinite(mode.updated.mac)
+                  ? ", MAC " + FormatNumber(mode.updated.mac, 2)
+                  : "") +
+             "): it may be none of the structure's, or paired wrongly",
+         unlike ? mode.updated.mac : distance,
+         unlike ? limits::kModeMac : limits::kModeDistance,
+         "leave it out, give its shape at more DOFs, or begin from a better "
+         "model"});
+    return;
+  }
+}
+
+void CheckFrequencies(const FitSummary& fit, Findings* findings) {
+  double before = 0.0;
+  double after = 0.0;
+  for (const ModeScore& mode : fit.modes) {
+    if (!mode.InUse()) continue;
+    const auto error = [&mode](const ModeMatch& match) {
+      return std::abs(match.frequency / mode.frequency - 1.0);
+    };
+    before = std::max(before, error(mode.initial));
+    after = std::max(after, error(mode.updated));
+  }
+  const double grown =
+      std::max(limits::kFrequencyMet, limits::kFrequencyGrowth * before);
+  if (after > limits::kFrequencyError) {
+    findings->push_back(
+        {"frequencies_not_met",
+         "measured frequencies are met within no less than " + Percent(after) +
+             ": sensors in another order, a sensor's sign, place or direction, "
+             "or groups that cannot make the model like the structure",
+         after, limits::kFrequencyError});
+  } else if (after > grown) {
+    findings->push_back(
+        {"frequencies_worse",
+         "measured frequencies are met within " + Percent(after) +
+             ", by the initial model within " + Percent(before) +
+             ": shapes and frequencies contradict each other",
+         after, grown,
+         "check each sensor's sign, place and direction, and standard "
+         "deviations that are too small"});
+  }
+}
+
+// Returns for each group of the ambient records the largest share, over these,
+// of the information that the unmeasured loads leave.
+std::map<std::string, double> InformationLeft(const FitSummary& fit) {
+  std::map<std::string, double> left;
+  for (const AmbientScore& score : fit.ambient) {
+    for (size_t g = 0; g < score.groups.size(); ++g) {
+      double& most = left[score.groups[g]];
+      most =
+          std::max(most, score.information_left[static_cast<Eigen::Index>(g)]);
+    }
+  }
+  return left;
+}
+
+// As many groups must be determined, one at least, as loads hide: a combination
+// that no group follows from may be a mode that a fit has put where the loads
+// have a peak.
+void CheckGroupsOfAmbientRecords(const FitSummary& fit, Findings* findings) {
+  const std::map<std::string, double> left = InformationLeft(fit);
+  // Without a covariance another finding says why.
+  if (left.empty() || fit.covariance.size() == 0) return;
+  size_t told = 0;
+  std::vector<std::string> hidden, others;
+  for (const ParameterEstimate& estimate : fit.parameters) {
+    const auto group = left.find(estimate.name);
+    if (group == left.end()) continue;
+    const double half_width = (estimate.upper95 - estimate.value) /
+                              std::max(1.0, std::abs(estimate.value));
+    const std::string name = "'" + estimate.name + "'";
+    if (group->second < limits::kInformationLeft) {
+      hidden.push_back(name);
+    } else if (half_width <= limits::kWidestInterval) {
+      ++told;
+    } else {
+      // Known loads would not determine it either.
+      others.push_back(name);
+    }
+  }
+  if (told > 0 && told >= hidden.size()) return;
+  if (told == 0) hidden.insert(hidden.end(), others.begin(), others.end());
+  if (hidden.empty()) return;
+  findings->push_back(
+      {"groups_not_determined",
+       (told == 0 ? "none of " + Join(hidden, ", ") + " can be told"
+                  : Join(hidden, ", ") + " cannot be told") +
+           ": the unmeasured loads explain the ambient records as well as they "
+           "do",
+       static_cast<double>(told), static_cast<double>(hidden.size()),
+       "use fewer knots or loads, more sensors, or a band that modes of the "
+       "structure are in"});
+}
+
+// Ambient records alone must tell something of the structure that their loads
+// could not have done as well.
+void CheckLoadsDoNotExplainAll(const FitSummary& fit, Findings* findings) {
+  if (fit.ambient.empty() || HasTrainRecord(fit) || !fit.modes.empty()) return;
+  for (const AmbientScore& score : fit.ambient) {
+    if (score.most_information_left >= limits::kAnyInformationLeft) {
+      CheckGroupsOfAmbientRecords(fit, findings);
+      return;
+    }
+  }
+  const AmbientScore& first = fit.ambient.front();
+  findings->push_back(
+      {"loads_explain_all",
+       "the unmeasured loads of ambient record '" + first.name +
+           "' explain all that it shows: with them unknown at most " +
+           Percent(first.most_information_left) +
+           " of what it says of the groups is left, so that none of them can "
+           "be told",
+       first.most_information_left, limits::kAnyInformationLeft,
+       "use fewer knots or loads, or more sensors"});
+}
+
+void CheckSpectra(const FitSummary& fit, Findings* findings) {
+  for (const AmbientScore& score : fit.ambient) {
+    if (score.coherence_probability < limits::kSpectrumProbability) {
+      findings->push_back(
+          {"measured_loads_not_explained",
+           Text("what the response to the measured loads of record '",
+                score.name, "' leaves still goes with it (probability ",
+                score.coherence_probability,
+                " that it does by chance): a load or a sensor of the wrong "
+                "size, sign, time or place, loads from before the record, or "
+                "modes that the model lacks"),
+           score.coherence_probability, limits::kSpectrumProbability});
+    } else if (score.probability < limits::kSpectrumProbability) {
+      findings->push_back(
+          {"spectra_not_described",
+           Text("the model does not describe the spectra of ambient record '",
+                score.name, "' (probability ", score.probability,
+                " of such a difference by chance, most between ",
+                score.worst_from, " and ", score.worst_to,
+                " cycles per unit of time): modes that it lacks, loads "
+                "elsewhere, or a spectrum finer than its knots"),
+           score.probability, limits::kSpectrumProbability});
+    }
+  }
+}
+
+void CheckModalCost(const FitSummary& fit, Findings* findings) {
+  if (fit.modes.empty() || HasTrainRecord(fit) ||
+      fit.final_modal_cost < fit.initial_modal_cost) {
+    return;
+  }
+  findings->push_back(
+      {"modes_not_met_better",
+       Text("the measured modes are not met better (cost ",
+            fit.final_modal_cost, ") than by the initial model (",
+            fit.initial_modal_cost, ")"),
+       fit.final_modal_cost, fit.initial_modal_cost});
+}
+
+void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
+                      Findings* findings) {
+  if (fit.largest_gap > gaps.closed) {
+    findings->push_back({"open_gaps",
+                         Text("gaps between segments stayed open (",
+                              fit.largest_gap, " of the state's RMS)"),
+                         fit.largest_gap, gaps.closed});
+  }
+  if (!fit.other_solution.empty()) {
+    findings->push_back(
+        {"other_solution",
+         "another solution describes what was measured nearly as well: " +
+             fit.other_solution,
+         kNaN, kNaN,
+         "more sensors, bounds or priors have to tell which it is"});
+  }
+  if (fit.stalled) {
+    findings->push_back(
+        {"stalled",
+         Text("the fit came to a halt short of a minimum (cosine of the "
+              "gradient ",
+              fit.gradient_cosine, ")"),
+         fit.gradient_cosine, kNaN, "try options.multistart"});
+  } else if (fit.termination == Termination::kNoConvergence) {
+    findings->push_back(
+        {"not_converged",
+         Text("not converged after ", fit.num_iterations, " iterations"),
+         static_cast<double>(fit.num_iterations), kNaN,
+         "raise options.max_iterations"});
+  }
+}
+
+void CheckDamping(const FitSummary& fit, Findings* findings) {
+  if (!(fit.final_damping < -limits::kDamping) ||
+      fit.negative_damping_allowed) {
+    return;
+  }
+  findings->push_back(
+      {"negative_damping",
+       Text("a mode has negative damping (", 100.0 * fit.final_damping, " %)"),
+       fit.final_damping, -limits::kDamping,
+       "give the damping groups a 'lower' bound"});
+}
+
+void CheckFollowedChannel(const FitSummary& fit, Findings* findings) {
+  if (fit.followed_channel.empty()) return;
+  findings->push_back(
+      {"force_follows_channel",
+       "an unknown force follows channel '" + fit.followed_channel +
+           "' of record '" + fit.followed_record +
+           "' nearly sample by sample, so that the channel's noise cannot be "
+           "estimated",
+       kNaN, kNaN, "give its sigma"});
+}
+
+}  // namespace
+
+std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit) {
+  if (fit.termination == Termination::kFailure) {
+    return {{"failed", fit.message}};
+  }
+  if (fit.termination == Termination::kInterrupted) {
+    return {{"interrupted", fit.message}};
+  }
+  Findings findings;
+  for (const RecordScore& score : fit.records) {
+    CheckPrediction(score, &findings);
+  }
+  if (!fit.growing_motion.empty()) {
+    findings.push_back({"growing_motion", fit.growing_motion, kNaN,
+                        limits::kGrowth, fit.growing_motion_advice});
+  }
+  CheckLinearTerms(fit, &findings);
+  CheckLearnedForce(fit, &findings);
+  CheckHoldouts(fit, &findings);
+  CheckFrequencyUnit(fit, &findings);
+  CheckModePartners(fit, &findings);
+  CheckFrequencies(fit, &findings);
+  CheckLoadsDoNotExplainAll(fit, &findings);
+  CheckSpectra(fit, &findings);
+  CheckModalCost(fit, &findings);
+  CheckConvergence(gaps, fit, &findings);
+  CheckDamping(fit, &findings);
+  CheckFollowedChannel(fit, &findings);
+  return findings;
+}
+
+std::string WhyNotSound(const GapTuning& gaps, const FitSummary& fit) {
+  const std::vector<Finding> findings = CheckFit(gaps, fit);
+  return findings.empty() ? "" : findings.front().Sentence();
+}
+
+}  // namespace pinode

@@ -1,0 +1,94 @@
+// Limits of the checks that decide a verdict, each with the measurement or the
+// reason that set it. No other file holds a limit of the verdict.
+
+#ifndef PINODE_PROBLEM_VERDICT_LIMITS_H_
+#define PINODE_PROBLEM_VERDICT_LIMITS_H_
+
+namespace pinode::limits {
+
+// Prediction of records. nrmse = |y - yhat| / |y - mean(y)| of the free run.
+
+// A training record must be predicted better than this; no motion at all has 1.
+// Fits of pure noise end just below 1, down to 0.98.
+constexpr double kNoMotion = 0.98;
+// The same of a hold-out record, which no fit has adapted to.
+constexpr double kNoMotionOfHoldout = 1.0;
+// Largest unexplained motion of a training record, beyond its noise. With the
+// wrong load, a load at the wrong place or time, exchanged sensors or a third
+// of the damping, fits of a frame's storeys ended at 0.47 to 0.87. All
+// predicted better than the initial model, with intervals tens of their widths
+// off.
+constexpr double kUnexplained = 0.4;
+// Largest unexplained motion that a network which learns a force may leave: it
+// can be any force of its inputs, so that more shows a force of other inputs,
+// or a poor minimum.
+constexpr double kUnexplainedByNetwork = 0.1;
+// Remarked below that limit: friction of a tenth of a storey's force left 0.05,
+// and intervals that excluded the truth.
+constexpr double kNotedUnexplained = 0.02;
+// Remarked even where most of the error is noise.
+constexpr double kMuchUnexplained = 0.1;
+// Hold-out records. The result does not carry over where the error is above
+// both kHoldoutError and kHoldoutGrowth times the training error, or where the
+// unexplained motion is above kUnexplainedOfHoldout: the record belongs to
+// another structure, or the model is wrong.
+constexpr double kHoldoutError = 0.5;
+constexpr double kHoldoutGrowth = 3.0;
+constexpr double kUnexplainedOfHoldout = 0.7;
+// The linear terms alone may predict the training records as well, up to
+// rounding of the free runs.
+constexpr double kLinearTermsTolerance = 1.001;
+
+// Measured modes.
+
+// Largest distance of a measured mode from its partner: the logarithm of the
+// ratio of frequencies (35 %), and the MAC.
+constexpr double kModeDistance = 0.3;
+constexpr double kModeMac = 0.5;
+// The worst frequency may be off by this, or by this many times the initial
+// model's error. More of both means that shapes have driven it there.
+constexpr double kFrequencyMet = 0.02;
+constexpr double kFrequencyGrowth = 2.0;
+// Largest error of a frequency of any updated model. Sensors in another order
+// ended at 0.16 and 0.20, one upside down at 0.12.
+constexpr double kFrequencyError = 0.1;
+// Largest common factor between the measured frequencies and the initial
+// model's. A model is not nine times too soft; radians per second in place of
+// cycles give 6.3, wrong units of mass or length the root of their factor.
+constexpr double kFrequencyScale = 3.0;
+
+// Ambient records.
+
+// Smallest probability that the difference between a record's spectra and the
+// model's, or its coherence with measured loads, is chance: one false alarm in
+// ten thousand records of a right model.
+constexpr double kSpectrumProbability = 1e-4;
+// Smallest share of all information on the groups that the unmeasured loads
+// must leave: less, and they explain all that a record shows.
+constexpr double kAnyInformationLeft = 0.01;
+// Smallest share of the information on a group that the unmeasured loads must
+// leave. Where less is left, as in bands beside all modes, so little of the
+// cost is quadratic that 95 % intervals, however narrow, held the truth in 50
+// to 90 of 100 records.
+constexpr double kInformationLeft = 0.1;
+// Widest half interval of a group that counts as determined, in multiples of 1
+// or of its value.
+constexpr double kWidestInterval = 1.0;
+
+// The solution.
+
+// A damping ratio below minus this is negative by more than rounding.
+constexpr double kDamping = 1e-6;
+// The matrices must not let a motion grow e-fold within a record. Less makes no
+// free run infinite, and rounding makes rigid bodies grow a little.
+constexpr double kGrowth = 1.0;
+// Largest shift of a parameter, in its standard deviations, by halving the
+// integration step, if it is also a hundredth of the value (of 1 for groups).
+// Half of a deviation is remarked.
+constexpr double kStepShift = 2.0;
+constexpr double kStepShare = 0.01;
+constexpr double kNotedStepShift = 0.5;
+
+}  // namespace pinode::limits
+
+#endif  // PINODE_PROBLEM_VERDICT_LIMITS_H_

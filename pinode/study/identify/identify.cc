@@ -1,0 +1,179 @@
+#include "pinode/study/identify/identify.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "pinode/estimate/fit/fit_checks.h"
+#include "pinode/study/identify/load_spectra.h"
+#include "pinode/study/identify/step_check.h"
+#include "pinode/study/problem/inner_fit.h"
+#include "pinode/study/reduction/renewed_basis.h"
+#include "pinode/study/terms/term_choice.h"
+
+namespace pinode {
+namespace {
+
+// The steps of one identification; what stands is in problem_, fit_, model_,
+// choice_ and reduced_.
+class MainJob {
+ public:
+  MainJob(IdentificationProblem problem, const IdentificationOptions& options,
+          const IdentificationExtras& extras, IdentificationWatch* watch)
+      : options_(options),
+        extras_(extras),
+        inner_(watch),
+        problem_(std::move(problem)),
+        choice_(extras.choice),
+        reduced_(extras.reduced) {
+    if (extras.start != nullptr) model_ = *extras.start;
+  }
+
+  Identification Run() {
+    std::string error;
+    if (!GoOn(&error)) {
+      fit_.message = error;
+      return Judged({});
+    }
+    FirstFit();
+    ChooseAmongCandidates();
+    if (RenewsBasis() && IsSound()) Renew();
+    SettleLoadSpectra(options_, &inner_, &problem_, &fit_, &model_);
+    std::vector<Finding> of_steps;
+    // A fit that is not sound has its reasons already.
+    if (IsSound()) {
+      of_steps = SettleSteps(options_, &inner_, &problem_, &fit_, &model_);
+    }
+    return Judged(std::move(of_steps));
+  }
+
+ private:
+  bool IsSound() const { return CheckFit(options_.tuning.gaps, fit_).empty(); }
+  bool RenewsBasis() const {
+    return reduced_ != nullptr && reduced_->renew_basis;
+  }
+
+  // Brings the problem to where a checkpoint stands: without the terms that
+  // were left out and, where no choice is under way, in the basis of its
+  // values. A choice that was interrupted goes on in the basis in which it
+  // began.
+  bool GoOn(std::string* error) {
+    if (!extras_.candidates.empty()) all_ = problem_;
+    if (!choice_.left_out.empty() && !LeaveOutChosen(error)) return false;
+    if (!extras_.resumed || !RenewsBasis() ||
+        (!choice_.empty() && !choice_.complete)) {
+      return true;
+    }
+    ReducedProblem renewed;
+    IdentifiedModel begin;
+    std::string unused;
+    // Values without modes stay in the basis of the export.
+    if (RenewBasis({problem_, *reduced_}, model_, &renewed, &begin, &unused)) {
+      Take(std::move(renewed));
+      model_ = std::move(begin);
+      if (choice_.empty() && !extras_.candidates.empty()) all_ = problem_;
+    }
+    return true;
+  }
+
+  bool LeaveOutChosen(std::string* error) {
+    std::vector<ModelCandidate> gone;
+    for (const std::string& name : choice_.left_out) {
+      const auto found =
+          std::find_if(extras_.candidates.begin(), extras_.candidates.end(),
+                       [&name](const ModelCandidate& candidate) {
+                         return candidate.name == name;
+                       });
+      if (found == extras_.candidates.end()) {
+        *error =
+            "'" + name + "', which the choice has left out, is no candidate";
+        return false;
+      }
+      gone.push_back(*found);
+    }
+    IdentificationProblem left;
+    if (!LeaveOut(problem_, gone, &left, error)) return false;
+    problem_ = std::move(left);
+    return true;
+  }
+
+  void FirstFit() {
+    IdentificationOptions options = options_;
+    if (!choice_.empty()) BeginNearTheEnd(&options);
+    const IdentifiedModel start = std::move(model_);
+    inner_.Run("", problem_, options,
+               extras_.start != nullptr ? &start : nullptr, &fit_, &model_);
+  }
+
+  void ChooseAmongCandidates() {
+    if (extras_.candidates.empty() || choice_.complete ||
+        fit_.termination == Termination::kInterrupted) {
+      return;
+    }
+    TermFit fit{std::move(problem_), std::move(fit_), std::move(model_),
+                choice_};
+    std::string error = "the fit with all candidates: " + fit.summary.message;
+    // Candidates that are nearly the same may keep a fit from converging.
+    const bool chosen =
+        fit.summary.termination != Termination::kFailure &&
+        ChooseTerms(all_, extras_.candidates, options_, &inner_, &fit, &error);
+    problem_ = std::move(fit.problem);
+    fit_ = std::move(fit.summary);
+    model_ = std::move(fit.model);
+    choice_ = std::move(fit.choice);
+    if (!chosen) {
+      problem_.description.remarks.push_back("No model choice: " + error + ".");
+    }
+  }
+
+  void Renew() {
+    ReducedProblem renewed{problem_, *reduced_};
+    RenewBasisUntilSettled(options_, &inner_, &renewed, &fit_, &model_);
+    if (fit_.termination != Termination::kInterrupted) Take(std::move(renewed));
+  }
+
+  void Take(ReducedProblem renewed) {
+    problem_ = std::move(renewed.problem);
+    reduced_ =
+        std::make_shared<const ReducedStructure>(std::move(renewed.structure));
+  }
+
+  // The only place that makes a verdict of an identification.
+  Identification Judged(std::vector<Finding> of_steps) {
+    std::vector<Finding> findings = CheckFit(options_.tuning.gaps, fit_);
+    std::move(of_steps.begin(), of_steps.end(), std::back_inserter(findings));
+    Identification result{std::move(problem_),
+                          IdentificationSummary(std::move(fit_)),
+                          std::move(model_), std::move(reduced_)};
+    IdentificationSummary& summary = result.summary;
+    if (!findings.empty()) summary.message = findings.front().Sentence();
+    summary.verdict = Verdict(std::move(findings));
+    summary.choice = std::move(choice_);
+    if (!summary.choice.empty()) {
+      summary.remarks.push_back(summary.choice.Sentence());
+    }
+    return result;
+  }
+
+  const IdentificationOptions& options_;
+  const IdentificationExtras& extras_;
+  InnerFit inner_;
+  IdentificationProblem all_;  // with all candidates
+  IdentificationProblem problem_;
+  FitSummary fit_;
+  IdentifiedModel model_;
+  ModelChoice choice_;
+  std::shared_ptr<const ReducedStructure> reduced_;
+};
+
+}  // namespace
+
+Identification Identify(IdentificationProblem problem,
+                        const IdentificationOptions& options,
+                        const IdentificationExtras& extras,
+                        IdentificationWatch* watch) {
+  return MainJob(std::move(problem), options, extras, watch).Run();
+}
+
+}  // namespace pinode
