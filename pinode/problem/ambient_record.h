@@ -85,7 +85,7 @@ struct AmbientRecord {
 };
 
 // What the evidence says of the loads' spectrum of a record, in natural
-// logarithms, see AmbientCost::JudgeLoads.
+// logarithms, see JudgeLoads.
 struct LoadEvidence {
   // Of the likelihood, without what holds the covariances; and what the
   // evidence takes off it for loads and noise that were fitted.

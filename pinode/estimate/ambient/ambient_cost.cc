@@ -1,255 +1,116 @@
 #include "pinode/estimate/ambient/ambient_cost.h"
 
-#include <Eigen/QR>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <utility>
 
-#include "pinode/base/constants.h"
-#include "pinode/base/parallel_for.h"
-#include "pinode/base/statistics.h"
 #include "pinode/estimate/solver/information_solver.h"
-#include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {
 
-using Complex = std::complex<double>;
+// Information on a combination of groups below this part of the largest is
+// none.
+constexpr double kNoInformation = 1e-12;
+// The part of the prior's weight that stays where it should take no part.
+constexpr double kPriorLeft = 0.01;
 
-// Of the model's lowest and highest frequency, and of half the sampling rate.
-constexpr double kBelowLowest = 0.3;
-constexpr double kAboveHighest = 1.5;
-constexpr double kBelowNyquist = 0.8;
-// Of the largest pivot of a group's matrix: nothing below it.
-constexpr double kSmallestPivot = 1e-13;
-// Modes up to so much of the band's end are loaded each for itself, if no more
-// than these. At the end an acceleration has of a mode r times as high 1 / (r^2
-// - 1) of what it would have of a rigid one: 0.8 at 1.5, a third at 2.
-constexpr double kNearBand = 2.0;
-constexpr Eigen::Index kMostModalLoads = 24;
-// Damping ratios for which lines are taken together: half that of the model's
-// least damped mode, within these.
-constexpr double kLeastDampingOfLines = 5e-4;
-constexpr double kMostDampingOfLines = 0.01;
-// Of a channel's density over that of the band: noise below it makes no
-// difference.
-constexpr double kSmallestNoise = 1e-7;
-// Room below the cost of neighbours' means; where measured loads are taken off,
-// neighbours' combinations of them leave more than the model does.
-constexpr double kRoom = 3.0;
-constexpr double kRoomOfRest = 12.0;
-
-int DerivativeOf(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::kVelocity:
-      return 1;
-    case Quantity::kRelativeAcceleration:
-    case Quantity::kAbsoluteAcceleration:
-      return 2;
-    default:
-      return 0;
-  }
+// The spectrum of the record's loads: as many knots as it says, or one an
+// octave of the band.
+LoadSpectrum SpectrumOf(const AmbientRecord& record, const AmbientLines& lines,
+                        int areas) {
+  const int knots =
+      record.knots > 0
+          ? record.knots
+          : std::max(2, 1 + static_cast<int>(std::lround(
+                                std::log2(lines.highest() / lines.lowest()))));
+  return LoadSpectrum(lines.lowest(), lines.highest(), knots, areas,
+                      record.correlated);
 }
 
-// G = left right^T with as few columns as G has rank, or G itself.
-void FindFactors(const Matrix& g, Matrix* left, Matrix* right) {
-  Eigen::ColPivHouseholderQR<Matrix> factor(g.rows(), g.cols());
-  factor.setThreshold(kSmallestPivot);
-  factor.compute(g);
-  const Eigen::Index rank = factor.rank();
-  if (2 * rank < g.rows()) {
-    const Matrix upper =
-        factor.matrixR().topRows(rank).triangularView<Eigen::Upper>();
-    *left = factor.householderQ() * Matrix::Identity(g.rows(), rank);
-    *right = factor.colsPermutation() * upper.transpose();
-  } else {
-    *left = g;
-    right->resize(0, 0);
+// The information on the groups that is left where loads and noise are unknown
+// and have no prior. `information` is that on loads, noise and groups, with the
+// prior.
+AmbientCost::InformationLeft FindInformationLeft(const Matrix& information,
+                                                 const AmbientLoads& loads) {
+  const Eigen::Index nuisance = loads.num_unknowns();
+  const Eigen::Index groups = information.rows() - nuisance;
+  AmbientCost::InformationLeft result;
+  result.by_group = Vector::Zero(groups);
+  result.most = groups > 0 ? 0.0 : 1.0;
+  if (groups == 0) return result;
+  const Matrix known = information.bottomRightCorner(groups, groups);
+  const Matrix cross = information.bottomLeftCorner(groups, nuisance);
+  // A little of the prior stays, for what no channel sees.
+  const InformationSolver solver(information.topLeftCorner(nuisance, nuisance) -
+                                 (1.0 - kPriorLeft) *
+                                     loads.PriorSums(nullptr).information);
+  if (!solver.ok()) return result;
+  const Matrix left = known - cross * solver.Solve(cross.transpose());
+  // In units in which the known information is one, but for what no load at
+  // all would tell.
+  const Vector scale = known.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
+      scale.cwiseInverse().asDiagonal() * known *
+      scale.cwiseInverse().asDiagonal());
+  const Vector& values = eigen.eigenvalues();
+  const Eigen::Index seen = (values.array() > kNoInformation).count();
+  if (seen == 0) return result;
+  const Matrix basis =
+      scale.cwiseInverse().asDiagonal() * eigen.eigenvectors().rightCols(seen) *
+      values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Matrix part = basis.transpose() * left * basis;
+  const Eigen::SelfAdjointEigenSolver<Matrix> parts(0.5 *
+                                                    (part + part.transpose()));
+  result.most = std::clamp(parts.eigenvalues()[seen - 1], 0.0, 1.0);
+  const Vector variances =
+      parts.eigenvalues().cwiseMax(kNoInformation).cwiseInverse();
+  const Matrix by_part = basis * parts.eigenvectors();
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    const Vector row = by_part.row(g).transpose().cwiseAbs2();
+    const double with_loads = row.dot(variances);
+    result.by_group[g] =
+        with_loads > 0.0 ? std::min(1.0, row.sum() / with_loads) : 0.0;
   }
-}
-
-// Stretches of neighbouring lines over which a mean says something.
-Eigen::Index StretchOf(Eigen::Index channels, Eigen::Index inputs) {
-  return 2 * channels + 8 + 2 * inputs;
-}
-
-// What the best combination of inputs leaves of lines, stretch by stretch.
-ComplexMatrix WithoutInputs(const ComplexMatrix& values,
-                            const ComplexMatrix& inputs) {
-  ComplexMatrix rest = values;
-  const Eigen::Index stretch = StretchOf(values.rows(), inputs.rows());
-  for (Eigen::Index first = 0; first < values.cols(); first += stretch) {
-    const Eigen::Index count = std::min(stretch, values.cols() - first);
-    const ComplexMatrix u = inputs.middleCols(first, count).adjoint();
-    auto y = rest.middleCols(first, count);
-    y -= (u * u.colPivHouseholderQr().solve(y.adjoint())).adjoint().eval();
-  }
-  return rest;
-}
-
-// The cost of a model as good as the means of neighbouring lines, and `room`
-// below for each channel and line: what makes all costs positive.
-double OffsetOf(const ComplexMatrix& lines, double tied, double room) {
-  const Eigen::Index channels = lines.rows();
-  const Eigen::Index stretch = StretchOf(channels, 0);
-  double cost = 0.0;
-  for (Eigen::Index first = 0; first < lines.cols(); first += stretch) {
-    const Eigen::Index count = std::min(stretch, lines.cols() - first);
-    const auto y = lines.middleCols(first, count);
-    ComplexMatrix mean = y * y.adjoint() / static_cast<double>(count);
-    mean.diagonal().array() += 1e-9 * mean.diagonal().real().mean() + 1e-300;
-    const Eigen::LLT<ComplexMatrix> factor(mean);
-    const Matrix diagonal = factor.matrixLLT().diagonal().real();
-    cost += static_cast<double>(count) *
-            (2.0 * diagonal.array().max(1e-300).log().sum() +
-             static_cast<double>(channels));
-  }
-  return (room * static_cast<double>(channels * lines.cols()) - cost) / tied;
-}
-
-// What of a record is looked at where it does not say; `frequencies`: of the
-// model's modes.
-void FindBand(const AmbientRecord& record, const Vector& frequencies,
-              double* lowest, double* highest) {
-  *lowest = record.lowest_frequency;
-  *highest = record.highest_frequency;
-  const double nyquist = 0.5 / record.sampling_step;
-  const double ten_lines = 10.0 / (static_cast<double>(record.samples.cols()) *
-                                   record.sampling_step);
-  if (*lowest == 0.0) {
-    *lowest = ten_lines;
-    for (const double f : frequencies) {
-      if (f > 0.0) {
-        *lowest = std::max(ten_lines, kBelowLowest * f);
-        break;
-      }
-    }
-    *lowest = std::min(*lowest, 0.1 * nyquist);
-  }
-  if (*highest == 0.0) {
-    *highest = kBelowNyquist * nyquist;
-    if (frequencies.size() > 0 && frequencies.tail(1)[0] > 0.0) {
-      *highest = std::min(*highest, kAboveHighest * frequencies.tail(1)[0]);
-    }
-    *highest = std::max(*highest, 2.0 * *lowest);
-  }
+  return result;
 }
 
 }  // namespace
+
+AmbientCost::InitialModel AmbientCost::MakeInitialModel(
+    const AmbientRecord& record, const StructuralDynamics& dynamics) {
+  InitialModel initial{record.AveragedDynamics(dynamics), {}};
+  const StructuralModel model =
+      initial.averaged.CorrectedModel(initial.averaged.Parameters());
+  std::string ignored;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &initial.modes,
+                    &ignored)) {
+    initial.modes = {};
+  }
+  return initial;
+}
 
 AmbientCost::AmbientCost(const AmbientRecord& record,
                          const StructuralDynamics& dynamics,
                          const ParameterLayout& layout, int num_threads,
                          Communicator* communicator)
-    : record_(record),
-      dynamics_(record.AveragedDynamics(dynamics)),
-      layout_(layout),
-      num_threads_(num_threads),
-      communicator_(CommunicatorOrSingle(communicator)) {
-  const Eigen::Index channels =
-      static_cast<Eigen::Index>(record.channels.size());
-  sensors_.resize(channels, dynamics.num_dofs());
-  derivatives_.resize(channels);
-  scales_.resize(channels);
-  for (Eigen::Index c = 0; c < channels; ++c) {
-    const Observation& channel = record.channels[static_cast<size_t>(c)];
-    sensors_.row(c) = channel.weights.transpose();
-    derivatives_[c] = DerivativeOf(channel.quantity);
-  }
-  for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {
-    Column column;
-    column.free = layout.FreeIndex(change.parameter);
-    column.target = change.group->target;
-    if (column.free < 0 || change.group->matrix.isZero(0.0)) continue;
-    FindFactors(change.group->matrix, &column.left, &column.right);
-    columns_.push_back(std::move(column));
-  }
-  const StructuralModel model =
-      dynamics_.CorrectedModel(dynamics_.Parameters());
-  ModalProperties modes;
-  std::string ignored;
-  Vector frequencies;
-  if (ComputeModes(model.mass, model.damping, model.stiffness, &modes,
-                   &ignored)) {
-    frequencies = modes.frequency_hz;
-  }
-  double lowest = 0.0;
-  double highest = 0.0;
-  FindBand(record, frequencies, &lowest, &highest);
-  SetLoads(modes, highest);
-  num_nodes_ = loads_.cols() < channels ? 2 : 1;
-  LineTransform transform(record.samples, record.sampling_step, lowest,
-                          highest);
-  SpectralLines lines = transform.Apply(record.samples);
-  total_lines_ = static_cast<double>(lines.frequency.size());
-  for (Eigen::Index c = 0; c < channels; ++c) {
-    scales_[c] = std::sqrt(std::max(
-        lines.values.row(c).squaredNorm() / std::max(1.0, total_lines_),
-        1e-300));
-    lines.values.row(c) /= scales_[c];
-  }
-  double ratio = kMostDampingOfLines;
-  for (const double found : modes.damping_ratio) {
-    if (found > 0.0) ratio = std::min(ratio, 0.5 * found);
-  }
-  lines_ = GroupLines(lines, 0.25 * std::max(ratio, kLeastDampingOfLines));
-  const int knots = record.knots > 0
-                        ? record.knots
-                        : std::max(2, 1 + static_cast<int>(std::lround(
-                                              std::log2(highest / lowest))));
-  spectrum_ = std::make_unique<LoadSpectrum>(lowest, highest, knots,
-                                             static_cast<int>(loads_.cols()),
-                                             record.correlated);
-  smallest_noise_ = Vector::Constant(channels, kSmallestNoise);
-  const Matrix measured_loads = record.MeasuredLoads(dynamics);
-  if (measured_loads.rows() == 0) {
-    offset_ = OffsetOf(lines.values, lines.tied, kRoom);
-    return;
-  }
-  const ComplexMatrix rest =
-      WithoutInputs(lines.values, transform.Values(measured_loads));
-  for (Eigen::Index c = 0; c < channels; ++c) {
-    smallest_noise_[c] *= std::clamp(
-        rest.row(c).squaredNorm() / lines.values.row(c).squaredNorm(),
-        kSmallestNoise, 1.0);
-  }
-  offset_ = OffsetOf(rest, lines.tied, kRoomOfRest);
-  mean_ = std::make_unique<AmbientMean>(record, dynamics_, std::move(transform),
-                                        scales_, num_threads);
-}
+    : AmbientCost(record, MakeInitialModel(record, dynamics),
+                  record.MeasuredLoads(dynamics), layout, num_threads,
+                  communicator) {}
 
-void AmbientCost::SetLoads(const ModalProperties& modes, double highest) {
-  const StructuralModel& model = dynamics_.model();
-  loads_ = record_.loads;
-  if (loads_.size() == 0 && record_.base.size() == 0) {
-    // Modes far above the band take part in little but its stiffness.
-    const Eigen::Index near =
-        (modes.frequency_hz.array() < kNearBand * highest).count();
-    loads_ = record_.correlated && near > 0 && near <= kMostModalLoads
-                 ? Matrix(model.mass * modes.mode_shapes.leftCols(near))
-                 : Matrix(sensors_.transpose());
-  }
-  loads_.colwise().normalize();
-  const Eigen::Index forces = loads_.cols();
-  base_ = record_.base;
-  if (base_.size() == 0) base_.resize(dynamics_.num_dofs(), 0);
-  const Eigen::Index directions = base_.cols();
-  loads_.conservativeResize(dynamics_.num_dofs(), forces + directions);
-  direct_ = Matrix::Zero(scales_.size(), forces + directions);
-  for (Eigen::Index d = 0; d < directions; ++d) {
-    const Vector load = -model.mass * base_.col(d);
-    const double unit = 1.0 / std::max(load.norm(), 1e-300);
-    base_.col(d) *= unit;
-    loads_.col(forces + d) = unit * load;
-    for (Eigen::Index c = 0; c < scales_.size(); ++c) {
-      if (record_.channels[static_cast<size_t>(c)].quantity ==
-          Quantity::kAbsoluteAcceleration) {
-        direct_(c, forces + d) = sensors_.row(c).dot(base_.col(d));
-      }
-    }
-  }
-}
+AmbientCost::AmbientCost(const AmbientRecord& record, InitialModel initial,
+                         const Matrix& measured_loads,
+                         const ParameterLayout& layout, int num_threads,
+                         Communicator* communicator)
+    : record_(record),
+      layout_(layout),
+      dynamics_(std::move(initial.averaged)),
+      lines_(record, dynamics_, initial.modes, measured_loads, num_threads),
+      pieces_(lines_.size(), num_threads, communicator),
+      transfer_(record, dynamics_, initial.modes, layout, lines_, pieces_),
+      likelihood_(lines_, transfer_, pieces_),
+      fit_(likelihood_, SpectrumOf(record, lines_, transfer_.num_areas())) {}
 
 bool AmbientCost::SetModel(const Vector& free) {
   if (!free.allFinite()) {
@@ -261,154 +122,47 @@ bool AmbientCost::SetModel(const Vector& free) {
   const Vector theta = all.head(layout_.num_dynamics());
   StructuralDynamics::Prepared prepared;
   if (!dynamics_.Prepare(theta, &prepared, &failure_)) return false;
-  const StructuralModel model = dynamics_.CorrectedModel(theta);
-  mass_ = model.mass;
-  damping_ = model.damping;
-  stiffness_ = model.stiffness;
-  loads_.rightCols(base_.cols()) = -mass_ * base_;
-  if (mean_ != nullptr) {
-    if (!mean_->SetPoint(free, &failure_)) return false;
-    lines_.SetProducts(mean_->rest());
+  transfer_.SetModel(dynamics_.CorrectedModel(theta));
+  return lines_.SetPoint(free, &failure_);
+}
+
+bool AmbientCost::FitLoads(const Vector& free, double* cost) {
+  if (!fit_.known()) {
+    // The first guess looks at all lines.
+    transfer_.FindAll();
+    return fit_.FindFirst(cost);
   }
-  return true;
-}
-
-Eigen::PartialPivLU<ComplexMatrix> AmbientCost::DynamicStiffness(
-    double frequency) const {
-  const double w = kTwoPi * frequency;
-  ComplexMatrix z(mass_.rows(), mass_.cols());
-  z.real() = stiffness_ - w * w * mass_;
-  z.imag() = w * damping_;
-  return z.partialPivLu();
-}
-
-double AmbientCost::NodeFrequency(Eigen::Index line, int node) const {
-  if (num_nodes_ == 1) return lines_.frequency[line];
-  return lines_.frequency[line] +
-         (node == 0 ? -lines_.spread[line] : lines_.spread[line]);
-}
-
-ComplexVector AmbientCost::ChannelFactors(double frequency) const {
-  const double w = kTwoPi * frequency;
-  ComplexVector factors(scales_.size());
-  for (Eigen::Index c = 0; c < factors.size(); ++c) {
-    const Complex factor = derivatives_[c] == 2.0   ? Complex(-w * w, 0.0)
-                           : derivatives_[c] == 1.0 ? Complex(0.0, w)
-                                                    : Complex(1.0, 0.0);
-    factors[c] = factor / scales_[c];
+  transfer_.FindOwn();
+  if (linear_.at.size() != free.size()) {
+    return fit_.FindFrom(loads().unknowns(), cost);
   }
-  return factors;
-}
-
-void AmbientCost::FindTransfer(bool all) {
-  transfer_.resize(static_cast<size_t>(num_lines()));
-  const ComplexMatrix loads = loads_.cast<Complex>();
-  const ComplexMatrix direct =
-      (scales_.cwiseInverse().asDiagonal() * direct_).cast<Complex>();
-  ParallelFor(kPieces, num_threads_, [&](int piece, int) {
-    if (!all && RankOf(piece) != communicator_.rank()) return;
-    for (Eigen::Index k = FirstLine(piece); k < FirstLine(piece + 1); ++k) {
-      ComplexMatrix& h = transfer_[static_cast<size_t>(k)];
-      h.resize(scales_.size(), num_nodes_ * loads.cols());
-      for (int node = 0; node < num_nodes_; ++node) {
-        const double f = NodeFrequency(k, node);
-        h.middleCols(node * loads.cols(), loads.cols()) =
-            ChannelFactors(f).asDiagonal() *
-                (sensors_ * DynamicStiffness(f).solve(loads)) +
-            direct;
-      }
-      h /= std::sqrt(static_cast<double>(num_nodes_));
-    }
-  });
-}
-
-std::vector<Matrix> AmbientCost::KnotCovariances() const {
-  std::vector<Matrix> covariances;
-  for (int b = 0; b < spectrum_->num_knots(); ++b) {
-    const Matrix root = spectrum_->Root(unknowns_, b);
-    covariances.push_back(root * root.transpose());
-  }
-  return covariances;
-}
-
-Matrix AmbientCost::LoadCovariance(double frequency,
-                                   const std::vector<Matrix>& at_knots) const {
-  double below = 0.0;
-  double above = 0.0;
-  const size_t knot =
-      static_cast<size_t>(spectrum_->Weigh(frequency, &below, &above));
-  Matrix covariance = below * at_knots[knot];
-  if (above > 0.0) covariance += above * at_knots[knot + 1];
-  return covariance;
-}
-
-bool AmbientCost::FactorizeLine(Eigen::Index line, const Matrix& loads,
-                                Eigen::LLT<ComplexMatrix>* factor) const {
-  const ComplexMatrix& h = transfer_[static_cast<size_t>(line)];
-  const auto rows = RealRows(h);
-  const Eigen::Index areas = loads.cols();
-  Matrix half(rows.rows(), rows.cols());
-  for (int node = 0; node < num_nodes_; ++node) {
-    half.middleCols(node * areas, areas).noalias() =
-        rows.middleCols(node * areas, areas) * loads;
-  }
-  const Matrix product = half * rows.transpose();
-  ComplexMatrix s(h.rows(), h.rows());
-  for (Eigen::Index j = 0; j < h.rows(); ++j) {
-    for (Eigen::Index i = j; i < h.rows(); ++i) {
-      s(i, j) = {product(2 * i, 2 * j) + product(2 * i + 1, 2 * j + 1),
-                 product(2 * i + 1, 2 * j) - product(2 * i, 2 * j + 1)};
-    }
-    s(j, j) += std::exp(2.0 * unknowns_[spectrum_->num_unknowns() + j]);
-  }
-  factor->compute(s);
-  return factor->info() == Eigen::Success;
+  const Vector followed =
+      loads().Moved(linear_.unknowns, linear_.follow * (free - linear_.at));
+  // The second start is for points too far away for a straight line.
+  return fit_.FindFrom(followed, cost) || fit_.FindFrom(linear_.unknowns, cost);
 }
 
 bool AmbientCost::Evaluate(const Vector& free, double* cost) {
-  if (unknowns_known_ && evaluated_at_.size() == free.size() &&
+  if (fit_.known() && evaluated_at_.size() == free.size() &&
       evaluated_at_ == free) {
     *cost = evaluated_cost_;
     return true;
   }
   evaluated_at_.resize(0);
   if (!SetModel(free)) return false;
-  // The first guess looks at all lines.
-  FindTransfer(/*all=*/!unknowns_known_);
-  if (!unknowns_known_) {
-    if (!FirstUnknowns(cost)) return false;
-  } else {
-    if (linearized_at_.size() == free.size()) {
-      unknowns_ = Moved(unknowns_there_, follow_ * (free - linearized_at_));
-    }
-    if (!FitUnknowns(cost)) {
-      if (linearized_at_.size() != free.size()) return false;
-      // Too far away for a straight line.
-      unknowns_ = unknowns_there_;
-      if (!FitUnknowns(cost)) return false;
-    }
+  if (!FitLoads(free, cost)) {
+    failure_ = "the spectrum of the channels is not positive definite";
+    return false;
   }
+  failure_.clear();
   evaluated_at_ = free;
   evaluated_cost_ = *cost;
   return true;
 }
 
-bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
-  if (linearized_at_.size() == free.size() && linearized_at_ == free) {
-    *system = linearized_;
-    return true;
-  }
-  double cost = 0.0;
-  double ignored = 0.0;
-  Sums sums;
-  if (!Evaluate(free, &cost) ||
-      (mean_ != nullptr && !mean_->SetSlopes(free, &failure_)) ||
-      !Accumulate(true, &ignored, &sums)) {
-    return false;
-  }
-  HoldNoise(&sums);
-  const Eigen::Index nuisance = num_nuisance();
-  const Eigen::Index groups = static_cast<Eigen::Index>(columns_.size());
+bool AmbientCost::Eliminate(const LikelihoodSums& sums, Linearization* linear) {
+  const Eigen::Index nuisance = loads().num_unknowns();
+  const Eigen::Index groups = transfer_.num_groups();
   const Matrix cross = sums.information.bottomLeftCorner(groups, nuisance);
   const InformationSolver solver(
       sums.information.topLeftCorner(nuisance, nuisance));
@@ -416,8 +170,7 @@ bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
     failure_ = "the information on loads and noise is not positive definite";
     return false;
   }
-  FindInformationLeft(sums.information);
-  // Rows: what a group's score owes to loads and noise.
+  // Rows: the part of a group's score that loads and noise explain.
   const Matrix owed = solver.Solve(cross.transpose()).transpose();
   const Vector gradient =
       sums.gradient.tail(groups) - owed * sums.gradient.head(nuisance);
@@ -428,29 +181,56 @@ bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
   projection << -owed, Matrix::Identity(groups, groups);
   const Matrix products = projection * sums.products * projection.transpose();
   const int num_free = layout_.num_free();
-  system->cost = cost;
-  system->gradient = Vector::Zero(num_free);
-  system->hessian = Matrix::Zero(num_free, num_free);
-  score_products_ = Matrix::Zero(num_free, num_free);
-  follow_ = Matrix::Zero(nuisance, num_free);
+  CondensedSystem& system = linear->system;
+  system.gradient = Vector::Zero(num_free);
+  system.hessian = Matrix::Zero(num_free, num_free);
+  linear->score_products = Matrix::Zero(num_free, num_free);
+  linear->follow = Matrix::Zero(nuisance, num_free);
   for (Eigen::Index i = 0; i < groups; ++i) {
-    const int a = columns_[static_cast<size_t>(i)].free;
-    system->gradient[a] = gradient[i];
-    follow_.col(a) = -owed.row(i).transpose();
+    const int a = transfer_.groups()[static_cast<size_t>(i)].free;
+    system.gradient[a] = gradient[i];
+    linear->follow.col(a) = -owed.row(i).transpose();
     for (Eigen::Index j = 0; j < groups; ++j) {
-      const int b = columns_[static_cast<size_t>(j)].free;
-      system->hessian(a, b) = hessian(i, j);
-      score_products_(a, b) = products(i, j);
+      const int b = transfer_.groups()[static_cast<size_t>(j)].free;
+      system.hessian(a, b) = hessian(i, j);
+      linear->score_products(a, b) = products(i, j);
     }
   }
-  if (!system->gradient.allFinite() || !system->hessian.allFinite()) {
+  return system.gradient.allFinite() && system.hessian.allFinite();
+}
+
+bool AmbientCost::Linearize(const Vector& free, CondensedSystem* system) {
+  if (linear_.at.size() == free.size() && linear_.at == free) {
+    *system = linear_.system;
+    return true;
+  }
+  Linearization linear;
+  double ignored = 0.0;
+  LikelihoodSums sums;
+  if (!Evaluate(free, &linear.system.cost) ||
+      !lines_.SetSlopes(free, &failure_) ||
+      !likelihood_.Sum(loads(), AmbientDerivatives::kScores, &ignored, &sums)) {
     return false;
   }
-  information_ = system->hessian;
-  linearized_at_ = free;
-  linearized_ = *system;
-  unknowns_there_ = unknowns_;
+  loads().HoldNoise(&sums);
+  if (!Eliminate(sums, &linear)) return false;
+  linear.left = FindInformationLeft(sums.information, loads());
+  linear.at = free;
+  linear.unknowns = loads().unknowns();
+  *system = linear.system;
+  linear_ = std::move(linear);
   return true;
+}
+
+bool AmbientCost::SetPoint(const Vector& free) {
+  CondensedSystem ignored;
+  double cost = 0.0;
+  return Linearize(free, &ignored) && Evaluate(free, &cost);
+}
+
+void AmbientCost::CompleteTransfer() {
+  // A single process has all lines.
+  if (pieces_.communicator().size() > 1) transfer_.FindAll();
 }
 
 }  // namespace pinode

@@ -7,6 +7,8 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/ambient/ambient_evidence.h"
+#include "pinode/estimate/ambient/ambient_score.h"
 #include "tests/support/ambient_testing.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/ranks_testing.h"
@@ -65,8 +67,8 @@ TEST(AmbientCostTest, RanksFindTheSameBits) {
     EXPECT_TRUE(cost.Linearize(free, &found.system)) << cost.Failure();
     EXPECT_TRUE(cost.Linearize(0.99 * free, &found.system)) << cost.Failure();
     found.products = cost.score_products();
-    EXPECT_TRUE(cost.Score(free, &found.score));
-    found.evidence = cost.JudgeLoads(free);
+    EXPECT_TRUE(ScoreAmbient(free, &cost, &found.score));
+    found.evidence = JudgeLoads(free, &cost);
     return found;
   };
   const Found alone = find(nullptr);
@@ -220,7 +222,7 @@ TEST(AmbientCostTest, LoadsAloneAreFound) {
   ASSERT_TRUE(cost.Linearize(Vector(), &system)) << cost.Failure();
   EXPECT_EQ(system.gradient.size(), 0);
   AmbientScore score;
-  ASSERT_TRUE(cost.Score(Vector(), &score)) << cost.Failure();
+  ASSERT_TRUE(ScoreAmbient(Vector(), &cost, &score)) << cost.Failure();
   EXPECT_EQ(score.information_left.size(), 0);
   EXPECT_EQ(score.most_information_left, 1.0);
 }

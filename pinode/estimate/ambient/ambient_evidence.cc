@@ -1,28 +1,34 @@
-// What the evidence says of the spectrum of an ambient record's loads.
+#include "pinode/estimate/ambient/ambient_evidence.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <utility>
 
-#include "pinode/estimate/ambient/ambient_cost.h"
 #include "pinode/estimate/solver/information_solver.h"
 
 namespace pinode {
+namespace {
 
-bool AmbientCost::PriceOfLoads(Matrix information, double* price) const {
-  const Eigen::Index per_knot = spectrum_->per_knot();
+// What the evidence takes off for loads and noise on which the likelihood has
+// this information. False where it is none.
+[[nodiscard]] bool PriceOfLoads(const AmbientLoads& loads, Matrix information,
+                                double* price) {
+  const LoadSpectrum& spectrum = loads.spectrum();
+  const Eigen::Index per_knot = spectrum.per_knot();
   // L^-1 I L^-T, I_0 = L L^T, a knot at a time.
-  for (int b = 0; b < spectrum_->num_knots(); ++b) {
-    const Eigen::LLT<Matrix> known(kPriorLines * MetricOfKnot(b));
+  for (int b = 0; b < spectrum.num_knots(); ++b) {
+    const Eigen::LLT<Matrix> known(AmbientLoads::kPriorLines *
+                                   loads.MetricOfKnot(b));
     if (known.info() != Eigen::Success) return false;
     auto rows = information.middleRows(b * per_knot, per_knot);
     known.matrixL().solveInPlace(rows);
     auto columns = information.middleCols(b * per_knot, per_knot);
     known.matrixU().solveInPlace<Eigen::OnTheRight>(columns);
   }
-  const double of_noise = 1.0 / std::sqrt(kPriorLines * kMetricOfNoise);
-  information.bottomRows(scales_.size()) *= of_noise;
-  information.rightCols(scales_.size()) *= of_noise;
+  const double of_noise =
+      1.0 / std::sqrt(AmbientLoads::kPriorLines * AmbientLoads::kMetricOfNoise);
+  information.bottomRows(loads.num_channels()) *= of_noise;
+  information.rightCols(loads.num_channels()) *= of_noise;
   information.diagonal().array() += 1.0;
   // In place, for it may be large.
   const Eigen::LLT<Eigen::Ref<Matrix>> factor(information);
@@ -31,8 +37,11 @@ bool AmbientCost::PriceOfLoads(Matrix information, double* price) const {
   return std::isfinite(*price);
 }
 
-bool AmbientCost::StepOfLoads(const Sums& sums, Vector* step) const {
-  if (prior_.size() > 0) {
+// The step of loads, noise and groups from where `sums` are, held as far as
+// they have to be.
+[[nodiscard]] bool StepOfLoads(const AmbientLoads& loads,
+                               const LikelihoodSums& sums, Vector* step) {
+  if (loads.has_prior()) {
     const InformationSolver solver(sums.information);
     if (!solver.ok()) return false;
     *step = solver.Solve(-sums.gradient);
@@ -40,84 +49,71 @@ bool AmbientCost::StepOfLoads(const Sums& sums, Vector* step) const {
   }
   // Loads that the record does not tell would go anywhere.
   Matrix held = sums.information;
-  held.topLeftCorner(num_nuisance(), num_nuisance()) +=
-      kPriorLines * RelativeMetric();
+  held.topLeftCorner(loads.num_unknowns(), loads.num_unknowns()) +=
+      AmbientLoads::kPriorLines * loads.RelativeMetric();
   const InformationSolver solver(held);
   if (!solver.ok()) return false;
   *step = solver.Solve(-sums.gradient);
   return true;
 }
 
-bool AmbientCost::PromiseOfLoads(double* gain, double* price) const {
+// Gain and price of these loads, which are a finer description of the fitted
+// ones. False where they cannot be told.
+[[nodiscard]] bool PromiseOfLoads(const AmbientLikelihood& likelihood,
+                                  const AmbientLoads& loads, double* gain,
+                                  double* price) {
   double ignored = 0.0;
-  Sums sums;
-  sums.with_products = false;
-  if (!Accumulate(/*with_groups=*/true, &ignored, &sums)) return false;
-  HoldNoise(&sums);
-  const Eigen::Index nuisance = num_nuisance();
+  LikelihoodSums sums;
+  if (!likelihood.Sum(loads, AmbientDerivatives::kGroups, &ignored, &sums)) {
+    return false;
+  }
+  loads.HoldNoise(&sums);
+  const Eigen::Index nuisance = loads.num_unknowns();
   // The groups are at their best, if only with other records.
   sums.gradient.tail(sums.gradient.size() - nuisance).setZero();
   Vector step;
-  if (!StepOfLoads(sums, &step)) return false;
-  // Of the likelihood alone.
+  if (!StepOfLoads(loads, sums, &step)) return false;
+  // The likelihood alone, without the prior.
   {
-    const Sums prior = PriorSums(nullptr);
+    const LikelihoodSums prior = loads.PriorSums(nullptr);
     sums.gradient.head(nuisance) -= prior.gradient;
     sums.information.topLeftCorner(nuisance, nuisance) -= prior.information;
   }
   *gain = -sums.gradient.dot(step) - 0.5 * step.dot(sums.information * step);
   sums.information.conservativeResize(nuisance, nuisance);
   return std::isfinite(*gain) &&
-         PriceOfLoads(std::move(sums.information), price);
+         PriceOfLoads(loads, std::move(sums.information), price);
 }
 
-LoadEvidence AmbientCost::JudgeLoads(const Vector& free) {
+}  // namespace
+
+LoadEvidence JudgeLoads(const Vector& free, AmbientCost* cost) {
   LoadEvidence evidence;
-  CondensedSystem of_groups;
-  double cost = 0.0;
-  Sums sums;
-  // The slopes of what is measured are then those of this point.
-  if (!Linearize(free, &of_groups) || !Evaluate(free, &cost) ||
-      !Accumulate(/*with_groups=*/false, &cost, &sums)) {
+  const AmbientLikelihood& likelihood = cost->likelihood();
+  const AmbientLoads& loads = cost->loads();
+  double value = 0.0;
+  LikelihoodSums sums;
+  // The derivatives by measured loads are then those of this point.
+  if (!cost->SetPoint(free) ||
+      !likelihood.Sum(loads, AmbientDerivatives::kLoads, &value, &sums)) {
     return evidence;
   }
-  HoldNoise(&sums);
+  loads.HoldNoise(&sums);
   double of_prior = 0.0;
-  sums.information -= PriorSums(&of_prior).information;
-  if (!PriceOfLoads(std::move(sums.information), &evidence.price)) {
+  sums.information -= loads.PriorSums(&of_prior).information;
+  if (!PriceOfLoads(loads, std::move(sums.information), &evidence.price)) {
     return evidence;
   }
-  evidence.log_likelihood = offset_ + of_prior - cost;
-  if (spectrum_->num_knots() < 2) return evidence;
-  Vector unknowns;
-  LoadSpectrum finer =
-      spectrum_->Refined(unknowns_.head(spectrum_->num_unknowns()), &unknowns);
-  if (finer.num_unknowns() > kMostLoadUnknowns) return evidence;
-  Matrix prior;
-  if (prior_.size() > 0) {
-    Vector roots;
-    spectrum_->Refined(spectrum_->Intensities(prior_), &roots);
-    prior.resize(prior_.rows(), finer.num_knots());
-    for (int b = 0; b < finer.num_knots(); ++b) {
-      prior.col(b) = finer.Root(roots, b).diagonal().cwiseAbs2();
-    }
-  }
-  const Vector noise = unknowns_.tail(scales_.size());
-  unknowns.conservativeResize(unknowns.size() + noise.size());
-  unknowns.tail(noise.size()) = noise;
-  const auto exchange = [&] {
-    std::swap(*spectrum_, finer);
-    unknowns_.swap(unknowns);
-    prior_.swap(prior);
-  };
-  exchange();
+  evidence.log_likelihood = cost->lines().offset() + of_prior - value;
+  const LoadSpectrum& spectrum = loads.spectrum();
+  if (spectrum.num_knots() < 2) return evidence;
+  const int finer_knots = 2 * spectrum.num_knots() - 1;
+  if (finer_knots * spectrum.per_knot() > kMostLoadUnknowns) return evidence;
+  const AmbientLoads finer = loads.Refined();
   double gain = 0.0;
   double price = 0.0;
-  const bool known = PromiseOfLoads(&gain, &price);
-  const int knots = spectrum_->num_knots();
-  exchange();
-  if (!known) return evidence;
-  evidence.finer_knots = knots;
+  if (!PromiseOfLoads(likelihood, finer, &gain, &price)) return evidence;
+  evidence.finer_knots = finer_knots;
   evidence.finer_gain = gain;
   evidence.finer_price = price - evidence.price;
   return evidence;

@@ -1,4 +1,4 @@
-// What the evidence says of the loads' spectra.
+#include "pinode/estimate/ambient/ambient_evidence.h"
 
 #include <cmath>
 
@@ -75,7 +75,7 @@ TEST(AmbientEvidence, PriceGrowsWithTheLogarithmOfTheRecord) {
     problem.ambient[0].knots = 2;
     const ParameterLayout layout(problem);
     AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 2);
-    return cost.JudgeLoads(layout.Free(layout.InitialValues())).price;
+    return JudgeLoads(layout.Free(layout.InitialValues()), &cost).price;
   };
   // Of two knots three each, and two of noise; not all are told by all lines.
   const double all = 8.0 * 0.5 * std::log(2.0);
@@ -90,7 +90,7 @@ TEST(AmbientEvidence, WhiteLoadsHaveNoFinerSpectrum) {
   const ParameterLayout layout(problem);
   AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 2);
   const LoadEvidence evidence =
-      cost.JudgeLoads(layout.Free(layout.InitialValues()));
+      JudgeLoads(layout.Free(layout.InitialValues()), &cost);
   EXPECT_GT(evidence.price, 0.0);
   EXPECT_EQ(evidence.finer_knots, 0);
   EXPECT_FALSE(evidence.PromisesMore());

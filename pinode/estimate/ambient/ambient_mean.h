@@ -1,4 +1,4 @@
-// What measured loads do beside those that nobody measured.
+// The response of an ambient record to its measured loads.
 
 #ifndef PINODE_ESTIMATE_AMBIENT_AMBIENT_MEAN_H_
 #define PINODE_ESTIMATE_AMBIENT_AMBIENT_MEAN_H_
@@ -17,44 +17,48 @@
 
 namespace pinode {
 
-// The lines of a record are those of the response to its measured loads, which
-// a run from rest has exactly, and of a stationary rest. The run is tapered as
-// the record is: neither ends nor gaps nor the memory of lightly damped modes
-// make a difference between the two. Only what measured loads did before the
-// record is not known; of that, the taper at its beginning leaves little.
+// The response to the measured loads and its spectral lines. A record's lines
+// are the sum of these and of the lines of a stationary rest.
+//
+// The response is computed as a run from rest, and the run has the same taper
+// as the record. So the ends, the gaps and the memory of lightly damped modes
+// are the same in both. The loads before the record are unknown; the taper at
+// the beginning of the record leaves little of their effect.
 class AmbientMean {
  public:
-  // Of a record with measured loads. The lines are those of `transform`, over
-  // `scales`, one a channel; all others must outlive this object.
+  // `record` has measured loads, and `dynamics` is linear. The lines are those
+  // of `transform`, each channel over its entry of `scales`. The references
+  // must outlive this object.
   AmbientMean(const AmbientRecord& record, const StructuralDynamics& dynamics,
               LineTransform transform, const Vector& scales, int num_threads);
 
-  // Free parameters of the dynamics, which come first among those of a problem.
+  // Number of free parameters of the dynamics, the first of a problem's.
   int num_free() const { return layout_.num_free(); }
 
   // Runs the model; on failure *error says why.
   [[nodiscard]] bool SetPoint(const Vector& free, std::string* error);
-  // Lines of what the run leaves of the record, channels x lines.
+  // Lines of the record minus the run, channels x lines.
   const Eigen::MatrixXcd& rest() const { return rest_; }
   // Lines of the record itself.
   const Eigen::MatrixXcd& measured() const { return measured_; }
 
-  // Derivatives of the response at `free`, which are kept until the next call.
+  // Computes the derivatives of the response at `free` and keeps them until the
+  // next call. On failure *error says why.
   [[nodiscard]] bool SetSlopes(const Vector& free, std::string* error);
-  // Channels x num_free() of a line.
+  // Derivatives of a line of the response, channels x num_free().
   Eigen::Map<const Eigen::MatrixXcd> slopes(Eigen::Index line) const {
     return {slopes_.col(line).data(), measured_.rows(), num_free()};
   }
 
  private:
-  // With the gaps of the record.
+  // Lines of `samples`, in which the record's gaps are gaps too.
   Eigen::MatrixXcd LinesOf(Matrix samples) const;
 
   const AmbientRecord& record_;
   const LineTransform transform_;
   const Vector& scales_;
   const int num_threads_;
-  IdentificationProblem alone_;
+  IdentificationProblem alone_;  // the run
   ParameterLayout layout_;
   MultipleShooting shooting_;
   Eigen::MatrixXcd measured_;

@@ -1,4 +1,4 @@
-// How well a model describes an ambient record.
+#include "pinode/estimate/ambient/ambient_score.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -9,21 +9,21 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/ambient/ambient_cost.h"
+#include "pinode/estimate/solver/information_solver.h"
 
 namespace pinode {
 namespace {
 
-// Parts of the band that are looked at for themselves, and points of a figure.
+// Number of parts of the band that are tested, and of points of a figure.
 constexpr Eigen::Index kMostParts = 40;
 constexpr Eigen::Index kGridPoints = 400;
 
-// What the response to measured loads leaves should have nothing in common with
-// it. In each part of the band the rest is explained by the response of each
-// channel times a complex factor: where the model is right, the squares that
-// go, over the power that the whitened rest has there, are a chi^2 of two
-// degrees for each channel. What groups take of it is not counted: most is held
-// elsewhere, and it is little beside the degrees.
+// The rest that the response to measured loads leaves should have nothing in
+// common with it. In each part of the band the rest is explained by the
+// response of each channel times a complex factor: where the model is right,
+// the squares that go, over the power that the whitened rest has there, are a
+// chi^2 of two degrees for each channel. What groups take of it is not counted:
+// most is held elsewhere, and it is little beside the degrees.
 class Coherence {
  public:
   Coherence(const AmbientMean& mean, size_t parts)
@@ -160,41 +160,93 @@ class Whiteness {
   std::vector<Part> parts_;
 };
 
+// The score of what needs no sum over the lines, and room for the rest.
+AmbientScore BlankScore(const AmbientCost& cost) {
+  const AmbientLines& lines = cost.lines();
+  const Eigen::Index channels = lines.scales().size();
+  const Eigen::Index points = std::min<Eigen::Index>(lines.size(), kGridPoints);
+  AmbientScore score;
+  score.name = cost.record().name;
+  score.lowest_frequency = lines.frequency(0);
+  score.highest_frequency = lines.frequency(lines.size() - 1);
+  score.num_lines = lines.num_single();
+  score.num_knots = cost.loads().spectrum().num_knots();
+  for (const AmbientTransfer::FreeGroup& group : cost.transfer().groups()) {
+    score.groups.push_back(group.name);
+  }
+  score.information_left = cost.information_left().by_group;
+  score.most_information_left = cost.information_left().most;
+  for (const Observation& channel : cost.record().channels) {
+    score.channels.push_back(channel.name);
+  }
+  // A one-sided density up to half the sampling rate.
+  score.noise_sigma =
+      std::sqrt(0.5 / cost.record().sampling_step) *
+      lines.scales().cwiseProduct(
+          cost.loads().unknowns().tail(channels).array().exp().matrix());
+  score.explained = Vector::Zero(channels);
+  if (lines.mean() != nullptr) score.by_measured_loads = Vector::Zero(channels);
+  score.frequencies = Vector::Zero(points);
+  score.measured = Matrix::Zero(channels, points);
+  score.modelled = Matrix::Zero(channels, points);
+  score.lines = Vector::Zero(points);
+  return score;
+}
+
+// Number of unknowns that the record determines: all, less those that the prior
+// does.
+double NumFitted(const AmbientCost& cost) {
+  const AmbientLoads& loads = cost.loads();
+  double ignored = 0.0;
+  LikelihoodSums sums;
+  if (!cost.likelihood().Sum(loads, AmbientDerivatives::kLoads, &ignored,
+                             &sums)) {
+    return 0.0;
+  }
+  const InformationSolver solver(sums.information);
+  const double held =
+      solver.ok() ? solver.Solve(loads.PriorSums(nullptr).information).trace()
+                  : 0.0;
+  return static_cast<double>(loads.num_unknowns()) - held +
+         static_cast<double>(cost.transfer().num_groups());
+}
+
 }  // namespace
 
-bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
-  CondensedSystem ignored;
-  double cost = 0.0;
-  if (!Linearize(free, &ignored) || !Evaluate(free, &cost)) return false;
-  FindTransfer(/*all=*/true);
-  *score = BlankScore();
-  const Eigen::Index channels = scales_.size();
-  const Eigen::Index lines = num_lines();
-  const double total_count = lines_.count.sum();
-  const Eigen::Index parts =
-      std::clamp<Eigen::Index>(lines / (8 * channels + 40), 1, kMostParts);
+bool ScoreAmbient(const Vector& free, AmbientCost* cost, AmbientScore* score) {
+  if (!cost->SetPoint(free)) return false;
+  cost->CompleteTransfer();
+  *score = BlankScore(*cost);
+  const AmbientLines& lines = cost->lines();
+  const AmbientLoads& loads = cost->loads();
+  const Eigen::Index channels = lines.scales().size();
+  const double total_count = lines.groups().count.sum();
+  const Eigen::Index parts = std::clamp<Eigen::Index>(
+      lines.size() / (8 * channels + 40), 1, kMostParts);
   const Eigen::Index points = score->frequencies.size();
-  const Vector noise =
-      (2.0 * unknowns_.tail(channels)).array().exp();  // densities
+  const Vector noise = loads.Noise();
   Whiteness whiteness(parts, channels, total_count);
   std::optional<Coherence> coherence;
-  if (mean_ != nullptr) coherence.emplace(*mean_, static_cast<size_t>(parts));
-  const std::vector<Matrix> at_knots = KnotCovariances();
-  Eigen::LLT<ComplexMatrix> factor;
+  if (lines.mean() != nullptr) {
+    coherence.emplace(*lines.mean(), static_cast<size_t>(parts));
+  }
+  const std::vector<Matrix> at_knots = loads.KnotCovariances();
+  ComplexFactor factor;
   double seen = 0.0;
   Vector total = Vector::Zero(channels);
-  for (Eigen::Index k = 0; k < lines; ++k) {
-    const double frequency = lines_.frequency[k];
-    if (!FactorizeLine(k, LoadCovariance(frequency, at_knots), &factor)) {
+  for (Eigen::Index k = 0; k < lines.size(); ++k) {
+    const double frequency = lines.frequency(k);
+    if (!cost->likelihood().FactorizeLine(
+            k, loads, loads.Covariance(frequency, at_knots), &factor)) {
       return false;
     }
     const auto lower = factor.matrixL();
     const size_t part = static_cast<size_t>(
         std::min(static_cast<double>(parts - 1),
                  std::floor(seen * static_cast<double>(parts) / total_count)));
-    const double count = lines_.count[k];
+    const double count = lines.count(k);
     seen += count;
-    const ComplexMatrix& y = lines_.products[static_cast<size_t>(k)];
+    const ComplexMatrix& y = lines.products(k);
     const ComplexMatrix half = lower.solve(y);
     whiteness.Add(part, lower.solve(half.adjoint().eval()), count, frequency);
     const Vector modelled =
@@ -202,15 +254,15 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
     score->explained += modelled - count * noise;
     total += modelled;
     if (coherence.has_value()) {
-      const Eigen::Index first = lines_.first[static_cast<size_t>(k)];
-      const Eigen::Index end = lines_.first[static_cast<size_t>(k) + 1];
+      const Eigen::Index first = lines.groups().first[static_cast<size_t>(k)];
+      const Eigen::Index end = lines.groups().first[static_cast<size_t>(k) + 1];
       const Vector response = coherence->Add(
           part, first, end, count / static_cast<double>(end - first), lower);
       score->by_measured_loads += response;
       score->explained += response;
       total += response;
     }
-    const Eigen::Index point = k * points / lines;
+    const Eigen::Index point = k * points / lines.size();
     score->frequencies[point] += count * frequency;
     score->measured.col(point) += y.diagonal().real();
     score->modelled.col(point) += modelled;
@@ -218,46 +270,16 @@ bool AmbientCost::Score(const Vector& free, AmbientScore* score) {
   }
   score->frequencies.array() /= score->lines.array();
   for (Matrix* density : {&score->measured, &score->modelled}) {
-    *density = scales_.cwiseAbs2().asDiagonal() * *density *
+    *density = lines.scales().cwiseAbs2().asDiagonal() * *density *
                score->lines.cwiseInverse().asDiagonal();
   }
   score->explained.array() /= total.array();
-  whiteness.Finish(NumFitted(), score);
+  whiteness.Finish(NumFitted(*cost), score);
   if (coherence.has_value()) {
     score->by_measured_loads.array() /= total.array();
     coherence->Finish(score);
   }
   return true;
-}
-
-AmbientScore AmbientCost::BlankScore() const {
-  const Eigen::Index channels = scales_.size();
-  const Eigen::Index points = std::min<Eigen::Index>(num_lines(), kGridPoints);
-  AmbientScore score;
-  score.name = record_.name;
-  score.lowest_frequency = lines_.frequency[0];
-  score.highest_frequency = lines_.frequency[num_lines() - 1];
-  score.num_lines = static_cast<Eigen::Index>(total_lines_);
-  score.num_knots = spectrum_->num_knots();
-  for (const Column& column : columns_) {
-    score.groups.push_back(layout_.free_parameter(column.free).name);
-  }
-  score.information_left = information_left_;
-  score.most_information_left = most_information_left_;
-  for (const Observation& channel : record_.channels) {
-    score.channels.push_back(channel.name);
-  }
-  // A one-sided density up to half the sampling rate.
-  score.noise_sigma =
-      std::sqrt(0.5 / record_.sampling_step) *
-      scales_.cwiseProduct(unknowns_.tail(channels).array().exp().matrix());
-  score.explained = Vector::Zero(channels);
-  if (mean_ != nullptr) score.by_measured_loads = Vector::Zero(channels);
-  score.frequencies = Vector::Zero(points);
-  score.measured = Matrix::Zero(channels, points);
-  score.modelled = Matrix::Zero(channels, points);
-  score.lines = Vector::Zero(points);
-  return score;
 }
 
 }  // namespace pinode

@@ -8,6 +8,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/ambient/ambient_score.h"
 #include "pinode/estimate/certainty/input_noise.h"
 
 namespace pinode {
@@ -98,7 +99,7 @@ bool AnyMisfit(const Vector& free, const Objective& objective) {
   return std::any_of(objective.ambient().begin(), objective.ambient().end(),
                      [&free](const auto& record) {
                        AmbientScore score;
-                       return !record->Score(free, &score) ||
+                       return !ScoreAmbient(free, record.get(), &score) ||
                               score.LeastProbability() <
                                   kDoubtfulAmbientProbability;
                      });

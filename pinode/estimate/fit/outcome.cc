@@ -10,6 +10,8 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/ambient/ambient_evidence.h"
+#include "pinode/estimate/ambient/ambient_score.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/certainty/force_bands.h"
 #include "pinode/estimate/certainty/holdout_noise.h"
@@ -273,8 +275,8 @@ void ReportAmbient(const Vector& free, const Objective& objective,
                    FitSummary* summary) {
   for (const auto& record : objective.ambient()) {
     AmbientScore score;
-    if (record->Score(free, &score)) {
-      score.evidence = record->JudgeLoads(free);
+    if (ScoreAmbient(free, record.get(), &score)) {
+      score.evidence = JudgeLoads(free, record.get());
     } else {
       score.probability = 0.0;
     }
