@@ -11,6 +11,7 @@
 #include "pinode/discover/regression_problem.h"
 #include "pinode/estimate/certainty/profile.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/ranks_testing.h"
@@ -61,7 +62,7 @@ CondensedSystem LinearizeOn(const IdentificationProblem& problem, int segment,
   }
   shooting.SetSigmas(sigmas);
   shooting.SetStateScales(scales);
-  shooting.SetSegments(segment, trajectories);
+  SetSegments(segment, trajectories, &shooting);
   const Vector free = layout.Free(layout.InitialValues()).array() + 0.02;
   CondensedSystem system;
   EXPECT_TRUE(shooting.Linearize(free, &system));

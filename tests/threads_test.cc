@@ -18,6 +18,7 @@
 #include "pinode/dynamics/library_function.h"
 #include "pinode/estimate/certainty/assessment.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/identify_testing.h"
 
@@ -107,7 +108,7 @@ TEST(Threads, PiecesOfOneLongRecord) {
     options.looks_ahead = looks_ahead;
     MultipleShooting shooting(problem, layout, options);
     shooting.SetSigmas({Vector::Constant(1, 0.05)});
-    shooting.SetSegments(0, {Matrix::Constant(6, kSamples, 0.01)});
+    SetSegments(0, {Matrix::Constant(6, kSamples, 0.01)}, &shooting);
     CondensedSystem system;
     double cost = 0.0;
     EXPECT_TRUE(shooting.Evaluate(free, &cost));

@@ -6,6 +6,7 @@
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/network/network.h"
 #include "pinode/problem/parameter_layout.h"
@@ -75,7 +76,7 @@ bool InformationAt(const IdentificationProblem& problem,
   Objective objective(problem, layout, MultipleShooting::Options());
   objective.shooting().SetSigmas(sigmas);
   objective.shooting().SetStateScales(scales);
-  objective.shooting().SetSegments(0, trajectories);
+  SetSegments(0, trajectories, &objective.shooting());
   objective.priors().SetDecays(model.decays);
   CondensedSystem system;
   if (!objective.Linearize(layout.Free(model.parameters), &system) ||

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "pinode/estimate/objective/noise_levels.h"
+#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/condensed_cost.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/estimate/start/stage_schedule.h"
@@ -76,15 +78,15 @@ std::unique_ptr<TrajectoryCost> TrajectoryCost::Create(
                                ? options.segment_samples
                                : FirstSegmentSamples(owned->problem, stages),
                            free, stages, &shooting, &trajectories) ||
-      !shooting.SetSegmentsAlong(options.segment_samples, trajectories)) {
+      !SetSegmentsAlong(options.segment_samples, trajectories, &shooting)) {
     return fail();
   }
   shooting.SetGapPenalty(1.0);
   CondensedSystem system;
   if (!shooting.Linearize(free, &system)) return fail();
-  if (!shooting.IsSingleShooting()) {
+  if (!IsSingleShooting(shooting)) {
     shooting.SetGapPenalty(options.gap_firmness *
-                           std::max(1.0, shooting.DataCurvature()));
+                           std::max(1.0, shooting.state().data_curvature()));
   }
   return std::unique_ptr<TrajectoryCost>(new TrajectoryCost(std::move(owned)));
 }

@@ -28,6 +28,8 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/condensed_cost.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/problem/parameter_layout.h"
@@ -155,14 +157,15 @@ class Fit {
     TrajectoryOutlines outlines;
     CHECK(InitialTrajectories(problem_, kSegmentSamples, initial_,
                               StageTuning(), &shooting_, &outlines));
-    CHECK(shooting_.Trajectories(outlines, &trajectories_));
+    CHECK(RunTrajectories(shooting_, outlines, &trajectories_));
     scales_ = StateScales(problem_, trajectories_[0]);
     Restart();
-    CHECK_EQ(shooting_.num_segments(0), num_segments());
+    CHECK_EQ(shooting_.record(0).num_segments(), num_segments());
     CondensedSystem system;
     CHECK(shooting_.Linearize(initial_, &system));
     // As at the beginning of a stage of Identify.
-    shooting_.SetGapPenalty(std::max(1.0, 0.1 * shooting_.DataCurvature()));
+    shooting_.SetGapPenalty(
+        std::max(1.0, 0.1 * shooting_.state().data_curvature()));
     Restart();
     CheckSameCost();
   }
@@ -222,7 +225,7 @@ class Fit {
   const IdentificationRecord& record() const { return problem_.records[0]; }
 
   void Restart() {
-    shooting_.SetSegments(kSegmentSamples, trajectories_);
+    SetSegments(kSegmentSamples, trajectories_, &shooting_);
     shooting_.SetStateScales({scales_});
   }
 

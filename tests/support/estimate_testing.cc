@@ -8,6 +8,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/integrate/free_run.h"
 #include "tests/support/dynamics_testing.h"
 
@@ -253,7 +254,7 @@ std::unique_ptr<Objective> SmallFit::Shoot(
     Eigen::Index segment_samples,
     const MultipleShooting::Options& options) const {
   auto objective = std::make_unique<Objective>(problem, *layout, options);
-  objective->shooting().SetSegments(segment_samples, states);
+  SetSegments(segment_samples, states, &objective->shooting());
   objective->shooting().SetSigmas(sigmas);
   objective->shooting().SetStateScales(scales);
   objective->shooting().SetGapPenalty(7.0);

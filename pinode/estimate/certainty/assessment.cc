@@ -11,6 +11,7 @@
 #include "pinode/estimate/certainty/null_space.h"
 #include "pinode/estimate/objective/evidence.h"
 #include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/estimate/start/signs.h"
 #include "pinode/estimate/start/stage_schedule.h"
@@ -126,16 +127,17 @@ bool AssessProblem(const IdentificationProblem& problem,
   // What the data tell about a trajectory in one piece. Where the record does
   // not run so before the fit, segments that are held together nearly as
   // firmly.
-  if (!shooting.SetSegmentsAlong(0, trajectories)) return fail();
+  if (!SetSegmentsAlong(0, trajectories, &shooting)) return fail();
   if (!plain()) {
-    if (!shooting.SetSegmentsAlong(segment_samples, trajectories))
+    if (!SetSegmentsAlong(segment_samples, trajectories, &shooting))
       return fail();
-    shooting.SetGapPenalty(kFirmness * std::max(1.0, shooting.DataCurvature()));
+    shooting.SetGapPenalty(kFirmness *
+                           std::max(1.0, shooting.state().data_curvature()));
     if (!plain()) {
       return fail();
     }
   } else if (CanFitWithInputNoise(problem, options.loss) &&
-             (!shooting.Trajectories(trajectories, &point.trajectories) ||
+             (!RunTrajectories(shooting, trajectories, &point.trajectories) ||
               !InputNoiseCovariance(problem, layout, shooting_options,
                                     precisions, &point))) {
     return fail();

@@ -10,6 +10,8 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/ambient/ambient_score.h"
 #include "pinode/estimate/certainty/input_noise.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 
 namespace pinode {
 namespace {
@@ -220,8 +222,8 @@ bool AddInputNoise(const IdentificationProblem& problem,
                    const std::vector<Vector>& sigmas,
                    MultipleShooting* shooting, Matrix* middle) {
   std::vector<Matrix> residuals, jacobians, states;
-  if (!shooting->WeightedResiduals(free, true, &residuals, &jacobians) ||
-      !shooting->Trajectories(free, &states)) {
+  if (!WeightedResiduals(free, true, shooting, &residuals, &jacobians) ||
+      !RunTrajectories(*shooting, free, &states)) {
     return false;
   }
   Vector parameters = layout.InitialValues();
@@ -265,11 +267,11 @@ class Scores {
   // derivatives are looked at, all that asks for them is found in one pass.
   [[nodiscard]] bool Compute(const Vector& free, const Vector& step,
                              MultipleShooting* shooting) {
-    by_modes_ =
-        shooting->IsByModes() && shooting->MovedResiduals(free, step, &drawn_);
+    by_modes_ = shooting->sweep().IsByModes() &&
+                MovedResiduals(*shooting, free, step, &drawn_);
     if (by_modes_) return true;
     std::vector<Matrix> residuals;
-    if (!shooting->WeightedResiduals(free, false, &residuals, nullptr)) {
+    if (!WeightedResiduals(free, false, shooting, &residuals, nullptr)) {
       return false;
     }
     drawn_ = residuals;
@@ -301,10 +303,10 @@ class Scores {
       std::vector<Matrix>& residuals = drawn_;
       products_ = Matrix::Zero(free.size(), free.size());
       count_ = 0.0;
-      if (!shooting->MovedResiduals(free, Vector::Zero(free.size()),
-                                    &residuals) ||
-          !shooting->AddScores(free, BlockLengths(residuals), &products_,
-                               &count_)) {
+      if (!MovedResiduals(*shooting, free, Vector::Zero(free.size()),
+                          &residuals) ||
+          !AddScores(*shooting, free, BlockLengths(residuals), &products_,
+                     &count_)) {
         return false;
       }
       products_ = Matrix(products_.selfadjointView<Eigen::Lower>());
@@ -430,7 +432,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   if (automatic && !noisy_input && !AnyAutocorrelated(scores.drawn())) {
     return of_lines_alone();
   }
-  middle -= shooting.Information();
+  middle -= ResidualInformation(shooting);
   if (automatic && noisy_input) {
     estimate->method = "input noise";
     if (!AddInputNoise(problem, layout, free, sigmas, &shooting, &middle)) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/integrate/free_run.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
@@ -39,7 +40,7 @@ class CovarianceTest : public ::testing::Test {
     const ParameterLayout layout(problem_);
     Objective objective(problem_, layout, MultipleShooting::Options());
     MultipleShooting& shooting = objective.shooting();
-    shooting.SetSegments(0, {states_});
+    SetSegments(0, {states_}, &shooting);
     shooting.SetSigmas({sigma_});
     shooting.SetStateScales({Vector::Constant(4, 0.2)});
     CovarianceEstimate estimate;

@@ -5,6 +5,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
 #include "pinode/estimate/start/initial_states.h"
 
 namespace pinode {
@@ -61,7 +62,7 @@ bool LinearizeAtFit(const IdentificationProblem& problem,
   std::vector<Matrix> residuals;
   if (!objective.Linearize(free, &cost->system) ||
       !cost->system.hessian.allFinite() ||
-      !shooting.WeightedResiduals(free, false, &residuals, nullptr)) {
+      !WeightedResiduals(free, false, &shooting, &residuals, nullptr)) {
     return false;
   }
   double sum = 0.0;

@@ -10,6 +10,9 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/input_noise.h"
 #include "pinode/estimate/certainty/input_noise_filter.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/initial_states.h"
 
 namespace pinode {
@@ -135,7 +138,7 @@ void Fitter::Correct(const Point& point) {
     scales.push_back(StateScales(problem_, trajectories_[t]));
   }
   objective_ = std::make_unique<Objective>(corrected_, layout_, options_);
-  objective_->shooting().SetSegments(0, trajectories_);
+  SetSegments(0, trajectories_, &objective_->shooting());
   objective_->shooting().SetStateScales(scales);
   objective_->shooting().SetSigmas(sigmas_);
   objective_->priors().SetDecays(decays_);
@@ -260,8 +263,9 @@ bool Fitter::Propose(Point* proposed, double* step) {
   std::vector<Matrix> residuals, jacobians;
   MultipleShooting& shooting = objective_->shooting();
   if (!objective_->Linearize(point_.free, &system) ||
-      !shooting.WeightedResiduals(point_.free, true, &residuals, &jacobians) ||
-      !shooting.Trajectories(point_.free, &trajectories_)) {
+      !WeightedResiduals(point_.free, true, &shooting, &residuals,
+                         &jacobians) ||
+      !RunTrajectories(shooting, point_.free, &trajectories_)) {
     return false;
   }
   Vector parameters = layout_.InitialValues();
@@ -361,8 +365,8 @@ bool Fitter::Run(const InputNoiseCallback& go_on, InputNoiseFit* fit,
       fit->sigmas = sigmas_;
       fit->cost = after;
       fit->starts = objective_->shooting().starts();
-      return objective_->shooting().Trajectories(point_.free,
-                                                 &fit->trajectories) &&
+      return RunTrajectories(objective_->shooting(), point_.free,
+                             &fit->trajectories) &&
              Covariance(&fit->covariance);
     }
     sigmas_ = next_sigmas_;

@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include "pinode/estimate/fit/fit_once.h"
 #include "pinode/modal/identify_modes.h"
 
 namespace pinode {
@@ -173,7 +172,7 @@ ModalData KnownToModel(const IdentificationProblem& problem,
 
 bool StartFromAmbientModes(const IdentificationProblem& problem,
                            const IdentificationOptions& options,
-                           IdentifiedModel* model) {
+                           const FitOfModes& fit, IdentifiedModel* model) {
   if (problem.ambient.empty() || problem.num_train_records() > 0 ||
       !problem.modal.empty()) {
     return false;
@@ -192,7 +191,7 @@ bool StartFromAmbientModes(const IdentificationProblem& problem,
   quick.callback = nullptr;
   FitSummary summary;
   IdentifiedModel found;
-  FitOnce(modes_alone, quick, nullptr, &summary, &found);
+  fit(modes_alone, quick, &summary, &found);
   if (summary.termination == Termination::kFailure ||
       summary.termination == Termination::kInterrupted ||
       !found.parameters.allFinite()) {

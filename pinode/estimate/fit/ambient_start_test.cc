@@ -3,17 +3,25 @@
 #include <gtest/gtest.h>
 
 #include "pinode/base/constants.h"
+#include "pinode/estimate/fit/fit_once.h"
 #include "tests/support/ambient_testing.h"
 
 namespace pinode {
 namespace {
+
+void FitModes(const IdentificationProblem& modes_alone,
+              const IdentificationOptions& options, FitSummary* summary,
+              IdentifiedModel* model) {
+  FitOnce(modes_alone, options, nullptr, summary, model);
+}
 
 TEST(AmbientStart, BeginsNearTheModesOfTheRecord) {
   const TestChain chain = RayleighChain(3);
   const IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.08, RecordOfChain(chain, 300.0, 3, 0.9));
   IdentifiedModel model;
-  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), &model));
+  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), FitModes,
+                                    &model));
   EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
 }
 
@@ -31,7 +39,8 @@ TEST(AmbientStart, TakesThePartOfALongRecordThatIsThere) {
   const IdentificationProblem problem =
       ProblemOfChain(chain, kChainSpring, 0.08, record);
   IdentifiedModel model;
-  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), &model));
+  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), FitModes,
+                                    &model));
   EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
 }
 

@@ -6,7 +6,9 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/objective/evidence.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/estimate/start/stage_schedule.h"
 
@@ -15,6 +17,7 @@ namespace pinode {
 Fit::Fit(const IdentificationProblem& problem,
          const IdentificationOptions& options)
     : options_(options),
+      log_(&summary_),
       layout_(problem),
       shooting_options_(ShootingOptions(options)),
       objective_(problem, layout_, shooting_options_),
@@ -22,9 +25,9 @@ Fit::Fit(const IdentificationProblem& problem,
       progress_(
           options_, [this](const Vector& free) { return ModelToKeep(free); },
           &summary_),
-      solver_(context_, &progress_),
+      solver_(context_, &log_, &progress_),
       annealing_(context_),
-      reweighting_(context_, &annealing_) {}
+      reweighting_(context_, &log_, &annealing_) {}
 
 Vector Fit::BestParameters() const {
   Vector parameters = layout_.InitialValues();
@@ -83,7 +86,7 @@ bool Fit::Prepare(const Vector& parameters, Eigen::Index segment_samples,
   if (!InitialTrajectories(context_.problem, segment_samples, current_.free,
                            context_.tuning().stages, &objective_.shooting(),
                            &current_.trajectories)) {
-    summary_.message = objective_.Failure();
+    log_.SetMessage(objective_.Failure());
     return false;
   }
   best_ = current_;
@@ -104,8 +107,8 @@ void Fit::BeginAnnealing() {
     current_.decays = decays;
     Annealing::LeftOver left_over;
     left_over.sigmas = current_.sigmas;
-    if (!objective_.shooting().WeightedResiduals(
-            current_.free, false, &left_over.residuals, nullptr)) {
+    if (!WeightedResiduals(current_.free, false, &objective_.shooting(),
+                           &left_over.residuals, nullptr)) {
       left_over.residuals.clear();
     }
     annealing_.Begin(first_free_, &left_over, &current_);
@@ -116,7 +119,7 @@ void Fit::BeginAnnealing() {
 bool Fit::RunStage(Eigen::Index samples, bool last) {
   StageRecord record;
   bool settled = false;
-  Stage stage(context_, &solver_, &reweighting_, &progress_);
+  Stage stage(context_, &log_, &solver_, &reweighting_, &progress_);
   if (!stage.Run(samples, last, &current_, &record, &settled)) return false;
   if (last) converged_ = settled;
   // Where no run stays finite, what the segments gave stands. One that is so
@@ -126,7 +129,7 @@ bool Fit::RunStage(Eigen::Index samples, bool last) {
                         !context_.HasNetworks() &&
                         !(current_.free_run_error < kBlownUp);
   record.rolled_back = blown_up || IsWorseThanBest(current_);
-  summary_.stages.push_back(record);
+  log_.AddStage(record);
   if (record.rolled_back) {
     current_ = best_;
   } else {
@@ -189,8 +192,8 @@ void Fit::FitInputNoise() {
   fit.sigmas = best_.sigmas;
   std::string error = "there is no finite trajectory";
   const double largest_gap = objective_.shooting().LargestGap();
-  if (objective_.shooting().Trajectories(best_.trajectories,
-                                         &fit.trajectories) &&
+  if (RunTrajectories(objective_.shooting(), best_.trajectories,
+                      &fit.trajectories) &&
       FitWithInputNoise(
           context_.problem, layout_, shooting_options_, best_.decays,
           [&](const Vector& free, double cost) {

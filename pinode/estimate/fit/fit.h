@@ -12,6 +12,7 @@
 #include "pinode/estimate/fit/solve.h"
 #include "pinode/estimate/fit/stage.h"
 #include "pinode/estimate/objective/annealing.h"
+#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
 #include "pinode/problem/progress.h"
 
@@ -72,6 +73,7 @@ class Fit {
 
   const IdentificationOptions options_;
   FitSummary summary_;
+  FitLog log_;  // writes summary_
   const ParameterLayout layout_;
   const MultipleShooting::Options shooting_options_;
   Objective objective_;

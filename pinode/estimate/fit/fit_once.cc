@@ -65,6 +65,13 @@ void SetTermination(const Fit& fit, FitSummary* summary) {
   }
 }
 
+// The fit of an ambient record's modes, with which its own fit begins.
+void FitModes(const IdentificationProblem& modes_alone,
+              const IdentificationOptions& options, FitSummary* summary,
+              IdentifiedModel* model) {
+  FitOnce(modes_alone, options, nullptr, summary, model);
+}
+
 }  // namespace
 
 void FitOnce(const IdentificationProblem& problem,
@@ -82,7 +89,8 @@ void FitOnce(const IdentificationProblem& problem,
     return;
   }
   IdentifiedModel start;
-  if (initial == nullptr && StartFromAmbientModes(problem, options, &start)) {
+  if (initial == nullptr &&
+      StartFromAmbientModes(problem, options, FitModes, &start)) {
     initial = &start;
   }
   const std::unique_ptr<Fit> fit =

@@ -21,6 +21,7 @@
 #include "pinode/estimate/fit/modal_outcome.h"
 #include "pinode/estimate/objective/bending.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/free_run_start.h"
 #include "pinode/estimate/start/signs.h"
 #include "pinode/estimate/start/time_scale.h"
@@ -71,9 +72,9 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   shooting.SetSigmas(best.sigmas);
   objective.priors().SetDecays(best.decays);
   Certainty certainty;
-  const bool placed = shooting.SetSegmentsAlong(
+  const bool placed = SetSegmentsAlong(
       summary.single_shooting ? 0 : summary.stages.back().segment_samples,
-      best.trajectories);
+      best.trajectories, &shooting);
   const Vector band_decays = BandDecays(problem, fit->layout(), best.decays,
                                         options.tuning.force_bands);
   if (fit->input_noise().has_value()) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pinode/base/logging.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
 
 namespace pinode {
 
@@ -20,23 +21,24 @@ Reweighting::Outcome Reweighting::Update(bool converged, FitState* state) {
   Evidence evidence;
   if (!objective.Linearize(state->free, &system)) return outcome;
   MultipleShooting& shooting = objective.shooting();
-  const std::vector<Vector>* squares = shooting.SquaresAt(state->free);
+  const std::vector<Vector>* squares = shooting.state().SquaresAt(state->free);
   CHECK(squares != nullptr) << "just linearised";
   rows.squares = *squares;
   if (((by_channel || context_.HasNetworks()) &&
-       !shooting.WeightedResiduals(state->free, by_channel, &rows.residuals,
-                                   &rows.jacobians)) ||
+       !WeightedResiduals(state->free, by_channel, &shooting, &rows.residuals,
+                          &rows.jacobians)) ||
       !MeasureEvidence(context_.layout, system.hessian, state->decays,
                        state->free, &evidence)) {
     return outcome;
   }
   const double before = context_.summary.effective_parameters;
   const double after = evidence.effective;
-  context_.summary.effective_parameters = after;
+  log_->SetEffectiveParameters(after);
   UpdateDecays(context_.layout, tuning, evidence, &state->decays);
   objective.priors().SetDecays(state->decays);
   const NoiseLevels::Change change =
       noise_.Update(rows, evidence, converged, annealing_, state);
+  log_->SetFollowedChannel(change.followed_record, change.followed_channel);
   objective.shooting().SetSigmas(state->sigmas);
   VLOG(1) << "noise to change by " << change.wanted << ", well-determined "
           << "parameters " << before << " -> " << after;

@@ -4,6 +4,7 @@
 #define PINODE_ESTIMATE_FIT_REWEIGHTING_H_
 
 #include "pinode/estimate/objective/annealing.h"
+#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
 #include "pinode/estimate/objective/noise_levels.h"
 
@@ -13,9 +14,9 @@ namespace pinode {
 // (noise_levels.h) by it.
 class Reweighting {
  public:
-  // Both must outlive this object.
-  Reweighting(const FitContext& context, Annealing* annealing)
-      : context_(context), noise_(context), annealing_(annealing) {}
+  // All must outlive this object.
+  Reweighting(const FitContext& context, FitLog* log, Annealing* annealing)
+      : context_(context), log_(log), noise_(context), annealing_(annealing) {}
 
   struct Outcome {
     bool noise_is_quiet = false;
@@ -35,6 +36,7 @@ class Reweighting {
 
  private:
   const FitContext& context_;
+  FitLog* log_;
   NoiseLevels noise_;
   Annealing* annealing_;
   bool noise_is_quiet_ = false;

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
@@ -87,8 +89,8 @@ class Solver::Callback final : public ceres::IterationCallback {
     record.largest_gap = context_.objective.shooting().LargestGap();
     record.accepted = iteration.step_is_successful;
     if (iteration.iteration > 0) {
-      context_.summary.num_iterations = record.iteration;
-      if (!iteration.step_is_successful) ++context_.summary.rejected_steps;
+      solver_.log_->AddIteration(record.iteration,
+                                 iteration.step_is_successful);
     }
     *radius_ = iteration.trust_region_radius;
     const Vector free =
@@ -126,8 +128,8 @@ class Solver::Callback final : public ceres::IterationCallback {
   bool is_stopped_ = false;
 };
 
-Solver::Solver(const FitContext& context, Progress* progress)
-    : context_(context), progress_(progress) {
+Solver::Solver(const FitContext& context, FitLog* log, Progress* progress)
+    : context_(context), log_(log), progress_(progress) {
   ResetRadius();
 }
 
@@ -135,16 +137,18 @@ void Solver::ResetRadius() { radius_ = FirstRadius(context_); }
 
 bool Solver::IsBelow(double residual, const Vector& free) const {
   MultipleShooting& shooting = context_.objective.shooting();
-  const std::vector<Vector>* squares = shooting.SquaresAt(free);
+  const std::vector<Vector>* squares = shooting.state().SquaresAt(free);
   if (squares == nullptr) return false;
   double sum = 0.0;
   double count = 0.0;
   for (size_t t = 0; t < squares->size(); ++t) {
     const IdentificationRecord& record = context_.train_record(t);
-    sum += (*squares)[t].cwiseQuotient(shooting.sigmas(t).cwiseAbs2()).sum();
+    sum += (*squares)[t]
+               .cwiseQuotient(shooting.record(t).sigmas().cwiseAbs2())
+               .sum();
     for (size_t c = 0; c < record.channels.size(); ++c) {
       if (!record.channels[c].fit) continue;
-      count += static_cast<double>(shooting.measured(t)[c].count);
+      count += static_cast<double>(shooting.record(t).measured()[c].count);
     }
   }
   return sum < residual * residual * count;
@@ -173,23 +177,22 @@ void Solver::Settle(const CondensedSystem& system, double gradient_norm,
 
 bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   *converged = false;
-  FitSummary& summary = context_.summary;
   Objective& objective = context_.objective;
   const bool bends = objective.shooting().KeepRows(
       BendsSteps(context_.problem, context_.layout));
   ceres::Solver::Options options =
       SolverOptions(context_, bends, limits.function_tolerance, radius_);
   options.max_num_iterations =
-      std::min(limits.iterations,
-               context_.options.max_num_iterations - summary.num_iterations);
+      std::min(limits.iterations, context_.options.max_num_iterations -
+                                      context_.summary.num_iterations);
   if (options.max_num_iterations <= 0) return true;
 
   const int n = context_.layout.num_free();
   const auto begin = std::chrono::steady_clock::now();
   BoundedCost bounded(context_.layout, state->free, &objective);
-  summary.jacobian_seconds += SecondsSince(begin);
+  log_->AddJacobianSeconds(SecondsSince(begin));
   if (!bounded.IsValid()) {
-    summary.message = objective.Failure();
+    log_->SetMessage(objective.Failure());
     return false;
   }
   Vector scaled = bounded.Scaled(state->free);
@@ -218,18 +221,19 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
 
   ceres::Solver::Summary ceres_summary;
   ceres::Solve(options, &problem, &ceres_summary);
-  summary.jacobian_seconds += cost.jacobian_seconds();
-  summary.linear_solver_seconds += ceres_summary.linear_solver_time_in_seconds;
-  summary.failed_evaluations += cost.failed_evaluations();
+  log_->AddJacobianSeconds(cost.jacobian_seconds());
+  log_->AddLinearSolverSeconds(ceres_summary.linear_solver_time_in_seconds);
+  log_->AddFailedEvaluations(cost.failed_evaluations());
   VLOG(2) << ceres_summary.FullReport();
   if (ceres_summary.termination_type == ceres::FAILURE &&
       ceres_summary.iterations.size() <= 1) {
-    summary.message = objective.Failure();
-    if (summary.message.empty()) {
-      summary.message =
+    std::string message = objective.Failure();
+    if (message.empty()) {
+      message =
           "the equations of a step cannot be solved: residuals or derivatives "
           "are too large for numbers";
     }
+    log_->SetMessage(std::move(message));
     return false;
   }
   if (bends) scaled = bent->PointOf(scaled);
@@ -241,7 +245,7 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
   // Whoever stopped it does not wait for derivatives.
   if (!(callback.is_stopped() ? objective.Evaluate(state->free, &system.cost)
                               : objective.Linearize(state->free, &system))) {
-    summary.message = objective.Failure();
+    log_->SetMessage(objective.Failure());
     return false;
   }
   state->cost = system.cost;
@@ -262,7 +266,7 @@ bool Solver::Polish(FitState* state) {
   constexpr double kDamping = 1e-6;
   Objective& objective = context_.objective;
   const auto fail = [&]() {
-    context_.summary.message = objective.Failure();
+    log_->SetMessage(objective.Failure());
     return false;
   };
   CondensedSystem system;

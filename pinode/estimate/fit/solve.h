@@ -3,6 +3,7 @@
 #ifndef PINODE_ESTIMATE_FIT_SOLVE_H_
 #define PINODE_ESTIMATE_FIT_SOLVE_H_
 
+#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
 #include "pinode/problem/progress.h"
 
@@ -13,8 +14,8 @@ namespace pinode {
 // goes on from solve to solve.
 class Solver {
  public:
-  // Both must outlive this object.
-  Solver(const FitContext& context, Progress* progress);
+  // All must outlive this object.
+  Solver(const FitContext& context, FitLog* log, Progress* progress);
 
   // Begins again with the first radius.
   void ResetRadius();
@@ -63,6 +64,7 @@ class Solver {
               FitState* state);
 
   const FitContext& context_;
+  FitLog* log_;
   Progress* progress_;
   double radius_ = 0.0;
 };

@@ -5,6 +5,8 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/initial_states.h"
 
 namespace pinode {
@@ -20,7 +22,8 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
   // Gaps begin softer than the data hold the starts, and end much firmer.
   double firmness =
       networks ? gaps.first_network_firmness : gaps.first_firmness;
-  shooting.SetGapPenalty(std::max(1.0, firmness * shooting.DataCurvature()));
+  shooting.SetGapPenalty(
+      std::max(1.0, firmness * shooting.state().data_curvature()));
   double first_cost = kInfinity;
   for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
        ++round) {
@@ -42,10 +45,9 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
     firmness = std::min(gaps.most_firmness, gaps.growth * firmness);
     CondensedSystem system;
     if (!context_.objective.Linearize(state->free, &system)) break;
-    const double after =
-        std::max(before, firmness * std::max(1.0, shooting.DataCurvature()));
+    const double after = std::max(
+        before, firmness * std::max(1.0, shooting.state().data_curvature()));
     shooting.SetGapPenalty(after);
-    shooting.RescaleMultipliers(before / after);
   }
   return true;
 }
@@ -119,8 +121,8 @@ bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
                 StageRecord* record, bool* settled) {
   *settled = false;
   MultipleShooting& shooting = context_.objective.shooting();
-  if (!shooting.SetSegmentsAlong(samples, state->trajectories)) {
-    context_.summary.message = "the trajectory is not finite";
+  if (!SetSegmentsAlong(samples, state->trajectories, &shooting)) {
+    log_->SetMessage("the trajectory is not finite");
     return false;
   }
   shooting.SetSigmas(state->sigmas);
@@ -130,7 +132,7 @@ bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
   for (size_t t = 0; t < state->trajectories.records.size(); ++t) {
     scales.push_back(StateScalesOf(
         context_.problem, state->trajectories.records[t].mean_squares));
-    record->num_segments += shooting.num_segments(static_cast<int>(t));
+    record->num_segments += shooting.record(t).num_segments();
   }
   shooting.SetStateScales(scales);
 
@@ -138,7 +140,7 @@ bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
   CondensedSystem system;
   shooting.SetGapPenalty(1.0);
   if (!context_.objective.Linearize(state->free, &system)) {
-    context_.summary.message = context_.objective.Failure();
+    log_->SetMessage(context_.objective.Failure());
     return false;
   }
   const auto measure = [&]() {
@@ -148,7 +150,7 @@ bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
     return error;
   };
   measure();
-  const bool single = shooting.IsSingleShooting();
+  const bool single = IsSingleShooting(shooting);
   if (!(single ? SettleSingle(state, settled)
                : CloseGaps(last, state, settled))) {
     return false;
@@ -157,12 +159,11 @@ bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
   record->largest_gap = shooting.LargestGap();
   record->free_run_error = state->free_run_error = measure();
   TrajectoryOutlines trajectories;
-  if (shooting.Outline(state->free, &trajectories)) {
+  if (OutlineTrajectories(shooting, state->free, &trajectories)) {
     state->trajectories = std::move(trajectories);
   }
   shooting.KeepRows(false);
-  context_.summary.largest_gap = record->largest_gap;
-  context_.summary.single_shooting = single;
+  log_->SetSegments(record->largest_gap, single);
   return true;
 }
 

@@ -5,6 +5,7 @@
 
 #include "pinode/estimate/fit/reweighting.h"
 #include "pinode/estimate/fit/solve.h"
+#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
 #include "pinode/problem/progress.h"
 
@@ -18,9 +19,10 @@ namespace pinode {
 class Stage {
  public:
   // All must outlive this object.
-  Stage(const FitContext& context, Solver* solver, Reweighting* reweighting,
-        Progress* progress)
+  Stage(const FitContext& context, FitLog* log, Solver* solver,
+        Reweighting* reweighting, Progress* progress)
       : context_(context),
+        log_(log),
         solver_(solver),
         reweighting_(reweighting),
         progress_(progress) {}
@@ -35,10 +37,9 @@ class Stage {
  private:
   [[nodiscard]] bool CloseGaps(bool last, FitState* state, bool* settled);
   [[nodiscard]] bool SettleSingle(FitState* state, bool* settled);
-  // mu for gaps held `firmness` times as firmly as the data hold the starts.
-  double GapPenaltyAt(double firmness) const;
 
   const FitContext& context_;
+  FitLog* log_;
   Solver* solver_;
   Reweighting* reweighting_;
   Progress* progress_;

@@ -11,6 +11,8 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/problem/parameter_layout.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
@@ -85,7 +87,7 @@ TEST(UnknownForcePrior, CostGradientAndHessianBelongTogether) {
   const ParameterLayout layout(problem);
   Objective objective(problem, layout, MultipleShooting::Options());
   MultipleShooting& shooting = objective.shooting();
-  shooting.SetSegments(0, {Matrix::Zero(2, 24)});
+  SetSegments(0, {Matrix::Zero(2, 24)}, &shooting);
   shooting.SetSigmas({Vector::Constant(1, 0.02)});
   const Vector decays = Vector::LinSpaced(3, 2.0, 30.0);
   objective.priors().SetDecays(decays);
@@ -165,7 +167,7 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
     const ParameterLayout layout(problem);
     Objective objective(problem, layout, MultipleShooting::Options());
     MultipleShooting& shooting = objective.shooting();
-    shooting.SetSegments(0, {Matrix::Zero(2, kLength)});
+    SetSegments(0, {Matrix::Zero(2, kLength)}, &shooting);
     const std::vector<Vector> sigmas = {Vector::Constant(1, kSigma)};
     shooting.SetSigmas(sigmas);
     objective.priors().SetDecays(Vector::Constant(1, 500.0));
@@ -174,7 +176,7 @@ TEST(UnknownForcePrior, AutocorrelationIsAMatterOfTheNoise) {
     ASSERT_TRUE(objective.Linearize(Vector::Zero(kMany), &system));
     const Vector free = -system.hessian.ldlt().solve(system.gradient);
     std::vector<Matrix> residuals;
-    ASSERT_TRUE(shooting.WeightedResiduals(free, false, &residuals, nullptr));
+    ASSERT_TRUE(WeightedResiduals(free, false, &shooting, &residuals, nullptr));
     EXPECT_GT(LjungBoxExcess(residuals[0].row(0), 20), 3.5);
 
     CovarianceEstimate plain, automatic;

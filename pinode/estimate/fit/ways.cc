@@ -140,7 +140,7 @@ class Way {
 
   bool ok() const { return ok_; }
   bool exhausted() const { return exhausted_; }
-  int64_t Work() const { return fit_->objective().shooting().work(); }
+  int64_t Work() const { return fit_->objective().shooting().sweep().work(); }
   bool interrupted() const { return fit_->interrupted() && !exhausted_; }
   Fit& fit() { return *fit_; }
   // nullptr where nothing finite came out; *outcome is the fit's summary but

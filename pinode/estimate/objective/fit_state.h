@@ -1,4 +1,4 @@
-// Where a fit is, and what its parts share.
+// State of a fit, and the view of it that its parts share.
 
 #ifndef PINODE_ESTIMATE_OBJECTIVE_FIT_STATE_H_
 #define PINODE_ESTIMATE_OBJECTIVE_FIT_STATE_H_
@@ -13,6 +13,7 @@
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
@@ -36,13 +37,14 @@ struct FitState {
   double ExpectedError() const { return free_run_error / share_left; }
 };
 
-// What the parts of one fit work on; all of it outlives them.
+// The view that the parts of one fit have of it; all of it outlives them. They
+// read the summary. Those that write into it have a FitLog (fit_log.h).
 struct FitContext {
   const IdentificationProblem& problem;
   const IdentificationOptions& options;
   const ParameterLayout& layout;
   Objective& objective;
-  FitSummary& summary;
+  const FitSummary& summary;
 
   const Tuning& tuning() const { return options.tuning; }
   // Networks whose weights decay change how everything else is done.

@@ -33,7 +33,9 @@ bool AreValidSigmas(const IdentificationProblem& problem,
 }
 
 const SeriesStatistics& NoiseLevels::Measured(size_t t, int c) const {
-  return context_.objective.shooting().measured(t)[static_cast<size_t>(c)];
+  return context_.objective.shooting()
+      .record(t)
+      .measured()[static_cast<size_t>(c)];
 }
 
 double NoiseLevels::Smallest(const SeriesStatistics& measured) const {
@@ -97,8 +99,8 @@ double NoiseLevels::ShareLeft(const Evidence& evidence) const {
                     context_.tuning().noise.least_share_left, 1.0);
 }
 
-double NoiseLevels::ChannelShareLeft(size_t t, int c,
-                                     const Vector& leverages) const {
+double NoiseLevels::ChannelShareLeft(size_t t, int c, const Vector& leverages,
+                                     Change* change) const {
   const NoiseTuning& tuning = context_.tuning().noise;
   const IdentificationRecord& record = context_.train_record(t);
   const MeasuredChannel& channel = record.channels[static_cast<size_t>(c)];
@@ -112,10 +114,9 @@ double NoiseLevels::ChannelShareLeft(size_t t, int c,
       std::max(tuning.least_channel_left,
                1.0 - leverage / static_cast<double>(std::max<Eigen::Index>(
                                     1, Measured(t, c).count)));
-  FitSummary& summary = context_.summary;
-  if (left < tuning.followed && summary.followed_channel.empty()) {
-    summary.followed_channel = channel.observation.name;
-    summary.followed_record = record.name;
+  if (left < tuning.followed && change->followed_channel.empty()) {
+    change->followed_channel = channel.observation.name;
+    change->followed_record = record.name;
   }
   return left;
 }
@@ -129,7 +130,6 @@ NoiseLevels::Change NoiseLevels::Update(const WeightedRows& rows,
   const double shrink =
       networks ? 1.0 - tuning.network_step_down : tuning.shrink;
   const double growth = networks && !converged ? 1.0 : tuning.growth;
-  context_.summary.followed_channel.clear();
   state->share_left = ShareLeft(evidence);
   Change change;
   for (size_t t = 0; t < rows.squares.size(); ++t) {
@@ -144,7 +144,7 @@ NoiseLevels::Change NoiseLevels::Update(const WeightedRows& rows,
       if (channel.sigma > 0.0 || !channel.fit) continue;
       const double left = rows.jacobians.empty()
                               ? state->share_left
-                              : ChannelShareLeft(t, c, leverages);
+                              : ChannelShareLeft(t, c, leverages, &change);
       double mean_square =
           rows.squares[t][c] /
           static_cast<double>(std::max<Eigen::Index>(1, Measured(t, c).count)) /

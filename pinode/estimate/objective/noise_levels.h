@@ -57,12 +57,14 @@ class NoiseLevels {
     // Largest relative change wanted.
     double wanted = 0.0;
     bool quiet = false;
+    // The first channel whose noise an unknown force follows; empty: none.
+    std::string followed_record, followed_channel;
   };
 
   // Moves state->sigmas towards the estimate from `rows`, limited by
-  // `annealing` where that is on, and sets state->share_left; the summary is
-  // told of a channel that a force follows. `converged`: before, the residuals
-  // tell of the way that is left, and noise does not grow with networks.
+  // `annealing` where that is on, and sets state->share_left. `converged`:
+  // before, the residuals tell of the way that is left, and noise does not grow
+  // with networks.
   Change Update(const WeightedRows& rows, const Evidence& evidence,
                 bool converged, Annealing* annealing, FitState* state) const;
 
@@ -71,9 +73,10 @@ class NoiseLevels {
   // No estimate goes below.
   double Smallest(const SeriesStatistics& measured) const;
   double ShareLeft(const Evidence& evidence) const;
-  // Of one channel of a record, from the leverages of its samples.
-  double ChannelShareLeft(size_t record, int channel,
-                          const Vector& leverages) const;
+  // Share left of one channel of a record, from the leverages of its samples;
+  // *change notes the channel if a force follows its noise.
+  double ChannelShareLeft(size_t record, int channel, const Vector& leverages,
+                          Change* change) const;
 
   const FitContext& context_;
 };

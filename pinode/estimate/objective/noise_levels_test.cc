@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/problem/assumed_noise.h"
 #include "tests/support/estimate_testing.h"
 
@@ -72,7 +73,7 @@ TEST_F(NoiseLevelsTest, ComesToTheNoiseOfTheTruth) {
   state.free = Vector::Zero(1);
   state.sigmas = levels.First(nullptr);
   EXPECT_DOUBLE_EQ(state.sigmas[0][0], 0.05 * SpreadOf(0));
-  objective.shooting().SetSegments(0, {truth_, truth_});
+  SetSegments(0, {truth_, truth_}, &objective.shooting());
   NoiseLevels::Change change;
   for (int round = 0; round < 5; ++round) {
     objective.shooting().SetSigmas(state.sigmas);
@@ -80,7 +81,7 @@ TEST_F(NoiseLevelsTest, ComesToTheNoiseOfTheTruth) {
     WeightedRows rows;
     Evidence evidence;
     ASSERT_TRUE(objective.Linearize(state.free, &system));
-    rows.squares = *objective.shooting().SquaresAt(state.free);
+    rows.squares = *objective.shooting().state().SquaresAt(state.free);
     ASSERT_TRUE(MeasureEvidence(layout, system.hessian, Vector(), state.free,
                                 &evidence));
     change = levels.Update(rows, evidence, true, &annealing, &state);

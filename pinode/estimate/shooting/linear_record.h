@@ -46,7 +46,7 @@ class LinearRecord {
       const IdentificationRecord& record, const IntegrationGrid& grid,
       const ObservationMap& observation, RobustLoss loss);
 
-  // Where the record is looked at.
+  // Parameters, noise and start at which the record is evaluated.
   struct Point {
     const StructuralDynamics::Prepared* prepared = nullptr;
     const Vector* parameters = nullptr;  // all of the problem's
@@ -95,13 +95,13 @@ class LinearRecord {
     std::vector<int> channels;
     std::vector<bool> present;  // empty: all
   };
-  // What a point comes to in histories.
+  // A point, expressed in histories.
   struct Tables;
   // Scores of a thread's share of the record.
   struct ScoreShare;
   // The equations of each channel, whatever its noise.
   struct ByChannel {
-    // Where they are from.
+    // The point they belong to.
     Vector parameters;
     Vector start;
     SegmentColumns columns = SegmentColumns::kNone;
@@ -130,9 +130,9 @@ class LinearRecord {
                 const Matrix& histories, RecordSums* sums) const;
   void Condense(const Tables& tables, const RecordSums& sums, int num_threads,
                 ByChannel* equations) const;
-  // Whether the equations of channels are few enough to be kept apart.
+  // True if the equations of channels are few enough to be kept apart.
   bool KeepsApart() const;
-  // Whether the equations of all channels are of this point, whatever the
+  // True if the equations of all channels belong to this point, whatever the
   // noise.
   bool HasBeenAt(const Point& point, const ByChannel& known) const;
   // At a point where nothing is known.
@@ -140,7 +140,7 @@ class LinearRecord {
                          Communicator* communicator, ByChannel* equations);
   // False where a rank does not answer.
   [[nodiscard]] static bool AddRanks(Communicator* ranks, ByChannel* equations);
-  // Of this rank's pieces of `pieces`.
+  // Sums over the pieces that this rank owns.
   RecordSums SumPieces(const Tables& tables, int num_threads,
                        const Communicator& communicator) const;
 
@@ -151,8 +151,8 @@ class LinearRecord {
   const ObservationMap& observation_;
   std::vector<Pattern> patterns_;  // of the fitted channels
   ModalResponse response_;
-  // Of the last cost alone, and of the last with derivatives: new noise levels
-  // need no new sums.
+  // Equations of the last cost alone, and of the last with derivatives: new
+  // noise levels need no new sums.
   std::array<ByChannel, 2> known_;
   // A point whose cost is asked for is mostly accepted and linearised next. So
   // derivatives go along, and the histories are passed once: unless the point

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/estimate/shooting/residual_statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/figure_testing.h"
 
@@ -73,7 +75,7 @@ struct LinearFit {
     shooting->SetStateScales({Vector::Constant(8, 0.3)});
     shooting->SetSigmas({Vector::LinSpaced(
         static_cast<int>(problem.records[0].channels.size()), 0.1, 0.7)});
-    shooting->SetSegments(0, {trajectory});
+    SetSegments(0, {trajectory}, shooting);
     return shooting;
   }
 
@@ -142,14 +144,14 @@ TEST_P(LinearRecordTest, EqualsSumsOverTheJacobian) {
     const int nf = fit.layout->num_free();
     CondensedSystem system;
     ASSERT_TRUE(shooting->Linearize(free, &system));
-    ASSERT_TRUE(shooting->IsByModes());
-    const Matrix information = shooting->Information();
-    ASSERT_NE(shooting->SquaresAt(free), nullptr);
-    const Vector squares = (*shooting->SquaresAt(free))[0];
-    EXPECT_EQ(shooting->SquaresAt(1.01 * free), nullptr);
+    ASSERT_TRUE(shooting->sweep().IsByModes());
+    const Matrix information = ResidualInformation(*shooting);
+    ASSERT_NE(shooting->state().SquaresAt(free), nullptr);
+    const Vector squares = (*shooting->state().SquaresAt(free))[0];
+    EXPECT_EQ(shooting->state().SquaresAt(1.01 * free), nullptr);
     std::vector<Matrix> residuals, jacobians, moved;
     ASSERT_TRUE(
-        shooting->WeightedResiduals(free, true, &residuals, &jacobians));
+        WeightedResiduals(free, true, shooting, &residuals, &jacobians));
     const Matrix& rows = jacobians[0];
     ExpectNear(information, rows.transpose() * rows, 1e-10);
     const Vector sigmas = Vector::LinSpaced(4, 0.1, 0.7);
@@ -159,7 +161,7 @@ TEST_P(LinearRecordTest, EqualsSumsOverTheJacobian) {
         1e-11);
 
     const Vector step = Vector::LinSpaced(nf, -0.02, 0.03);
-    ASSERT_TRUE(shooting->MovedResiduals(free, step, &moved));
+    ASSERT_TRUE(MovedResiduals(*shooting, free, step, &moved));
     const Vector expected = residuals[0].reshaped() + rows * step;
     ExpectNear(moved[0], expected.reshaped(4, 9000), 1e-10);
 
@@ -167,7 +169,7 @@ TEST_P(LinearRecordTest, EqualsSumsOverTheJacobian) {
     for (const int length : {5, 37, 5000}) {
       Matrix products = Matrix::Zero(nf, nf);
       double count = 0.0;
-      ASSERT_TRUE(shooting->AddScores(free, {length}, &products, &count));
+      ASSERT_TRUE(AddScores(*shooting, free, {length}, &products, &count));
       Matrix sum = Matrix::Zero(nf, nf);
       int blocks = 0;
       for (int first = 0; first < 9000; first += length, ++blocks) {

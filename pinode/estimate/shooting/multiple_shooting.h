@@ -3,23 +3,18 @@
 #ifndef PINODE_ESTIMATE_SHOOTING_MULTIPLE_SHOOTING_H_
 #define PINODE_ESTIMATE_SHOOTING_MULTIPLE_SHOOTING_H_
 
-#include <cstdint>
 #include <functional>
-#include <limits>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
-#include "pinode/estimate/shooting/look_ahead.h"
 #include "pinode/estimate/shooting/segment_sweep.h"
+#include "pinode/estimate/shooting/shooting_point.h"
 #include "pinode/estimate/shooting/shooting_record.h"
+#include "pinode/estimate/shooting/shooting_state.h"
 #include "pinode/estimate/shooting/start_search.h"
-#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/cost_part.h"
-#include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/parameter_layout.h"
@@ -27,15 +22,6 @@
 #include "pinode/problem/tuning.h"
 
 namespace pinode {
-
-// Where a trajectory stopped being finite.
-struct Divergence {
-  int record = -1;  // index into the problem's records
-  int segment = -1;
-  Eigen::Index sample = -1;
-  int state = -1;
-  bool Happened() const { return record >= 0; }
-};
 
 // Multiple shooting with the segment starts projected out: the trajectories'
 // part of the cost.
@@ -50,13 +36,18 @@ struct Divergence {
 // an augmented Lagrangian for closed gaps (J. Nocedal and S. Wright, Numerical
 // Optimization, ch. 17) with scaled multipliers lambda and state scales D. The
 // minimisation is an iterated Rauch-Tung-Striebel smoother (start_search.h):
-// Gauss-Newton on a block tridiagonal system (shooting_record.h). What is left,
+// Gauss-Newton on a block tridiagonal system (start_equations.h). What is left,
 // f(theta) = min_s F(s, theta), is what Ceres sees: variable projection (G. H.
 // Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432) with the
 // Gauss-Newton Hessian of the projected problem, that is, the Schur complement
 // of the starts.
 //
 // The cost of an evaluation grows linearly with the record's length.
+//
+// This class propagates segments. Functions beside it read the results:
+// segment_cut.h (cuts at given trajectories), trajectory_outline.h
+// (trajectories), residual_statistics.h (residuals and their products) and
+// score.h (errors of free runs).
 class MultipleShooting final : public CostPart {
  public:
   struct Options {
@@ -65,8 +56,8 @@ class MultipleShooting final : public CostPart {
     double loss_scale = 3.0;  // in units of sigma
     StartTuning starts;
     int num_threads = 1;
-    // Whether most points that are evaluated will be linearised: derivatives
-    // are found along with the cost where that saves time.
+    // Set this where most points that are evaluated will be linearised:
+    // derivatives are found along with the cost where that saves time.
     bool looks_ahead = true;
     // Ranks that share the work of evaluations, all at the same points;
     // nullptr: a single process.
@@ -76,61 +67,39 @@ class MultipleShooting final : public CostPart {
   // `problem` (valid) and `layout` must outlive this object.
   MultipleShooting(const IdentificationProblem& problem,
                    const ParameterLayout& layout, const Options& options);
-  ~MultipleShooting() override;
 
   // Training records, as indices into the problem's records. The vectors below
   // have one entry for each of them.
   const std::vector<int>& train_records() const { return train_records_; }
+  // Segments, weights and results of a training record.
+  const ShootingRecord& record(size_t train_record) const {
+    return *records_[train_record];
+  }
 
   // Cuts every training record into segments of about `samples` samples; 0:
-  // one segment a record. Starts are taken from the trajectories given (states
-  // at every sample of each record, num_states x samples). Multipliers are
-  // reset to zero.
-  void SetSegments(Eigen::Index samples,
-                   const std::vector<Matrix>& trajectories);
-  // The same from trajectories of which an outline was kept, which are run
-  // again where starts lie between those of the outline; false where they are
-  // not finite.
-  [[nodiscard]] bool SetSegmentsAlong(Eigen::Index samples,
-                                      const TrajectoryOutlines& outlines);
-  // All starts at rest.
-  void SetSegmentsAtRest(Eigen::Index samples);
+  // one segment a record. `state_at` gives the state of a training record at a
+  // sample, from which the starts are taken. Resets multipliers to zero.
+  using StateAt =
+      std::function<Vector(size_t train_record, Eigen::Index sample)>;
+  void Cut(Eigen::Index samples, const StateAt& state_at);
   // One segment a record, from these starts.
   void SetWholeRecords(const std::vector<Vector>& starts);
-  int num_segments(int train_record) const;
-  bool IsSingleShooting() const;
-  // Of any record, be it of a later segment alone.
-  bool HasFreeStarts() const;
-  // Whether residuals are those of free runs as they are: records in one piece,
-  // no robust loss.
-  bool HasFreeRuns() const {
-    return IsSingleShooting() && options_.loss == RobustLoss::kNone;
-  }
-  int num_threads() const { return options_.num_threads; }
 
   // D, one scale per state and record; positive.
   void SetStateScales(const std::vector<Vector>& scales);
   // sigma, one per channel and record.
   void SetSigmas(const std::vector<Vector>& sigmas);
-  // What the channels' values of a training record are like.
-  const std::vector<SeriesStatistics>& measured(size_t train_record) const {
-    return records_[train_record]->measured();
-  }
-  const Vector& sigmas(size_t train_record) const {
-    return records_[train_record]->sigmas();
-  }
-  void SetGapPenalty(double mu) {
-    gap_penalty_ = mu;
-    CostHasChanged();
-  }
+
+  // mu, positive. Multipliers are scaled so that mu * lambda stays.
+  void SetGapPenalty(double mu);
   double gap_penalty() const { return gap_penalty_; }
   // lambda_k += D^-1 gap_k, at the parameters of the last evaluation.
   void UpdateMultipliers();
-  // After a change of mu: mu * lambda is what must stay.
-  void RescaleMultipliers(double factor);
+  // max |D^-1 gap| at the last evaluation.
+  double LargestGap() const;
 
   // f(free) by the smoother started from the last linearisation. False where a
-  // trajectory is not finite, see divergence().
+  // trajectory is not finite, see state().divergence().
   [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
 
   // The same, and gradient and Hessian. Starts stay those found here for the
@@ -139,8 +108,11 @@ class MultipleShooting final : public CostPart {
   [[nodiscard]] bool Linearize(const Vector& free,
                                CondensedSystem* system) override;
 
+  // Record, segment, time and state where the trajectory stopped being finite.
+  std::string Failure() const override;
+
   // Linearize keeps what BendAlong needs, samples x unknowns, where it comes to
-  // less than a GiB and records are in one piece. Returns whether it does;
+  // less than a GiB and records are in one piece. Returns true if it does;
   // otherwise nothing is kept any more.
   bool KeepRows(bool keep);
   // J'r'' at the last Linearize: r'' is the second derivative of the weighted
@@ -149,93 +121,51 @@ class MultipleShooting final : public CostPart {
   // was evaluated last is forgotten.
   [[nodiscard]] bool BendAlong(const Vector& step, Vector* projected);
 
-  const Divergence& divergence() const { return divergence_; }
-
-  // Record, segment, time and state where the trajectory stopped being finite.
-  std::string Failure() const override;
-
-  // Of the last successful evaluation:
-  // Starts, num_states x segments per training record.
-  const std::vector<Matrix>& starts() const { return starts_; }
-  // max |D^-1 gap|.
-  double LargestGap() const;
-  // States at every sample, from the starts, per training record.
-  bool Trajectories(const Vector& free, std::vector<Matrix>* states);
-  // The same of an outline, whatever was evaluated.
-  bool Trajectories(const TrajectoryOutlines& outlines,
-                    std::vector<Matrix>* states);
-  // What there is to keep of them.
-  [[nodiscard]] bool Outline(const Vector& free, TrajectoryOutlines* outlines);
-  // Sums of squares of each channel's residuals in the sensors' units (weights
-  // of a robust loss included), per training record, where the last evaluation
-  // was a linearisation at `free`; nullptr where it was not.
-  const std::vector<Vector>* SquaresAt(const Vector& free) const;
   // Weighted residuals (yhat - y) / sigma, robust weights included, zero where
-  // missing or not fitted: channels x samples per training record. With
+  // missing or not fitted, from the starts of the last evaluation. With
   // `with_jacobian` also their derivative by the free parameters with the
-  // starts following as at the last Linearize, (channels * samples) x
-  // num_free, channels fastest. False where a trajectory is not finite.
-  bool WeightedResiduals(const Vector& free, bool with_jacobian,
-                         std::vector<Matrix>* residuals,
-                         std::vector<Matrix>* jacobians);
-  // The same piece by piece, for what does not need all of it at once: in
-  // order, or, with several threads, in any order and several at a time.
+  // starts following as at the last Linearize. Piece by piece: in order, or,
+  // with several threads, in any order and several at a time. False where a
+  // trajectory is not finite.
   using Visitor = SegmentSweep::Visitor;
   bool VisitWeightedResiduals(const Vector& free, bool with_jacobian,
                               const Visitor& visitor, int num_threads = 1);
-  // J'J of the same, at the last Linearize.
-  Matrix Information() const;
-  // Whether all records are linear and in one piece, so that what follows need
-  // not look at each sample's derivatives.
-  bool IsByModes() const;
-  // r + J step, channels x samples per training record; J, the Jacobian that
-  // WeightedResiduals has.
-  [[nodiscard]] bool MovedResiduals(const Vector& free, const Vector& step,
-                                    std::vector<Matrix>* residuals);
-  // The lower triangle of sum g g', g = J'r of each block of so many samples of
-  // each training record, and how many blocks there are.
-  [[nodiscard]] bool AddScores(const Vector& free,
-                               const std::vector<Eigen::Index>& lengths,
-                               Matrix* products, double* count);
-  // Mean over segments and states of D^2 J'J of the data: how firmly the data
-  // alone hold a start, beside mu.
-  double DataCurvature() const { return data_curvature_; }
-  // Samples propagated so far, each times the tangents that went along.
-  int64_t work() const { return sweep_.work(); }
+
+  // Starts of the last successful evaluation, num_states x segments per
+  // training record.
+  const std::vector<Matrix>& starts() const { return starts_; }
+  // Says what has been propagated, and where.
+  const ShootingState& state() const { return state_; }
+  // Problem, options and sums of the segments.
+  const SegmentSweep& sweep() const { return sweep_; }
 
  private:
   using Task = SegmentSweep::Task;
 
-  [[nodiscard]] bool PrepareDynamics(const Vector& free);
-  // Runs pieces of a record, from each of `samples` to the next; `take` gets
-  // the first sample of each, and how many are its own. False where one is not
-  // finite.
-  using Take = std::function<void(Eigen::Index first, Eigen::Index count,
-                                  Trajectory* piece)>;
-  [[nodiscard]] bool RunPieces(size_t record,
-                               const std::vector<Eigen::Index>& samples,
-                               const Matrix& starts, Keep keep,
-                               const Take& take);
-  [[nodiscard]] bool RunRecord(size_t record,
-                               const std::vector<Eigen::Index>& samples,
-                               const Matrix& starts, Matrix* states);
-  // Cuts all records at what `state_at` says of a record and a sample.
-  void CutRecords(Eigen::Index samples,
-                  const std::function<Vector(size_t, Eigen::Index)>& state_at);
-  // Whether all of them are finite; where not, notes the first one.
-  bool AllFinite(const ShootingRecord& record);
-  void CostHasChanged() {
-    last_free_.resize(0);
-    has_columns_ = false;
-    look_ahead_.Forget();
-    is_linearized_ = false;
-    linearized_cost_ = std::numeric_limits<double>::infinity();
-  }
-  // Where the last linearisation's tangent leads.
+  // Result of a search for starts; they are in starts_.
+  struct StartsFound {
+    double cost = 0.0;
+    bool with_derivatives = false;  // by the parameters, at these starts
+    Divergence divergence;          // where no finite trajectory was found
+  };
+
+  [[nodiscard]] bool PrepareAt(const Vector& free);
+  // True if all segments of the record are finite; otherwise notes the first
+  // one that is not.
+  static bool AllFinite(const ShootingRecord& record, Divergence* divergence);
+  bool Fail(const Divergence& divergence);
+  void CostHasChanged();
+  // Starts at `free` on the tangent of the last linearisation.
   Matrix PredictStarts(size_t record, const Vector& free) const;
   // From these starts, one matrix for each record.
-  bool SolveStarts(const std::vector<Matrix>& from, double* cost);
-  bool SolveStartsFor(const Vector& free, double* cost);
+  bool SolveStarts(const std::vector<Matrix>& from, StartsFound* found);
+  bool SolveStartsFor(const Vector& free, StartsFound* found);
+  // Propagates all segments with their derivatives from starts_.
+  [[nodiscard]] bool FindDerivatives();
+  // Takes the starts out of the summed equations. False where these are
+  // singular.
+  [[nodiscard]] bool Condense(const Vector& free, double cost,
+                              CondensedSystem* system);
 
   const IdentificationProblem& problem_;
   const ParameterLayout& layout_;
@@ -244,27 +174,10 @@ class MultipleShooting final : public CostPart {
   SegmentSweep::Records records_;
   SegmentSweep sweep_;
   double gap_penalty_ = 1.0;
-  double data_curvature_ = 0.0;
-
-  StructuralDynamics::Prepared prepared_;
-  Vector parameters_;  // of prepared_, all
-  // The point of the last evaluation, and of the last linearisation.
-  Vector last_free_, linearized_free_;
-  std::vector<Matrix> starts_, linearized_starts_;
-  double linearized_cost_ = std::numeric_limits<double>::infinity();
-  double last_cost_ = 0.0;
-  // Whether the last evaluation was this linearisation, at linearized_free_.
-  bool is_linearized_ = false;
-  bool keeps_rows_ = false;
-  // Whether the last evaluation has found the derivatives at its starts.
-  bool has_columns_ = false;
+  ShootingPoint point_;  // at which sweep_ propagates
+  std::vector<Matrix> starts_;
+  ShootingState state_;
   LookAhead look_ahead_;
-  CondensedSystem linearized_;
-  // Where squares_ are of; empty: nowhere.
-  Vector squares_free_;
-  std::vector<Vector> squares_;
-  bool failed_ = false;
-  Divergence divergence_;
 };
 
 }  // namespace pinode

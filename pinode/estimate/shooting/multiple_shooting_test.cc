@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "pinode/estimate/shooting/residual_statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/problem/sensor.h"
 #include "tests/support/estimate_testing.h"
 
@@ -104,9 +107,9 @@ TEST(MultipleShooting, LinearizesAPointOnce) {
   MultipleShooting& shooting = objective->shooting();
   CondensedSystem first, again;
   ASSERT_TRUE(objective->Linearize(fit.free, &first));
-  const int64_t work = shooting.work();
+  const int64_t work = shooting.sweep().work();
   ASSERT_TRUE(objective->Linearize(fit.free, &again));
-  EXPECT_EQ(shooting.work(), work);
+  EXPECT_EQ(shooting.sweep().work(), work);
   EXPECT_EQ(again.cost, first.cost);
   EXPECT_EQ(again.gradient, first.gradient);
   EXPECT_EQ(again.hessian, first.hessian);
@@ -129,7 +132,7 @@ TEST(MultipleShooting, LinearizesAPointOnce) {
   shooting.SetSigmas(sigmas);
   ASSERT_TRUE(objective->Linearize(fit.free, &again));
   EXPECT_NE(again.cost, first.cost);
-  EXPECT_GT(shooting.work(), work);
+  EXPECT_GT(shooting.sweep().work(), work);
 }
 
 // Starts are solved for no better than the outer iteration needs. The
@@ -317,9 +320,9 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
   CondensedSystem system;
   std::vector<Matrix> multipliers;
   for (size_t r = 0; r < fit.states.size(); ++r) {
-    multipliers.push_back(Matrix::Zero(
-        fit.problem.dynamics->num_states(),
-        objective->shooting().num_segments(static_cast<int>(r)) - 1));
+    multipliers.push_back(
+        Matrix::Zero(fit.problem.dynamics->num_states(),
+                     objective->shooting().record(r).num_segments() - 1));
   }
   for (int round = 0; round < 2; ++round) {
     ASSERT_TRUE(objective->Linearize(fit.free, &system));
@@ -332,10 +335,11 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
     EXPECT_LT((system.hessian - dense.hessian).norm(),
               1e-9 * dense.hessian.norm());
     EXPECT_EQ(system.hessian, system.hessian.transpose());
-    if (objective->shooting().IsSingleShooting()) break;
+    if (IsSingleShooting(objective->shooting())) break;
     // lambda += D^-1 gap, from the states as they are at the ends.
     std::vector<Matrix> trajectories;
-    ASSERT_TRUE(objective->shooting().Trajectories(fit.free, &trajectories));
+    ASSERT_TRUE(
+        RunTrajectories(objective->shooting(), fit.free, &trajectories));
     StructuralDynamics::Prepared prepared;
     std::string error;
     Vector all = fit.layout->InitialValues();
@@ -345,7 +349,7 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
     for (size_t r = 0; r < fit.states.size(); ++r) {
       const IdentificationRecord& record = fit.problem.records[r];
       const IntegrationGrid grid(*record.excitation, record.substeps);
-      const int count = objective->shooting().num_segments(static_cast<int>(r));
+      const int count = objective->shooting().record(r).num_segments();
       SegmentPropagator propagator(*fit.problem.dynamics,
                                    DerivativeMethod::kTangents);
       const ObservationMap observation(*fit.problem.dynamics,
@@ -366,7 +370,6 @@ TEST_P(DenseOracle, CondensedSystemIsTheSchurComplement) {
     objective->shooting().UpdateMultipliers();
     // A firmer penalty with the same force.
     objective->shooting().SetGapPenalty(21.0);
-    objective->shooting().RescaleMultipliers(7.0 / 21.0);
     for (Matrix& lambda : multipliers) lambda *= 7.0 / 21.0;
   }
 }
@@ -409,12 +412,12 @@ TEST(MultipleShooting, StartsAreTheBestOnes) {
 TEST(MultipleShooting, CutsRecordsEvenly) {
   const SmallFit fit(Start::kFree);
   auto objective = fit.Shoot(7, MultipleShooting::Options());
-  EXPECT_EQ(objective->shooting().num_segments(0), 4);
-  EXPECT_EQ(objective->shooting().num_segments(1), 3);
-  EXPECT_FALSE(objective->shooting().IsSingleShooting());
-  objective->shooting().SetSegments(0, fit.states);
-  EXPECT_EQ(objective->shooting().num_segments(0), 1);
-  EXPECT_TRUE(objective->shooting().IsSingleShooting());
+  EXPECT_EQ(objective->shooting().record(0).num_segments(), 4);
+  EXPECT_EQ(objective->shooting().record(1).num_segments(), 3);
+  EXPECT_FALSE(IsSingleShooting(objective->shooting()));
+  SetSegments(0, fit.states, &objective->shooting());
+  EXPECT_EQ(objective->shooting().record(0).num_segments(), 1);
+  EXPECT_TRUE(IsSingleShooting(objective->shooting()));
   EXPECT_EQ(objective->shooting().starts()[0].cols(), 1);
   EXPECT_EQ(objective->shooting().starts()[0].col(0), fit.states[0].col(0));
 }
@@ -427,9 +430,9 @@ TEST(MultipleShooting, OutlinesAreTrajectories) {
   double cost = 0.0;
   ASSERT_TRUE(objective->Evaluate(fit.free, &cost));
   TrajectoryOutlines outlines;
-  ASSERT_TRUE(shooting.Outline(fit.free, &outlines));
+  ASSERT_TRUE(OutlineTrajectories(shooting, fit.free, &outlines));
   std::vector<Matrix> trajectories, again;
-  ASSERT_TRUE(shooting.Trajectories(fit.free, &trajectories));
+  ASSERT_TRUE(RunTrajectories(shooting, fit.free, &trajectories));
   for (size_t r = 0; r < trajectories.size(); ++r) {
     const Vector expected = trajectories[r].rowwise().squaredNorm() /
                             static_cast<double>(trajectories[r].cols());
@@ -437,13 +440,13 @@ TEST(MultipleShooting, OutlinesAreTrajectories) {
               1e-13 * expected.norm());
   }
   for (const int samples : {0, 7, 3, 11}) {
-    shooting.SetSegments(samples, trajectories);
+    SetSegments(samples, trajectories, &shooting);
     const std::vector<Matrix> starts = shooting.starts();
-    shooting.SetSegmentsAtRest(samples);
+    SetSegmentsAtRest(samples, &shooting);
     EXPECT_TRUE(shooting.starts()[0].isZero(0.0));
-    ASSERT_TRUE(shooting.SetSegmentsAlong(samples, outlines));
+    ASSERT_TRUE(SetSegmentsAlong(samples, outlines, &shooting));
     EXPECT_EQ(shooting.starts(), starts);
-    ASSERT_TRUE(shooting.Trajectories(outlines, &again));
+    ASSERT_TRUE(RunTrajectories(shooting, outlines, &again));
     EXPECT_EQ(again, trajectories);
   }
 }
@@ -520,8 +523,8 @@ TEST(MultipleShooting, WeightedResidualsAreThoseOfTheCost) {
     CondensedSystem system;
     std::vector<Matrix> residuals, jacobians;
     ASSERT_TRUE(objective->Linearize(fit.free, &system));
-    ASSERT_TRUE(objective->shooting().WeightedResiduals(
-        fit.free, true, &residuals, &jacobians));
+    ASSERT_TRUE(WeightedResiduals(fit.free, true, &objective->shooting(),
+                                  &residuals, &jacobians));
     Vector gradient = Vector::Zero(fit.free.size());
     double cost = 0.0;
     for (size_t r = 0; r < residuals.size(); ++r) {
@@ -585,8 +588,8 @@ TEST_P(BendAlong, EqualsSecondDifferences) {
     double there = 0.0;
     std::vector<Matrix> result;
     EXPECT_TRUE(objective->Evaluate(fit.free + share * step, &there));
-    EXPECT_TRUE(shooting.WeightedResiduals(fit.free + share * step, false,
-                                           &result, nullptr));
+    EXPECT_TRUE(WeightedResiduals(fit.free + share * step, false, &shooting,
+                                  &result, nullptr));
     return result;
   };
   constexpr double kShare = 0.5;
@@ -594,7 +597,7 @@ TEST_P(BendAlong, EqualsSecondDifferences) {
   const std::vector<Matrix> behind = residuals(-kShare);
   ASSERT_TRUE(objective->Linearize(fit.free, &system));
   std::vector<Matrix> here, jacobians;
-  ASSERT_TRUE(shooting.WeightedResiduals(fit.free, true, &here, &jacobians));
+  ASSERT_TRUE(WeightedResiduals(fit.free, true, &shooting, &here, &jacobians));
   Vector expected = Vector::Zero(step.size());
   for (size_t r = 0; r < here.size(); ++r) {
     ahead[r] += behind[r] - 2.0 * here[r];
@@ -622,13 +625,13 @@ TEST(MultipleShooting, SaysWhereItDiverges) {
   problem.dynamics = dynamics;
   const ParameterLayout layout(problem);
   MultipleShooting shooting(problem, layout, MultipleShooting::Options());
-  shooting.SetSegments(0, {states});
+  SetSegments(0, {states}, &shooting);
   double cost = 0.0;
   ASSERT_TRUE(shooting.Evaluate(Vector::Zero(1), &cost));
-  EXPECT_FALSE(shooting.divergence().Happened());
+  EXPECT_FALSE(shooting.state().divergence().Happened());
   // Negative stiffness: e^(sqrt(8000) t).
   ASSERT_FALSE(shooting.Evaluate(Vector::Constant(1, -3.0), &cost));
-  const Divergence& divergence = shooting.divergence();
+  const Divergence& divergence = shooting.state().divergence();
   ASSERT_TRUE(divergence.Happened());
   EXPECT_EQ(divergence.record, 0);
   EXPECT_EQ(divergence.segment, 0);

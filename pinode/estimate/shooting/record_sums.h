@@ -9,9 +9,10 @@
 
 namespace pinode {
 
-// Of histories Z (R x samples) and the channels' residuals r_c over them.
+// Sums over samples of histories Z (R x samples) and of the channels' residuals
+// r_c.
 struct RecordSums {
-  Vector costs;                  // of each channel, 1/2 r_c' r_c
+  Vector costs;                  // 1/2 r_c' r_c of each channel
   std::vector<Matrix> grams;     // of each pattern, lower triangles; R x R
   Matrix products;               // Z r_c, R x channels
   std::vector<Matrix> hessians;  // where the Jacobian's rows are summed
@@ -30,7 +31,7 @@ class PieceSums {
   // Adds the piece to the others, and begins the next.
   void Close();
   void Add(PieceSums* other);
-  // Of all; there is nothing left here.
+  // Hands over the sum of all pieces; nothing is left here.
   RecordSums Take();
 
  private:

@@ -57,10 +57,10 @@ class ResidualRows {
                bool whole, int num_states, SegmentColumns columns,
                SegmentTangents* tangents) const;
 
-  // Of the samples from `first` on that `tangents` holds. `parameters`: all of
-  // the problem's; `sigmas`: one per channel. A filter needs the whole history:
-  // it is applied where `whole` says that these are all samples of the record.
-  // `tangents` as Prepare has asked for them; the derivatives become the rows.
+  // Computes the rows of the samples from `first` on that `tangents` holds, as
+  // Prepare has asked for them. `parameters`: all of the problem's; `sigmas`:
+  // one per channel. A filter needs the whole history: it is applied if
+  // `whole`, that is, if these are all samples of the record.
   void Compute(const IdentificationRecord& record, const Vector& sigmas,
                const Vector& parameters, Eigen::Index first, bool whole,
                SegmentColumns columns, SegmentTangents* tangents);

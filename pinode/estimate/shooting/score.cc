@@ -9,6 +9,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/problem/record_grid.h"
 #include "pinode/problem/sensor.h"
 
@@ -53,6 +54,13 @@ bool ScoreSquares(const IdentificationRecord& data,
   }
   score->nrmse = CombinedError(data, *score);
   return score->finite;
+}
+
+// Whether residuals are those of free runs as they are: records in one piece,
+// no robust loss.
+bool HasFreeRuns(const MultipleShooting& shooting) {
+  return IsSingleShooting(shooting) &&
+         shooting.sweep().options().loss == RobustLoss::kNone;
 }
 
 // The record from `start`, seen by ideal sensors. False where the run is not
@@ -203,18 +211,19 @@ double FreeRunError(const IdentificationProblem& problem,
   const std::vector<int>& train = shooting.train_records();
   if (train.empty()) return 0.0;
   const std::vector<Vector>* squares =
-      shooting.HasFreeRuns() ? shooting.SquaresAt(free) : nullptr;
+      HasFreeRuns(shooting) ? shooting.state().SquaresAt(free) : nullptr;
   double sum = 0.0;
   for (size_t t = 0; t < train.size(); ++t) {
     RecordScore score;
     if (squares != nullptr &&
         ScoreSquares(problem.records[static_cast<size_t>(train[t])],
-                     shooting.measured(t), (*squares)[t], &score)) {
+                     shooting.record(t).measured(), (*squares)[t], &score)) {
       sum += score.nrmse * score.nrmse;
       continue;
     }
     ScoreRecord(problem, train[t], parameters, shooting.starts()[t].col(0), 0,
-                &score, Keep::kChannels, shooting.num_threads());
+                &score, Keep::kChannels,
+                shooting.sweep().options().num_threads);
     if (!score.finite) return kInfinity;
     sum += score.nrmse * score.nrmse;
   }

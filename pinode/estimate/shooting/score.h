@@ -24,9 +24,9 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
                  Eigen::Index first_scored_sample, RecordScore* score,
                  Keep keep = Keep::kAll, int num_threads = 1);
 
-// What some of the record's sensors, `channels`, show in the run that
-// ScoreRecord makes of it: channels.size() x samples, in their order. Empty
-// where the run is not finite.
+// Signals of some of the record's sensors, `channels`, in the run that
+// ScoreRecord makes: channels.size() x samples, in their order. Empty where the
+// run is not finite.
 Matrix PredictChannels(const IdentificationProblem& problem, int record,
                        const std::vector<int>& channels,
                        const Vector& parameters, const Vector& start,
@@ -44,13 +44,14 @@ double FreeRunError(const IdentificationProblem& problem,
 double CombinedError(const IdentificationRecord& record,
                      const RecordScore& score);
 
-// Of the residuals' energy over all channels, what has no memory from sample to
-// sample (ChannelScore::noise_share), 0 to 1; NaN where no channel tells.
+// Share of the residuals' energy over all channels that has no memory from
+// sample to sample (ChannelScore::noise_share), 0 to 1; NaN where no channel
+// tells.
 double NoiseShareOf(const RecordScore& score);
 
-// Of the motion of a record, what is missed and has a memory from sample to
-// sample, so that it is no noise, RMS; what cannot be told from motion counts
-// as motion.
+// Unexplained motion of a record, RMS: the part of the error that has a memory
+// from sample to sample and so is not noise. If the noise is unknown, all of
+// the error counts.
 double StructuredError(const RecordScore& score);
 
 }  // namespace pinode

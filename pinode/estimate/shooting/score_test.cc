@@ -87,10 +87,10 @@ TEST(FreeRunError, EqualsThatOfScores) {
     MultipleShooting& shooting = objective->shooting();
     const double run =
         FreeRunError(fit.problem, *fit.layout, shooting, fit.free);
-    ASSERT_EQ(shooting.SquaresAt(fit.free), nullptr);
+    ASSERT_EQ(shooting.state().SquaresAt(fit.free), nullptr);
     CondensedSystem system;
     ASSERT_TRUE(objective->Linearize(fit.free, &system));
-    ASSERT_NE(shooting.SquaresAt(fit.free), nullptr);
+    ASSERT_NE(shooting.state().SquaresAt(fit.free), nullptr);
     const double summed =
         FreeRunError(fit.problem, *fit.layout, shooting, fit.free);
     Vector parameters = fit.layout->InitialValues();

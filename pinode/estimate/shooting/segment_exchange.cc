@@ -58,7 +58,7 @@ struct Shape {
 Shape ShapeOf(const ShootingRecord& record, int num_free) {
   Shape shape;
   shape.channels = record.sigmas().size();
-  shape.states = record.scales().size();
+  shape.states = record.gaps().scales().size();
   if (record.HasFreeStarts()) shape.cross = num_free;
   if (record.num_segments() > 1) shape.end = shape.states + num_free;
   return shape;
@@ -66,7 +66,7 @@ Shape ShapeOf(const ShootingRecord& record, int num_free) {
 
 void Pass(const Shape& shape, int segment, ShootingRecord* record, char* done,
           Stream* stream) {
-  SegmentResult& result = record->result(segment);
+  SegmentResult& result = record->results().of(segment);
   stream->Pass(done);
   stream->Pass(&result.ok);
   stream->Pass(&result.cost);
@@ -75,7 +75,7 @@ void Pass(const Shape& shape, int segment, ShootingRecord* record, char* done,
   if (*done == 0 || !result.ok) return;
   result.squares.resize(shape.channels);
   stream->Pass(result.squares);
-  stream->Pass(record->ends().col(segment));
+  stream->Pass(record->results().ends.col(segment));
   result.start_gradient.resize(shape.states);
   stream->Pass(result.start_gradient);
   stream->Pass(shape.states, shape.states, &result.start_hessian);

@@ -1,4 +1,4 @@
-// What ranks have found of different segments, made known to all.
+// Exchange of the segments' results between ranks.
 
 #ifndef PINODE_ESTIMATE_SHOOTING_SEGMENT_EXCHANGE_H_
 #define PINODE_ESTIMATE_SHOOTING_SEGMENT_EXCHANGE_H_
@@ -13,11 +13,11 @@
 
 namespace pinode {
 
-// The results and ends of segments, (record, segment), each of which its owner,
-// a rank, has evaluated, with (done) or without success; -1: nobody has.
-// Afterwards all ranks have all of them, and all of `done`. num_free: columns
-// of their cross products, 0 where the parameters were left out. False where a
-// rank does not answer.
+// Gives all ranks the results and ends of all segments, (record, segment), and
+// all of `done`. The rank owners[i] has evaluated segment i, with (done) or
+// without success; -1: no rank has. num_free: rows of the segments' cross
+// products, 0 where the parameters were left out. False where a rank does not
+// answer.
 [[nodiscard]] bool ExchangeSegments(
     const std::vector<std::unique_ptr<ShootingRecord>>& records,
     const std::vector<std::pair<int, int>>& segments,

@@ -79,10 +79,11 @@ bool SegmentSweep::IsWholeAndLinear(size_t record) const {
   return linear_[record] != nullptr && records_[record]->num_segments() == 1;
 }
 
-LinearRecord::Point SegmentSweep::PointOf(size_t record, const Matrix& starts,
+LinearRecord::Point SegmentSweep::PointOf(const ShootingPoint& point,
+                                          size_t record, const Matrix& starts,
                                           SegmentColumns columns) const {
-  return {prepared_, parameters_, &records_[record]->sigmas(), starts.col(0),
-          columns};
+  return {&point.prepared, &point.parameters, &records_[record]->sigmas(),
+          starts.col(0), columns};
 }
 
 bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
@@ -91,7 +92,7 @@ bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
   ShootingRecord& record = *records_[r];
   const SegmentColumns columns = ColumnsOf(record, with_parameters);
   LinearRecord::Equations equations;
-  if (!linear_[r]->Evaluate(PointOf(r, starts, columns), num_threads,
+  if (!linear_[r]->Evaluate(PointOf(*point_, r, starts, columns), num_threads,
                             together ? options_.communicator : nullptr,
                             &equations)) {
     return false;
@@ -99,11 +100,11 @@ bool SegmentSweep::EvaluateWhole(size_t r, const Matrix& starts,
   const int ns = problem_.dynamics->num_states();
   const int by_start = HasStart(columns) ? ns : 0;
   const int nf = with_parameters ? layout_.num_free() : 0;
-  SegmentResult& result = record.result(0);
+  SegmentResult& result = record.results().of(0);
   result.ok = true;
   result.cost = equations.cost;
   result.squares = equations.squares;
-  record.ends().col(0) = equations.end_state;
+  record.results().ends.col(0) = equations.end_state;
   result.start_hessian = Matrix::Zero(ns, ns);
   result.start_gradient = Vector::Zero(ns);
   if (by_start > 0) {
@@ -132,13 +133,13 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
   const SegmentColumns columns = ColumnsOf(*record, with_parameters);
   Thread::Work& work = thread->work(with_parameters);
   SegmentTangents& tangents = work.tangents;
-  SegmentResult& result = record->result(segment);
+  SegmentResult& result = record->results().of(segment);
   const bool is_last = segment + 1 == record->num_segments();
   const bool is_whole = record->num_segments() == 1;
   work.rows.Prepare(record->data(), record->sigmas(), is_whole, ns, columns,
                     &tangents);
   const auto propagate = [&](auto* propagator) {
-    return propagator->Propagate(*prepared_, record->observation(),
+    return propagator->Propagate(point_->prepared, record->observation(),
                                  record->grid(), starts.col(segment), first,
                                  last, is_last, columns, &tangents);
   };
@@ -151,7 +152,7 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
     result.failed_state = tangents.failed_state;
     return false;
   }
-  work.rows.Compute(record->data(), record->sigmas(), *parameters_, first,
+  work.rows.Compute(record->data(), record->sigmas(), point_->parameters, first,
                     is_whole, columns, &tangents);
   const SegmentRows& rows = work.rows.rows();
   const auto residuals = rows.residuals();
@@ -162,7 +163,7 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
                        .rowwise()
                        .squaredNorm()
                        .cwiseProduct(record->sigmas().cwiseAbs2());
-  record->ends().col(segment) = tangents.end_state;
+  record->results().ends.col(segment) = tangents.end_state;
   const int nf = with_parameters ? layout_.num_free() : 0;
   if (with_start) {
     if (sum == nullptr) {
@@ -195,7 +196,7 @@ bool SegmentSweep::EvaluateSegment(size_t r, int segment, const Matrix& starts,
     result.start_gradient = sum->row(last_row).segment(start, ns).transpose();
   }
   if (keeps_rows_ && is_whole) {
-    SegmentRows& kept = record->kept_rows();
+    SegmentRows& kept = record->results().kept_rows;
     work.rows.Swap(&kept);
   }
   return true;
@@ -205,18 +206,18 @@ bool SegmentSweep::BendRecord(size_t r, const Vector& start, const Vector& step,
                               double share, Thread* thread,
                               Eigen::Ref<Vector> projected) {
   ShootingRecord& record = *records_[r];
-  const SegmentRows& kept = record.kept_rows();
+  const SegmentRows& kept = record.results().kept_rows;
   const Eigen::Index last = record.last_sample(0);
   Thread::Work& work = thread->work(false);
   work.rows.Prepare(record.data(), record.sigmas(), true,
                     problem_.dynamics->num_states(), SegmentColumns::kNone,
                     &work.tangents);
-  if (!thread->propagator.Propagate(*prepared_, record.observation(),
+  if (!thread->propagator.Propagate(point_->prepared, record.observation(),
                                     record.grid(), start, 0, last, true,
                                     SegmentColumns::kNone, &work.tangents)) {
     return false;
   }
-  work.rows.Compute(record.data(), record.sigmas(), *parameters_, 0, true,
+  work.rows.Compute(record.data(), record.sigmas(), point_->parameters, 0, true,
                     SegmentColumns::kNone, &work.tangents);
   const auto moved = work.rows.rows().residuals();
   if (kept.IsEmpty() || kept.values.rows() != moved.size()) return false;
@@ -226,14 +227,14 @@ bool SegmentSweep::BendRecord(size_t r, const Vector& start, const Vector& step,
   Vector second = (moved - kept.residuals()) / share;
   second.noalias() -= by_parameters * step;
   if (by_start > 0) {
-    second.noalias() -=
-        jacobian.leftCols(by_start) * Vector(record.start_sensitivity() * step);
+    second.noalias() -= jacobian.leftCols(by_start) *
+                        Vector(record.equations().start_sensitivity() * step);
   }
   second *= 2.0 / share;
   projected.noalias() = by_parameters.transpose() * second;
   if (by_start > 0) {
     projected.noalias() +=
-        record.start_sensitivity().transpose() *
+        record.equations().start_sensitivity().transpose() *
         Vector(jacobian.leftCols(by_start).transpose() * second);
   }
   return true;
@@ -403,7 +404,7 @@ bool SegmentSweep::VisitWhole(size_t r, const Matrix& starts,
       with_jacobian ? ColumnsOf(record, true) : SegmentColumns::kNone;
   const int nf = layout_.num_free();
   return linear_[r]->Visit(
-      PointOf(r, starts, columns), num_threads,
+      PointOf(*point_, r, starts, columns), num_threads,
       [&](Eigen::Index first, const Matrix& residuals, const Matrix& rows) {
         if (!HasStart(columns)) {
           visitor(r, first, residuals,
@@ -411,8 +412,8 @@ bool SegmentSweep::VisitWhole(size_t r, const Matrix& starts,
           return;
         }
         Matrix jacobian = rows.rightCols(nf);
-        jacobian.noalias() +=
-            rows.leftCols(rows.cols() - nf) * record.start_sensitivity();
+        jacobian.noalias() += rows.leftCols(rows.cols() - nf) *
+                              record.equations().start_sensitivity();
         visitor(r, first, residuals, jacobian);
       });
 }
@@ -428,25 +429,27 @@ Matrix SegmentSweep::ColumnsByFree(size_t r) const {
   const ShootingRecord& record = *records_[r];
   const int nf = layout_.num_free();
   if (!record.HasFreeStarts()) return Matrix::Identity(nf, nf);
-  const auto starts = record.start_sensitivity();
+  const auto starts = record.equations().start_sensitivity();
   Matrix columns(starts.rows() + nf, nf);
   columns << starts, Matrix::Identity(nf, nf);
   return columns;
 }
 
-bool SegmentSweep::MovedResiduals(size_t r, const Matrix& starts,
-                                  const Vector& step, Matrix* residuals) {
+bool SegmentSweep::MovedResiduals(const ShootingPoint& point, size_t r,
+                                  const Matrix& starts, const Vector& step,
+                                  Matrix* residuals) const {
   return linear_[r]->Residuals(
-      PointOf(r, starts, ColumnsOf(*records_[r], true)),
+      PointOf(point, r, starts, ColumnsOf(*records_[r], true)),
       ColumnsByFree(r) * step, static_cast<int>(threads_.size()), residuals);
 }
 
-bool SegmentSweep::AddScores(size_t r, const Matrix& starts,
-                             Eigen::Index length, Matrix* products,
-                             double* count) {
+bool SegmentSweep::AddScores(const ShootingPoint& point, size_t r,
+                             const Matrix& starts, Eigen::Index length,
+                             Matrix* products, double* count) const {
   return linear_[r]->AddScores(
-      PointOf(r, starts, ColumnsOf(*records_[r], true)), ColumnsByFree(r),
-      length, static_cast<int>(threads_.size()), products, count);
+      PointOf(point, r, starts, ColumnsOf(*records_[r], true)),
+      ColumnsByFree(r), length, static_cast<int>(threads_.size()), products,
+      count);
 }
 
 bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,
@@ -469,7 +472,7 @@ bool SegmentSweep::VisitSegment(size_t r, int segment, const Matrix& starts,
     if (record.HasFreeStarts()) {
       jacobian.noalias() +=
           rows.leftCols(ns) *
-          record.start_sensitivity().middleRows(segment * ns, ns);
+          record.equations().start_sensitivity().middleRows(segment * ns, ns);
     }
   }
   visitor(r, record.first_sample(segment),

@@ -13,6 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/estimate/shooting/linear_record.h"
 #include "pinode/estimate/shooting/ordered_sums.h"
+#include "pinode/estimate/shooting/shooting_point.h"
 #include "pinode/estimate/shooting/shooting_record.h"
 #include "pinode/integrate/parallel_segment.h"
 #include "pinode/integrate/segment.h"
@@ -36,7 +37,7 @@ class SegmentSweep {
     Communicator* communicator = nullptr;  // nullptr: a single process
   };
   using Records = std::vector<std::unique_ptr<ShootingRecord>>;
-  // Of one record and segment, as indices into the records.
+  // A record and its segment, as indices into the records.
   using Task = std::pair<int, int>;
 
   // All must outlive this object.
@@ -45,12 +46,13 @@ class SegmentSweep {
                const Records& records);
   ~SegmentSweep();
 
-  // Where segments are looked at from now on; both must outlive what follows.
-  void SetPoint(const StructuralDynamics::Prepared* prepared,
-                const Vector* parameters) {
-    prepared_ = prepared;
-    parameters_ = parameters;
-  }
+  // The point at which segments are propagated from now on; it must outlive
+  // what follows.
+  void SetPoint(const ShootingPoint* point) { point_ = point; }
+
+  const IdentificationProblem& problem() const { return problem_; }
+  const ParameterLayout& layout() const { return layout_; }
+  const Options& options() const { return options_; }
 
   // All segments of the records for which it is true.
   std::vector<Task> SegmentsOf(const std::vector<bool>& wanted) const;
@@ -62,12 +64,13 @@ class SegmentSweep {
   [[nodiscard]] bool Evaluate(const std::vector<Task>& tasks,
                               const std::vector<const Matrix*>& starts,
                               bool with_parameters);
-  // Of the last evaluation with parameters: lower triangle and gradient.
+  // Lower triangle and gradient of the last evaluation with parameters.
   const FreeEquations& sum() const { return sum_; }
 
-  // Whether evaluations with parameters keep the rows of records in one piece
+  // Makes evaluations with parameters keep the rows of records in one piece
   // that go step by step.
   void set_keeps_rows(bool keeps) { keeps_rows_ = keeps; }
+  bool keeps_rows() const { return keeps_rows_; }
   // J'r'' of the rows kept, the sum over all records, J with the starts
   // following: r'' is the second derivative of the residuals along `step`, of
   // which `share` has been gone to `starts` and to the point set. False where
@@ -88,14 +91,15 @@ class SegmentSweep {
                            bool with_jacobian, int num_threads,
                            const Visitor& visitor);
 
-  // Whether all records are such that LinearRecord has them; then, as
-  // MultipleShooting has it:
+  // True if LinearRecord has all records. Then the two functions that follow
+  // may be called, at any point: see residual_statistics.h.
   bool IsByModes() const;
-  [[nodiscard]] bool MovedResiduals(size_t record, const Matrix& starts,
-                                    const Vector& step, Matrix* residuals);
-  [[nodiscard]] bool AddScores(size_t record, const Matrix& starts,
-                               Eigen::Index length, Matrix* products,
-                               double* count);
+  [[nodiscard]] bool MovedResiduals(const ShootingPoint& point, size_t record,
+                                    const Matrix& starts, const Vector& step,
+                                    Matrix* residuals) const;
+  [[nodiscard]] bool AddScores(const ShootingPoint& point, size_t record,
+                               const Matrix& starts, Eigen::Index length,
+                               Matrix* products, double* count) const;
 
   // Samples propagated so far, each times the tangents that went along.
   int64_t work() const { return work_; }
@@ -103,25 +107,27 @@ class SegmentSweep {
  private:
   struct Thread;
 
-  // Of one record; see Bend.
+  // Bend of one record.
   bool BendRecord(size_t record, const Vector& start, const Vector& step,
                   double share, Thread* thread, Eigen::Ref<Vector> projected);
   SegmentColumns ColumnsOf(const ShootingRecord& record,
                            bool with_parameters) const;
-  // Whether LinearRecord is to be asked.
+  // True if LinearRecord is to be asked.
   bool IsWholeAndLinear(size_t record) const;
-  LinearRecord::Point PointOf(size_t record, const Matrix& starts,
+  LinearRecord::Point PointOf(const ShootingPoint& point, size_t record,
+                              const Matrix& starts,
                               SegmentColumns columns) const;
   // A record in one piece, where LinearRecord can have it; `together` with the
   // other ranks.
   bool EvaluateWhole(size_t record, const Matrix& starts, bool with_parameters,
                      int num_threads, bool together, Matrix* sum);
-  // Step by step; `alone`: with all threads, where that is worth while. `sum`:
-  // nullptr where nothing is to be summed.
+  // One segment step by step; `alone`: with all threads, where that is worth
+  // while. `sum`: nullptr where nothing is to be summed.
   bool EvaluateSegment(size_t record, int segment, const Matrix& starts,
                        bool with_parameters, bool alone, Thread* thread,
                        Matrix* sum);
-  // Which of the tasks LinearRecord has done; then the others.
+  // EvaluateLinear returns which of the tasks LinearRecord has done;
+  // EvaluateSteps does the others.
   std::vector<char> EvaluateLinear(const std::vector<Task>& tasks,
                                    const std::vector<const Matrix*>& starts,
                                    bool with_parameters);
@@ -130,8 +136,8 @@ class SegmentSweep {
                      bool with_parameters);
   bool VisitWhole(size_t record, const Matrix& starts, bool with_jacobian,
                   int num_threads, const Visitor& visitor);
-  // From the free parameters, with which the start goes along, to the columns
-  // of LinearRecord.
+  // Derivative of LinearRecord's columns by the free parameters, with which the
+  // start goes along.
   Matrix ColumnsByFree(size_t record) const;
   bool VisitSegment(size_t record, int segment, const Matrix& starts,
                     bool with_jacobian, const Visitor& visitor);
@@ -144,8 +150,7 @@ class SegmentSweep {
   std::vector<std::unique_ptr<LinearRecord>> linear_;  // nullptr: not linear
   std::vector<std::unique_ptr<Thread>> threads_;
   ParallelSegment parallel_;
-  const StructuralDynamics::Prepared* prepared_ = nullptr;
-  const Vector* parameters_ = nullptr;
+  const ShootingPoint* point_ = nullptr;
   OrderedSums sums_;
   FreeEquations sum_;
   bool keeps_rows_ = false;

@@ -11,10 +11,10 @@ constexpr double kMostDamping = 1e8;
 
 }  // namespace
 
-StartSearch::StartSearch(const StartTuning& tuning, ShootingRecord* record,
+StartSearch::StartSearch(const StartTuning& tuning, StartEquations* equations,
                          double mu, Matrix predicted, const Matrix* fallback)
     : tuning_(tuning),
-      record_(record),
+      equations_(equations),
       mu_(mu),
       fallback_(fallback),
       trial_(std::move(predicted)) {}
@@ -28,7 +28,7 @@ void StartSearch::Accept(double cost) {
   } else if (gain > 0.75 * progress_.promise) {
     damping_ *= damping_ > 1e-6 ? 0.1 : 0.0;
   }
-  record_->Assemble(mu_, best_, 0, &gradient_);
+  equations_->Assemble(mu_, best_, 0, &gradient_);
 }
 
 bool StartSearch::Reject() {
@@ -45,19 +45,20 @@ bool StartSearch::Reject() {
 }
 
 bool StartSearch::Step(bool improved, double linearized_cost) {
-  while (!record_->system().Factor(damping_)) {
+  while (!equations_->system().Factor(damping_)) {
     damping_ = std::max(1e-12, 10.0 * damping_);
     if (damping_ > kMostDamping) return false;
   }
   Matrix step = gradient_;
-  record_->system().SolveLower(&step);
+  equations_->system().SolveLower(&step);
   progress_.promise = 0.5 * step.squaredNorm();
   // Of a search that has come to a cost; less is too little to go on for.
   const auto least_promise = [&](double cost) {
     const double least = tuning_.tolerance * cost;
     return std::isfinite(linearized_cost)
-               ? std::max(least, tuning_.change_tolerance *
-                                     std::abs(cost - record_->linearized_cost))
+               ? std::max(least,
+                          tuning_.change_tolerance *
+                              std::abs(cost - equations_->linearized_cost))
                : least;
   };
   progress_.last_promise = least_promise(progress_.cost - progress_.promise);
@@ -70,16 +71,16 @@ bool StartSearch::Step(bool improved, double linearized_cost) {
     progress_.done = true;
     return true;
   }
-  record_->system().SolveUpper(&step);
+  equations_->system().SolveUpper(&step);
   trial_ =
       best_ - Eigen::Map<const Matrix>(step.data(), best_.rows(), best_.cols());
   return true;
 }
 
 bool StartSearch::Advance(bool finite, double linearized_cost) {
-  const double cost = finite ? record_->Cost(mu_, trial_) : 0.0;
+  const double cost = finite ? equations_->Cost(mu_, trial_) : 0.0;
   finite = finite && std::isfinite(cost);
-  if (!record_->HasFreeStarts()) {
+  if (!equations_->HasFreeStarts()) {
     best_ = trial_;
     progress_.cost = cost;
     progress_.is_at_trial = true;
@@ -100,6 +101,53 @@ bool StartSearch::Advance(bool finite, double linearized_cost) {
   const bool ok = Step(improved, linearized_cost);
   ++iteration_;
   return ok;
+}
+
+bool LookAhead::GoesAlong(int num_sweeps,
+                          const std::vector<StartProgress>& searches,
+                          double linearized_cost) const {
+  if (num_sweeps == 0) return goes_first_;
+  if (num_sweeps != 1 || promised_.empty() || bend_.size() != searches.size()) {
+    return false;
+  }
+  // From one step of a fit to the next `bend_` changes by a factor of two or
+  // so.
+  constexpr double kCaution = 3.0;
+  double cost = 0.0;
+  for (size_t r = 0; r < searches.size(); ++r) {
+    const StartProgress& search = searches[r];
+    if (kCaution * bend_[r] * promised_[r] * promised_[r] >
+        search.last_promise) {
+      return false;
+    }
+    cost += search.cost - promised_[r];
+  }
+  // Steps of a fit that lead uphill are mostly rejected.
+  return cost < linearized_cost;
+}
+
+void LookAhead::Learn(int num_sweeps,
+                      const std::vector<StartProgress>& searches) {
+  const auto all = [&searches](auto what) {
+    return std::all_of(searches.begin(), searches.end(), what);
+  };
+  const bool at_trial =
+      all([](const StartProgress& search) { return search.is_at_trial; });
+  if (num_sweeps == 1) {
+    promised_.clear();
+    if (!at_trial ||
+        !all([](const StartProgress& search) { return !search.done; })) {
+      return;
+    }
+    for (const StartProgress& search : searches) {
+      promised_.push_back(search.promise);
+    }
+  } else if (num_sweeps == 2 && at_trial && !promised_.empty()) {
+    bend_.clear();
+    for (size_t r = 0; r < searches.size(); ++r) {
+      bend_.push_back(searches[r].promise / (promised_[r] * promised_[r]));
+    }
+  }
 }
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// What is kept of trajectories between the stages of a fit.
+// Outlines of trajectories, kept between the stages of a fit.
 
 #ifndef PINODE_ESTIMATE_SHOOTING_TRAJECTORY_OUTLINE_H_
 #define PINODE_ESTIMATE_SHOOTING_TRAJECTORY_OUTLINE_H_
@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 
 namespace pinode {
 
-// Of a record's trajectory the states at the segments' starts, from which those
+// States of a record's trajectory at the segments' starts, from which those
 // between can be had again: all of them would be most of the memory of a long
 // record.
 struct TrajectoryOutline {
@@ -19,11 +20,32 @@ struct TrajectoryOutline {
   Vector mean_squares;  // of the states, over the record
 };
 
-// Of all training records, at the free parameters.
+// Outlines of all training records, at the free parameters.
 struct TrajectoryOutlines {
   Vector free;
   std::vector<TrajectoryOutline> records;
 };
+
+// Runs all segments at `free` from the starts of `shooting`: states at every
+// sample, per training record. False where a trajectory is not finite.
+[[nodiscard]] bool RunTrajectories(const MultipleShooting& shooting,
+                                   const Vector& free,
+                                   std::vector<Matrix>* states);
+// The same from an outline, whatever was evaluated.
+[[nodiscard]] bool RunTrajectories(const MultipleShooting& shooting,
+                                   const TrajectoryOutlines& outlines,
+                                   std::vector<Matrix>* states);
+// Outlines of the trajectories at `free` from the starts of `shooting`.
+[[nodiscard]] bool OutlineTrajectories(const MultipleShooting& shooting,
+                                       const Vector& free,
+                                       TrajectoryOutlines* outlines);
+
+// Cuts as SetSegments does, at trajectories of which an outline was kept. They
+// are run again where starts lie between those of the outline; false where they
+// are not finite.
+[[nodiscard]] bool SetSegmentsAlong(Eigen::Index samples,
+                                    const TrajectoryOutlines& outlines,
+                                    MultipleShooting* shooting);
 
 }  // namespace pinode
 

@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
@@ -57,7 +58,7 @@ Vector SmoothedStart(const IdentificationProblem& problem, int record,
   MultipleShooting shooting(beginning, layout, MultipleShooting::Options());
   shooting.SetSigmas({sigmas});
   shooting.SetStateScales({GuessStateScales(beginning, beginning.records[0])});
-  shooting.SetSegmentsAtRest(0);
+  SetSegmentsAtRest(0, &shooting);
   // The free parameters take the values given; fixed ones are the problem's.
   double cost = 0.0;
   if (!shooting.Evaluate(layout.Free(parameters), &cost)) {

@@ -7,6 +7,8 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/power_of_two.h"
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 
 namespace pinode {
 namespace {
@@ -160,22 +162,22 @@ bool InitialTrajectories(const IdentificationProblem& problem,
   // Two passes: the second knows the scales of the unmeasured states.
   for (int pass = 0; pass < 2; ++pass) {
     if (pass == 0) {
-      shooting->SetSegmentsAtRest(segment_samples);
-    } else if (!shooting->SetSegmentsAlong(segment_samples, *trajectories)) {
+      SetSegmentsAtRest(segment_samples, shooting);
+    } else if (!SetSegmentsAlong(segment_samples, *trajectories, shooting)) {
       return false;
     }
     shooting->SetStateScales(scales);
     shooting->SetGapPenalty(tuning.first_gap_penalty);
     double cost = 0.0;
     if (!shooting->Evaluate(free, &cost) ||
-        !shooting->Outline(free, trajectories)) {
+        !OutlineTrajectories(*shooting, free, trajectories)) {
       return false;
     }
     for (size_t r = 0; r < scales.size(); ++r) {
       scales[r] = StateScalesOf(problem, trajectories->records[r].mean_squares);
     }
     // Scales do nothing to trajectories whose starts are all given.
-    if (pass == 0 && !shooting->HasFreeStarts()) {
+    if (pass == 0 && !HasFreeStarts(*shooting)) {
       shooting->SetStateScales(scales);
       break;
     }

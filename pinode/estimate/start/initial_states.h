@@ -7,6 +7,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 
 namespace pinode {
 

@@ -6,6 +6,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/estimate/shooting/trajectory_outline.h"
 #include "tests/support/estimate_testing.h"
 
 namespace pinode {
@@ -49,8 +50,8 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
   std::vector<Matrix> states;
   ASSERT_TRUE(InitialTrajectories(problem_, 25, Vector::Zero(3), StageTuning(),
                                   &shooting, &trajectories));
-  ASSERT_TRUE(shooting.Trajectories(trajectories, &states));
-  ASSERT_GT(shooting.num_segments(0), 3);
+  ASSERT_TRUE(RunTrajectories(shooting, trajectories, &states));
+  ASSERT_GT(shooting.record(0).num_segments(), 3);
   ASSERT_EQ(states.size(), 1u);
   ASSERT_EQ(states[0].cols(), truth_.cols());
   const auto inside = truth_.middleCols(60, 480);

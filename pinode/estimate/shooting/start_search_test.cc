@@ -1,4 +1,4 @@
-#include "pinode/estimate/shooting/look_ahead.h"
+#include "pinode/estimate/shooting/start_search.h"
 
 #include <gtest/gtest.h>
 
