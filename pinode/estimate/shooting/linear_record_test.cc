@@ -75,7 +75,7 @@ struct LinearFit {
     shooting->SetStateScales({Vector::Constant(8, 0.3)});
     shooting->SetSigmas({Vector::LinSpaced(
         static_cast<int>(problem.records[0].channels.size()), 0.1, 0.7)});
-    SetSegments(0, {trajectory}, shooting);
+    SetSegments(0, {trajectory}, shooting.get());
     return shooting;
   }
 
@@ -121,15 +121,16 @@ TEST_P(LinearRecordTest, EqualsWhatIsPropagatedStepByStep) {
     ExpectNear(linear->starts()[0], stepped->starts()[0], 1e-9);
 
     std::vector<Matrix> residuals, jacobians, other_residuals, other_jacobians;
-    ASSERT_TRUE(linear->WeightedResiduals(free, true, &residuals, &jacobians));
-    ASSERT_TRUE(stepped->WeightedResiduals(free, true, &other_residuals,
-                                           &other_jacobians));
+    ASSERT_TRUE(
+        WeightedResiduals(free, true, linear.get(), &residuals, &jacobians));
+    ASSERT_TRUE(WeightedResiduals(free, true, stepped.get(), &other_residuals,
+                                  &other_jacobians));
     ExpectNear(residuals[0], other_residuals[0], 1e-10);
     ExpectNear(jacobians[0], other_jacobians[0], 1e-9);
     EXPECT_TRUE(residuals[0].row(1).isZero(0.0));
     EXPECT_EQ(residuals[0](2, 10), 0.0);
-    ASSERT_TRUE(
-        linear->WeightedResiduals(free, false, &other_residuals, nullptr));
+    ASSERT_TRUE(WeightedResiduals(free, false, linear.get(), &other_residuals,
+                                  nullptr));
     ExpectNear(other_residuals[0], residuals[0], 1e-13);
   }
 }
@@ -151,7 +152,7 @@ TEST_P(LinearRecordTest, EqualsSumsOverTheJacobian) {
     EXPECT_EQ(shooting->state().SquaresAt(1.01 * free), nullptr);
     std::vector<Matrix> residuals, jacobians, moved;
     ASSERT_TRUE(
-        WeightedResiduals(free, true, shooting, &residuals, &jacobians));
+        WeightedResiduals(free, true, shooting.get(), &residuals, &jacobians));
     const Matrix& rows = jacobians[0];
     ExpectNear(information, rows.transpose() * rows, 1e-10);
     const Vector sigmas = Vector::LinSpaced(4, 0.1, 0.7);
