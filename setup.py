@@ -44,16 +44,16 @@ class CMakeBuild(build_ext):
         target = pathlib.Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(built, target)
-        self.copy_headers(target.parent / "include")
+        self.copy_headers(folder, target.parent / "include")
 
-    # For elements of one's own (pinode.elements).
-    def copy_headers(self, include):
-        for header in (ROOT / "pinode").glob("*/*.h"):
-            if header.parent.name in ("mpi", "python") or header.stem.endswith("testing"):
+    # For elements of one's own (pinode.elements): the public headers.
+    def copy_headers(self, folder, include):
+        for header in (folder / "public_headers.txt").read_text().split():
+            if header.startswith("pinode/mpi/"):
                 continue
-            copy = include / "pinode" / header.parent.name / header.name
+            copy = include / header
             copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(header, copy)
+            shutil.copyfile(ROOT / header, copy)
 
 
 VERSION = re.search(r"project\(pinode VERSION ([0-9.]+)",

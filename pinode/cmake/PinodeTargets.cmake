@@ -83,9 +83,23 @@ function(pinode_add_unit_test name folder label libraries)
     DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${label} COST ${cost})
 endfunction()
 
+# Installs these headers of pinode/${folder}, with their paths.
+function(pinode_install_headers folder)
+  foreach(header IN LISTS ARGN)
+    get_filename_component(room "${header}" DIRECTORY)
+    install(FILES ${header}
+      DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode/${folder}/${room}
+      COMPONENT development)
+    set_property(GLOBAL APPEND PROPERTY PINODE_PUBLIC_HEADERS
+      pinode/${folder}/${header})
+  endforeach()
+endfunction()
+
+# PUBLIC_HEADERS are installed, all others are for the library itself. A public
+# header includes public ones only (tests/consumer).
 function(pinode_add_floor folder)
-  cmake_parse_arguments(FLOOR "APART" "" "SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE"
-    ${ARGN})
+  cmake_parse_arguments(FLOOR "APART" ""
+    "PUBLIC_HEADERS;SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE" ${ARGN})
   set(target pinode_${folder})
   add_library(${target} STATIC ${FLOOR_SOURCES})
   add_library(pinode::${folder} ALIAS ${target})
@@ -113,10 +127,7 @@ function(pinode_add_floor folder)
   endif()
   install(TARGETS ${target} EXPORT pinodeTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
-  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/
-    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode/${folder}
-    COMPONENT development
-    FILES_MATCHING PATTERN "*.h")
+  pinode_install_headers(${folder} ${FLOOR_PUBLIC_HEADERS})
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
     # Not the bare name: `study` is the label of what is run by hand.
     pinode_add_unit_test(${target}_test ${folder} floor_${folder}
@@ -214,6 +225,14 @@ function(pinode_install_package)
   if(PINODE_SHARED)
     pinode_add_shared_library()
   endif()
+
+  install(FILES ${PROJECT_SOURCE_DIR}/pinode/pinode.h
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pinode COMPONENT development)
+  # setup.py copies these into the Python package.
+  get_property(headers GLOBAL PROPERTY PINODE_PUBLIC_HEADERS)
+  list(JOIN headers "\n" headers)
+  file(WRITE ${PROJECT_BINARY_DIR}/public_headers.txt
+    "pinode/pinode.h\n${headers}\n")
 
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pinode)
   install(EXPORT pinodeTargets NAMESPACE pinode:: DESTINATION ${package_dir}

@@ -7,35 +7,10 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/discover/equation_options.h"
 #include "pinode/dynamics/library_function.h"
 
 namespace pinode {
-
-// Which candidates a library has. Features are named as in
-// Feature::Name(): "x[u1]", "v[u1]", "d[u1,u2]", "w[u1,u2]", "t",
-// "input[road]"; so are the candidates, each by the text that LibraryFunction
-// reads. The candidates come in the order of the members below, none twice.
-struct CandidateLibraryOptions {
-  // "1". A structure at rest in its origin has none.
-  bool constant = false;
-
-  // Monomials of total degree 1 up to this one, by degree: "x[u1]^3"; 0: none.
-  int polynomial_degree = 3;
-  // Also those of several features: "x[u1]^2*v[u1]".
-  bool products = true;
-  // The features that monomials are made of; empty: all.
-  std::vector<std::string> polynomial_features;
-
-  // "sin(x[u1])" and so on, one for each feature named.
-  std::vector<std::string> sine_features;
-  std::vector<std::string> cosine_features;
-  std::vector<std::string> absolute_features;       // "abs(v[u1])"
-  std::vector<std::string> sign_features;           // "sign(v[u1])"
-  std::vector<std::string> signed_square_features;  // "abs(x[u1])*x[u1]"
-
-  // Whatever else LibraryFunction reads.
-  std::vector<std::string> expressions;
-};
 
 // An ordered set of candidate functions of one feature vector q: the columns
 // of Theta in y = Theta(q) xi (Brunton, Proctor, Kutz, "Discovering governing
@@ -45,7 +20,6 @@ struct CandidateLibraryOptions {
 class CandidateLibrary {
  public:
   static constexpr int kMaxCandidates = 2000;
-  static constexpr int kNotAMonomial = -1;
 
   // False, with *library untouched, for an unknown feature, a feature or a
   // candidate twice, an expression that cannot be read (with its column), no

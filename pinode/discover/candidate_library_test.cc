@@ -41,7 +41,7 @@ TEST(CandidateLibrary, NamesEveryKindInOrder) {
   EXPECT_EQ(library.degree(4), 2);
   EXPECT_EQ(library.degree(9), 3);
   for (int k = 10; k < library.size(); ++k) {
-    EXPECT_EQ(library.degree(k), CandidateLibrary::kNotAMonomial);
+    EXPECT_EQ(library.degree(k), kNotAMonomial);
   }
 }
 

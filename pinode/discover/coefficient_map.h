@@ -7,33 +7,9 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/discover/equation_options.h"
 
 namespace pinode {
-
-// One condition, on coefficients by their names (see
-// RegressionProblem::CoefficientNames()).
-struct CoefficientConstraint {
-  enum class Kind { kGiven, kSign, kEqual };
-
-  // The coefficient is known: it stays in the model at this value.
-  static CoefficientConstraint Given(const std::string& coefficient,
-                                     double value);
-  // The coefficient is not negative, or not positive.
-  static CoefficientConstraint Positive(const std::string& coefficient);
-  static CoefficientConstraint Negative(const std::string& coefficient);
-  // coefficients[i] = factors[i] * c with one unknown c; no factors: all
-  // equal. Symmetric coupling of two accelerations m1 a1 = ... + k x2 and
-  // m2 a2 = ... + k x1 is the pair with the factors 1/m1 and 1/m2.
-  static CoefficientConstraint Equal(
-      const std::vector<std::string>& coefficients,
-      const std::vector<double>& factors = {});
-
-  Kind kind = Kind::kGiven;
-  std::vector<std::string> coefficients;  // one, or several for kEqual
-  double value = 0.0;                     // kGiven
-  int sign = 1;                           // kSign: 1 or -1
-  std::vector<double> factors;            // kEqual
-};
 
 // The coefficients xi as a function of free unknowns g,
 //

@@ -13,11 +13,7 @@
 
 #include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
-#include "pinode/discover/candidate_library.h"
-#include "pinode/discover/coefficient_map.h"
-#include "pinode/discover/lasso.h"
-#include "pinode/discover/selection.h"
-#include "pinode/discover/stlsq.h"
+#include "pinode/discover/equation_options.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/problem/identification_problem.h"
@@ -122,9 +118,9 @@ struct DiscoveredTerm {
 // What could be a term: a coefficient that is not given.
 struct DiscoveryCandidate {
   std::string basis;
-  double rms = 0.0;  // of the basis over the samples
-  int sign = 0;      // as DiscoveredTerm::sign
-  int degree = CandidateLibrary::kNotAMonomial;  // CandidateLibrary::degree
+  double rms = 0.0;            // of the basis over the samples
+  int sign = 0;                // as DiscoveredTerm::sign
+  int degree = kNotAMonomial;  // of a monomial, 0 of the constant
 };
 
 // One point of the Pareto curve.

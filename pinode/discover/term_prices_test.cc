@@ -24,7 +24,7 @@ class TermPricesTest : public ::testing::Test {
       Add("x^2", 2, &equations_[e]);
       Add("x*v", 2, &equations_[e]);
     }
-    Add("sin(x)", CandidateLibrary::kNotAMonomial, &equations_[0]);
+    Add("sin(x)", kNotAMonomial, &equations_[0]);
   }
   static void Add(const std::string& basis, int degree,
                   DiscoveredEquation* equation) {

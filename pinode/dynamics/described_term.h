@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/dynamics/acts_as.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/term.h"
+#include "pinode/dynamics/term_results.h"
 
 namespace pinode {
 

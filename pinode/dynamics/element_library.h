@@ -8,10 +8,24 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/dynamics/elements.h"
+#include "pinode/base/constants.h"
 #include "pinode/dynamics/law.h"
 
 namespace pinode {
+
+// One parameter of an element type.
+struct ElementParameterInfo {
+  std::string name;
+  // Dimension as powers of (force, length, time), for the unit's name.
+  double force_power = 0.0;
+  double length_power = 0.0;
+  double time_power = 0.0;
+  // Physical limits; the case file may narrow them.
+  double lower = -kInfinity;
+  double upper = kInfinity;
+  // Used when the case file gives no initial value; NaN: must be given.
+  double default_value = kNaN;
+};
 
 // What such a library has to offer; own_element.h says how one is written.
 class ElementLibrary {

@@ -7,30 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/constants.h"
-#include "pinode/base/parameter_block.h"
+#include "pinode/dynamics/element_library.h"
 #include "pinode/dynamics/law.h"
 #include "pinode/dynamics/law_term.h"
 
 namespace pinode {
 
-// What an element type needs from its user. All elements take two features,
-// the deformation d and its rate w, and give one force, positive when it
-// resists positive deformation.
-struct ElementParameterInfo {
-  std::string name;
-  // Dimension as powers of (force, length, time), for the unit's name.
-  double force_power = 0.0;
-  double length_power = 0.0;
-  double time_power = 0.0;
-  // Physical limits; the case file may narrow them.
-  double lower = -kInfinity;
-  double upper = kInfinity;
-  // Used when the case file gives no initial value; NaN: must be given.
-  double default_value = kNaN;
-};
-
-// Type names in the order of the table in pinode/case/README.md:
+// Type names in the order of the table in pinode/case/README.md. All elements
+// take two features, the deformation d and its rate w, and give one force,
+// positive when it resists positive deformation:
 //
 //   linear               k d + c w
 //   cubic                k3 d^3

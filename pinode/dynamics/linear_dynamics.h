@@ -31,6 +31,23 @@ struct InputSpec {
   std::string name;
 };
 
+// A DOF p of which displacement, velocity and acceleration are inputs. The
+// state's entries of p are these inputs; its equation of motion says which
+// force moves it. With the mass matrix uncoupled at p, m_p its entry there and
+// a_p the acceleration that the structure would give to p if it were let go,
+//
+//   f_p = m_p (acceleration - a_p),
+//
+// the force that acts on p beside the measured ones: what a load cell between
+// actuator and structure reads.
+struct PrescribedDof {
+  int dof = 0;
+  // Indices into the inputs.
+  int displacement = -1;
+  int velocity = -1;
+  int acceleration = -1;
+};
+
 // A parameter p that changes a matrix: M, C or K += p * group->matrix. The
 // group lives in the term whose parameter it is.
 struct MatrixChange {

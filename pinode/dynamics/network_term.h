@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "pinode/dynamics/acts_as.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/term.h"
 #include "pinode/network/network.h"

@@ -7,6 +7,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/elements.h"
+#include "pinode/dynamics/prescribed_motion.h"
 
 namespace pinode {
 

@@ -17,9 +17,8 @@
 #include "pinode/dynamics/law_term.h"
 #include "pinode/dynamics/linear_dynamics.h"
 #include "pinode/dynamics/network_term.h"
-#include "pinode/dynamics/prescribed_motion.h"
 #include "pinode/dynamics/term.h"
-#include "pinode/dynamics/unknown_force_term.h"
+#include "pinode/dynamics/unknown_force.h"
 #include "pinode/structure/model/structural_model.h"
 
 namespace pinode {
@@ -87,7 +86,10 @@ class StructuralDynamics {
   // The motion that is prescribed at an instant, written into a state.
   template <typename T>
   void Prescribe(const double* input, T* state) const {
-    PrescribeMotion(prescribed_, num_dofs(), input, state);
+    for (const PrescribedDof& p : prescribed_) {
+      state[p.dof] = T(input[p.displacement]);
+      state[num_dofs() + p.dof] = T(input[p.velocity]);
+    }
   }
   // What is prescribed depends on nothing: zero rows in the sensitivities
   // (num_states rows) of a state after Prescribe.

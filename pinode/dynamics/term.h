@@ -19,6 +19,11 @@
 
 namespace pinode {
 
+// Effect of a term's result: as an acceleration, outputs * result is added to
+// dv/dt; as a force it resists, that is, outputs * result is subtracted from
+// the right-hand side of the equation of motion.
+enum class ActsAs { kAcceleration, kForce };
+
 // The kinds in the order in which their parameters stand in theta. kOther is
 // for terms that the library does not know.
 enum class TermKind {

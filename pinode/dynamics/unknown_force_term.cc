@@ -1,5 +1,3 @@
-#include "pinode/dynamics/unknown_force_term.h"
-
 #include <ceres/jet.h>
 
 #include <utility>
@@ -7,6 +5,7 @@
 
 #include "pinode/dynamics/described_term.h"
 #include "pinode/dynamics/products.h"
+#include "pinode/dynamics/unknown_force.h"
 
 namespace pinode {
 namespace {

@@ -2,13 +2,51 @@
 
 #include <limits>
 #include <sstream>
-#include <vector>
+#include <utility>
 
+#include "pinode/estimate/shooting/residual_rows.h"
 #include "pinode/estimate/start/initial_states.h"
+#include "pinode/integrate/segment.h"
 #include "pinode/problem/assumed_noise.h"
 #include "pinode/problem/record_grid.h"
 
 namespace pinode {
+
+struct SegmentCost::Owned {
+  Owned(const IdentificationProblem& given, int record, Eigen::Index from,
+        Eigen::Index to, const Options& options)
+      : problem(given),
+        data(given.records[static_cast<size_t>(record)]),
+        layout(given),
+        first(from),
+        last(to),
+        sigmas(options.sigmas),
+        gap_sigmas(options.gap_sigmas),
+        grid(GridOf(*given.dynamics, data)),
+        observation(*given.dynamics, data.Observations()),
+        propagator(*given.dynamics, options.derivatives),
+        rows(layout, RobustLoss::kNone, 1.0) {}
+
+  bool HasGap() const { return last + 1 < data.num_samples(); }
+  // Whether the segment is the record.
+  bool IsWhole() const { return first == 0 && !HasGap(); }
+
+  const IdentificationProblem& problem;
+  const IdentificationRecord& data;
+  const ParameterLayout layout;
+  const Eigen::Index first;
+  const Eigen::Index last;
+  const Vector sigmas;
+  const Vector gap_sigmas;
+  const IntegrationGrid grid;
+  const ObservationMap observation;
+  // Working memory.
+  SegmentPropagator propagator;
+  SegmentTangents tangents;
+  ResidualRows rows;
+  Matrix end_sensitivity;
+};
+
 namespace {
 
 using RowMajorMatrix =
@@ -87,75 +125,75 @@ std::unique_ptr<SegmentCost> SegmentCost::Create(
   if (options.gap_sigmas.size() == 0) {
     complete.gap_sigmas = kGapShare * GuessStateScales(problem, data);
   }
-  return std::unique_ptr<SegmentCost>(
-      new SegmentCost(problem, record, first, last, complete));
+  return std::unique_ptr<SegmentCost>(new SegmentCost(
+      std::make_unique<Owned>(problem, record, first, last, complete)));
 }
 
-SegmentCost::SegmentCost(const IdentificationProblem& problem, int record,
-                         Eigen::Index first, Eigen::Index last,
-                         const Options& options)
-    : problem_(problem),
-      data_(problem.records[static_cast<size_t>(record)]),
-      layout_(problem),
-      first_(first),
-      last_(last),
-      sigmas_(options.sigmas),
-      gap_sigmas_(options.gap_sigmas),
-      grid_(GridOf(*problem.dynamics, data_)),
-      observation_(*problem.dynamics, data_.Observations()),
-      propagator_(*problem.dynamics, options.derivatives),
-      rows_(layout_, RobustLoss::kNone, 1.0) {
-  const int ns = problem.dynamics->num_states();
-  const Eigen::Index observed = last - first + (HasGap() ? 0 : 1);
-  set_num_residuals(static_cast<int>(observed) * observation_.num_channels() +
+SegmentCost::SegmentCost(std::unique_ptr<Owned> owned)
+    : owned_(std::move(owned)) {
+  const int ns = owned_->problem.dynamics->num_states();
+  const Eigen::Index observed =
+      owned_->last - owned_->first + (HasGap() ? 0 : 1);
+  set_num_residuals(static_cast<int>(observed) *
+                        owned_->observation.num_channels() +
                     (HasGap() ? ns : 0));
   mutable_parameter_block_sizes()->push_back(ns);
   if (HasGap()) mutable_parameter_block_sizes()->push_back(ns);
-  mutable_parameter_block_sizes()->push_back(layout_.num_free());
+  mutable_parameter_block_sizes()->push_back(owned_->layout.num_free());
 }
+
+SegmentCost::~SegmentCost() = default;
+
+bool SegmentCost::HasGap() const { return owned_->HasGap(); }
 
 bool SegmentCost::Evaluate(double const* const* parameters, double* residuals,
                            double** jacobians) const {
-  const int ns = problem_.dynamics->num_states();
-  const int nf = layout_.num_free();
+  Owned& own = *owned_;
+  const int ns = own.problem.dynamics->num_states();
+  const int nf = own.layout.num_free();
   const size_t free_block = HasGap() ? 2 : 1;
   const bool derive = jacobians != nullptr;
   const bool by_free = derive && jacobians[free_block] != nullptr;
   const SegmentColumns columns =
       by_free ? SegmentColumns::kAll : SegmentColumns::kStart;
-  Vector all = layout_.InitialValues();
-  layout_.SetFree(Eigen::Map<const Vector>(parameters[free_block], nf), &all);
+  Vector all = own.layout.InitialValues();
+  own.layout.SetFree(Eigen::Map<const Vector>(parameters[free_block], nf),
+                     &all);
   StructuralDynamics::Prepared prepared;
-  rows_.Prepare(data_, sigmas_, IsWhole(), ns, columns, &tangents_);
+  own.rows.Prepare(own.data, own.sigmas, own.IsWhole(), ns, columns,
+                   &own.tangents);
   std::string error;
   if (!all.allFinite() ||
-      !problem_.dynamics->Prepare(all.head(layout_.num_dynamics()), &prepared,
-                                  &error) ||
-      !propagator_.Propagate(prepared, observation_, grid_,
-                             Eigen::Map<const Vector>(parameters[0], ns),
-                             first_, last_, !HasGap(), columns, &tangents_)) {
+      !own.problem.dynamics->Prepare(all.head(own.layout.num_dynamics()),
+                                     &prepared, &error) ||
+      !own.propagator.Propagate(prepared, own.observation, own.grid,
+                                Eigen::Map<const Vector>(parameters[0], ns),
+                                own.first, own.last, !HasGap(), columns,
+                                &own.tangents)) {
     return false;
   }
-  rows_.Compute(data_, sigmas_, all, first_, IsWhole(), columns, &tangents_);
-  const auto weighted = rows_.rows().residuals();
+  own.rows.Compute(own.data, own.sigmas, all, own.first, own.IsWhole(), columns,
+                   &own.tangents);
+  const auto weighted = own.rows.rows().residuals();
   const Eigen::Index count = weighted.size();
   Eigen::Map<Vector> r(residuals, num_residuals());
   r.head(count) = weighted;
-  const Vector inverse = gap_sigmas_.cwiseInverse();
+  const Vector inverse = own.gap_sigmas.cwiseInverse();
   if (HasGap()) {
     r.tail(ns) = inverse.cwiseProduct(
-        tangents_.end_state - Eigen::Map<const Vector>(parameters[1], ns));
-    AddSensorColumns(layout_, ns, columns, tangents_.end_sensitivity,
-                     &end_sensitivity_);
+        own.tangents.end_state - Eigen::Map<const Vector>(parameters[1], ns));
+    AddSensorColumns(own.layout, ns, columns, own.tangents.end_sensitivity,
+                     &own.end_sensitivity);
   }
   const auto fill = [&](size_t block, Eigen::Index column, int size) {
     if (!derive || jacobians[block] == nullptr) return;
     Eigen::Map<RowMajorMatrix> jacobian(jacobians[block], num_residuals(),
                                         size);
-    jacobian.topRows(count) = rows_.rows().jacobian().middleCols(column, size);
+    jacobian.topRows(count) =
+        own.rows.rows().jacobian().middleCols(column, size);
     if (HasGap()) {
       jacobian.bottomRows(ns) =
-          inverse.asDiagonal() * end_sensitivity_.middleCols(column, size);
+          inverse.asDiagonal() * own.end_sensitivity.middleCols(column, size);
     }
   };
   fill(0, 0, ns);

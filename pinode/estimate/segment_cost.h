@@ -9,8 +9,7 @@
 #include <string>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/shooting/residual_rows.h"
-#include "pinode/integrate/segment.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/parameter_layout.h"
 
@@ -60,33 +59,20 @@ class SegmentCost final : public ceres::CostFunction {
       const IdentificationProblem& problem, int record, Eigen::Index first,
       Eigen::Index last, const Options& options, std::string* error);
 
+  ~SegmentCost() override;
+
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
   // Whether there is a next start.
-  bool HasGap() const { return last_ + 1 < data_.num_samples(); }
+  bool HasGap() const;
 
  private:
-  SegmentCost(const IdentificationProblem& problem, int record,
-              Eigen::Index first, Eigen::Index last, const Options& options);
+  struct Owned;
 
-  // Whether the segment is the record.
-  bool IsWhole() const { return first_ == 0 && !HasGap(); }
+  explicit SegmentCost(std::unique_ptr<Owned> owned);
 
-  const IdentificationProblem& problem_;
-  const IdentificationRecord& data_;
-  const ParameterLayout layout_;
-  const Eigen::Index first_;
-  const Eigen::Index last_;
-  const Vector sigmas_;
-  const Vector gap_sigmas_;
-  const IntegrationGrid grid_;
-  const ObservationMap observation_;
-  // Working memory.
-  mutable SegmentPropagator propagator_;
-  mutable SegmentTangents tangents_;
-  mutable ResidualRows rows_;
-  mutable Matrix end_sensitivity_;
+  const std::unique_ptr<Owned> owned_;
 };
 
 }  // namespace pinode

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "pinode/estimate/objective/modal_cost.h"
 #include "pinode/estimate/objective/noise_levels.h"
+#include "pinode/estimate/objective/prior_cost.h"
 #include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/condensed_cost.h"
@@ -108,6 +110,19 @@ Vector TrajectoryCost::InitialValues() const {
 bool TrajectoryCost::Evaluate(double const* const* parameters,
                               double* residuals, double** jacobians) const {
   return owned_->condensed.Evaluate(parameters, residuals, jacobians);
+}
+
+std::unique_ptr<ceres::CostFunction> MakePriorCost(
+    const ParameterLayout& layout) {
+  auto cost = std::make_unique<PriorCost>(layout);
+  if (cost->num_priors() == 0) return nullptr;
+  return cost;
+}
+
+std::unique_ptr<ceres::CostFunction> MakeModalCost(
+    const IdentificationProblem& problem, const ParameterLayout& layout) {
+  if (problem.modal.empty()) return nullptr;
+  return std::make_unique<ModalCost>(problem.modal, *problem.dynamics, layout);
 }
 
 }  // namespace pinode

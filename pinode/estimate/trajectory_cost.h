@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/estimate/shooting/multiple_shooting.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/robust_loss.h"
 
 namespace pinode {
 
@@ -22,7 +23,8 @@ namespace pinode {
 // The one parameter block are the free parameters, in the order of layout(),
 // which names them; start from InitialValues(). Their bounds are the caller's
 // to set in the ceres::Problem, where other residuals may share the block.
-// Priors and measured modes are blocks of their own: PriorCost, ModalCost.
+// Priors and measured modes are blocks of their own: MakePriorCost,
+// MakeModalCost.
 // Without a Jacobian only |r|^2 is right: no numeric differences of r.
 //
 // Evaluations of one object must come one at a time, as Ceres does; with
@@ -70,6 +72,16 @@ class TrajectoryCost final : public ceres::CostFunction {
 
   const std::unique_ptr<Owned> owned_;
 };
+
+// Residuals of the priors of `layout`, without weight decay, which must outlive
+// them. nullptr where there is no prior.
+std::unique_ptr<ceres::CostFunction> MakePriorCost(
+    const ParameterLayout& layout);
+
+// Residuals of the measured modes of `problem`, which is valid. `layout` must
+// outlive them. nullptr where there are no modes.
+std::unique_ptr<ceres::CostFunction> MakeModalCost(
+    const IdentificationProblem& problem, const ParameterLayout& layout);
 
 }  // namespace pinode
 

@@ -6,21 +6,10 @@
 #include <memory>
 
 #include "pinode/base/types.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/record/excitation.h"
 
 namespace pinode {
-
-// How a state is taken from one sample to the next.
-enum class Integrator {
-  kRungeKutta,  // classical steps of fourth order
-  kExact,  // linear dynamics with constant matrices: no error but that of a
-           // polynomial for the inputs between two samples
-  kExponential,  // exact for the linear part of dynamics with laws at a few
-                 // DOFs, see ExponentialStep
-};
-
-// "rk4", "exact" or "exponential".
-const char* IntegratorName(Integrator integrator);
 
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
 // `substeps` steps of equal length in every interval. The inputs

@@ -12,19 +12,11 @@
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/integrate/exponential_step.h"
 #include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/integrate/linear_segment.h"
 #include "pinode/integrate/tangent_step.h"
 
 namespace pinode {
-
-// How the derivatives of a segment are computed. Both give the derivative of
-// the discrete steps and agree up to rounding.
-enum class DerivativeMethod {
-  kTangents,  // TangentStep: laws by narrow Jets, networks by hand;
-              // LinearSegment where the dynamics are linear
-  kJets,      // the step on wide Jets through the whole segment; only
-              // Runge-Kutta has it
-};
 
 // Which derivatives are asked for: num_states columns by the start, then
 // num_tangent_columns by the parameters.

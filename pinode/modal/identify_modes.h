@@ -11,7 +11,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/modal/response_record.h"
-#include "pinode/modal/stabilisation.h"
+#include "pinode/modal/stabilisation_options.h"
 
 namespace pinode {
 

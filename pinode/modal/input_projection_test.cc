@@ -6,6 +6,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/statistics.h"
 #include "pinode/modal/identify_modes.h"
+#include "pinode/modal/stabilisation.h"
 #include "tests/support/modal_testing.h"
 
 namespace pinode {

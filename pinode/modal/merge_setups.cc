@@ -7,6 +7,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/modal/stabilisation.h"
 
 namespace pinode {
 namespace {

@@ -6,20 +6,9 @@
 #include <string>
 #include <string_view>
 
-namespace pinode {
+#include "pinode/network/network_architecture.h"
 
-// Where a derivative jumps (at zero, for kRelu and kLeakyRelu) the value from
-// the left is used: 0 and kLeakyReluSlope. Their second derivative is zero
-// everywhere.
-enum class Activation {
-  kTanh,
-  kSigmoid,
-  kRelu,
-  kLeakyRelu,
-  kSoftplus,
-  kSine,
-  kIdentity
-};
+namespace pinode {
 
 inline constexpr double kLeakyReluSlope = 0.01;
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "pinode/network/activation.h"
 #include "pinode/network/network.h"
 #include "tests/support/allocation_testing.h"
 

@@ -6,6 +6,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/network/activation.h"
 
 namespace pinode {
 namespace {

@@ -7,9 +7,21 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/network/activation.h"
 
 namespace pinode {
+
+// Activation functions. Where a derivative jumps (at zero, for kRelu and
+// kLeakyRelu) the value from the left is used: 0 and kLeakyReluSlope. Their
+// second derivative is zero everywhere.
+enum class Activation {
+  kTanh,
+  kSigmoid,
+  kRelu,
+  kLeakyRelu,
+  kSoftplus,
+  kSine,
+  kIdentity
+};
 
 // Where each matrix of a network lies in the flat block of its weights, in
 // this order: W_1 (column-major), b_1, W_2, b_2, ..., W_L, b_L, W_skip

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pinode/network/activation.h"
 #include "pinode/network/network_architecture.h"
 
 namespace pinode {

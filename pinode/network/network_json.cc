@@ -10,6 +10,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/network/activation.h"
 
 namespace pinode {
 namespace {

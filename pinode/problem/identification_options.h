@@ -9,7 +9,7 @@
 
 #include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
-#include "pinode/integrate/segment.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/problem/robust_loss.h"
 #include "pinode/problem/tuning.h"
 

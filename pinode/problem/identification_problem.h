@@ -13,7 +13,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/problem/ambient_record.h"
 #include "pinode/problem/measured_mode.h"
 #include "pinode/problem/problem_description.h"

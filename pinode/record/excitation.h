@@ -7,9 +7,11 @@
 #include <string>
 
 #include "pinode/base/types.h"
-#include "pinode/record/record.h"
 
 namespace pinode {
+
+struct Channel;
+struct Record;
 
 // What an input is taken to do between two samples. It is stated, never
 // guessed: held against linear alone moves an identified stiffness by a per

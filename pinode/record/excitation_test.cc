@@ -10,6 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/record/record.h"
 
 namespace pinode {
 namespace {

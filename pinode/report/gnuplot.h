@@ -5,14 +5,9 @@
 
 #include <string>
 
-namespace pinode {
+#include "pinode/report/gnuplot_options.h"
 
-struct GnuplotOptions {
-  // Looked for in PATH unless it holds a slash.
-  std::string program = "gnuplot";
-  // It is killed after that.
-  double timeout_seconds = 20.0;
-};
+namespace pinode {
 
 // Runs gnuplot on `script` (its standard input) and returns what it writes to
 // standard output. No shell takes part, user settings (~/.gnuplot) are not

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pinode/report/gnuplot.h"
+#include "pinode/report/gnuplot_options.h"
 #include "pinode/report/report.h"
 
 namespace pinode {

@@ -11,6 +11,8 @@
 
 #include "pinode/base/file.h"
 #include "pinode/report/figure.h"
+#include "pinode/structure/model/geometry.h"
+#include "pinode/study/picture/structure_picture.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/report_testing.h"
 

@@ -13,6 +13,7 @@
 #include "pinode/report/figure.h"
 #include "pinode/report/html_report.h"
 #include "pinode/report/report.h"
+#include "pinode/study/picture/structure_picture.h"
 
 namespace pinode {
 

@@ -11,6 +11,7 @@
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/report/number_text.h"
+#include "pinode/study/problem/prior_comparison.h"
 
 namespace pinode {
 namespace {

@@ -13,11 +13,12 @@
 #include "pinode/dynamics/feature.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
+#include "pinode/structure/model/mode_comparison.h"
 #include "pinode/study/damage/damage_analysis.h"
-#include "pinode/study/picture/structure_picture.h"
-#include "pinode/study/problem/prior_comparison.h"
 
 namespace pinode {
+
+struct StructurePicture;
 
 // Where a report comes from.
 struct ReportOrigin {

@@ -15,6 +15,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/case/sections/modes_section.h"
 #include "pinode/modal/merge_setups.h"
+#include "pinode/modal/stabilisation.h"
 #include "tests/cases/measure.h"
 #include "tests/support/figure_testing.h"
 

@@ -17,6 +17,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
 #include "pinode/modal/identify_modes.h"
+#include "pinode/modal/stabilisation.h"
 #include "tests/support/modal_testing.h"
 
 namespace pinode {

@@ -10,10 +10,7 @@
 #include <string>
 #include <system_error>
 
-#include "pinode/case/results/result_files.h"
-#include "pinode/case/run/fit_case.h"
-#include "pinode/case/sections/case_file.h"
-#include "pinode/study/identify/identify.h"
+#include "pinode/pinode.h"
 
 int main(int argc, char** argv) {
   std::string error = "usage: identify_case CASE FOLDER";

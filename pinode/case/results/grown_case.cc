@@ -9,6 +9,7 @@
 #include "pinode/case/results/term_tree.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/record/table.h"
 #include "pinode/study/reduction/renewed_basis.h"
 
 namespace pinode {

@@ -8,6 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/case/sections/case_file.h"
+#include "pinode/structure/sparse/finite_element_model.h"
 #include "pinode/study/damage/baseline.h"
 
 namespace pinode {

@@ -80,13 +80,6 @@ bool IsChoiceOf(const Case& c, const ModelChoice& choice, std::string* error) {
 
 }  // namespace
 
-IdentificationExtras ExtrasOf(const Case& c) {
-  IdentificationExtras extras;
-  extras.candidates = c.candidates;
-  extras.reduced = c.finite_element;
-  return extras;
-}
-
 bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
              CaseWatch* watch, Case* c, IdentificationSummary* summary,
              IdentifiedModel* model, std::string* error) {

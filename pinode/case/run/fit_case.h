@@ -9,7 +9,6 @@
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/sections/case_file.h"
 #include "pinode/problem/identification_summary.h"
-#include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/identification_watch.h"
 
 namespace pinode {
@@ -26,10 +25,6 @@ class CaseWatch : public IdentificationWatch {
   // written. `sentence` says what.
   virtual void OnTrouble(const std::string& sentence) { (void)sentence; }
 };
-
-// Returns what Identify needs of a case beside its problem and options: the
-// candidates, and the structure that its model is a reduction of.
-IdentificationExtras ExtrasOf(const Case& c);
 
 // Identifies the case's unknowns by Identify (study/identify/identify.h), with
 // a checkpoint in `folder` at most once a second where it writes. Starts from

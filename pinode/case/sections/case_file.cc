@@ -8,6 +8,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/sections/ambient_section.h"
+#include "pinode/case/sections/damage_section.h"
 #include "pinode/case/sections/discover_section.h"
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/case/sections/force_scale_section.h"
@@ -16,6 +17,7 @@
 #include "pinode/case/sections/modal_section.h"
 #include "pinode/case/sections/model_section.h"
 #include "pinode/case/sections/options_section.h"
+#include "pinode/case/sections/plan_section.h"
 #include "pinode/case/sections/record_data.h"
 #include "pinode/case/sections/record_files.h"
 #include "pinode/case/sections/record_section.h"
@@ -362,6 +364,13 @@ bool ReadCaseForPlanning(const std::string& path, const std::string& force_dof,
   }
   return CaseReader(source, path, nullptr, CasePurpose::kPlanning, error)
       .Read(c);
+}
+
+IdentificationExtras ExtrasOf(const Case& c) {
+  IdentificationExtras extras;
+  extras.candidates = c.candidates;
+  extras.reduced = c.finite_element;
+  return extras;
 }
 
 }  // namespace pinode

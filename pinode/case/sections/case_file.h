@@ -10,17 +10,19 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/case/sections/damage_section.h"
-#include "pinode/case/sections/plan_section.h"
-#include "pinode/case/text/case_data.h"
 #include "pinode/discover/discovery.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
+#include "pinode/study/damage/damage_search.h"
+#include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/substeps.h"
+#include "pinode/study/sensors/sensor_plan.h"
 #include "pinode/study/terms/model_candidate.h"
 
 namespace pinode {
 
+class SharedTables;
+struct CaseData;
 struct PlacedGeometry;
 struct ReducedStructure;
 struct TomlValue;
@@ -120,6 +122,10 @@ enum class CasePurpose { kFit, kCheck, kSimulation, kPlanning };
 [[nodiscard]] bool ReadCaseForPlanning(const std::string& path,
                                        const std::string& force_dof, Case* c,
                                        std::string* error);
+
+// Returns what Identify needs of a case beside its problem and options: the
+// candidates, and the structure that its model is a reduction of.
+IdentificationExtras ExtrasOf(const Case& c);
 
 }  // namespace pinode
 

@@ -8,6 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/problem/record_grid.h"
+#include "pinode/structure/model/shear_building.h"
 #include "tests/support/case_testing.h"
 
 namespace pinode {

@@ -10,6 +10,7 @@
 #include "pinode/case/sections/terms_section.h"
 #include "pinode/case/text/parameter_keys.h"
 #include "pinode/dynamics/spanned_terms.h"
+#include "pinode/network/activation.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/network/network.h"
 #include "pinode/network/network_json.h"

@@ -12,21 +12,9 @@
 #include "pinode/case/text/toml_value.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/study/reduction/reduced_structure.h"
-#include "pinode/study/sensors/sensor_information.h"
 #include "pinode/study/sensors/sensor_plan.h"
 
 namespace pinode {
-
-struct SensorRequest {
-  // `num_sensors` is for the program to say.
-  SensorPlanOptions options;
-  std::vector<OwnSensor> own;
-  std::vector<CandidateSensor> candidates;
-  // DOFs at which a force could act.
-  std::vector<std::string> excite;
-  // Lengths of records, model time.
-  std::vector<double> durations;
-};
 
 // `problem` is complete, its responses need not be; `structure`: the
 // finite-element model of which its model is a reduction, or nullptr. Without

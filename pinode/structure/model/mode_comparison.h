@@ -24,6 +24,15 @@ struct ModePair {
   Vector initial_shape, updated_shape;  // num_dofs, mass-normalised
 };
 
+// Modes of the model before an identification, beside those of the one found.
+struct PriorComparison {
+  // Modes of the matrices with their groups, before and after, in cycles per
+  // unit of the model's time.
+  std::vector<ModePair> modes;
+  // Why there are no modes; empty where there are.
+  std::string why_no_modes;
+};
+
 // Modes of `initial` in ascending order with their partners in `updated` by
 // PairModes (largest total MAC), rigid-body modes of `updated` mixed to be like
 // those of `initial`. False where the modes of either cannot be

@@ -6,29 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/types.h"
-#include "pinode/damage/verdict.h"
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identified_model.h"
 #include "pinode/study/damage/damage_search.h"
 
 namespace pinode {
-
-// One unknown that was zero in the model and may no longer be.
-struct ChangeCandidate {
-  ChangeSubject subject;
-  // The change is this part of the parameter: 1 is the mean mass of the place's
-  // DOFs, or a force with the RMS of the linear one at the place.
-  double unit = 1.0;
-  // kMass: by DOF, what a change of 1 adds, the model's unit of mass.
-  Vector masses;
-  // kNonlinear: a function of the deformation `from` to `to` and its rate.
-  int from = Feature::kGround;
-  int to = Feature::kGround;
-  std::string basis;
-  std::string library;  // the name of the term
-};
 
 // Candidates at the places of `search`, which is valid: masses, and per spring
 // four nonlinear forces,

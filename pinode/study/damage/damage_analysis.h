@@ -12,7 +12,6 @@
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
 #include "pinode/study/damage/baseline.h"
-#include "pinode/study/damage/change_candidates.h"
 #include "pinode/study/damage/damage_search.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/problem/identification_watch.h"

@@ -1,4 +1,4 @@
-// Where other kinds of change than those of groups are looked for.
+// Where other kinds of change than those of groups are looked for, and which.
 
 #ifndef PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
 #define PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/types.h"
+#include "pinode/damage/verdict.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/structure/model/structural_model.h"
@@ -32,6 +34,21 @@ struct DamageSearch {
   // DOFs that `model` has. On failure *error names the place.
   [[nodiscard]] bool IsValid(const StructuralModel& model,
                              std::string* error) const;
+};
+
+// One unknown that was zero in the model and may no longer be.
+struct ChangeCandidate {
+  ChangeSubject subject;
+  // The change is this part of the parameter: 1 is the mean mass of the place's
+  // DOFs, or a force with the RMS of the linear one at the place.
+  double unit = 1.0;
+  // kMass: by DOF, what a change of 1 adds, the model's unit of mass.
+  Vector masses;
+  // kNonlinear: a function of the deformation `from` to `to` and its rate.
+  int from = Feature::kGround;
+  int to = Feature::kGround;
+  std::string basis;
+  std::string library;  // the name of the term
 };
 
 // The DOFs of `model` that are translations of `node`, where names are

@@ -11,10 +11,11 @@
 #include "pinode/problem/identification_summary.h"
 #include "pinode/problem/identified_model.h"
 #include "pinode/study/problem/identification_watch.h"
-#include "pinode/study/reduction/reduced_structure.h"
 #include "pinode/study/terms/model_candidate.h"
 
 namespace pinode {
+
+struct ReducedStructure;
 
 // Further input of an identification.
 struct IdentificationExtras {

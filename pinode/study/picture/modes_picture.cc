@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/modal/merge_setups.h"
+#include "pinode/modal/resolve_dofs.h"
 #include "pinode/modal/stabilisation.h"
 #include "pinode/study/picture/dof_places.h"
 #include "pinode/study/picture/structure_picture.h"

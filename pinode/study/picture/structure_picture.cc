@@ -8,9 +8,11 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/damage/change.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/modal_analysis.h"
+#include "pinode/study/damage/damage_analysis.h"
 #include "pinode/study/picture/dof_places.h"
 #include "pinode/study/reduction/finite_element_result.h"
 

@@ -10,16 +10,17 @@
 #include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/modal/merge_setups.h"
-#include "pinode/modal/resolve_dofs.h"
-#include "pinode/problem/fit_summary.h"
-#include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identified_model.h"
 #include "pinode/structure/model/geometry.h"
-#include "pinode/study/damage/damage_analysis.h"
-#include "pinode/study/reduction/reduced_structure.h"
 
 namespace pinode {
+
+struct DamageResult;
+struct IdentificationProblem;
+struct IdentificationSummary;
+struct IdentifiedModel;
+struct MergedModes;
+struct PlaceOfShape;
+struct ReducedStructure;
 
 // A geometry beside a model: which of its nodes and elements are the model's
 // DOFs and groups.

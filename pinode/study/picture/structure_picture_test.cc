@@ -10,8 +10,11 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/damage/change.h"
 #include "pinode/dynamics/unknown_force.h"
-#include "pinode/dynamics/unknown_force_term.h"
+#include "pinode/modal/merge_setups.h"
+#include "pinode/modal/resolve_dofs.h"
+#include "pinode/study/damage/damage_analysis.h"
 #include "pinode/study/picture/dof_places.h"
 #include "tests/support/study_testing.h"
 

@@ -4,13 +4,14 @@
 #define PINODE_STUDY_PROBLEM_IDENTIFICATION_WATCH_H_
 
 #include <string>
-#include <vector>
 
+#include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/study/problem/checkpoint.h"
 
 namespace pinode {
+
+struct Checkpoint;
 
 // Callbacks of a running identification. Each does nothing by default. They are
 // called in the thread that called Identify.

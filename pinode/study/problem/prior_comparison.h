@@ -14,14 +14,6 @@
 
 namespace pinode {
 
-struct PriorComparison {
-  // Modes of the matrices with their groups, before and after, in cycles per
-  // unit of the model's time.
-  std::vector<ModePair> modes;
-  // Why there are no modes; empty where there are.
-  std::string why_no_modes;
-};
-
 // Of `model` where it has a value per parameter. Nothing is compared of a
 // problem that is not valid.
 PriorComparison CompareWithPrior(const IdentificationProblem& problem,

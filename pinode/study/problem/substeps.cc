@@ -13,6 +13,7 @@
 #include "pinode/integrate/exponential_step.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/step_choice.h"
 #include "pinode/problem/record_grid.h"
 
 namespace pinode {

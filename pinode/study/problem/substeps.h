@@ -8,7 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
-#include "pinode/integrate/step_choice.h"
+#include "pinode/integrate/integrator.h"
 #include "pinode/problem/identification_problem.h"
 
 namespace pinode {

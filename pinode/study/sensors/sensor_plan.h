@@ -32,6 +32,18 @@ struct SensorPlanOptions {
   bool keep_own = false;
 };
 
+// Sensors to choose from, as [plan] of a case has them.
+struct SensorRequest {
+  // `num_sensors` is for the program to say.
+  SensorPlanOptions options;
+  std::vector<OwnSensor> own;
+  std::vector<CandidateSensor> candidates;
+  // DOFs at which a force could act.
+  std::vector<std::string> excite;
+  // Lengths of records, model time.
+  std::vector<double> durations;
+};
+
 struct SensorPlan {
   std::vector<std::string> targets;
   // What is reached with one sensor more. Deviations are those of groups, and,

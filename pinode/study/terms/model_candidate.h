@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pinode/dynamics/elements.h"
+#include "pinode/dynamics/element_library.h"
 #include "pinode/dynamics/law_term.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identified_model.h"

@@ -2,5 +2,6 @@
 
 #include "apps/flags.h"
 #include "pinode/base/logging.h"
+#include "pinode/pinode.h"
 #include "pinode/report/figure.h"
 #include <glog/logging.h>  // refused

@@ -1,4 +1,4 @@
-#include "pinode/dynamics/acts_as.h"
+#include "pinode/dynamics/term_results.h"
 
 namespace pinode {
 

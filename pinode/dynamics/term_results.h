@@ -1,20 +1,16 @@
-// Where the results of a term go.
+// The results of a term, put on the DOFs.
 
-#ifndef PINODE_DYNAMICS_ACTS_AS_H_
-#define PINODE_DYNAMICS_ACTS_AS_H_
+#ifndef PINODE_DYNAMICS_TERM_RESULTS_H_
+#define PINODE_DYNAMICS_TERM_RESULTS_H_
 
 #include <vector>
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/products.h"
+#include "pinode/dynamics/term.h"
 
 namespace pinode {
-
-// What a term's result is: as an acceleration, outputs * result is added to
-// dv/dt; as a force it resists, that is, outputs * result is subtracted from
-// the right-hand side of the equation of motion.
-enum class ActsAs { kAcceleration, kForce };
 
 // dv/dt by the results (num_dofs x results): -M^-1 outputs of a force, outputs
 // of an acceleration.
@@ -65,4 +61,4 @@ void AddFeatureColumns(const Matrix& map, const std::vector<Feature>& features,
 
 }  // namespace pinode
 
-#endif  // PINODE_DYNAMICS_ACTS_AS_H_
+#endif  // PINODE_DYNAMICS_TERM_RESULTS_H_

@@ -1,0 +1,2 @@
+// refused
+#include "pinode/base/logging.h"
