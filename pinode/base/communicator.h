@@ -1,4 +1,4 @@
-// Several processes that do one job together.
+// Communication between several processes that do one job together.
 
 #ifndef PINODE_BASE_COMMUNICATOR_H_
 #define PINODE_BASE_COMMUNICATOR_H_
@@ -11,41 +11,43 @@
 
 namespace pinode {
 
-// The ranks run the same program on the same input: each does its part of the
-// work, and what is exchanged is the same, bit for bit, on every rank
-// afterwards, so that all take the same decisions. Every rank must call the
-// same functions in the same order, from one thread.
+// The ranks run the same program on the same input, and each does its part of
+// the work. After an exchange, the exchanged data are the same on every rank,
+// bit for bit, so that all ranks take the same decisions. Every rank must call
+// the same functions in the same order, from one thread.
 //
-// Where a rank does not answer, calls return false, and so do all that follow.
+// If a rank does not answer, the call and all later calls return false.
 class Communicator {
  public:
   virtual ~Communicator() = default;
 
-  // This process, from 0, and how many there are.
+  // Rank of this process, counted from 0, and number of ranks.
   virtual int rank() const = 0;
   virtual int size() const = 0;
 
   // Adds up `count` numbers over the ranks, in place.
   [[nodiscard]] virtual bool Sum(double* values, int64_t count) = 0;
-  // `all` holds the ranks' numbers one after the other, sizes[r] of rank r, of
-  // which each has filled in its own; afterwards all of them.
+  // Gathers the ranks' numbers in `all`, one rank after the other, sizes[r]
+  // numbers from rank r. Before the call each rank fills in its own numbers.
+  // After the call every rank has all of them.
   [[nodiscard]] virtual bool Gather(const std::vector<int64_t>& sizes,
                                     double* all) = 0;
-  // Until all ranks have come so far, however long that takes: after work that
-  // each does alone.
+  // Waits until all ranks have called it, without a time limit. Call it after
+  // work that each rank does alone.
   [[nodiscard]] virtual bool Await() = 0;
-  // All ranks receive `count` bytes of rank `root`.
+  // Sends `count` bytes from rank `root` to all ranks.
   [[nodiscard]] virtual bool Broadcast(int root, void* bytes,
                                        int64_t count) = 0;
 
   [[nodiscard]] bool Sum(Vector* values);
-  [[nodiscard]] bool Broadcast(int root, Vector* values);  // of any length
+  [[nodiscard]] bool Broadcast(int root, Vector* values);  // any length
   [[nodiscard]] bool Broadcast(int root, std::string* text);
-  // Whether it is true on every rank; false where one does not answer.
+  // Returns true if `value` is true on every rank. Returns false if a rank does
+  // not answer.
   [[nodiscard]] bool AllTrue(bool value);
 };
 
-// One process, which has nobody to ask.
+// A communicator for one process. It exchanges nothing.
 class SingleProcess final : public Communicator {
  public:
   using Communicator::Broadcast;
@@ -58,7 +60,7 @@ class SingleProcess final : public Communicator {
   bool Broadcast(int, void*, int64_t) override { return true; }
 };
 
-// The one that `options` name, or a single process for nullptr.
+// Returns *communicator, or a single process for nullptr.
 Communicator& CommunicatorOrSingle(Communicator* communicator);
 
 }  // namespace pinode

@@ -1,4 +1,5 @@
-// Sums to twice the digits, so that next to nothing depends on their order.
+// Sums in twice the working precision. Their results hardly depend on the order
+// of the terms.
 
 #ifndef PINODE_BASE_COMPENSATED_SUM_H_
 #define PINODE_BASE_COMPENSATED_SUM_H_
@@ -9,12 +10,13 @@
 
 namespace pinode {
 
-// (*sum + *rest) += term, elementwise: what rounding takes from *sum goes to
-// *rest (D. E. Knuth's TwoSum; T. Ogita, S. M. Rump, S. Oishi, SIAM J. Sci.
-// Comput. 26 (2005) 1955-1988). All of one size; none overlaps another.
+// Computes (*sum + *rest) += term, elementwise. The rounding error of *sum goes
+// to *rest (D. E. Knuth's TwoSum; T. Ogita, S. M. Rump, S. Oishi, SIAM J. Sci.
+// Comput. 26 (2005) 1955-1988). All three have the same size, and none overlaps
+// another.
 inline void AddCompensated(const Eigen::Ref<const Vector>& term,
                            Eigen::Ref<Vector> sum, Eigen::Ref<Vector> rest) {
-  // As much as stays in the fastest cache.
+  // Number of entries that fit into the fastest cache.
   constexpr Eigen::Index kChunk = 256;
   Eigen::Array<double, kChunk, 1> before, with, share;
   for (Eigen::Index first = 0; first < term.size(); first += kChunk) {

@@ -1,4 +1,4 @@
-// Where a matrix has anything.
+// Finds the rows and columns of a matrix that are not zero.
 
 #ifndef PINODE_BASE_ENTRIES_IN_USE_H_
 #define PINODE_BASE_ENTRIES_IN_USE_H_
@@ -9,7 +9,7 @@
 
 namespace pinode {
 
-// Rows, and columns, of a matrix that are not all zero, ascending.
+// Returns the rows (columns) of a matrix that are not all zero, ascending.
 inline std::vector<int> RowsInUse(const Eigen::Ref<const Matrix>& matrix) {
   std::vector<int> rows;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {

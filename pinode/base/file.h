@@ -1,4 +1,4 @@
-// Files, read whole and written all or nothing.
+// Files are read as a whole, and written completely or not at all.
 
 #ifndef PINODE_BASE_FILE_H_
 #define PINODE_BASE_FILE_H_
@@ -14,39 +14,39 @@ namespace pinode {
 [[nodiscard]] bool ReadBinaryFile(const std::string& path, std::string* content,
                                   std::string* error);
 
-// The same for text: fails also if the file is not valid UTF-8 (`path:line:
-// ...`, the line of the first bad byte). A file whose name ends in .gz is
-// unpacked on the way, up to 4 GiB.
+// Reads the whole text file at `path`. Does what ReadBinaryFile does, and also
+// fails if the file is not valid UTF-8 (`path:line: ...`, the line of the first
+// bad byte). Unpacks a file whose name ends in .gz, up to 4 GiB.
 [[nodiscard]] bool ReadTextFile(const std::string& path, std::string* content,
                                 std::string* error);
 
-// As ReadTextFile, of any encoding.
+// Does what ReadTextFile does, for text in any encoding.
 [[nodiscard]] bool ReadTextOfAnyEncoding(const std::string& path,
                                          std::string* content,
                                          std::string* error);
 
-// `path` without .gz at its end, by which a reader tells what a compressed file
-// holds.
+// Returns `path` without .gz at its end. Readers find the format of a
+// compressed file from this name.
 std::string WithoutGz(const std::string& path);
 
-// Writes `content` to `path` so that a reader sees the old file or the whole
-// new one, whatever happens in between: a temporary file in the same folder is
-// written, flushed to the disk, and renamed over `path`. On failure the
-// temporary file is removed, an existing file at `path` is untouched, and
-// *error says what went wrong.
+// Writes `content` to `path` so that a reader sees either the old file or the
+// whole new file, even after a crash. The function writes a temporary file in
+// the same folder, flushes it to the disk, and renames it to `path`. On failure
+// it removes the temporary file, leaves an existing file at `path` unchanged,
+// and sets *error to the reason.
 [[nodiscard]] bool WriteFileAtomically(const std::string& path,
                                        const std::string& content,
                                        std::string* error);
 
-// The same for what is not to be held as a whole: `next` is called until it
-// leaves its chunk, which is empty before, empty.
+// Does the same for content that is produced in chunks. `next` receives an
+// empty chunk and fills it. The file ends when it leaves the chunk empty.
 [[nodiscard]] bool WriteFileAtomically(
     const std::string& path, const std::function<void(std::string*)>& next,
     std::string* error);
 
-// Offset of the first byte of `text` that is not part of a valid UTF-8
-// sequence (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF), or
-// std::string::npos if all of it is valid.
+// Returns the offset of the first byte of `text` that is not part of a valid
+// UTF-8 sequence (RFC 3629: no overlong forms, no surrogates, at most
+// U+10FFFF). Returns std::string::npos if all of `text` is valid.
 size_t FirstInvalidUtf8(const std::string& text);
 
 }  // namespace pinode

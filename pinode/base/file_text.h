@@ -1,4 +1,5 @@
-// What readers of foreign files share: words of them, and messages about them.
+// Functions shared by the readers of foreign files: splitting text into words,
+// and quoting it in messages.
 
 #ifndef PINODE_BASE_FILE_TEXT_H_
 #define PINODE_BASE_FILE_TEXT_H_
@@ -9,15 +10,15 @@
 
 namespace pinode {
 
-// ASCII letters; other bytes are left as they are.
+// Returns `text` with ASCII letters in lower case. Other bytes are unchanged.
 std::string LowerCase(std::string_view text);
 
-// For messages: what the file says, in quotes, without control characters and
-// not too long.
+// Returns `text` for a message: in quotes, without control characters, and
+// shortened if it is long.
 std::string Quote(std::string_view text);
 
-// The fields of a line between separators, without blanks around them: possibly
-// empty.
+// Returns the fields of a line between separators, without blanks around them.
+// Fields may be empty.
 std::vector<std::string_view> Split(std::string_view line, char separator);
 
 }  // namespace pinode

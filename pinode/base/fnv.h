@@ -1,5 +1,5 @@
-// A hash by which one content is told from another; none against anybody's
-// will.
+// A hash that distinguishes contents. It does not protect against deliberate
+// collisions.
 
 #ifndef PINODE_BASE_FNV_H_
 #define PINODE_BASE_FNV_H_
@@ -11,8 +11,8 @@ namespace pinode {
 
 inline constexpr std::uint64_t kFnvStart = 0xcbf29ce484222325u;
 
-// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo), of `size` bytes after
-// those that `hash` is of.
+// Returns the FNV-1a hash, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo), of `size`
+// bytes that follow the bytes already hashed in `hash`.
 inline std::uint64_t Fnv1a(const void* data, std::size_t size,
                            std::uint64_t hash = kFnvStart) {
   const auto* bytes = static_cast<const unsigned char*>(data);

@@ -1,21 +1,21 @@
-// What becomes of memory that is freed, in a whole program.
+// Settings for freed memory, valid for the whole program.
 
 #ifndef PINODE_BASE_FREE_MEMORY_H_
 #define PINODE_BASE_FREE_MEMORY_H_
 
 namespace pinode {
 
-// Gives back what has been freed, and what the allocator keeps for later; what
-// is larger than a megabyte goes back as soon as it is freed from now on: for
-// parts of a program that each take about a record's size.
+// Returns freed memory, and memory that the allocator keeps, to the system.
+// From then on, a freed block larger than one megabyte is returned at once. Use
+// it between parts of a program that each take about the size of a record.
 void ReturnFreedMemory();
 
-// From now on most of what is freed is kept: matrices of some megabytes come
-// and go with every iteration, and that their pages need not be asked for again
-// is a tenth of a network's time.
+// Keeps most of the freed memory for reuse from now on. A network allocates and
+// frees matrices of some megabytes in every iteration. Not requesting their
+// pages again saves a tenth of its time.
 void KeepFreedMemory();
 
-// Both do nothing where the C library has no way to.
+// Both functions do nothing if the C library does not support them.
 
 }  // namespace pinode
 

@@ -1,4 +1,4 @@
-// A loop over independent tasks on a few threads.
+// Runs a loop over independent tasks on a few threads.
 
 #ifndef PINODE_BASE_PARALLEL_FOR_H_
 #define PINODE_BASE_PARALLEL_FOR_H_
@@ -7,18 +7,18 @@
 
 namespace pinode {
 
-// Calls task(index, thread) for every index in [0, count), thread in
-// [0, num_threads). Which thread gets which index is fixed (index modulo
-// num_threads): sums that are kept per thread come out the same every time.
-// Runs in the calling thread where there is only one task or one thread.
+// Calls task(index, thread) for every index in [0, count), with thread in [0,
+// num_threads). The thread of an index is fixed (index modulo num_threads), so
+// that sums kept per thread are the same in every run. Runs in the calling
+// thread if there is only one task or one thread.
 void ParallelFor(int count, int num_threads,
                  const std::function<void(int index, int thread)>& task);
 
-// More are refused by whoever asks for them: a thread that cannot be had ends
-// the process.
+// Largest number of threads. Callers must refuse larger numbers: a thread that
+// cannot be created ends the process.
 inline constexpr int kMostThreads = 1024;
 
-// Number of processors, at least 1.
+// Returns the number of processors, at least 1.
 int DefaultThreads();
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// Scales that round nothing.
+// Scale factors that cause no rounding.
 
 #ifndef PINODE_BASE_POWER_OF_TWO_H_
 #define PINODE_BASE_POWER_OF_TWO_H_
@@ -7,9 +7,9 @@
 
 namespace pinode {
 
-// The largest power of two that is not above `size`; 1 where that is not
-// positive and finite. What is divided by it has the same digits, and comes out
-// the same in units that are a power of two apart: roots, too.
+// Returns the largest power of two that is not above `size`, or 1 if `size` is
+// not positive and finite. Dividing by it changes no digits. Results, including
+// square roots, are therefore the same in units that differ by a power of two.
 inline double PowerOfTwoBelow(double size) {
   return size > 0.0 && std::isfinite(size) ? std::ldexp(1.0, std::ilogb(size))
                                            : 1.0;

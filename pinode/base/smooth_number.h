@@ -1,4 +1,4 @@
-// Lengths whose Fourier transform is fast.
+// Lengths with a fast Fourier transform.
 
 #ifndef PINODE_BASE_SMOOTH_NUMBER_H_
 #define PINODE_BASE_SMOOTH_NUMBER_H_
@@ -7,8 +7,8 @@
 
 namespace pinode {
 
-// The largest product of twos, threes and fives that is not above `limit`, at
-// least 1.
+// Returns the largest product of twos, threes and fives that is not above
+// `limit`, at least 1.
 inline int64_t SmoothNumberBelow(int64_t limit) {
   for (int64_t size = limit; size > 1; --size) {
     int64_t rest = size;

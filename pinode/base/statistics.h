@@ -1,4 +1,5 @@
-// What a series of numbers is like: its size, its memory, what is missing.
+// Statistics of a series of numbers: size, autocorrelation, noise and missing
+// samples.
 
 #ifndef PINODE_BASE_STATISTICS_H_
 #define PINODE_BASE_STATISTICS_H_
@@ -9,16 +10,17 @@
 
 namespace pinode {
 
-// Values that are not NaN, which means missing.
+// Returns the number of values that are not NaN. NaN means missing.
 Eigen::Index CountPresent(const Vector& values);
 
-// Over the samples that are present; NaN if there are none. The standard
-// deviation is that of the population: sqrt(mean((x - mean(x))^2)).
+// Return the mean, the root mean square and the standard deviation of the
+// samples that are present, or NaN if there are none. The standard deviation
+// is that of the population: sqrt(mean((x - mean(x))^2)).
 double MeanOfPresent(const Eigen::Ref<const Vector>& values);
 double RmsOfPresent(const Vector& values);
 double StandardDeviationOfPresent(const Vector& values);
 
-// All of these in one, for those who ask again and again.
+// All these statistics in one structure, for callers that need them repeatedly.
 struct SeriesStatistics {
   Eigen::Index count = 0;
   double mean = 0.0;
@@ -29,26 +31,26 @@ struct SeriesStatistics {
 };
 SeriesStatistics StatisticsOfPresent(const Vector& values);
 
-// The middle one of `values` (not empty, not NaN) in ascending order; of an
-// even number the upper of two.
+// Returns the median of `values` (not empty, no NaN). For an even number of
+// values it is the upper of the two middle ones.
 double Median(std::vector<double> values);
 
-// Ljung-Box statistic over the lags 1 ... num_lags in standard deviations from
-// its mean under white noise (G. M. Ljung and G. E. P. Box, Biometrika 65
-// (1978) 297-303).
+// Returns the Ljung-Box statistic over the lags 1 ... num_lags, as its distance
+// from the mean under white noise in standard deviations (G. M. Ljung and G. E.
+// P. Box, Biometrika 65 (1978) 297-303).
 double LjungBoxExcess(const Vector& residuals, int num_lags);
 
-// 1 + 2 sum rho_k up to the first lag with rho_k < 0.05, in samples.
+// Returns 1 + 2 sum rho_k up to the first lag with rho_k < 0.05, in samples.
 double AutocorrelationTime(const Vector& residuals);
 
-// Mean square of what has no memory in `residuals`, half that of successive
-// differences (J. von Neumann, Annals of Mathematical Statistics 12 (1941)
-// 367): the variance of white noise, and next to nothing of a signal that is
-// smooth. Zeros stand for missing samples and are passed over; 0 where fewer
-// than two are left.
+// Returns the mean square of the uncorrelated part of `residuals`: half the
+// mean square of successive differences (J. von Neumann, Annals of Mathematical
+// Statistics 12 (1941) 367). It equals the variance of white noise and is
+// almost zero for a smooth signal. Zeros mean missing samples and are skipped.
+// The result is 0 if fewer than two samples are left.
 double MemorylessMeanSquare(const Vector& residuals);
 
-// The same of residuals that come one by one.
+// Computes MemorylessMeanSquare of residuals that arrive one by one.
 class MemorylessPart {
  public:
   void Add(double residual);
@@ -62,22 +64,24 @@ class MemorylessPart {
   Eigen::Index count_ = 0;
 };
 
-// The variance of white noise, with its standard deviation, from what a series
-// has above about a third of its sampling rate: the mean square of its
-// differences of order 8 over C(16, 8), and next to nothing of what is below.
-// Over runs of samples without a gap (NaN: missing); zero where there is none.
+// Variance of white noise, with its standard deviation, estimated from the
+// content of a series above about a third of its sampling rate. It is the mean
+// square of the differences of order 8 over C(16, 8). Content below that
+// frequency adds almost nothing. Differences are taken over runs of samples
+// without a gap (NaN: missing). Zero if there is no such run.
 struct DifferencedVariance {
   double value = 0.0;
   double deviation = 0.0;
 };
 DifferencedVariance VarianceOfDifferences(const Vector& values);
 
-// 0.975 quantile of Student's t with `degrees` degrees of freedom (A&S 26.7.5).
+// Returns the 0.975 quantile of Student's t with `degrees` degrees of freedom
+// (A&S 26.7.5).
 double StudentQuantile(double degrees);
 
-// Probability that chi^2 with `degrees` degrees of freedom is larger than
-// `value`, to a few thousandths of it (E. B. Wilson and M. M. Hilferty, PNAS 17
-// (1931) 684).
+// Returns the probability that chi^2 with `degrees` degrees of freedom is
+// larger than `value`, to a few thousandths of it (E. B. Wilson and M. M.
+// Hilferty, PNAS 17 (1931) 684).
 double ChiSquareProbability(double value, double degrees);
 
 }  // namespace pinode

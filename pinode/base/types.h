@@ -1,4 +1,4 @@
-// The few matrix types that every floor shares.
+// The matrix types that all layers share.
 
 #ifndef PINODE_BASE_TYPES_H_
 #define PINODE_BASE_TYPES_H_

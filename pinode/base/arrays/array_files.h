@@ -1,4 +1,4 @@
-// Arrays with names, as MATLAB, NumPy and HDF5 files hold them.
+// Named arrays of MATLAB, NumPy and HDF5 files.
 
 #ifndef PINODE_BASE_ARRAYS_ARRAY_FILES_H_
 #define PINODE_BASE_ARRAYS_ARRAY_FILES_H_
@@ -11,30 +11,35 @@
 
 namespace pinode {
 
-// An array of at most two dimensions that are longer than one, as a history:
-// samples x columns, the samples along the longer dimension (along the first of
-// two equal ones). Whether a program writes channels as rows or as columns does
-// not matter so.
+// An array with at most two dimensions longer than one, read as a history:
+// samples x columns. The samples run along the longer dimension, or along the
+// first of two equal ones. It therefore does not matter whether a program
+// writes channels as rows or as columns.
 struct NamedArray {
-  // Of a variable; of a field "structure.field"; of an HDF5 data set its path
-  // without the first '/'; of the array of an .npy file the file's name without
-  // .npy.
+  // Name of the variable; "structure.field" for a field; the path without its
+  // first '/' for an HDF5 data set; the file's name without .npy for an .npy
+  // file.
   std::string name;
   Eigen::Index samples = 0;
   Eigen::Index columns = 0;
-  Matrix values;  // empty where they were not wanted
-  // Why it is no history ("it is complex"), else empty.
+  Matrix values;  // empty if not wanted
+  // Reason why the array is not a history ("it is complex"). Empty if it is
+  // one.
   std::string fault;
 };
 
-// By its extension, in any case: .mat, .npy, .npz, .h5, .hdf5.
+// Returns true if the extension is .mat, .npy, .npz, .h5 or .hdf5, in any case.
 bool IsArrayFile(const std::string& path);
 
-// All arrays of numbers of a file, with the values of those whose names are
-// `wanted`. MATLAB 5 and 7.3 with structures (one deep or more), NumPy arrays
-// of any real type and byte order, HDF5 data sets of any real type, compressed
-// or not, with the fields of compound ones as "table.field". Fails with one
-// line where the file is broken.
+// Reads all arrays of numbers of a file. Only the arrays whose names are
+// `wanted` get their values. Supported are:
+//
+// - MATLAB 5 and 7.3 with structures, one deep or more;
+// - NumPy arrays of any real type and byte order;
+// - HDF5 data sets of any real type, compressed or not. Fields of compound data
+//   sets are named "table.field".
+//
+// Fails with one line in *error if the file is broken.
 [[nodiscard]] bool ReadArrayFile(
     const std::string& path,
     const std::function<bool(const std::string&)>& wanted,

@@ -1,4 +1,4 @@
-// What the readers of arrays share. Not meant for other floors.
+// Functions shared by the readers of arrays. Not meant for other layers.
 
 #ifndef PINODE_BASE_ARRAYS_ARRAY_SHAPE_H_
 #define PINODE_BASE_ARRAYS_ARRAY_SHAPE_H_
@@ -14,15 +14,15 @@ namespace pinode {
 
 using ArrayFilter = std::function<bool(const std::string&)>;
 
-// Sets samples and columns from the array's dimensions, or its fault. Number
-// (sample, column) then stands at sample * *sample_stride + column *
-// *column_stride of the array's numbers, `by_rows` telling whether its last
+// Sets samples and columns from the array's dimensions, or sets its fault.
+// Number (sample, column) is at sample * *sample_stride + column *
+// *column_stride of the array's numbers. `by_rows` is true if the last
 // dimension changes fastest.
 bool ShapeArray(const std::vector<int64_t>& dimensions, bool by_rows,
                 NamedArray* array, int64_t* sample_stride,
                 int64_t* column_stride);
 
-// As ReadArrayFile, of one format each.
+// Each function does what ReadArrayFile does, for one format.
 [[nodiscard]] bool ReadNumpyArrays(const std::string& path,
                                    const ArrayFilter& wanted,
                                    std::vector<NamedArray>* arrays,

@@ -1,6 +1,6 @@
-// Whether a MATLAB 5 file is whole. matio does not say when data end before
-// their announced length and hands out what its buffers held before, so its
-// numbers are only read from files that pass this.
+// Checks that a MATLAB 5 file is complete. matio does not report data that end
+// before their announced length, and returns old contents of its buffers
+// instead. Its numbers are therefore only read from files that pass this check.
 
 #ifndef PINODE_BASE_ARRAYS_MAT5_STRUCTURE_H_
 #define PINODE_BASE_ARRAYS_MAT5_STRUCTURE_H_
@@ -9,13 +9,15 @@
 
 namespace pinode {
 
-// Walks the data elements of `content`, a file of version 5 ("MAT-File
-// Format", The MathWorks): elements fill the file, parts fill elements,
-// compressed ones unpack with the right checksum, and numeric arrays have as
-// many numbers as their dimensions say. False with a sentence in *what.
+// Walks the data elements of `content`, a file of version 5 ("MAT-File Format",
+// The MathWorks). Elements must fill the file, and parts must fill elements.
+// Compressed elements must unpack with the right checksum. Numeric arrays must
+// have as many numbers as their dimensions say. Returns false with a sentence
+// in *what otherwise.
 bool IsWholeMat5(const std::string& content, std::string* what);
 
-// Whether the file begins as one of version 5 does (7.3 is HDF5).
+// Returns true if the file begins like a file of version 5. Version 7.3 is
+// HDF5.
 bool IsMat5(const std::string& content);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// MATLAB files: version 5 (compressed or not) and 7.3 (HDF5), by matio.
+// Reads MATLAB files with matio: version 5 (compressed or not) and 7.3 (HDF5).
 
 #ifndef PINODE_BASE_ARRAYS_MATLAB_FILE_H_
 #define PINODE_BASE_ARRAYS_MATLAB_FILE_H_
@@ -16,7 +16,7 @@ struct MatlabVariableFreer {
 };
 using MatlabVariable = std::unique_ptr<matvar_t, MatlabVariableFreer>;
 
-// A file whose variables are looked at one after the other.
+// A file whose variables are read one after the other.
 class MatlabFile {
  public:
   MatlabFile();
@@ -24,17 +24,18 @@ class MatlabFile {
   MatlabFile(const MatlabFile&) = delete;
   MatlabFile& operator=(const MatlabFile&) = delete;
 
-  // False with one line where the file is neither of the versions or not whole
-  // (version 5 is walked through: see mat5_structure.h).
+  // Opens the file. Returns false, with one line in *error, if the file is
+  // neither of the two versions or is incomplete. Version 5 is checked with
+  // mat5_structure.h.
   [[nodiscard]] bool Open(const std::string& path, std::string* error);
 
-  // What is said of the next variable (and of its fields), without its data;
-  // null behind the last one.
+  // Returns the next variable and its fields, without their data. Returns null
+  // after the last one.
   MatlabVariable Next();
-  // Its data, with those of its fields and cells.
+  // Reads the data of a variable, including its fields and cells.
   [[nodiscard]] bool ReadData(matvar_t* variable);
 
-  // Bytes of the file.
+  // Size of the file in bytes.
   size_t size() const { return size_; }
 
  private:
@@ -43,14 +44,14 @@ class MatlabFile {
   size_t size_ = 0;
 };
 
-// What zlib can make of a byte at best, rounded up: variables that would be
-// larger than so many times their file are not read.
+// Largest possible ratio of unpacked to packed bytes in zlib, rounded up.
+// Variables larger than this ratio times their file are not read.
 constexpr size_t kLargestMatlabExpansion = 1100;
 
-// Number `index` of `data`; NaN for what is no real type.
+// Returns number `index` of `data`, or NaN if `type` is not a real type.
 double MatlabNumberAt(const void* data, matio_types type, size_t index);
 
-// Bytes of a number; 0 for what is none.
+// Returns the bytes of one number, or 0 if `type` is not a numeric type.
 size_t MatlabTypeSize(matio_types type);
 
 }  // namespace pinode

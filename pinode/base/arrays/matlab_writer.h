@@ -1,5 +1,5 @@
-// Writes MATLAB files, version 5 with compressed variables, by matio; MATLAB
-// from 7 on, Octave and SciPy read them.
+// Writes MATLAB files, version 5 with compressed variables, with matio. MATLAB
+// from version 7 on, Octave and SciPy read them.
 
 #ifndef PINODE_BASE_ARRAYS_MATLAB_WRITER_H_
 #define PINODE_BASE_ARRAYS_MATLAB_WRITER_H_
@@ -13,16 +13,16 @@
 
 namespace pinode {
 
-// A field of a structure: a column of numbers, or of texts.
+// A field of a structure: a column of numbers or of texts.
 struct MatlabField {
   std::string name;
   Vector numbers;
-  std::vector<std::string> texts;  // where these are there, a cell array
+  std::vector<std::string> texts;  // if not empty: a cell array
 };
 
-// Names are made valid (letters, digits and '_', a letter first, at most 63),
-// and different from those that are there. Any Add after a failure does
-// nothing; Close, which writes the file, says what went wrong.
+// Writes variables to one file. Names are made valid (letters, digits and '_',
+// a letter first, at most 63 characters) and unique in the file. An Add after a
+// failure does nothing. Close writes the file and reports any failure.
 class MatlabWriter {
  public:
   explicit MatlabWriter(const std::string& path);
@@ -31,16 +31,16 @@ class MatlabWriter {
   MatlabWriter& operator=(const MatlabWriter&) = delete;
 
   void AddMatrix(const std::string& name, const Matrix& matrix);
-  // As MATLAB's sparse.
+  // Adds a sparse matrix, as MATLAB's sparse type.
   void AddSparse(const std::string& name,
                  const Eigen::SparseMatrix<double>& matrix);
-  // UTF-8.
+  // Adds a text in UTF-8.
   void AddText(const std::string& name, const std::string& text);
-  // A structure of columns, one below the other.
+  // Adds a structure whose fields are columns.
   void AddStructure(const std::string& name,
                     const std::vector<MatlabField>& fields);
-  // The whole file, or, with one line in *error, none; what was there before
-  // then stays.
+  // Writes the whole file. On failure returns false, with one line in *error,
+  // and an existing file stays unchanged.
   [[nodiscard]] bool Close(std::string* error);
 
  private:
@@ -48,11 +48,12 @@ class MatlabWriter {
   std::unique_ptr<Opened> opened_;
 };
 
-// Whether a variable of so many bytes is one of a file of version 5, where
-// sizes are numbers of 31 bits.
+// Returns true if a variable of so many bytes fits into a file of version 5,
+// where sizes are numbers of 31 bits.
 bool FitsMatlabFile(Eigen::Index bytes);
 
-// `name` as MATLAB takes it, and none of `taken`, to which it is added.
+// Returns `name` made valid for MATLAB and different from all names in `taken`.
+// Adds the new name to `taken`.
 std::string MatlabName(const std::string& name,
                        std::vector<std::string>* taken);
 

@@ -14,10 +14,11 @@ namespace pinode {
 
 using NumpyArrays = std::map<std::string, NumpyArray>;
 
-// The arrays of `content`, the whole of the file `path`, by name without .npy.
-// *others: names of those that are of a type without use here
-// (NumpyArrayKind::kOther). Fails with one line in *error where the archive or
-// an array of it is broken, or a name is there twice.
+// Reads the arrays in `content`, the whole content of the file `path`. Arrays
+// are called by their names without .npy. *others receives the names of arrays
+// whose type is not supported (NumpyArrayKind::kOther). Fails with one line in
+// *error if the archive or one of its arrays is broken, or if a name occurs
+// twice.
 [[nodiscard]] bool ReadNumpyArchive(const std::string& path,
                                     const std::string& content,
                                     NumpyArrays* arrays,

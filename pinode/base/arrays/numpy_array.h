@@ -1,4 +1,4 @@
-// NumPy's own array format (numpy.lib.format, NEP 1), one array a file.
+// NumPy's own array format (numpy.lib.format, NEP 1), one array per file.
 
 #ifndef PINODE_BASE_ARRAYS_NUMPY_ARRAY_H_
 #define PINODE_BASE_ARRAYS_NUMPY_ARRAY_H_
@@ -9,7 +9,7 @@
 
 namespace pinode {
 
-// One array: what its header says of it, and its bytes as they stand.
+// One array: the facts from its header, and its bytes as in the file.
 struct NumpyArray {
   char kind = 0;  // 'f', 'i', 'u', 'b' (numbers), 'S' or 'U' (text)
   size_t item_size = 0;
@@ -18,29 +18,32 @@ struct NumpyArray {
   std::vector<int64_t> shape;
   std::string data;
 
-  // Checked against the shape when the array was parsed.
+  // Number of items. The parser has checked it against the shape.
   int64_t size() const { return static_cast<int64_t>(data.size() / item_size); }
   bool is_number() const {
     return kind == 'f' || kind == 'i' || kind == 'u' || kind == 'b';
   }
   bool is_integer() const { return kind == 'i' || kind == 'u'; }
-  // Of one dimension.
+  // Returns true if the array has one dimension.
   bool is_vector() const { return shape.size() == 1; }
 
-  // Number `index` in the order of the file.
+  // Returns number `index` in the order of the file.
   double NumberAt(int64_t index) const;
-  // An integer that may serve as an index or a size; -1 if it is none.
+  // Returns an integer that can serve as an index or a size, or -1 if the item
+  // is not such an integer.
   int64_t IndexAt(int64_t index) const;
-  // Text `index` of an array of texts in UTF-8, without the zeros that fill it.
+  // Returns text `index` of an array of texts in UTF-8, without the zeros that
+  // pad it.
   std::string TextAt(int64_t index) const;
 };
 
-// What a file is good for: kOther is an array of a type that has no use here
-// (complex numbers, pickled objects).
+// Result of parsing an array. kOther is an array of a type that is not
+// supported here (complex numbers, pickled objects).
 enum class NumpyArrayKind { kUsable, kOther, kBroken };
 
-// Versions 1 to 3 of the format, numbers of any real type and byte order, and
-// text. Where it is broken, *what continues the sentence "array 'x' ...".
+// Parses an array of format version 1 to 3: numbers of any real type and byte
+// order, or text. If the array is broken, *what continues the sentence "array
+// 'x' ...".
 NumpyArrayKind ParseNumpyArray(const std::string& bytes, NumpyArray* array,
                                std::string* what);
 

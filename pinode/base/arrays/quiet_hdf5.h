@@ -7,9 +7,9 @@
 
 namespace pinode {
 
-// HDF5 writes what goes wrong to standard error unless it is told not to: while
-// one of these is alive it does not. A program that installs pinode needs none
-// of HDF5's headers.
+// Suppresses HDF5's error messages while an object of this class exists. By
+// default HDF5 writes errors to standard error. A program that installs pinode
+// needs none of HDF5's headers.
 class QuietHdf5 {
  public:
   QuietHdf5();
