@@ -1,4 +1,4 @@
-// Nodes and elements of Nastran's bulk data.
+// Reads nodes and elements of Nastran's bulk data.
 
 #ifndef PINODE_STRUCTURE_DECKS_BULK_GEOMETRY_H_
 #define PINODE_STRUCTURE_DECKS_BULK_GEOMETRY_H_
@@ -9,16 +9,19 @@
 
 namespace pinode {
 
-// GRID cards and elements (CBAR, CBEAM, CROD, CONROD, CTRIA3, CTRIA6, CQUAD4,
-// CQUAD8, CQUADR, CTRIAR, CSHEAR, CTETRA, CPYRAM, CPENTA, CHEXA, CELAS2 between
-// two nodes, CONM2), in fields of 8 or 16 columns or with commas, up to
-// ENDDATA; other cards are passed over, cards C... with a count in a note.
-// Nodes are called by their numbers; elements of a property are the set of its
-// number, "PID 12". Of elements of higher order the corners are taken. Grids in
-// another system than the basic one, of their own or by GRDSET, are refused, as
-// are INCLUDE and files without GRID.
+// Reads GRID cards and elements (CBAR, CBEAM, CROD, CONROD, CTRIA3, CTRIA6,
+// CQUAD4, CQUAD8, CQUADR, CTRIAR, CSHEAR, CTETRA, CPYRAM, CPENTA, CHEXA, CELAS2
+// between two nodes, CONM2), up to ENDDATA. Fields have 8 or 16 columns, or are
+// separated by commas.
 //
-// False, with `file:line: what, and what was expected`.
+// - Other cards are skipped. A note counts the skipped cards C... .
+// - Nodes are called by their numbers. The elements of a property form a set
+//   with its number as name, "PID 12".
+// - Only the corners of higher-order elements are used.
+// - Refused are grids in another than the basic coordinate system (their own or
+//   by GRDSET), INCLUDE, and files without GRID.
+//
+// Returns false with `file:line:`, the error and the expected input in *error.
 [[nodiscard]] bool ReadBulkGeometry(const std::string& path,
                                     StructureGeometry* geometry,
                                     std::string* error);
@@ -27,7 +30,7 @@ namespace pinode {
                                      StructureGeometry* geometry,
                                      std::string* error);
 
-// By its extension: .bdf, .nas, .dat.
+// Returns true if the extension is .bdf, .nas or .dat.
 bool IsBulkFile(const std::string& path);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// Parts of an input deck put where the assembly has them.
+// Places the parts of an input deck in its assembly.
 
 #ifndef PINODE_STRUCTURE_DECKS_DECK_ASSEMBLY_H_
 #define PINODE_STRUCTURE_DECKS_DECK_ASSEMBLY_H_
@@ -18,43 +18,44 @@ namespace pinode {
 class DeckAssembly {
  public:
   DeckAssembly() = default;
-  // Its pieces point into it.
+  // Not copyable: its pieces point into it.
   DeckAssembly(const DeckAssembly&) = delete;
   DeckAssembly& operator=(const DeckAssembly&) = delete;
 
-  // As ReadDeckGeometry in deck_geometry.h, which says how things are called.
+  // Does what ReadDeckGeometry does. deck_geometry.h describes the names.
   [[nodiscard]] bool Read(const std::string& path, const std::string& content,
                           std::string* error);
 
   const StructureGeometry& geometry() const { return geometry_; }
   StructureGeometry* mutable_geometry() { return &geometry_; }
 
-  // Of an element of the geometry.
+  // Returns the type of an element of the geometry.
   const DeckElementType& type(int element) const {
     return *types_[static_cast<size_t>(element)];
   }
 
-  // The elements, ascending, of the set that a keyword at that place means by
-  // `name`: in a part those of all its instances. False: there is no such set,
-  // or nothing of it is in the assembly.
+  // Finds the elements, ascending, of the set that a keyword at that place
+  // calls `name`. In a part these are the elements of all its instances.
+  // Returns false if there is no such set or if the assembly contains none of
+  // it.
   [[nodiscard]] bool FindSet(const DeckPlace& place, const std::string& name,
                              std::vector<int>* elements) const;
 
-  // Position among those of the geometry by name, as decks compare it; -1:
-  // none.
+  // Returns the position of a set of the geometry by its name, compared as
+  // decks do; -1 if there is none.
   int SetIndex(const std::string& name) const;
 
-  // What is wrong with a set that the geometry does not have.
+  // Returns the reason why the geometry does not have this set.
   std::string WhyNoSet(const std::string& name) const;
 
  private:
-  // An instance of a part, or what stands in none.
+  // An instance of a part, or everything outside instances.
   struct Copy {
-    std::string name;  // empty: what stands in none
+    std::string name;  // empty: everything outside instances
     int part = -1;
     int instance = -1;
-    // A part, what an instance has of its own, or what stands in neither, and
-    // where their nodes and elements begin in the geometry.
+    // A part, an instance's own items, or everything outside both. Includes the
+    // positions in the geometry where its nodes and elements begin.
     struct Piece {
       const DeckScope* scope = nullptr;
       int first_node = 0, first_element = 0;
@@ -68,19 +69,20 @@ class DeckAssembly {
   bool AddElements(const std::string& path, std::string* error);
   bool AddSets(std::string* error);
   void NameSets();
-  // Of all copies, each once, with the name as the deck has it.
+  // Returns the sets of all copies, each once, with the name as in the deck.
   std::vector<std::pair<SetKey, std::string>> SetNames() const;
 
-  // Positions in the geometry; -1: none.
+  // Positions in the geometry by number; -1: none.
   using NumberIndex = std::unordered_map<int, int> DeckScope::*;
   static int Find(const Copy& copy, int number, NumberIndex index,
                   int Copy::Piece::*first);
   static int FindNode(const Copy& copy, int number);
   static int FindElement(const Copy& copy, int number);
-  // Of an instance, or the one where that stands itself (-1).
+  // Returns the copy of an instance. For -1 it returns `from`, the copy that
+  // contains the reference.
   static size_t CopyOf(size_t from, int instance);
   bool IsSet(size_t copy, const std::string& key) const;
-  // A set with all that it names.
+  // Collects the elements of a set, including the sets that it names.
   bool Collect(const SetKey& wanted, std::vector<int>* elements,
                std::string* error) const;
   bool AddNamed(size_t copy, const DeckSet& set, const DeckSet::Name& name,
@@ -98,7 +100,7 @@ class DeckAssembly {
   StructureGeometry geometry_;
   std::vector<const DeckElementType*> types_;
   std::map<SetKey, std::vector<int>> sets_;
-  // Names of several sets: what each of them is called.
+  // Ambiguous names, each with the long names of the sets that have it.
   std::map<std::string, std::vector<std::string>> ambiguous_;
 };
 

@@ -1,4 +1,5 @@
-// A deck as its keywords with what stands below each: for what rewrites decks.
+// A deck as a list of blocks: each keyword with its lines. Used to rewrite
+// decks.
 
 #ifndef PINODE_STRUCTURE_DECKS_DECK_BLOCKS_H_
 #define PINODE_STRUCTURE_DECKS_DECK_BLOCKS_H_
@@ -11,23 +12,24 @@
 namespace pinode {
 
 struct DeckBlock {
-  DeckKeyword keyword;             // without a name: what is above the first
+  DeckKeyword keyword;             // without a name: lines above the first
   std::vector<std::string> head;   // its lines
   std::vector<std::string> lines;  // below it: data, comments and blank ones
   std::string place;               // "file:line" of the keyword
 
-  // Positions among `lines` of those that hold data.
+  // Returns the positions among `lines` of those that hold data.
   std::vector<size_t> DataLines() const;
 };
 
-// Lines as they are; files of *INCLUDE in its place.
+// Reads a deck into blocks. Lines stay unchanged. The content of an included
+// file replaces its *INCLUDE.
 [[nodiscard]] bool ReadDeckBlocks(const std::string& path,
                                   const std::string& content,
                                   std::vector<DeckBlock>* blocks,
                                   std::string* error);
 
-// "\r" where a line, without its "\n", ends so, as on Windows; else empty: for
-// what takes the line's place.
+// Returns "\r" if a line, without its "\n", ends so as on Windows, else an
+// empty text. Append it to a replacement of the line.
 std::string DeckLineEnd(const std::string& line);
 
 std::string FormatDeckBlocks(const std::vector<DeckBlock>& blocks);

@@ -1,5 +1,6 @@
-// What elements of an input deck are made of: sections with their materials,
-// springs and masses, as the blocks of the deck that hold their numbers.
+// Properties of the elements of an input deck: sections with their materials,
+// springs and masses. They refer to the blocks of the deck that hold their
+// numbers.
 
 #ifndef PINODE_STRUCTURE_DECKS_DECK_CONTENTS_H_
 #define PINODE_STRUCTURE_DECKS_DECK_CONTENTS_H_
@@ -21,7 +22,8 @@ struct DeckOwner {
   std::string material;       // key of DeckContents::materials; empty: none
   std::vector<int> elements;  // ascending
   SpringStart spring = SpringStart::kUnknown;
-  // Blocks below a section that would keep their part of its stiffness or mass.
+  // Blocks below a section that a factor on its stiffness or mass would not
+  // scale.
   std::vector<size_t> kept_stiffness, kept_mass;
 
   double stiffness = 1.0, mass = 1.0;  // factors
@@ -31,11 +33,11 @@ struct DeckOwner {
 struct DeckMaterial {
   std::string name;           // in upper case, with its quotes
   size_t first = 0, end = 0;  // blocks
-  // Those of *ELASTIC and *DENSITY, and what stands in the way of a copy: a
-  // keyword that nobody knows, numbers behind the material's end.
+  // Blocks of *ELASTIC and *DENSITY. `in_the_way`: blocks that prevent a
+  // copy: an unknown keyword, or numbers behind the material's end.
   std::vector<size_t> numbers;
   std::vector<size_t> in_the_way;
-  // Blocks that use it and have no factor.
+  // Blocks that use the material and have no factor.
   std::vector<size_t> sections, unknown_uses;
 };
 
@@ -45,11 +47,11 @@ struct DeckContents {
   std::vector<DeckBlock> blocks;
   std::map<std::string, DeckMaterial> materials;  // by DeckKey
   std::vector<DeckOwner> owners;
-  // Blocks of keywords that add stiffness or mass to elements, wherever they
-  // stand.
+  // Blocks of keywords that add stiffness or mass to elements, anywhere in the
+  // deck.
   std::vector<size_t> added_stiffness, added_mass;
 
-  // Blocks of an owner's stiffness or mass; none where it has no such part.
+  // Returns the blocks of an owner's stiffness or mass; empty if it has none.
   std::vector<size_t> BlocksOf(const DeckOwner& owner, bool mass) const;
 };
 
@@ -57,13 +59,13 @@ struct DeckContents {
                                     const std::string& content,
                                     DeckContents* contents, std::string* error);
 
-// Scales the owners' materials by their factors. Where the sections of a
-// material differ, all but those without factors (or else the first) get a
-// copy.
+// Scales the owners' materials by their factors. If the sections of a material
+// have different factors, all but those without factors (or else the first) get
+// a copy.
 [[nodiscard]] bool ScaleDeckMaterials(DeckContents* contents,
                                       std::string* error);
 
-// By factors of stiffness and mass.
+// Scales the numbers of a block by factors of stiffness and mass.
 [[nodiscard]] bool ScaleDeckBlock(double stiffness, double mass,
                                   SpringStart spring, DeckBlock* block,
                                   std::string* error);

@@ -9,7 +9,7 @@
 
 namespace pinode {
 
-// What an element's properties say of stiffness and mass.
+// Kind of an element: the source of its stiffness and mass.
 enum class DeckElementKind {
   kOther,               // both, by a section
   kSpringOfItsLength,   // SPRINGA: stiffness
@@ -29,8 +29,9 @@ struct DeckElementType {
   bool HasMass() const;
 };
 
-// The longest name with nothing but letters of a formulation, as in C3D8I or
-// S9R5, behind it; nullptr: not known. `name` in upper case.
+// Returns the type with the longest name that `name` begins with, if only
+// letters of a formulation follow, as in C3D8I or S9R5. Returns nullptr for an
+// unknown type. `name` is in upper case.
 const DeckElementType* FindDeckElementType(const std::string& name);
 
 }  // namespace pinode

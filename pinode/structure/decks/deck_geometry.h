@@ -9,28 +9,34 @@
 
 namespace pinode {
 
-// *NODE, *ELEMENT (TYPE, ELSET) and *ELSET (GENERATE, INSTANCE), with *INCLUDE;
-// of Abaqus *PART and *INSTANCE, moved and turned as its lines say; all other
-// keywords are passed over. Of elements of higher order the corners are taken.
-// Elements of types that are not known (springs and masses are) are left out,
-// with a note. Sets have the elements of sets that they hold by name, in any
-// order. Comments and headings may be in any encoding. *NODE with SYSTEM=C or
-// S, *SYSTEM, *NGEN, *NFILL, *ELGEN, and data of nodes, elements and sets in
-// files of INPUT are refused.
+// Reads *NODE, *ELEMENT (TYPE, ELSET) and *ELSET (GENERATE, INSTANCE), with
+// *INCLUDE. Abaqus' *PART and *INSTANCE are read too, moved and rotated as
+// their lines say. All other keywords are skipped.
 //
-// Nodes are called by their numbers; with several instances those of an
-// instance "instance.number". Of a node of the assembly that has the number of
-// one in the only instance the name is "ASSEMBLY.number". A part's set is that
-// of all its instances by its own name, and that of one as "instance.set".
-// Where several parts, or a part and the assembly, have different sets of a
-// name, only the long names (of the assembly's "ASSEMBLY.set") are there.
+// - Only the corners of higher-order elements are used.
+// - Elements of unknown types are left out, with a note. Springs and masses are
+//   known types.
+// - A set that names other sets, in any order, contains their elements.
+// - Comments and headings may be in any encoding.
+// - Refused are *NODE with SYSTEM=C or S, *SYSTEM, *NGEN, *NFILL, *ELGEN, and
+//   data of nodes, elements and sets in files of INPUT.
 //
-// False, with `file:line: what, and what was expected`.
+// Names of nodes: their numbers. With several instances, a node of an instance
+// is called "instance.number". If a node of the assembly has the number of a
+// node in the only instance, its name is "ASSEMBLY.number".
+//
+// Names of sets: a part's set contains the elements of all its instances under
+// its own name, and those of one instance under "instance.set". If several
+// parts, or a part and the assembly, have different sets of one name, only the
+// long names exist ("ASSEMBLY.set" for the assembly's).
+//
+// Returns false with `file:line:`, the error and the expected input in *error.
 [[nodiscard]] bool ReadDeckGeometry(const std::string& path,
                                     StructureGeometry* geometry,
                                     std::string* error);
 
-// The same from the content of the file `path`, which includes are beside.
+// Does the same with the content of the file `path`. Included files are
+// relative to it.
 [[nodiscard]] bool ParseDeckGeometry(const std::string& path,
                                      const std::string& content,
                                      StructureGeometry* geometry,

@@ -12,15 +12,17 @@
 
 namespace pinode {
 
-// "*ELEMENT, TYPE=B31, ELSET=columns".
+// A keyword line such as "*ELEMENT, TYPE=B31, ELSET=columns".
 struct DeckKeyword {
   std::string name;  // in upper case: "*ELEMENT"
-  // In their order; keys in upper case, values as they are, "" without one.
+  // Parameters in their order. Keys are in upper case. Values are unchanged, or
+  // "" if there is none.
   std::vector<std::pair<std::string, std::string>> parameters;
 
-  // Whether it is `other`, "*SOLID SECTION": solvers read past blanks.
+  // Returns true if the keyword is `other`, such as "*SOLID SECTION". Blanks
+  // are ignored, as in the solvers.
   bool Is(std::string_view other) const;
-  // nullptr: there is none of that key.
+  // Returns the value of a key, or nullptr if there is no such key.
   const std::string* Find(const std::string& key) const;
 };
 
@@ -28,16 +30,16 @@ DeckKeyword ParseDeckKeyword(const std::string& line);
 
 std::string DeckUpperCase(std::string_view text);
 
-// A name as it is compared: in upper case, without blanks and quotes. Names
-// that Abaqus tells apart by these are taken as one.
+// Returns a name in the form used for comparison: upper case, without blanks
+// and quotes. Names that Abaqus distinguishes only by these are taken as one.
 std::string DeckKey(std::string_view name);
 
 std::string WithoutDeckQuotes(const std::string& name);
 
-// What an *INCLUDE in the file `path` stands for: the file and its text. Paths
-// are relative to the file that names them or else to the deck `main`. `depth`:
-// how many files are around it; at most ten. False with an error at the
-// reader's line, or the file's own.
+// Reads the file that an *INCLUDE in the file `path` names, and its text. Paths
+// are relative to the file that names them, or else to the deck `main`. `depth`
+// is the number of files around it, at most ten. Returns false with an error at
+// the reader's line, or with the file's own error.
 [[nodiscard]] bool ReadDeckInclude(const LineReader& lines,
                                    const DeckKeyword& keyword,
                                    const std::string& path,

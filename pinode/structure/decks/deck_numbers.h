@@ -1,5 +1,5 @@
-// The numbers of input decks of CalculiX and Abaqus that stiffness and mass are
-// in proportion to.
+// Numbers of CalculiX and Abaqus input decks to which stiffness and mass are
+// proportional.
 
 #ifndef PINODE_STRUCTURE_DECKS_DECK_NUMBERS_H_
 #define PINODE_STRUCTURE_DECKS_DECK_NUMBERS_H_
@@ -11,23 +11,25 @@
 
 namespace pinode {
 
-// A number of a block: of `lines`, and of the fields of that line.
+// Position of a number in a block: the index in `lines`, and the field in that
+// line.
 struct DeckNumber {
   size_t line = 0;
   size_t field = 0;
 };
 
-// What the first data line of a *SPRING is, by the type of its elements.
+// Meaning of the first data line of a *SPRING, by the type of its elements.
 enum class SpringStart {
   kUnknown,     // the type is not known
   kConstants,   // SPRINGA
   kDirections,  // SPRING1, SPRING2
 };
 
-// Moduli of *ELASTIC, constants or forces of *SPRING, *DENSITY, *MASS,
-// *ROTARY INERTIA and *NONSTRUCTURAL MASS. False with `file:line: what` for
-// kinds that are not known, for data that are no numbers, and for springs of an
-// unknown type whose first line may be either.
+// Finds the moduli of *ELASTIC, the constants or forces of *SPRING, and the
+// numbers of *DENSITY, *MASS, *ROTARY INERTIA and *NONSTRUCTURAL MASS. Returns
+// false with `file:line:` and the error for unknown kinds, for data that are
+// not numbers, and for springs of an unknown type whose first line is
+// ambiguous.
 [[nodiscard]] bool FindDeckNumbers(const DeckBlock& block, SpringStart start,
                                    std::vector<DeckNumber>* numbers,
                                    std::string* error);
@@ -38,7 +40,7 @@ void ScaleDeckNumbers(const std::vector<DeckNumber>& numbers, double factor,
 std::vector<double> DeckValues(const std::vector<DeckNumber>& numbers,
                                const DeckBlock& block);
 
-// `place: what`; returns false.
+// Sets *error to `place: what` and returns false.
 bool FailInDeckBlock(const DeckBlock& block, const std::string& what,
                      std::string* error);
 

@@ -1,5 +1,5 @@
-// What input decks of CalculiX and Abaqus say of nodes, elements and element
-// sets, part by part and before anything is put in its place.
+// Nodes, elements and element sets of CalculiX and Abaqus input decks, part by
+// part, before the parts are placed in the assembly.
 
 #ifndef PINODE_STRUCTURE_DECKS_DECK_PARTS_H_
 #define PINODE_STRUCTURE_DECKS_DECK_PARTS_H_
@@ -15,22 +15,23 @@
 
 namespace pinode {
 
-// Nodes or elements that a deck may have; instances count each.
+// Largest number of nodes or elements in a deck. Each instance counts.
 constexpr size_t kMostDeckItems = 2000000;
 
-// Where in a deck a keyword stands: in the k-th *PART or *INSTANCE, or in
-// neither, which is the assembly or a deck without parts.
+// Position of a keyword in a deck: in the k-th *PART or *INSTANCE, or outside
+// both. Outside both is the assembly or a deck without parts.
 struct DeckPlace {
   enum class Kind { kAssembly, kPart, kInstance };
   Kind kind = Kind::kAssembly;
   int index = 0;
-  int num_parts = 0, num_instances = 0;  // until here
+  int num_parts = 0, num_instances = 0;  // up to here
 
-  // Past this keyword.
+  // Moves past this keyword.
   void Pass(const DeckKeyword& keyword);
 };
 
-// A number as a file gives it; of another instance than where it stands: -1.
+// A number as in the file, with its instance. The instance is -1 if the number
+// belongs to the scope where it is used.
 struct DeckReference {
   int number = 0;
   int instance = -1;
@@ -42,12 +43,12 @@ struct DeckElement {
 };
 
 struct DeckSet {
-  // Every `step`-th number from first to last, as far as it is there.
+  // Every `step`-th number from first to last, as far as it exists.
   struct Range {
     int first = 0, last = 0, step = 1;
     int instance = -1;
   };
-  // What is no number: a set, or "instance.set" or "instance.number".
+  // An entry that is not a number: a set, "instance.set" or "instance.number".
   struct Name {
     std::string text;
     int instance = -1;
@@ -60,7 +61,7 @@ struct DeckSet {
   std::vector<Name> names;
 };
 
-// A part, what an instance has of its own, or what stands in neither.
+// A part, an instance's own items, or everything outside both.
 struct DeckScope {
   std::string name;
   std::vector<int> node_numbers, element_numbers;
@@ -71,15 +72,15 @@ struct DeckScope {
   std::unordered_map<int, int> node_index, element_index;
   std::unordered_map<std::string, size_t> set_index;
 
-  // The set of that name, which is made where there is none.
+  // Returns the set of that name. Creates it if there is none.
   DeckSet* SetOf(const std::string& set);
 };
 
 struct DeckInstance {
   int part = 0;
   DeckScope own;
-  // First along `shift`, then around the axis from one point to the other, by
-  // degrees.
+  // Placement of an instance: first a translation by `shift`, then a rotation
+  // in degrees about the axis from one point to the other.
   std::array<double, 3> shift = {0.0, 0.0, 0.0};
   std::array<double, 7> turn = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 };
@@ -88,17 +89,18 @@ struct DeckParts {
   std::vector<DeckScope> parts;
   std::vector<DeckInstance> instances;
   DeckScope assembly;
-  // Types that are not known, and how many elements there are of each.
+  // Unknown element types, each with the number of its elements.
   std::vector<std::pair<std::string, int>> unknown_types;
   // Positions by the name as decks compare it.
   std::unordered_map<std::string, int> part_index, instance_index;
 
-  // Position by name; -1: none.
+  // Returns the position of a part by name; -1: none.
   int FindPart(const std::string& name) const;
   int FindInstance(const std::string& name) const;
 };
 
-// False, with `file:line: what, and what was expected`.
+// Reads the parts. Returns false with `file:line:`, the error and the expected
+// input in *error.
 [[nodiscard]] bool ReadDeckParts(const std::string& path,
                                  const std::string& content, DeckParts* parts,
                                  std::string* error);

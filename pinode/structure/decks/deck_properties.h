@@ -1,5 +1,5 @@
-// What element sets of input decks of CalculiX and Abaqus are made of, and the
-// same deck with factors on it.
+// Properties of the element sets of CalculiX and Abaqus input decks, and a copy
+// of the deck with these properties scaled.
 
 #ifndef PINODE_STRUCTURE_DECKS_DECK_PROPERTIES_H_
 #define PINODE_STRUCTURE_DECKS_DECK_PROPERTIES_H_
@@ -9,8 +9,8 @@
 
 namespace pinode {
 
-// A section with its material, springs or point masses: the numbers that
-// stiffness and mass are in proportion to, in the deck's order.
+// A section with its material, springs or point masses. It holds the numbers to
+// which stiffness and mass are proportional, in the deck's order.
 struct DeckProperty {
   std::string set;  // elements that have it
   // Moduli of *ELASTIC (no Poisson's ratios), constants or forces of *SPRING.
@@ -19,35 +19,44 @@ struct DeckProperty {
   std::vector<double> mass;
 };
 
-// By what to multiply what an element set contributes.
+// Factor on the stiffness or the mass of an element set.
 struct DeckFactor {
   std::string set;
   bool is_mass = false;  // else stiffness
   double factor = 1.0;
 };
 
-// Of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION with MATERIAL,
-// *SPRING, *MASS, *ROTARY INERTIA and *NONSTRUCTURAL MASS, in the deck's order.
-// False, with `file:line: what, and what was expected`.
+// Reads the properties of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION
+// with MATERIAL, *SPRING, *MASS, *ROTARY INERTIA and *NONSTRUCTURAL MASS, in
+// the deck's order. Returns false with `file:line:`, the error and the expected
+// input in *error.
 [[nodiscard]] bool ReadDeckProperties(const std::string& path,
                                       const std::string& content,
                                       std::vector<DeckProperty>* properties,
                                       std::string* error);
 
-// *scaled: the deck, included files in their places, with the properties of
-// each set times its factors and everything else as it is. A material that
-// other sections share, composites and general ones too, gets a copy. Sets are
-// called as in deck_geometry.h; the section of a part is that of all its
-// instances. Refused are names that several sets have, sets of which a section,
-// spring or mass has elements outside, sets that two factors of a kind would
-// change, elements without a property that could be changed (general sections,
-// composites, types that pictures do not know; no mass have springs, dashpots,
-// gaps and sections of a material without *DENSITY, no stiffness masses and
-// dashpots), sections with stiffness or mass in keywords of their own
-// (*TRANSVERSE SHEAR STIFFNESS, *BEAM ADDED INERTIA, *REBAR LAYER), materials
-// that something else than a section uses, *ELASTIC of other kinds than
-// isotropic, engineering constants, orthotropic, lamina and anisotropic, *MASS
-// that is not isotropic, and keywords with INPUT.
+// Writes to *scaled the deck with the properties of each set multiplied by its
+// factors. Included files replace their *INCLUDE. Everything else stays
+// unchanged. A material shared with other sections, including composites and
+// general ones, gets a copy. Sets are called as in deck_geometry.h. The section
+// of a part applies to all its instances.
+//
+// Refused are:
+//
+// - names that several sets have;
+// - sets of which a section, spring or mass has elements outside;
+// - sets that two factors of one kind would change;
+// - elements without a property that can be changed: general sections,
+//   composites, and types that pictures do not know. Springs, dashpots, gaps
+//   and sections of a material without *DENSITY have no mass. Masses and
+//   dashpots have no stiffness;
+// - sections with stiffness or mass in keywords of their own (*TRANSVERSE SHEAR
+//   STIFFNESS, *BEAM ADDED INERTIA, *REBAR LAYER);
+// - materials used by anything other than a section;
+// - *ELASTIC of other kinds than isotropic, engineering constants, orthotropic,
+//   lamina and anisotropic;
+// - *MASS that is not isotropic;
+// - keywords with INPUT.
 [[nodiscard]] bool ScaleDeck(const std::string& path,
                              const std::string& content,
                              const std::vector<DeckFactor>& factors,

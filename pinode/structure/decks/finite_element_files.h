@@ -1,5 +1,5 @@
-// The one door through which a finite-element model comes in, whatever program
-// exported it.
+// Reads a finite-element model exported by any supported program. All models
+// enter through this function.
 
 #ifndef PINODE_STRUCTURE_DECKS_FINITE_ELEMENT_FILES_H_
 #define PINODE_STRUCTURE_DECKS_FINITE_ELEMENT_FILES_H_
@@ -12,18 +12,19 @@
 
 namespace pinode {
 
-// Where one matrix is.
+// Location of one matrix.
 struct MatrixSource {
-  // Empty: there is none.
+  // File of the matrix. Empty: there is none.
   std::string path;
-  // Its name in a file that holds several (.op4, .mat, .npz), in any case.
-  // Empty: the only matrix of the file, or one with a usual name: m, mass,
-  // mgg, maa, ..., c, damping, ..., k, stiffness, ....
+  // Name of the matrix in a file that holds several (.op4, .mat, .npz), in any
+  // case. Empty: the only matrix of the file, or one with a usual name: m,
+  // mass, mgg, maa, ..., c, damping, ..., k, stiffness, ....
   std::string variable;
-  // Which of several matrices of that name, from 1, as OP4 files of
-  // superelements have them; 0: there is only one.
+  // Number of the matrix among several of that name, from 1. OP4 files of
+  // superelements have such matrices. 0: there is only one.
   int occurrence = 0;
-  // In place of a file: `path` is then what messages call it.
+  // Matrix given in memory instead of a file. `path` is then its name in
+  // messages.
   std::shared_ptr<const SparseMatrix> array = nullptr;
 };
 
@@ -31,16 +32,17 @@ struct FiniteElementFiles {
   MatrixSource mass;
   MatrixSource damping;  // may be absent
   MatrixSource stiffness;
-  // A list of DOF names, one a line, for formats without names; a .dof file of
-  // CalculiX is one. Empty: what the matrices' files say; beside .sti or .mas,
-  // the .dof file of the same name if there is one.
+  // File with a list of DOF names, one per line, for formats without names.
+  // CalculiX's .dof file is one. Empty: names come from the matrices' files.
+  // For .sti or .mas they come from the .dof file of the same name if it
+  // exists.
   std::string dof_names;
-  // In place of such a list, where it is not empty.
+  // DOF names given in memory instead of such a file, if not empty.
   std::vector<std::string> names;
 };
 
 // Reads the matrices and checks them (FiniteElementModel::IsValid). The format
-// follows the extension:
+// follows from the extension:
 //
 //   .mtx              Matrix Market (by its first line), else Abaqus
 //   .sti .mas         CalculiX
@@ -49,11 +51,11 @@ struct FiniteElementFiles {
 //   .npz              NumPy, SciPy
 //   .csv              full matrix as text (matrix_io.h)
 //
-// .mtx, .sti, .mas, .csv and .dof may be compressed with gzip (.sti.gz).
-// Abaqus matrices are put together by DOF name, for each file names only the
-// DOFs that it has entries for; all others by position. Repeated DOF names are
-// numbered, special DOFs described in model->notes. On failure *model is
-// untouched and *error reads `file:line: what, and what was expected`.
+// .mtx, .sti, .mas, .csv and .dof may be compressed with gzip (.sti.gz). Abaqus
+// matrices are assembled by DOF name, because each file names only the DOFs for
+// which it has entries. All others are assembled by position. Repeated DOF
+// names are numbered. model->notes describes special DOFs. On failure *model is
+// unchanged and *error is `file:line: `, the error and the expected input.
 [[nodiscard]] bool ReadFiniteElementModel(const FiniteElementFiles& files,
                                           FiniteElementModel* model,
                                           std::string* error);

@@ -1,6 +1,6 @@
-// The matrices that Abaqus writes as text with *MATRIX GENERATE and *MATRIX
-// OUTPUT (FORMAT=MATRIX INPUT, the default): job_STIF2.mtx, job_MASS2.mtx,
-// job_DMPV2.mtx.
+// Reads the matrices that Abaqus writes as text with *MATRIX GENERATE and
+// *MATRIX OUTPUT (FORMAT=MATRIX INPUT, the default): job_STIF2.mtx,
+// job_MASS2.mtx, job_DMPV2.mtx.
 
 #ifndef PINODE_STRUCTURE_MATRICES_ABAQUS_MATRIX_H_
 #define PINODE_STRUCTURE_MATRICES_ABAQUS_MATRIX_H_
@@ -12,7 +12,7 @@
 
 namespace pinode {
 
-// A DOF as Abaqus names it; nodes below 1 are internal ones of elements.
+// A DOF as Abaqus names it. Nodes below 1 are internal nodes of elements.
 struct NodeDirection {
   int node = 0;
   int direction = 0;
@@ -23,28 +23,28 @@ struct NodeDirection {
   bool operator==(const NodeDirection& other) const {
     return node == other.node && direction == other.direction;
   }
-  // "node.direction".
+  // Returns "node.direction".
   std::string Name() const;
 };
 
-// An entry points into `dofs`, which are sorted and hold all that the file
-// names. Each matrix of a model names its own (M often lacks the rotations), so
-// they are put together by name.
+// A matrix as in the file. Each entry refers to `dofs`, the sorted list of all
+// DOFs that the file names. Each matrix of a model names its own DOFs (M often
+// lacks the rotations), so matrices are assembled by name.
 struct AbaqusMatrix {
   std::vector<NodeDirection> dofs;
   std::vector<MatrixEntry> entries;
-  // Entries off the diagonal stand for two.
+  // True if each entry off the diagonal also stands for its mirror image.
   bool mirrored = false;
 };
 
-// Lines `node, direction, node, direction, value`; comments begin with **, and
-// keyword lines (*MATRIX, ...) are skipped. As for CalculiX, one triangle or
-// both. On failure *matrix is untouched and *error reads `file:line: what, and
-// what was expected`.
+// Reads lines `node, direction, node, direction, value`. Skips comments, which
+// begin with **, and keyword lines (*MATRIX, ...). As for CalculiX, the file
+// holds one triangle or both. On failure *matrix is unchanged and *error is
+// `file:line: `, the error and the expected input.
 [[nodiscard]] bool ReadAbaqusMatrix(const std::string& path,
                                     AbaqusMatrix* matrix, std::string* error);
 
-// The same from the content of the file `path`.
+// Does the same with the content of the file `path`.
 [[nodiscard]] bool ReadAbaqusMatrixText(const std::string& path,
                                         const std::string& content,
                                         AbaqusMatrix* matrix,

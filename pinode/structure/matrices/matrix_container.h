@@ -1,4 +1,4 @@
-// What a file that holds several matrices by name gives (OP4, MATLAB, NumPy).
+// Content of a file that holds several matrices by name (OP4, MATLAB, NumPy).
 
 #ifndef PINODE_STRUCTURE_MATRICES_MATRIX_CONTAINER_H_
 #define PINODE_STRUCTURE_MATRICES_MATRIX_CONTAINER_H_
@@ -13,14 +13,15 @@ namespace pinode {
 struct NamedMatrix {
   std::string name;
   SparseMatrix matrix;
-  // Why it cannot be a matrix of a structure ("it is complex"), else empty; the
-  // matrix is empty then. A file may hold such things beside what is wanted.
+  // Reason why the variable cannot be a matrix of a structure ("it is
+  // complex"). The matrix is then empty. Empty text: no fault. A file may hold
+  // such variables beside the wanted ones.
   std::string fault;
 };
 
 struct MatrixContainer {
   std::vector<NamedMatrix> matrices;
-  // One for each row, as the file has them; empty if it has none.
+  // One name per row, as in the file. Empty if the file has none.
   std::vector<std::string> dof_names;
 };
 

@@ -1,4 +1,4 @@
-// Matrices and DOF names from the arrays of other programs.
+// Builds matrices and DOF names from the arrays of other programs.
 
 #ifndef PINODE_STRUCTURE_MATRICES_MATRIX_FROM_ARRAYS_H_
 #define PINODE_STRUCTURE_MATRICES_MATRIX_FROM_ARRAYS_H_
@@ -12,9 +12,9 @@
 
 namespace pinode {
 
-// A sparse matrix as SciPy holds it: entry k of `data` stands in row indices[k]
-// and column columns[k] (COO); or in row i and column indices[k] for
-// pointers[i] <= k < pointers[i + 1] (CSR), in CSC the other way round.
+// A sparse matrix as SciPy stores it. COO: entry k of `data` has row indices[k]
+// and column columns[k]. CSR: it has row i and column indices[k] for
+// pointers[i] <= k < pointers[i + 1]. CSC: rows and columns are exchanged.
 struct SparseParts {
   const NumpyArray* data = nullptr;
   const NumpyArray* indices = nullptr;
@@ -24,16 +24,17 @@ struct SparseParts {
   bool by_columns = false;  // CSC
 };
 
-// Each checks sizes, indices and numbers. False with a sentence in *what that
-// continues "array 'x' ...".
+// Builds a matrix from its parts. Each function here checks sizes, indices and
+// numbers. It returns false with a sentence in *what that continues "array 'x'
+// ...".
 [[nodiscard]] bool MatrixFromParts(const SparseParts& parts,
                                    SparseMatrix* matrix, std::string* what);
 
-// From an array of two dimensions; zeros are no entries.
+// Builds a matrix from an array of two dimensions. Zeros are not stored.
 [[nodiscard]] bool MatrixFromFullArray(const NumpyArray& array,
                                        SparseMatrix* matrix, std::string* what);
 
-// From a list of texts, or of pairs (node, direction), "12.3".
+// Reads names from a list of texts, or of pairs (node, direction), "12.3".
 [[nodiscard]] bool NamesFromArray(const NumpyArray& array,
                                   std::vector<std::string>* names,
                                   std::string* what);

@@ -10,7 +10,7 @@
 
 namespace pinode {
 
-// Reads the matrices of an archive, by one of these ways to write them:
+// Reads the matrices of an archive written in one of these ways:
 //
 //   numpy.savez(f, M=..., C=..., K=..., dofs=...)    full arrays by name
 //   scipy.sparse.save_npz(f, K)       one sparse matrix, CSR, CSC or COO; its
@@ -21,13 +21,13 @@ namespace pinode {
 //   numpy.savez(f, K_data=..., K_row=..., K_col=..., K_shape=..., ...)    COO
 //
 // `dofs` (or `dof_names`, `dof_map`) is an array of names or of pairs (node,
-// direction), one for each row. Numbers may be of any real type and byte order;
-// pickled objects are refused, other arrays are left out. On failure
-// *container is untouched.
+// direction), one for each row. Numbers may have any real type and byte order.
+// Pickled objects are refused, and other arrays are ignored. On failure
+// *container is unchanged.
 [[nodiscard]] bool ReadNpz(const std::string& path, MatrixContainer* container,
                            std::string* error);
 
-// The same from the content of the file `path`.
+// Does the same with the content of the file `path`.
 [[nodiscard]] bool ReadNpzContent(const std::string& path,
                                   const std::string& content,
                                   MatrixContainer* container,

@@ -1,4 +1,4 @@
-// One matrix of Nastran's OUTPUT4 files, whichever form they have.
+// One matrix of Nastran's OUTPUT4 files, in text or binary form.
 
 #ifndef PINODE_STRUCTURE_MATRICES_OP4_MATRIX_H_
 #define PINODE_STRUCTURE_MATRICES_OP4_MATRIX_H_
@@ -15,11 +15,12 @@
 
 namespace pinode {
 
-// The header of a string in 16 bits for the length and 16 for the row.
+// Factor between length and row in the header of a string: 16 bits for the
+// length and 16 for the row.
 constexpr int64_t kOp4StringUnit = 65536;
 
-// What the header of one matrix says, and its entries so far. Rows and columns
-// count from 0. Where a function fails, *what says what is wrong.
+// The header of one matrix, and its entries so far. Rows and columns count from
+// 0. A function that fails sets *what to the error.
 struct Op4Matrix {
   std::string name;
   int64_t rows = 0;
@@ -27,39 +28,39 @@ struct Op4Matrix {
   int64_t form = 0;
   int64_t type = 0;
   bool big = false;
-  // Of the header; 0 in binary files.
+  // Line of the header. 0 in binary files.
   int line = 0;
   std::vector<MatrixEntry> entries;
 
   bool is_complex() const { return type >= 3; }
-  // Numbers per entry.
+  // Returns the numbers per entry: 2 for complex matrices, else 1.
   int64_t parts() const { return is_complex() ? 2 : 1; }
-  // Whether `numbers` from `row` on lie in the matrix.
+  // Returns true if `numbers` from `row` on lie in the matrix.
   bool Fits(int64_t row, int64_t numbers) const;
-  // A sentence that they do not.
+  // Returns a sentence for numbers that do not lie in the matrix.
   std::string PlaceText(int64_t row, int64_t column, int64_t numbers) const;
 
-  // Takes the size as the header has it (negative rows: BIGMAT) and checks it
-  // and the type.
+  // Sets the size from the header (negative rows: BIGMAT), and checks it and
+  // the type.
   [[nodiscard]] bool SetSize(int64_t columns, int64_t rows, std::string* what);
 
-  // Takes `count` numbers value_at(0), ... (pairs of them for complex matrices)
-  // into rows from `row` on; `dense`: zeros are filling.
+  // Adds `count` numbers value_at(0), ... (pairs of them for complex matrices)
+  // to the rows from `row` on. With `dense`, zeros are padding.
   template <typename ValueAt>
   [[nodiscard]] bool TakeNumbers(int64_t row, int64_t column, int64_t count,
                                  bool dense, int from_line,
                                  const ValueAt& value_at, std::string* what);
 
-  // Adds the whole matrix to the container. Takes its entries. *failed_line:
-  // where it fails.
+  // Adds the whole matrix to the container and moves its entries. On failure
+  // *failed_line is the line with the error.
   [[nodiscard]] bool Finish(MatrixContainer* container, int* failed_line,
                             std::string* what);
 };
 
-// Nastran's names, in lower case and without the blanks and zero bytes that
-// fill them: at the end, and with 64-bit words, which hold four characters
-// each, also between (`MGGE    XT      ` is mggext). No name has a blank of its
-// own.
+// Returns one of Nastran's names in lower case, without the blanks and zero
+// bytes that pad it. Padding is at the end. With 64-bit words, which hold four
+// characters each, it is also between them (`MGGE XT ` is mggext). No name
+// contains a blank.
 std::string CleanOp4Name(std::string_view text);
 
 template <typename ValueAt>

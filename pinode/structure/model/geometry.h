@@ -1,5 +1,5 @@
-// Where a structure's nodes are and what joins them: for pictures, and for what
-// asks whether a place exists.
+// Positions of a structure's nodes, and the elements that join them. Used for
+// pictures, and to check if a place exists.
 
 #ifndef PINODE_STRUCTURE_MODEL_GEOMETRY_H_
 #define PINODE_STRUCTURE_MODEL_GEOMETRY_H_
@@ -24,7 +24,7 @@ enum class ElementShape {
   kHexahedron,     // 8: two quadrilaterals, one above the other
 };
 
-// Corners of a shape.
+// Returns the number of corners of a shape.
 int NumCorners(ElementShape shape);
 
 struct StructureGeometry {
@@ -39,37 +39,41 @@ struct StructureGeometry {
 
   std::vector<std::string> node_names;  // unique; as in DOFs "node.direction"
   Matrix positions;                     // nodes x 3
-  // Directions 1, 2 and 3 of nodes that have their own, in rows, as vectors of
-  // the axes of `positions`; zero where nobody says. Others have these axes.
+  // Directions 1, 2 and 3 of nodes with their own directions, in rows, as
+  // vectors in the axes of `positions`. Zero: unknown. All other nodes have the
+  // axes of `positions`.
   std::unordered_map<int, Eigen::Matrix3d> axes;
   std::vector<Element> elements;
   std::vector<Set> sets;
-  // What was left out, one sentence each.
+  // Parts of the file that were left out, one sentence each.
   std::vector<std::string> notes;
 
   int num_nodes() const { return static_cast<int>(node_names.size()); }
   bool empty() const { return node_names.empty(); }
-  // Direction 1, 2 or 3 at a node, a unit vector; zero where nobody says.
+  // Returns direction 1, 2 or 3 at a node, a unit vector. Zero if it is
+  // unknown.
   Eigen::Vector3d Direction(int node, int direction) const;
-  // Position of a name (in any case), -1 if there is none.
+  // Returns the position of a set by name (in any case), -1 if there is none.
   int SetIndex(const std::string& name) const;
 
-  // Checks names, sizes, finite positions and indices; one sentence in *error.
+  // Checks names, sizes, finite positions and indices. On failure *error is one
+  // sentence.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
-// Positions of nodes by name.
+// Returns the positions of the nodes by name.
 std::unordered_map<std::string, int> NodeIndex(
     const StructureGeometry& geometry);
 
-// Node and direction (1 to 3 translations, 4 to 6 rotations) of a DOF
-// "node.direction"; false for other names, such as "12.3#1" of a node that a
-// program has added.
+// Splits a DOF "node.direction" into node and direction (1 to 3 translations, 4
+// to 6 rotations). Returns false for other names, such as "12.3#1" of a node
+// that a program has added.
 [[nodiscard]] bool SplitDofName(const std::string& dof, std::string* node,
                                 int* direction);
 
-// Faces of an element, each as corners around it, positions among the
-// element's nodes; those of a line or a point are itself.
+// Returns the faces of an element. Each face lists its corners in order around
+// it, as positions among the element's nodes. A line or a point is its own only
+// face.
 const std::vector<std::vector<int>>& FacesOf(ElementShape shape);
 
 }  // namespace pinode

@@ -1,5 +1,4 @@
-// Symmetry of matrices: how far one is from it, and the nearest one that has
-// it.
+// Symmetry of matrices: the distance from it, and the nearest symmetric matrix.
 
 #ifndef PINODE_STRUCTURE_MODEL_SYMMETRIC_H_
 #define PINODE_STRUCTURE_MODEL_SYMMETRIC_H_
@@ -8,9 +7,9 @@
 
 namespace pinode {
 
-// Matrices whose asymmetry is below this count as symmetric: far above what
-// assembly or condensation in double precision leaves, far below anything that
-// an engineer means.
+// Largest asymmetry of a matrix that counts as symmetric. It is far above the
+// rounding of assembly or condensation in double precision, and far below any
+// intended asymmetry.
 inline constexpr double kSymmetryTolerance = 1e-10;
 
 // The pair of entries (row, column), (column, row) that differ most.
@@ -23,11 +22,11 @@ struct Asymmetry {
   int column = 0;
 };
 
-// The worst pair of a square matrix of finite entries; `relative` is exactly
-// zero if and only if the matrix equals its transpose.
+// Returns the worst pair of a square matrix of finite entries. `relative` is
+// exactly zero if and only if the matrix equals its transpose.
 Asymmetry LargestAsymmetry(const Matrix& matrix);
 
-// (A + A') / 2: of all symmetric matrices the nearest to the square matrix A in
+// Returns (A + A') / 2, the nearest symmetric matrix to the square matrix A in
 // the Frobenius norm.
 Matrix SymmetricPart(const Matrix& matrix);
 

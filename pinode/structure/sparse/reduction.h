@@ -1,5 +1,5 @@
-// Large finite-element models made small: a few coordinates that stand for all
-// DOFs, and how much that costs.
+// Reduction of large finite-element models to a few coordinates, and the error
+// that it causes.
 
 #ifndef PINODE_STRUCTURE_SPARSE_REDUCTION_H_
 #define PINODE_STRUCTURE_SPARSE_REDUCTION_H_
@@ -13,87 +13,92 @@
 
 namespace pinode {
 
-// How the DOFs x follow the coordinates r, x = T r. With kept DOFs a and the
-// others s:
+// Transformation x = T r from the coordinates r to the DOFs x. The kept DOFs
+// are a, and the others are s:
 enum class ReductionMethod {
-  // x_s = -K_ss^-1 K_sa x_a: statically. Exact where the others have no mass.
-  // R. J. Guyan, "Reduction of stiffness and mass matrices", AIAA J. 3 (1965)
-  // 380.
+  // x_s = -K_ss^-1 K_sa x_a: static condensation. Exact if the other DOFs have
+  // no mass. R. J. Guyan, "Reduction of stiffness and mass matrices", AIAA J. 3
+  // (1965) 380.
   kGuyan,
   // x = Phi Phi_a^-1 x_a with as many modes as DOFs are kept: their frequencies
   // and shapes are exact. J. O'Callahan, P. Avitabile, R. Riemer, "System
   // equivalent reduction expansion process", Proc. 7th IMAC (1989).
   kSerep,
-  // Guyan's, and modes of the others with the kept DOFs held. R. R. Craig, M.
-  // C. C. Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6
-  // (1968) 1313-1319.
+  // Guyan's coordinates, and modes of the other DOFs with the kept DOFs fixed.
+  // R. R. Craig, M. C. C. Bampton, "Coupling of substructures for dynamic
+  // analyses", AIAA J. 6 (1968) 1313-1319.
   kCraigBampton,
-  // x = Phi W r: the lowest modes and nothing else. Without kept DOFs W = I;
-  // with a of them, no more than there are modes, W makes them the first a
-  // coordinates, and the others are the modes of what is left while those stand
-  // still, as with Craig and Bampton. With as many DOFs as modes this is SEREP.
+  // x = Phi W r: only the lowest modes. Without kept DOFs W = I. With a kept
+  // DOFs, at most as many as modes, W makes them the first a coordinates. The
+  // other coordinates are the modes of the remaining motion with the kept DOFs
+  // fixed, as with Craig and Bampton. With as many DOFs as modes this is SEREP.
   kModal,
 };
 
 struct ReductionOptions {
   ReductionMethod method = ReductionMethod::kCraigBampton;
-  // DOFs that stay coordinates: sensors, forces, interfaces. At least one but
-  // for kModal.
+  // DOFs that stay coordinates: sensors, forces, interfaces. At least one,
+  // except for kModal.
   std::vector<std::string> kept_dofs;
-  // Modes that become coordinates (kCraigBampton), or that the coordinates have
-  // in all (kModal).
+  // Number of modes that become coordinates (kCraigBampton), or total number of
+  // modes in the coordinates (kModal).
   int num_modes = 0;
-  // Lowest modes of the whole model that the reduced one is held against; fewer
-  // if it has fewer.
+  // Number of the lowest modes of the whole model that are compared with the
+  // reduced one. Fewer if the model has fewer.
   int num_compared_modes = 6;
 };
 
 struct ReducedModel {
-  // Names of the kept DOFs, then q1, q2, ... of modes.
+  // Names of the kept DOFs, then q1, q2, ... for the modes.
   std::vector<std::string> coordinate_names;
   // Positions of the kept DOFs in the whole model.
   std::vector<int> kept_dofs;
   // T, n x coordinates: T r gives responses and shapes at all DOFs.
   Matrix basis;
-  // T' M T, T' C T (zero without C) and T' K T, exactly symmetric.
+  // Reduced matrices T' M T, T' C T (zero without C) and T' K T, exactly
+  // symmetric.
   Matrix mass;
   Matrix damping;
   Matrix stiffness;
-  // Coordinates x rigid-body modes of the whole model: T times these are their
-  // shapes, and K times them is zero.
+  // Rigid-body motions, coordinates x rigid-body modes of the whole model. T
+  // times these gives their shapes, and K times these is zero.
   Matrix rigid_body_motions;
 
-  // Of the whole model, at least as many as are compared where it has them, and
-  // all rigid-body modes.
+  // Modes of the whole model: at least as many as are compared, if it has them,
+  // and all rigid-body modes.
   SparseModes whole_modes;
-  // What the reduction costs, mode by mode of the first of `whole_modes`:
-  // (reduced - whole) / whole of the frequency of the mode that fits it best,
-  // and the MAC of the two over all DOFs; where modes of the whole model share
-  // a frequency, that of the mode and the space of all their partners. The
-  // error is 0 where both are rigid-body modes, NaN where one is or w^2 < 0.
+  // Error of the reduction, for each of the first modes in `whole_modes`:
+  // (reduced - whole) / whole of the frequency of the best-fitting reduced
+  // mode, and the MAC of the two over all DOFs. If modes of the whole model
+  // share a frequency, the mode is compared with the space of all its partners.
+  // The frequency error is 0 if both are rigid-body modes, and NaN if only one
+  // is or if w^2 < 0.
   Vector frequency_error;
   Vector mac;
 
-  // Sentences.
+  // Remarks for the user; sentences.
   std::vector<std::string> notes;
 };
 
-// Reduces a valid model. Fails, with *reduced untouched, if a kept DOF does not
-// exist or is named twice, if the options ask for nothing or too much, if the
-// kept DOFs do not hold the rigid-body modes or the other DOFs can move without
-// stiffness while the kept ones are held (kGuyan, kCraigBampton), if not all
-// rigid-body modes are among the modes taken, or if these do not move the kept
-// DOFs independently (kSerep, kModal).
+// Reduces a valid model. Fails, with *reduced unchanged,
+//
+// - if a kept DOF does not exist or is named twice;
+// - if the options ask for no coordinates or for too many;
+// - if the kept DOFs do not prevent the rigid-body modes, or if the other DOFs
+//   can move without stiffness while the kept ones are fixed (kGuyan,
+//   kCraigBampton);
+// - if not all rigid-body modes are among the modes taken, or if these modes do
+//   not move the kept DOFs independently (kSerep, kModal).
 [[nodiscard]] bool ReduceModel(const FiniteElementModel& model,
                                const ReductionOptions& options,
                                ReducedModel* reduced, std::string* error);
 
-// Ground motion of a reduced model. With r the motion of all n DOFs when the
-// ground moves by one (n x directions) the force on the coordinates is
-// -T' M r a_g. `influence` is r at the kept DOFs, where absolute accelerations
-// are measured, and zero at coordinates of modes; `support_mass_coupling` is
-// T' M r - M_r influence, the rest, so that a StructuralModel with both carries
-// exactly that force.
+// Ground motion of a reduced model. Let r be the motion of all n DOFs when the
+// ground moves by one (n x directions). The force on the coordinates is -T' M r
+// a_g. `influence` is r at the kept DOFs, where absolute accelerations are
+// measured, and zero at modal coordinates. `support_mass_coupling` is the
+// remainder T' M r - M_r influence. A StructuralModel with both has exactly
+// that force.
 struct ReducedInfluence {
   Matrix influence;              // coordinates x directions
   Matrix support_mass_coupling;  // coordinates x directions
@@ -102,8 +107,9 @@ ReducedInfluence ReduceInfluence(const FiniteElementModel& model,
                                  const ReducedModel& reduced,
                                  const Matrix& influence);
 
-// T' A T, made exactly symmetric: a correction group of the whole model in the
-// coordinates of the reduced one. With rigid-body modes: rigid_body.h.
+// Returns T' A T, made exactly symmetric: a correction group of the whole model
+// in the coordinates of the reduced one. For models with rigid-body modes see
+// rigid_body.h.
 Matrix ReduceMatrix(const SparseMatrix& matrix, const Matrix& basis);
 
 }  // namespace pinode
