@@ -12,11 +12,11 @@ namespace pinode {
 
 inline constexpr double kLeakyReluSlope = 0.01;
 
-// Names as the case file and the network file spell them: tanh sigmoid relu
+// Returns the name as in the case file and the network file: tanh sigmoid relu
 // leaky_relu softplus sine identity.
 const char* ActivationName(Activation activation);
 
-// On failure *error names the nearest name, or all that exist.
+// Parses such a name. On failure *error gives the nearest name, or all names.
 [[nodiscard]] bool ParseActivation(std::string_view name,
                                    Activation* activation, std::string* error);
 

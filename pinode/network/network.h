@@ -1,4 +1,4 @@
-// Evaluation of a network and its derivatives by hand.
+// Evaluates a network and its derivatives, which are coded by hand.
 
 #ifndef PINODE_NETWORK_NETWORK_H_
 #define PINODE_NETWORK_NETWORK_H_
@@ -12,21 +12,22 @@ namespace pinode {
 
 class Network;
 
-// One sweep through the layers of a network. All its vectors have their final
-// size after construction.
+// One sweep through the layers of a network. All vectors have their final size
+// after construction.
 class NetworkSweep {
  public:
-  // `last_entry` is what the biases are multiplied by.
+  // `last_entry` is the factor of the biases.
   NetworkSweep(const NetworkArchitecture& architecture, double last_entry);
 
   struct Layer {
-    // a_{l-1}; one more entry, `last_entry`, where the layer has a bias: W_l
-    // and b_l lie side by side and are used as one matrix.
+    // a_{l-1}. If the layer has a bias, one more entry, `last_entry`, follows:
+    // W_l and b_l lie side by side and are used as one matrix.
     Vector input;
-    // Of the activation behind this layer; empty for the last layer.
+    // Input of the activation function of this layer. Empty for the last layer.
     Vector preactivation;
     Vector slope;
-    // On the way back multiplied by the rate's preactivation.
+    // Second derivative of the activation function. The backward sweep
+    // multiplies it by the rate's preactivation.
     Vector curvature;
     // D_l = dy/d(preactivation), num_outputs x rows; empty for the last layer,
     // where it is plus or minus the identity.
@@ -36,13 +37,13 @@ class NetworkSweep {
 };
 
 // A network linearised at one point: its value, its slope, and its derivative
-// by the weights in factors,
+// with respect to the weights in factors,
 //
-//   dy_o / dW_l(i, j) = D_l(o, i) a_{l-1}(j),    dy_o / db_l(i) = D_l(o, i),
+//   dy_o / dW_l(i, j) = D_l(o, i) a_{l-1}(j),    dy_o / db_l(i) = D_l(o, i).
 //
-// which is never multiplied out. In the gauged form there are up to three such
-// products a layer: at the point, at rest, and along the rate of change from
-// rest towards the point.
+// The product is never formed. The gauged form has up to three such products
+// per layer: at the point, at rest, and along the rate of change from rest
+// towards the point.
 class NetworkTangent {
  public:
   explicit NetworkTangent(const Network& network);
@@ -56,19 +57,20 @@ class NetworkTangent {
 
   Vector value_;
   Matrix input_jacobian_;
-  // Adjoint of W_1 (q / s) over all sweeps; only its product with W_1 is kept.
+  // Adjoint of W_1 (q / s) over all sweeps. Only its product with W_1 is
+  // stored.
   Matrix first_adjoint_;
   NetworkSweep point_;
-  // Gauged networks only.
+  // Sweeps of gauged networks only.
   NetworkSweep rest_;
   NetworkSweep rate_;
 };
 
-// Scratch of one thread.
+// Scratch memory of one thread.
 class NetworkWorkspace {
  public:
-  // For products with at most `max_rows` rows, and at most `max_stages`
-  // tangents at a time. Evaluation alone needs none.
+  // Sizes the workspace for products with at most `max_rows` rows and at most
+  // `max_stages` tangents at a time. Evaluation alone needs no such memory.
   explicit NetworkWorkspace(const Network& network, int max_rows = 0,
                             int max_stages = 4);
 
@@ -80,20 +82,20 @@ class NetworkWorkspace {
   NetworkSweep point_;
   NetworkSweep rest_;
   NetworkSweep rate_;
-  // One slice a factor of a layer.
+  // Products of the factors: one slice per factor of a layer.
   Vector products_;
   int slice_;
   std::vector<const double*> lefts_;
   std::vector<const double*> rights_;
-  // The lefts of a product with the outputs' scales, one after the other.
+  // Left factors times the outputs' scales, one after the other.
   Vector scaled_lefts_;
   std::vector<const double*> stage_lefts_;
 };
 
 // A network of a fixed architecture; see network_architecture.h for its
-// equations. It holds no weights: they are passed as one flat block in the
+// equations. It stores no weights. Callers pass them as one flat block in the
 // order of WeightLayout, so one object serves every thread and every iterate.
-// Its methods allocate nothing, unless they say so.
+// Its methods allocate no memory, unless stated.
 class Network {
  public:
   // The architecture must be valid.
@@ -105,45 +107,47 @@ class Network {
   int num_outputs() const { return architecture_.num_outputs; }
   int num_weights() const { return layout_.size; }
 
-  // y = g(q), or the gauged y(q). `q` has num_inputs entries, in the features'
-  // units, `y` num_outputs.
+  // Computes y = g(q), or the gauged y(q). `q` has num_inputs entries, in the
+  // features' units. `y` has num_outputs entries.
   void Evaluate(const double* q, const double* weights, double* y,
                 NetworkWorkspace* workspace) const;
 
-  // Value, slope and factors at q.
+  // Computes value, slope and factors at q.
   void Linearize(const double* q, const double* weights,
                  NetworkTangent* tangent) const;
 
-  // B += left * dy/dweights. `left` is m x num_outputs, `B` is m x num_weights,
-  // column-major, without gaps; m is at most the workspace's max_rows.
+  // Computes B += left * dy/dweights. `left` is m x num_outputs. `B` is m x
+  // num_weights, column-major, without gaps. m is at most the workspace's
+  // max_rows.
   void AddWeightTangent(const NetworkTangent& tangent, const Matrix& left,
                         NetworkWorkspace* workspace, double* B) const;
 
-  // B += sum_s lefts[s] * dy/dweights at stages[s], for `count` stages (at most
-  // the workspace's max_stages) in one pass over B. All `lefts` have the same
-  // number of rows.
+  // Computes B += sum_s lefts[s] * dy/dweights at stages[s], for `count` stages
+  // (at most the workspace's max_stages) in one pass over B. All `lefts` have
+  // the same number of rows.
   void AddWeightTangents(const NetworkTangent* const* stages,
                          const Matrix* const* lefts, int count,
                          NetworkWorkspace* workspace, double* B) const;
 
-  // dy/dweights multiplied out, num_outputs x num_weights. Allocates.
+  // Returns dy/dweights as one matrix, num_outputs x num_weights. Allocates.
   Matrix WeightJacobian(const NetworkTangent& tangent) const;
 
  private:
-  // Sets the sweeps' inputs of every layer. With `tangent`, also what the
-  // adjoints need.
+  // Sets the sweeps' inputs of every layer. With `tangent`, also sets the data
+  // that the adjoints need.
   void SweepForward(const double* q, const double* weights, bool tangent,
                     NetworkSweep* point, NetworkSweep* rest,
                     NetworkSweep* rate) const;
-  // The same for one of `point` and `rest`, whose first input is set.
+  // Does the same for one of `point` and `rest`, whose first input is set.
   void SweepLayers(const double* weights, bool slope, bool curvature,
                    NetworkSweep* sweep) const;
   void EvaluateOutput(const NetworkSweep& point, const double* weights,
                       double* y) const;
   void SweepBackward(const double* weights, NetworkTangent* tangent) const;
-  // What the scales of inputs and outputs make of the inner network's.
+  // Applies the scales of inputs and outputs to the Jacobian of the inner
+  // network.
   void ScaleJacobian(Matrix* jacobian) const;
-  // Points the workspace at `lefts` with the outputs' scales.
+  // Points the workspace at `lefts`, multiplied by the outputs' scales.
   void ScaleLefts(const Matrix* const* lefts, int count,
                   NetworkWorkspace* workspace) const;
 

@@ -1,8 +1,8 @@
 // A network on any scalar type, for automatic differentiation.
 //
-// Plain loops that mirror the equations of network_architecture.h. They
-// allocate, and they are slow beside class Network, whose hand-written
-// derivatives they check.
+// Plain loops follow the equations of network_architecture.h. They allocate
+// memory and are slower than class Network. They check its hand-written
+// derivatives.
 
 #ifndef PINODE_NETWORK_NETWORK_FUNCTOR_H_
 #define PINODE_NETWORK_NETWORK_FUNCTOR_H_
@@ -25,14 +25,14 @@ T EvaluateActivation(Activation activation, const T& z) {
     case Activation::kTanh:
       return tanh(z);
     case Activation::kSigmoid:
-      // 1 / (1 + exp(-z)), without its overflow in the derivatives.
+      // 1 / (1 + exp(-z)), without overflow in its derivatives.
       return 0.5 * (1.0 + tanh(0.5 * z));
     case Activation::kRelu:
       return z <= T(0.0) ? T(0.0) : z;  // NaN stays NaN.
     case Activation::kLeakyRelu:
       return z <= T(0.0) ? kLeakyReluSlope * z : z;
     case Activation::kSoftplus:
-      // log(1 + exp(z)), without its overflow.
+      // log(1 + exp(z)), without overflow.
       return z > T(0.0) ? z + log1p(exp(-z)) : log1p(exp(z));
     case Activation::kSine:
       return sin(z);
@@ -42,7 +42,7 @@ T EvaluateActivation(Activation activation, const T& z) {
   return z;
 }
 
-// First derivative of the above.
+// Returns the first derivative of EvaluateActivation.
 template <typename T>
 T EvaluateActivationSlope(Activation activation, const T& z) {
   using std::cos;
@@ -70,8 +70,8 @@ T EvaluateActivationSlope(Activation activation, const T& z) {
   return T(1.0);
 }
 
-// y = g(q), or the gauged y(q). `q` has num_inputs entries, `weights`
-// NumWeights() in the order of WeightLayout, `y` num_outputs.
+// Computes y = g(q), or the gauged y(q). `q` has num_inputs entries, `weights`
+// has NumWeights() in the order of WeightLayout, `y` has num_outputs.
 template <typename T>
 void EvaluateNetwork(const NetworkArchitecture& architecture, const T* q,
                      const T* weights, T* y) {

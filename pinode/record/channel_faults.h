@@ -1,4 +1,4 @@
-// What is wrong with the channels of a record, whoever looks at them.
+// Finds faults in the channels of any record.
 
 #ifndef PINODE_RECORD_CHANNEL_FAULTS_H_
 #define PINODE_RECORD_CHANNEL_FAULTS_H_
@@ -10,17 +10,17 @@
 
 namespace pinode {
 
-// Correlation of two series about their means, over the samples that both have
-// (NaN: missing); 0 where one of them is constant there.
+// Returns the correlation of two series about their means, over the samples
+// that both have (NaN: missing). Returns 0 if one of them is constant there.
 double CorrelationOfPresent(const Vector& a, const Vector& b);
 
-// What a channel is that nothing can be done with: one with an infinite sample,
-// or whose samples are all alike or missing. A phrase that follows its name;
-// empty: none of this.
+// Returns the reason why a channel cannot be used: an infinite sample, or
+// samples that are all alike or missing. The phrase follows the channel's name.
+// Empty: usable.
 std::string WhyChannelIsUseless(const Vector& values);
 
-// What is wrong with sensors, a sentence each: a channel that says the same
-// over and over, one that is cut off at its range, two that are one. `samples`:
+// Returns the faults of sensors, one sentence each: a channel that repeats its
+// values, one that is clipped at its range, or two equal channels. `samples`:
 // channels x samples.
 std::vector<std::string> FindChannelFaults(
     const std::vector<std::string>& channels, const Matrix& samples);

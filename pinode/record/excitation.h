@@ -13,46 +13,47 @@ namespace pinode {
 struct Channel;
 struct Record;
 
-// What an input is taken to do between two samples. It is stated, never
-// guessed: held against linear alone moves an identified stiffness by a per
-// cent.
+// Interpolation of an input between two samples. The user states it; it is
+// never guessed. Held instead of linear moves an identified stiffness by one
+// per cent.
+//
 //   held    the left sample, up to the next one
 //   linear  the straight line
 //   cubic   Catmull-Rom: the cubic with slopes (u_(i+1) - u_(i-1)) / 2 per
-//   step;
-//           the end samples are repeated outside, as in Ceres'
+//           step; the end samples are repeated outside, as in Ceres'
 //           CubicInterpolator
-//   band_limited  the signal of which these are the samples, as a logger behind
-//           an anti-aliasing filter leaves them: 64 samples weighed by a sinc
-//           in a Kaiser window, exact to 2e-5 of the amplitude of what is below
-//           0.88 of half the sampling rate. Beyond the end samples it is
-//           mirrored at them, which shows within 32 samples of an end of what
-//           is not periodic.
+//   band_limited  the signal with these samples, as behind a logger's
+//           anti-aliasing filter: 64 samples weighted by a sinc in a Kaiser
+//           window, exact to 2e-5 of the amplitude below 0.88 of half the
+//           sampling rate. The signal is mirrored at the end samples. For a
+//           signal that is not periodic this causes errors within 32 samples
+//           of an end.
 enum class Interpolation { kHeld, kLinear, kCubic, kBandLimited };
 
-// "held", "linear", "cubic" or "band_limited".
+// Returns "held", "linear", "cubic" or "band_limited".
 const char* InterpolationName(Interpolation interpolation);
-// False, with *interpolation untouched, if the name is another.
+// Parses such a name. Returns false, with *interpolation unchanged, for any
+// other.
 [[nodiscard]] bool ParseInterpolation(const std::string& name,
                                       Interpolation* interpolation);
 
-// Uniformly sampled inputs. Time is addressed by sample interval and fraction
-// of it rather than as one number: integrators step inside intervals, and a
-// held input must keep the left sample up to the interval's right end, where
-// the next interval begins with another value.
+// Uniformly sampled inputs. A time is given by its sample interval and the
+// fraction of that interval. Integrators step inside intervals. A held input
+// must keep the left sample up to the interval's right end, where the next
+// interval begins with another value.
 class Excitation {
  public:
-  // `samples` is inputs x samples; sample i is at start_time + i * step. No
-  // inputs (0 rows) are allowed. It holds whatever it is given: that numbers
-  // are finite, the step positive and samples there is asked by
-  // IdentificationProblem::IsValid. `periodic`: the samples are whole periods,
-  // behind the last one comes the first again; for the others the last values
-  // hold.
+  // `samples` is inputs x samples, and sample i is at start_time + i * step. No
+  // inputs (0 rows) are allowed. The constructor checks nothing.
+  // IdentificationProblem::IsValid checks that numbers are finite, that the
+  // step is positive and that there are samples. With `periodic` the samples
+  // are whole periods, and the first sample follows the last one. Otherwise the
+  // last values hold.
   Excitation(double start_time, double step, Matrix samples,
              Interpolation interpolation, bool periodic = false);
 
-  // Inputs at start_time + (interval + fraction) * step, 0 <= fraction <= 1,
-  // into inputs[0 .. num_inputs()). Allocates nothing.
+  // Computes the inputs at start_time + (interval + fraction) * step, 0 <=
+  // fraction <= 1, into inputs[0 .. num_inputs()). Allocates no memory.
   void Evaluate(Eigen::Index interval, double fraction, double* inputs) const;
 
   int num_inputs() const { return static_cast<int>(samples_->rows()); }
@@ -64,17 +65,19 @@ class Excitation {
   }
   Interpolation interpolation() const { return interpolation_; }
   bool periodic() const { return periodic_; }
-  // How many samples on either side of an instant take part in its value.
+  // Returns the number of samples on either side of an instant that affect its
+  // value.
   int reach() const;
-  // inputs x samples.
+  // Returns the samples, inputs x samples.
   const Matrix& samples() const { return *samples_; }
-  // The same, which copies share.
+  // Returns the same samples, which copies share.
   const std::shared_ptr<const Matrix>& shared_samples() const {
     return samples_;
   }
 
  private:
-  // The samples as they go on beyond both ends.
+  // Adds sample number `sample` times `weight` to *result. Numbers beyond both
+  // ends mean the extended samples.
   template <typename Target>
   void AddSample(Eigen::Index sample, double weight, Target* result) const;
 
@@ -85,9 +88,9 @@ class Excitation {
   bool periodic_;
 };
 
-// False if a sample of the channel is missing: a response may have gaps, an
-// excitation may not, for the structure felt it. *error names record, channel
-// and the times of the first gap.
+// Checks that no sample of the channel is missing. A response may have gaps. An
+// excitation may not, because the structure responded to it. On failure *error
+// names the record, the channel and the times of the first gap.
 [[nodiscard]] bool IsCompleteExcitation(const Record& record,
                                         const Channel& channel,
                                         std::string* error);

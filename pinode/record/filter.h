@@ -14,15 +14,15 @@ enum class FilterType { kLowPass, kHighPass, kBandPass };
 
 struct FilterOptions {
   FilterType type = FilterType::kLowPass;
-  // One corner for low and high pass, two (lower, upper) for band pass; in
-  // cycles per unit of time. The one-way gain there is 1/sqrt(2), so that of
-  // the filter is 1/2.
+  // Corner frequencies in cycles per unit of time: one for low and high pass,
+  // two (lower, upper) for band pass. The one-way gain there is 1/sqrt(2), so
+  // the gain of the filter is 1/2.
   std::vector<double> corner_frequencies;
-  // Of the one-way filter (a band pass has twice as many poles).
+  // Order of the one-way filter (a band pass has twice as many poles).
   int order = 4;
 
-  // Corners inside (0, Nyquist) and in order, order 1 to 10. On failure *error
-  // says what.
+  // Checks that corners are inside (0, Nyquist) and in order, and that the
+  // order is 1 to 10. On failure *error gives the reason.
   [[nodiscard]] bool IsValid(double sampling_step, std::string* error) const;
 };
 
@@ -32,21 +32,22 @@ struct FilterOptions {
 //   gain(f) = 1 / (1 + W(f)^(2 n)),   W = tan(pi f dt) / tan(pi fc dt)
 //
 // for the low pass of order n with corner fc (for the others W is mapped the
-// usual way). The one-way filter is a cascade of second-order sections, from
-// the analog prototype by the bilinear transform with its corners prewarped.
+// usual way). The one-way filter is a cascade of second-order sections. It
+// comes from the analog prototype by the bilinear transform with prewarped
+// corners.
 //
-// Ends: the history is continued on both sides by its odd reflection about the
-// end sample, 2 x(0) - x(k), and each pass starts in the steady state of its
-// first sample. Source: F. Gustafsson, "Determining the initial states in
-// forward-backward filtering", IEEE Trans. Signal Processing 44 (1996) 988;
-// the reflection's length is that of SciPy's sosfiltfilt (where the history is
-// too short for it, the longest one that there is).
+// Ends: both sides are extended by the odd reflection about the end sample, 2
+// x(0) - x(k). Each pass starts in the steady state of its first sample.
+// Source: F. Gustafsson, "Determining the initial states in forward-backward
+// filtering", IEEE Trans. Signal Processing 44 (1996) 988. The reflection's
+// length is that of SciPy's sosfiltfilt, or the longest possible one for a
+// short history.
 //
-// The result is a linear function of the history, ends included: filtering
+// The result is a linear function of the history, including its ends: filtering
 // commutes with sums, factors and derivatives.
 class ZeroPhaseFilter {
  public:
-  // `options` is valid for `sampling_step`.
+  // `options` must be valid for `sampling_step`.
   ZeroPhaseFilter(const FilterOptions& options, double sampling_step);
 
   // Filters a history, or each column of a matrix (samples x histories), in
@@ -54,18 +55,20 @@ class ZeroPhaseFilter {
   void Apply(Vector* values) const;
   void Apply(Matrix* columns) const;
 
-  // Gain of the whole filter, both ways, for a long sine of that frequency.
+  // Returns the gain of the whole filter, both ways, for a long sine of that
+  // frequency.
   double Gain(double frequency) const;
 
-  // Samples by which the history is continued on either side.
+  // Number of samples by which each side of the history is extended.
   int padding() const { return padding_; }
 
  private:
-  // y_i = b0 x_i + b1 x_(i-1) + b2 x_(i-2) - a1 y_(i-1) - a2 y_(i-2)
+  // One section: y_i = b0 x_i + b1 x_(i-1) + b2 x_(i-2) - a1 y_(i-1) - a2
+  // y_(i-2).
   struct Section {
     double b0, b1, b2, a1, a2;
-    // State (direct form II transposed) in which a constant input of 1 into
-    // the *cascade* leaves this section at rest.
+    // Steady state (direct form II transposed) of this section for a constant
+    // input of 1 into the *cascade*.
     double state1, state2;
   };
 

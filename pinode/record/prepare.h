@@ -1,5 +1,5 @@
-// Small steps between a file's columns and a record that can be fitted.
-// Everything here knows that NaN means a missing sample.
+// Small steps that turn a file's columns into a record that can be fitted. In
+// all functions NaN means a missing sample.
 
 #ifndef PINODE_RECORD_PREPARE_H_
 #define PINODE_RECORD_PREPARE_H_
@@ -20,27 +20,27 @@ struct Gap {
 };
 std::vector<Gap> FindGaps(const Vector& values);
 
-// Subtracts the mean, which is returned (0 where nothing is present).
+// Subtracts the mean and returns it (0 if all samples are missing).
 double RemoveOffset(Vector* values);
 
-// A straight line across each gap, the nearest sample before the first and
-// after the last. At least one sample is present.
+// Returns the values with each gap filled by a straight line. Gaps at the ends
+// get the nearest sample. At least one sample must be present.
 Vector FillMissing(const Vector& values);
 
-// Makes missing in *values what is missing in `pattern`. The way back after
-// FillMissing() and a filter.
+// Sets to missing in *values the samples that are missing in `pattern`. Use it
+// after FillMissing() and a filter.
 void CopyMissing(const Vector& pattern, Vector* values);
 
 // Converts a channel to the model's unit of `dimension` and multiplies it by
-// `sign` (+1 or -1: a sensor mounted upside down). False, with the channel
-// untouched, if its unit is not one of that dimension.
+// `sign` (+1 or -1: a sensor mounted upside down). Returns false, with the
+// channel unchanged, if its unit is not one of that dimension.
 [[nodiscard]] bool ConvertChannel(Dimension dimension, const UnitSystem& system,
                                   int sign, Channel* channel,
                                   std::string* error);
 
-// The samples of `record` with from <= t <= to; a sample that rounding puts
-// just outside counts as inside. False if the window is reversed, reaches
-// beyond the record by more than one step, or holds fewer than two samples.
+// Selects the samples of `record` with from <= t <= to. A sample just outside
+// by rounding counts as inside. Returns false if the window is reversed,
+// exceeds the record by more than one step, or holds fewer than two samples.
 [[nodiscard]] bool SelectWindow(const Record& record, double from, double to,
                                 Record* window, std::string* error);
 

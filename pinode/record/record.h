@@ -10,7 +10,7 @@
 
 namespace pinode {
 
-// One measured quantity over time. NaN marks a sample that is missing.
+// One measured quantity over time. NaN marks a missing sample.
 struct Channel {
   std::string name;
   std::string unit = "1";
@@ -24,24 +24,25 @@ struct Record {
   double sampling_step = 0.0;
   std::vector<Channel> channels;
 
-  // Samples of every channel; 0 without channels.
+  // Returns the number of samples of every channel; 0 without channels.
   Eigen::Index num_samples() const {
     return channels.empty() ? 0 : channels[0].values.size();
   }
   double time(Eigen::Index sample) const {
     return start_time + static_cast<double>(sample) * sampling_step;
   }
-  // From the first sample to the last.
+  // Returns the time from the first sample to the last.
   double duration() const {
     return channels.empty()
                ? 0.0
                : static_cast<double>(num_samples() - 1) * sampling_step;
   }
-  // Null if no channel has that name.
+  // Returns the channel of that name, or null if there is none.
   const Channel* FindChannel(const std::string& channel_name) const;
 
-  // At least two samples, as many in each channel; a finite start; a positive
-  // step; channel names given and given once. On failure *error says what.
+  // Checks the record: at least two samples, the same number in each channel, a
+  // finite start, a positive step, and unique, non-empty channel names. On
+  // failure *error gives the reason.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

@@ -1,4 +1,5 @@
-// Samples of measured loads and responses that no sensor in order gives.
+// Finds samples of measured loads and responses that a working sensor does not
+// produce.
 
 #ifndef PINODE_RECORD_SAMPLE_FAULTS_H_
 #define PINODE_RECORD_SAMPLE_FAULTS_H_
@@ -10,7 +11,7 @@
 
 namespace pinode {
 
-// A column of a record, as it came.
+// A column of a record, unprocessed.
 struct WatchedSignal {
   enum class Kind { kResponse, kLoad, kCovariate };
 
@@ -20,28 +21,31 @@ struct WatchedSignal {
   Vector values;  // NaN: missing
 };
 
-// Samples that are not of the others' kind.
+// Samples that differ in kind from the others.
 struct Outliers {
   std::vector<Eigen::Index> samples;  // ascending; empty: there are none
-  // By how much the least of them is further out than all others.
+  // Distance of the least outlier from the median, relative to the most distant
+  // other sample.
   double ratio = 0.0;
-  // All have one value, as what stands for missing samples has.
+  // True if all outliers have one value, like a code for missing samples.
   bool alike = false;
 };
 
-// A few samples (ten, or a thousandth, at most; in any number those that have
-// all the same value) that are four times as far from the median as every
-// other sample; else single ones that are four times as far from what is around
-// them. Neither a load with blows nor a decay has such: on the way to its peak
-// and back there are others, or there is nothing but noise beside it.
+// Finds a few samples that are four times as far from the median as every other
+// sample. A few means at most ten or a thousandth, or any number if all have
+// the same value. If there are none, finds single samples that are four times
+// as far from their neighbourhood. Neither a load with blows nor a decay has
+// such samples: they have neighbours on the way to the peak and back, or only
+// noise beside them.
 Outliers FindOutliers(const Vector& values);
 
-// What is wrong with the signals of a forced record, one sentence or two each:
-// outliers, a response that hangs, is read too rarely, is cut off at its range,
-// or is another one once more. Blows are told from bad samples by what the rest
-// of the record does then: a load's outlier that responses follow is a blow,
-// and so is a response's in the middle of one. Loads may stand still or at
-// their limits. Sample k is at start_time + k * step, in `time_unit`.
+// Returns the faults in the signals of a forced record, one or two sentences
+// each. Faults are outliers, and a response that hangs, is sampled too rarely,
+// is clipped at its range, or repeats another one. The rest of the record
+// separates blows from bad samples. A load's outlier that responses follow is a
+// blow, and so is a response's outlier in the middle of one. Loads may stand
+// still or stay at their limits. Sample k is at start_time + k * step, in
+// `time_unit`.
 std::vector<std::string> FindSampleFaults(
     const std::vector<WatchedSignal>& signals, double start_time, double step,
     const std::string& time_unit);

@@ -8,13 +8,13 @@
 
 namespace pinode {
 
-// d values / dt at the samples: central differences of the fourth order, of the
-// second at the ends.
+// Returns d values / dt at the samples: central differences of the fourth
+// order, of the second order at the ends.
 Vector Differentiate(const Vector& values, double step);
 
-// Displacement of the ground at the samples, at rest before the first: the
-// exact double integral of the acceleration as `interpolation` has it between
-// samples.
+// Returns the displacement of the ground at the samples, at rest before the
+// first. It is the exact double integral of the acceleration with
+// `interpolation` between samples.
 Vector IntegrateTwice(const Vector& acceleration, double step,
                       Interpolation interpolation);
 

@@ -12,32 +12,32 @@
 namespace pinode {
 
 struct Table {
-  // Where it was read from, for messages.
+  // File of the table, for messages.
   std::string path;
   std::vector<std::string> columns;
-  // rows x columns; NaN where the cell is empty.
+  // Values, rows x columns; NaN for an empty cell.
   Matrix values;
-  // Per row, the line of the file on which it begins (from 1).
+  // For each row, the line of the file on which it begins (from 1).
   std::vector<int64_t> line_numbers;
 
   Eigen::Index num_rows() const { return values.rows(); }
-  // Position in `columns`, or -1.
+  // Returns the position in `columns`, or -1.
   int FindColumn(const std::string& name) const;
 };
 
-// Reads a table: a header line with the columns' names, then one line a row.
+// Reads a table: a header line with the columns' names, then one line per row.
 //
-// The delimiter is the one that the header line holds most often: tab,
+// The delimiter is the one that the header line contains most often: tab,
 // semicolon or comma. Cells may be quoted ("..."; a quote inside is doubled).
 // Blank lines, lines that begin with '#', a byte order mark and all kinds of
-// line ends are accepted. Numbers have a decimal point (see ParseDouble());
-// an empty cell or "nan" is a missing value.
+// line ends are accepted. Numbers have a decimal point (see ParseDouble()). An
+// empty cell or "nan" is a missing value.
 //
-// Only the columns in `wanted` are kept, in that order (a name twice is kept
-// once); text or infinite numbers in other columns do no harm. An empty
+// Only the columns in `wanted` are kept, in that order (a repeated name is kept
+// once). Text or infinite numbers in other columns are ignored. An empty
 // `wanted` means every column of the file.
 //
-// Refused with `path:line: ...`: an unreadable file, no header or no rows, an
+// Refuses with `path:line: ...`: an unreadable file, no header or no rows, an
 // unknown column (with the nearest name) or one whose name occurs twice, rows
 // with more or fewer cells than the header, text in a wanted column (decimal
 // commas are explained), stray or unclosed quotes.
@@ -45,7 +45,8 @@ struct Table {
                                 const std::vector<std::string>& wanted,
                                 Table* table, std::string* error);
 
-// As ReadCsvTable, of a text in memory; `path` serves messages only.
+// Does what ReadCsvTable does, for a text in memory. `path` is only used in
+// messages.
 [[nodiscard]] bool ParseCsvTable(std::string text, const std::string& path,
                                  const std::vector<std::string>& wanted,
                                  Table* table, std::string* error);

@@ -1,4 +1,4 @@
-// Records in files that hold arrays by name: MATLAB, NumPy, HDF5.
+// Reads records from files that hold arrays by name: MATLAB, NumPy, HDF5.
 
 #ifndef PINODE_RECORD_FILES_ARRAY_TABLE_H_
 #define PINODE_RECORD_FILES_ARRAY_TABLE_H_
@@ -10,21 +10,21 @@
 
 namespace pinode {
 
-// The arrays of a file (see base/arrays/array_files.h) as a table: an array of
-// one dimension is the column of its name, of one of two dimensions the columns
-// are "name[1]", "name[2]" and so on, the longer dimension being that of time.
-// NaN is a missing value. `wanted` as for ReadCsvTable; empty: all columns of
-// the arrays that have the most samples.
+// Reads the arrays of a file (see base/arrays/array_files.h) as a table. An
+// array of one dimension becomes the column of its name. An array of two
+// dimensions becomes the columns "name[1]", "name[2]" and so on; time runs
+// along its longer dimension. NaN is a missing value. `wanted` as for
+// ReadCsvTable; empty: all columns of the arrays that have the most samples.
 //
-// Refused with `path: ...`: an unreadable file, an unknown column (with the
-// nearest name), wanted arrays of different lengths, of more than two
-// dimensions, with complex or infinite numbers.
+// Refuses with `path: ...`: an unreadable file, an unknown column (with the
+// nearest name), and wanted arrays of different lengths, of more than two
+// dimensions, or with complex or infinite numbers.
 [[nodiscard]] bool ReadArrayTable(const std::string& path,
                                   const std::vector<std::string>& wanted,
                                   Table* table, std::string* error);
 
-// Any table, by what the file's extension says: universal files, arrays by
-// name, else CSV.
+// Reads any table. The format follows from the extension: universal files,
+// arrays by name, else CSV.
 [[nodiscard]] bool ReadTable(const std::string& path,
                              const std::vector<std::string>& wanted,
                              Table* table, std::string* error);

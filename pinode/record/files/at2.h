@@ -1,4 +1,4 @@
-// Ground motions in the text format of the PEER strong motion database.
+// Reads ground motions in the text format of the PEER strong motion database.
 
 #ifndef PINODE_RECORD_FILES_AT2_H_
 #define PINODE_RECORD_FILES_AT2_H_
@@ -10,7 +10,7 @@
 namespace pinode {
 
 struct At2Motion {
-  // The lines above the one with NPTS, joined by " | ".
+  // Title: the lines above the one with NPTS, joined by " | ".
   std::string title;
   // Sampling step (s); the first sample is at t = 0.
   double sampling_step = 0.0;
@@ -18,18 +18,21 @@ struct At2Motion {
   Vector acceleration;
 };
 
-// Reads an AT2 file: a few title lines, then one that gives the number of
-// points and the step in one of its spellings
+// Reads an AT2 file. A few title lines come first, then one line with the
+// number of points and the step in one of these spellings:
+//
 //   NPTS=   4172, DT=   .0100 SEC,
 //   NPTS = 7990, DT = .005 SEC
 //   4000   0.0050   NPTS, DT
-// then the points, any number to a line; text lines behind the last point are
-// ignored. Refused with `path:line: ...`: no such line among the first 40, a
+//
+// The points follow, any number per line. Text lines behind the last point are
+// ignored. Refuses with `path:line: ...`: no such line among the first 40, a
 // unit other than g, text among the points, fewer or more points than NPTS.
 [[nodiscard]] bool ReadAt2(const std::string& path, At2Motion* motion,
                            std::string* error);
 
-// As ReadAt2, of a text in memory; `path` serves messages only.
+// Does what ReadAt2 does, for a text in memory. `path` is only used in
+// messages.
 [[nodiscard]] bool ParseAt2(const std::string& text, const std::string& path,
                             At2Motion* motion, std::string* error);
 

@@ -1,5 +1,5 @@
-// Data sets of universal files, one at a time, each from behind the line with
-// its number to its end.
+// Parses data sets of universal files, one at a time. Each function reads from
+// behind the line with the set's number to the set's end.
 
 #ifndef PINODE_RECORD_FILES_UNIVERSAL_SETS_H_
 #define PINODE_RECORD_FILES_UNIVERSAL_SETS_H_
@@ -13,37 +13,39 @@
 
 namespace pinode {
 
-// The "    -1" behind a set.
+// Reads the "    -1" behind a set.
 [[nodiscard]] bool EndUniversalSet(UniversalLines* in, std::string* what);
-// Texts of five lines; "NONE" is nothing.
+// Reads texts of five lines. "NONE" means an empty text.
 void ReadUniversalTexts(UniversalLines* in, std::array<std::string, 5>* texts);
 
-// 58; `header` is the line with the number, which says how bytes are ordered
-// where the set is `binary`.
+// Parses set 58. `header` is the line with the number. If the set is `binary`,
+// it gives the byte order.
 [[nodiscard]] bool ParseUniversalFunction(bool binary,
                                           const std::string& header,
                                           UniversalLines* in,
                                           UniversalFile* file,
                                           std::string* what);
-// 15, of label and position on one of `lines`, and 2411, on two.
+// Parses set 15, with label and position on one of `lines`, and set 2411, on
+// two lines.
 [[nodiscard]] bool ParseUniversalNodes(int lines, UniversalLines* in,
                                        UniversalFile* file, std::string* what);
-// 18 and 2420. What cannot be read is a system that is not known, and no error
-// where nobody asks for it.
+// Parses sets 18 and 2420. A system that cannot be read counts as unknown. It
+// is an error only if it is needed.
 void ParseUniversalSystems(UniversalLines* in, UniversalFile* file);
 void ParseUniversalSystemMatrices(UniversalLines* in, UniversalFile* file);
-// 82, and 2412: closed lines through the nodes of elements, beams as they are.
+// Parse set 82, and set 2412 as closed lines through the nodes of elements.
+// Beams stay open.
 [[nodiscard]] bool ParseUniversalLine(UniversalLines* in, UniversalFile* file,
                                       std::string* what);
 [[nodiscard]] bool ParseUniversalElements(UniversalLines* in,
                                           UniversalFile* file,
                                           std::string* what);
-// 55.
+// Parses set 55.
 [[nodiscard]] bool ParseUniversalShape(UniversalLines* in, UniversalFile* file,
                                        std::string* what);
 
-// "abscissa from 0 by 0.0083333333333333332", where the columns of the two do
-// not hold them; empty where they do.
+// Returns "abscissa from 0 by 0.0083333333333333332" if the columns cannot hold
+// the two numbers, else an empty text.
 std::string UniversalAbscissaNote(double start, double step);
 
 }  // namespace pinode

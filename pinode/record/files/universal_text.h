@@ -10,19 +10,19 @@
 
 namespace pinode {
 
-// Lines of a text, and the bytes between them.
+// Iterates over the lines of a text, and the bytes between them.
 class UniversalLines {
  public:
   explicit UniversalLines(std::string_view bytes) : rest_(bytes) {}
 
   bool AtEnd() const { return rest_.empty(); }
-  // Without the line break; empty at the end.
+  // Returns the next line without its line break. Empty at the end.
   std::string_view Next();
   std::string_view Peek() const;
-  // Whether a data set ends at the next line, or the text does.
+  // Returns true if a data set, or the text, ends at the next line.
   bool AtEndOfSet() const;
   std::string_view Bytes(size_t count);
-  // What is left behind the next `skip` bytes.
+  // Returns the text behind the next `skip` bytes.
   UniversalLines Behind(size_t skip) const;
   size_t left() const { return rest_.size(); }
 
@@ -30,32 +30,34 @@ class UniversalLines {
   std::string_view rest_;
 };
 
-// Whether a line begins or ends a data set: "    -1".
+// Returns true if a line begins or ends a data set: "    -1".
 bool IsUniversalSeparator(std::string_view line);
 
-// Columns `begin` on of a line, stripped.
+// Returns `width` columns of a line from column `begin`, without blanks around
+// them.
 std::string_view UniversalField(std::string_view line, size_t begin,
                                 size_t width);
-// The same as a text; "NONE" stands for nothing.
+// Returns the same as a text. "NONE" means an empty text.
 std::string UniversalTextField(std::string_view line, size_t begin,
                                size_t width);
-// Numbers in columns; blank means zero.
+// Parse numbers in columns. Blank means zero.
 [[nodiscard]] bool UniversalIntField(std::string_view line, size_t begin,
                                      size_t width, int* value);
 [[nodiscard]] bool UniversalRealField(std::string_view line, size_t begin,
                                       size_t width, double* value);
 
-// Appends the numbers of a line, which may touch.
+// Appends the numbers of a line. They may touch each other.
 [[nodiscard]] bool UniversalNumbers(std::string_view line,
                                     std::vector<double>* values);
 [[nodiscard]] bool UniversalIntegers(std::string_view line,
                                      std::vector<int>* values);
 [[nodiscard]] bool UniversalInteger(double number, int* value);
 
-// A number in `width` columns, the first of them blank, for readers by columns
-// and by blanks alike: of "1.2345e-5" and "0.000012345" what is nearer, with a
-// decimal point always, without which Fortran would read 1 as 0.00001. In 13
-// columns -1.2345e-100 has the fewest digits, in 25 any number is exact.
+// Returns a number in `width` columns, the first of them blank, so that readers
+// by columns and readers by blanks understand it. Of forms like "1.2345e-5" and
+// "0.000012345" it uses the more accurate one. It always writes a decimal
+// point, because Fortran would read 1 as 0.00001. With 13 columns, -1.2345e-100
+// has the fewest digits. With 25 columns any number is exact.
 std::string UniversalNumber(double value, size_t width);
 
 }  // namespace pinode

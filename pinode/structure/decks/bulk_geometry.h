@@ -21,7 +21,7 @@ namespace pinode {
 // - Refused are grids in another than the basic coordinate system (their own or
 //   by GRDSET), INCLUDE, and files without GRID.
 //
-// Returns false with `file:line:`, the error and the expected input in *error.
+// Returns false with `file:line: error, expected ...` in *error.
 [[nodiscard]] bool ReadBulkGeometry(const std::string& path,
                                     StructureGeometry* geometry,
                                     std::string* error);

@@ -30,7 +30,7 @@ namespace pinode {
 // parts, or a part and the assembly, have different sets of one name, only the
 // long names exist ("ASSEMBLY.set" for the assembly's).
 //
-// Returns false with `file:line:`, the error and the expected input in *error.
+// Returns false with `file:line: error, expected ...` in *error.
 [[nodiscard]] bool ReadDeckGeometry(const std::string& path,
                                     StructureGeometry* geometry,
                                     std::string* error);

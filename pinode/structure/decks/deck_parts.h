@@ -99,8 +99,8 @@ struct DeckParts {
   int FindInstance(const std::string& name) const;
 };
 
-// Reads the parts. Returns false with `file:line:`, the error and the expected
-// input in *error.
+// Reads the parts. Returns false with `file:line: error, expected ...` in
+// *error.
 [[nodiscard]] bool ReadDeckParts(const std::string& path,
                                  const std::string& content, DeckParts* parts,
                                  std::string* error);

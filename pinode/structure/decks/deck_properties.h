@@ -28,8 +28,8 @@ struct DeckFactor {
 
 // Reads the properties of *SOLID, *SHELL, *MEMBRANE, *BEAM and *TRUSS SECTION
 // with MATERIAL, *SPRING, *MASS, *ROTARY INERTIA and *NONSTRUCTURAL MASS, in
-// the deck's order. Returns false with `file:line:`, the error and the expected
-// input in *error.
+// the deck's order. Returns false with `file:line: error, expected ...` in
+// *error.
 [[nodiscard]] bool ReadDeckProperties(const std::string& path,
                                       const std::string& content,
                                       std::vector<DeckProperty>* properties,

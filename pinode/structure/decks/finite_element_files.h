@@ -55,7 +55,7 @@ struct FiniteElementFiles {
 // matrices are assembled by DOF name, because each file names only the DOFs for
 // which it has entries. All others are assembled by position. Repeated DOF
 // names are numbered. model->notes describes special DOFs. On failure *model is
-// unchanged and *error is `file:line: `, the error and the expected input.
+// unchanged and *error is `file:line: error, expected ...`.
 [[nodiscard]] bool ReadFiniteElementModel(const FiniteElementFiles& files,
                                           FiniteElementModel* model,
                                           std::string* error);

@@ -40,7 +40,7 @@ struct AbaqusMatrix {
 // Reads lines `node, direction, node, direction, value`. Skips comments, which
 // begin with **, and keyword lines (*MATRIX, ...). As for CalculiX, the file
 // holds one triangle or both. On failure *matrix is unchanged and *error is
-// `file:line: `, the error and the expected input.
+// `file:line: error, expected ...`.
 [[nodiscard]] bool ReadAbaqusMatrix(const std::string& path,
                                     AbaqusMatrix* matrix, std::string* error);
 

@@ -16,8 +16,7 @@ namespace pinode {
 // has its mirror image is taken as it is. A mixture is refused, because entries
 // are missing. *size becomes the largest index, a lower bound of the number of
 // DOFs. Fails on an empty file, on entries given twice and on indices beyond
-// kMaxFiniteElementDofs. *error is `file:line: `, the error and the expected
-// input.
+// kMaxFiniteElementDofs. *error is `file:line: error, expected ...`.
 [[nodiscard]] bool ReadIndexedEntries(const std::string& path,
                                       std::vector<MatrixEntry>* entries,
                                       bool* mirrored, int* size,

@@ -23,8 +23,8 @@ inline constexpr int kMaxMatrixDimension = 10000;
 //         entries of a symmetric coordinate file may lie in either triangle.
 //
 // Numbers have a decimal point in every locale. Fortran's exponent D is
-// accepted. On failure *matrix is unchanged and *error is `file:line: `, the
-// error and the expected input.
+// accepted. On failure *matrix is unchanged and *error is `file:line: error,
+// expected ...`.
 [[nodiscard]] bool ReadMatrix(const std::string& path, Matrix* matrix,
                               std::string* error);
 

@@ -16,7 +16,7 @@ namespace pinode {
 // Reads a matrix of at most kMaxFiniteElementDofs rows and columns. Returns
 // both triangles of a symmetric file, whose entries may lie in either. Explicit
 // zeros of a coordinate file stay in the sparsity. On failure *matrix is
-// unchanged and *error is `file:line: `, the error and the expected input.
+// unchanged and *error is `file:line: error, expected ...`.
 [[nodiscard]] bool ReadMatrixMarket(const std::string& path,
                                     SparseMatrix* matrix, std::string* error);
 

@@ -59,8 +59,8 @@ struct Op4Matrix {
 
 // Returns one of Nastran's names in lower case, without the blanks and zero
 // bytes that pad it. Padding is at the end. With 64-bit words, which hold four
-// characters each, it is also between them (`MGGE XT ` is mggext). No name
-// contains a blank.
+// characters each, it is also between them (`MGGE    XT      ` is mggext). No
+// name contains a blank.
 std::string CleanOp4Name(std::string_view text);
 
 template <typename ValueAt>
