@@ -1,5 +1,5 @@
-// Data-driven stochastic subspace identification: the future projected on the
-// past.
+// Data-driven stochastic subspace identification: the projection of the future
+// on the past.
 
 #ifndef PINODE_MODAL_DATA_DRIVEN_H_
 #define PINODE_MODAL_DATA_DRIVEN_H_
@@ -9,15 +9,16 @@
 
 namespace pinode {
 
-// The projection of the future y_f on the row space of the past y_p is
-// E[y_f y_p^T] E[y_p y_p^T]^-1 y_p: its left singular vectors and values are
-// those of H T^(-1/2), H the Hankel and T the Toeplitz matrix of correlations
-// (unweighted principal components; P. Van Overschee and B. De Moor, Subspace
-// Identification for Linear Systems, 1996, chapter 3). So it costs what the
-// covariance-driven identification costs, and weighs the same correlations
-// otherwise: directions of the past count by what they say, not by their size.
-// What windows change of T moves the columns of H only within their span and is
-// left out, for orders of noise as an approximation.
+// Returns the projection of the future y_f on the row space of the past y_p,
+// E[y_f y_p^T] E[y_p y_p^T]^-1 y_p. Its left singular vectors and values are
+// those of H T^(-1/2), with H the Hankel and T the Toeplitz matrix of
+// correlations (unweighted principal components; P. Van Overschee and B. De
+// Moor, Subspace Identification for Linear Systems, 1996, chapter 3). It
+// therefore costs as much as the covariance-driven identification. It weights
+// the same correlations differently: directions of the past count by their
+// information, not by their size. Changes of T between windows move the columns
+// of H only within their span. They are neglected, which is an approximation
+// for model orders that include noise.
 HankelWindows DataDrivenHankel(const WindowedCorrelations& correlations,
                                const std::vector<int>& references,
                                int block_rows);

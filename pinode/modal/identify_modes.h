@@ -1,5 +1,5 @@
-// Modes of a structure from what sensors recorded of it, without a model: under
-// loads that nobody measured, under measured ones, left to itself.
+// Identifies the modes of a structure from sensor records, without a model. The
+// loads may be unmeasured, measured, or absent (free decay).
 
 #ifndef PINODE_MODAL_IDENTIFY_MODES_H_
 #define PINODE_MODAL_IDENTIFY_MODES_H_
@@ -15,37 +15,40 @@
 
 namespace pinode {
 
-// A mode that was identified.
+// One identified mode.
 struct IdentifiedMode {
   double frequency_hz = 0.0;  // |s| / (2 pi)
   double damping_ratio = 0.0;
-  // Displacements at the channels' places, whatever was measured there (a
-  // mode's velocities are s times, its accelerations s^2 times as large), in
-  // the units of the channels; the largest entry is 1.
+  // Shape as displacements at the channels' places, in the units of the
+  // channels, whatever quantity was measured there. A mode's velocities are s
+  // times, its accelerations s^2 times as large. The largest entry is 1.
   Eigen::VectorXcd shape;
-  // Standard deviations; of the real and the imaginary part of each entry.
+  // Standard deviations of frequency, damping ratio, and the real and imaginary
+  // part of each entry of the shape.
   double frequency_sigma = 0.0;
   double damping_sigma = 0.0;
   Vector shape_sigma_real;
   Vector shape_sigma_imaginary;
-  // Frequency (Hz), damping ratio, real parts, imaginary parts.
+  // Covariance of frequency (Hz), damping ratio, real parts, imaginary parts.
   Matrix covariance;
-  // Of these, for Student's t, and the 95 % intervals that follow.
+  // Degrees of freedom of these standard deviations, for Student's t, and the
+  // 95 % intervals.
   double degrees_of_freedom = 0.0;
   double frequency_lower95 = 0.0, frequency_upper95 = 0.0;
   double damping_lower95 = 0.0, damping_upper95 = 0.0;
-  // Over model orders: how many see the mode, of how many that could; standard
-  // deviations between those that the estimate is the mean of.
+  // Statistics over model orders: number of orders that contain the mode,
+  // number of orders that could, and standard deviations between the orders in
+  // the mean.
   int orders_seen = 0, orders_possible = 0;
   double frequency_spread = 0.0;  // Hz
   double damping_spread = 0.0;
-  // How far the shape is from one that all points move in phase: 1 for none
-  // (mean phase collinearity; J. N. Juang, R. S. Pappa 1986).
+  // Mean phase collinearity of the shape: 1 if all points move in phase (J. N.
+  // Juang, R. S. Pappa 1986).
   double phase_collinearity = 0.0;
-  // At which sampling step it was found.
+  // Sampling step at which the mode was found.
   double sampling_step = 0.0;
-  // What data-driven identification makes of it beside a covariance-driven one;
-  // NaN: it does not see it, or was not asked.
+  // Estimates of the data-driven identification, as a check of a
+  // covariance-driven one. NaN: it did not find the mode, or was not run.
   double check_frequency_hz = kNaN;
   double check_damping_ratio = kNaN;
 };
@@ -59,7 +62,7 @@ struct DiagramPole {
   int mode = -1;  // in ModesOfRecord::modes; -1: of none
 };
 
-// The record at one rate, looked at in a band of frequencies.
+// The record at one sampling rate, analysed in a band of frequencies.
 struct AnalysedBand {
   double sampling_step = 0.0;  // s
   double lowest_hz = 0.0;
@@ -71,30 +74,31 @@ struct AnalysedBand {
 };
 
 enum class ModalMethod {
-  // By what the record is: kRingDown of a free decay, kInputOutput of one with
-  // inputs, else kCovarianceDriven.
+  // Method chosen by the record: kRingDown for a free decay, kInputOutput for a
+  // record with inputs, else kCovarianceDriven.
   kAutomatic,
   kCovarianceDriven,  // with the data-driven one as a check
   kDataDriven,
   kInputOutput,
   kRingDown,
 };
-// "covariance_driven" and so on.
+// Returns "covariance_driven" and so on.
 const char* ModalMethodName(ModalMethod method);
 
 struct ModeIdentificationOptions {
   ModalMethod method = ModalMethod::kAutomatic;
-  // What is looked for, Hz. Default (0): from 50 cycles in the record to 0.95
-  // of half the sampling rate.
+  // Frequency range of the search, Hz. Default (0): from 50 cycles in the
+  // record to 0.95 of half the sampling rate.
   double lowest_hz = 0.0;
   double highest_hz = 0.0;
-  // Block rows of the Hankel matrix; default (0): 600 rows of it, 12 to 40
-  // blocks, of a ring-down to a third of its samples.
+  // Number of block rows of the Hankel matrix. Default (0): 12 to 40 blocks,
+  // about 600 rows. For a ring-down, at most a third of its samples.
   int block_rows = 0;
-  // Highest model order, even; default (0): 60, or what the channels allow.
+  // Highest model order, even. Default (0): 60, or as many as the channels
+  // allow.
   int max_order = 0;
-  // Channels against which correlations are taken, by name; default: all. A
-  // ring-down has none.
+  // Names of the reference channels of the correlations. Default: all. Not used
+  // for a ring-down.
   std::vector<std::string> references;
   StabilisationOptions stabilisation;
   int num_threads = 1;
@@ -107,18 +111,18 @@ struct ModesOfRecord {
   std::vector<std::string> remarks;
 };
 
-// The modes of a record.
+// Identifies the modes of a record.
 //
-// A structure's modes spread over decades, a Hankel matrix over a few of the
-// periods that its lags reach: the record is analysed at its own rate and at
-// halves of it, each from 0.2 to 0.8 of half the rate (the lowest down to
-// lowest_hz). A mode that two rates see is taken from that which is more
-// certain of it.
+// A structure's modes spread over decades. A Hankel matrix covers only
+// frequencies of which a few periods fit its lags. The record is therefore
+// analysed at its own rate and at successive halves of it. Each analysis covers
+// 0.2 to 0.8 of half the rate (the lowest one down to lowest_hz). If two rates
+// find the same mode, the more certain estimate is used.
 //
-// False with a sentence where the record is too short, or options do not fit
-// it: a method that needs inputs, or samples without gaps. *option (may be
-// null) is then the name of the one that was given and is at fault, empty where
-// none is.
+// Returns false with a sentence if the record is too short, or if options do
+// not fit it: a method that needs inputs, or samples without gaps. *option (may
+// be null) is then the name of the given option at fault, or empty if no option
+// is.
 [[nodiscard]] bool IdentifyModes(const ResponseRecord& record,
                                  const ModeIdentificationOptions& options,
                                  ModesOfRecord* result, std::string* error,

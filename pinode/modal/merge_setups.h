@@ -1,4 +1,4 @@
-// Modes of one structure from several set-ups of sensors.
+// Merges the modes of one structure from several sensor set-ups.
 
 #ifndef PINODE_MODAL_MERGE_SETUPS_H_
 #define PINODE_MODAL_MERGE_SETUPS_H_
@@ -12,7 +12,7 @@
 
 namespace pinode {
 
-// The modes of one set-up, and where its shapes' entries are.
+// The modes of one set-up, and the places of its shapes' entries.
 struct SetupModes {
   std::string name;
   std::vector<std::string> places;
@@ -20,20 +20,20 @@ struct SetupModes {
 };
 
 struct MergeOptions {
-  // Places by which set-ups are tied together; default: those that all have.
+  // Places that connect the set-ups. Default: the places that all set-ups have.
   std::vector<std::string> references;
 };
 
 // A mode of the structure.
 struct MergedMode {
-  // Frequency and damping: means weighed by the set-ups' variances, their
-  // sigmas those of the mean, or what the set-ups' scatter makes of them where
-  // that is more. The shape is over all places: the covariance is that of
-  // frequency, damping ratio, real parts, imaginary parts, NaN at places where
-  // no set-up sees the mode.
+  // Merged mode. Frequency and damping are means weighted by the set-ups'
+  // variances. Their sigmas are those of the mean, or follow from the scatter
+  // of the set-ups if that is larger. The shape covers all places. The
+  // covariance is that of frequency, damping ratio, real parts, imaginary
+  // parts; it is NaN at places where no set-up sees the mode.
   IdentifiedMode mode;
   std::vector<int> in_setups;  // of each set-up its mode's number, -1: none
-  // Standard deviations between the set-ups, where several see it.
+  // Standard deviations between the set-ups, if several see the mode.
   double frequency_between = 0.0;  // Hz
   double damping_between = 0.0;
 };
@@ -44,15 +44,15 @@ struct MergedModes {
   std::vector<std::string> remarks;
 };
 
-// Ties modes of set-ups together that agree in frequency and in shape at the
-// references, scales each shape so that it agrees at these with the most
-// certain set-up (least squares), and means entries that several have by their
-// variances. A mode that at least half of the set-ups see is one of the
-// structure, others are remarks. One set-up is returned as it is. Source:
-// post-separate-estimation re-scaling, e.g. M. Doehler, P. Andersen, L. Mevel,
-// Proc. IMAC 28 (2010).
+// Merges modes of set-ups that agree in frequency and in shape at the
+// references. Scales each shape so that it agrees there with the most certain
+// set-up (least squares). Averages entries that several set-ups have, weighted
+// by their variances. A mode that at least half of the set-ups see is a mode of
+// the structure; others become remarks. A single set-up is returned unchanged.
+// Source: post-separate-estimation re-scaling, e.g. M. Doehler, P. Andersen, L.
+// Mevel, Proc. IMAC 28 (2010).
 //
-// False where the set-ups have no place in common.
+// Returns false if the set-ups have no place in common.
 [[nodiscard]] bool MergeSetups(const std::vector<SetupModes>& setups,
                                const MergeOptions& options, MergedModes* merged,
                                std::string* error);

@@ -1,4 +1,4 @@
-// Spectra of a record beside those of the modes that were found in it.
+// Compares the spectra of a record with those of its identified modes.
 
 #ifndef PINODE_MODAL_MODAL_SPECTRA_H_
 #define PINODE_MODAL_MODAL_SPECTRA_H_
@@ -16,29 +16,30 @@ struct ModalSpectra {
   Vector frequency_hz;
   Matrix measured;
   Matrix modelled;  // modes and noise
-  // What part of each channel's power in the band is that of the modes; in all
-  // of it but for chance where they are all there is beside noise.
+  // Part of each channel's power in the band that the modes explain. It is all
+  // of the power, except for chance, if the record contains only these modes
+  // and noise.
   Vector explained;
   Eigen::Index num_segments = 0;  // that `measured` is the mean of
 };
 
-// Poles and their residues: with s_m the poles of the modes the correlation of
-// a channel is
+// Fits spectra of poles and residues. With s_m the poles of the modes, the
+// correlation of a channel is
 //
 //   R(t) = sum_m Re(a_m exp(s_m |t|)) + noise,
 //
-// whatever the spectrum of the loads, as long as it is smooth at the modes. The
-// a_m of each channel and the noise, no less than zero, are found by least
-// squares on its spectrum between lowest_hz and highest_hz, lines weighted by
-// what the model itself has there; that a segment's window widens a peak is
-// taken into account. (The last step of modal identification in the frequency
+// for any spectrum of the loads that is smooth at the modes. The a_m of each
+// channel and the noise (not negative) are found by least squares on its
+// spectrum between lowest_hz and highest_hz. Lines are weighted by the model's
+// own value there. The fit includes the widening of a peak by a segment's
+// window. (This is the last step of modal identification in the frequency
 // domain: P. Guillaume et al., Proc. IMAC XXI (2003), for half spectra.)
 ModalSpectra FitModalSpectra(const ResponseRecord& record,
                              const std::vector<IdentifiedMode>& modes,
                              double lowest_hz, double highest_hz);
 
-// The same over the bands that `modes` were found in. Empty for a free decay:
-// there is no spectrum of loads.
+// Does the same over the bands in which `modes` were found. Empty for a free
+// decay, which has no spectrum of loads.
 ModalSpectra FitModalSpectra(const ResponseRecord& record,
                              const ModesOfRecord& modes);
 

@@ -1,4 +1,4 @@
-// From the poles of a mode to the mode.
+// Builds a mode from the poles of a cluster.
 
 #ifndef PINODE_MODAL_MODE_ESTIMATE_H_
 #define PINODE_MODAL_MODE_ESTIMATE_H_
@@ -12,17 +12,18 @@
 
 namespace pinode {
 
-// Its shape in displacements; `scales` are what the channels' samples were
-// divided by, window_seconds as in FindPoleMoments.
+// Returns the mode of a cluster, with its shape in displacements. `scales` are
+// the divisors of the channels' samples. `window_seconds` as in
+// FindPoleMoments.
 IdentifiedMode MakeMode(const ResponseRecord& record, const Vector& scales,
                         double sampling_step, const PoleCluster& cluster,
                         int max_order, double window_seconds);
 
-// Whether two estimates, of different rates, are of one mode.
+// Returns true if two estimates, from different rates, belong to one mode.
 bool IsSameMode(const IdentifiedMode& a, const IdentifiedMode& b);
 
-// Sets what another method's poles say of the mode: medians over the orders
-// that see it, if they are as many as a mode needs.
+// Sets the check values of the mode from another method's poles: medians over
+// the orders that see it, if these are as many as a mode needs.
 void CheckMode(const PoleCluster& cluster,
                const std::vector<SubspacePole>& poles, int max_order,
                const StabilisationOptions& options, IdentifiedMode* mode);

@@ -1,4 +1,4 @@
-// What sensors recorded of a structure.
+// Sensor records of a structure.
 
 #ifndef PINODE_MODAL_RESPONSE_RECORD_H_
 #define PINODE_MODAL_RESPONSE_RECORD_H_
@@ -13,8 +13,8 @@ namespace pinode {
 // One place and direction on the structure.
 struct ResponseChannel {
   std::string name;
-  // What is measured there, as a derivative of the displacement by time: 0
-  // displacement, 1 velocity, 2 acceleration.
+  // Measured quantity, as the order of the time derivative of the displacement:
+  // 0 displacement, 1 velocity, 2 acceleration.
   int derivative = 2;
 };
 
@@ -24,9 +24,10 @@ struct ResponseRecord {
   double sampling_step = 0.0;  // s
   std::vector<ResponseChannel> channels;
   Matrix samples;  // channels x samples; NaN: missing
-  // Measured loads, in any units: inputs x samples, complete; no rows: none.
+  // Measured loads, in any units: inputs x samples, complete. No rows: no loads
+  // measured.
   Matrix inputs;
-  // The structure is left to itself from the first sample on.
+  // True for a free decay: no load acts from the first sample on.
   bool free_decay = false;
 
   int num_channels() const { return static_cast<int>(channels.size()); }
@@ -35,14 +36,15 @@ struct ResponseRecord {
     return static_cast<double>(num_samples()) * sampling_step;
   }
 
-  // At least one channel, a positive step, a row of samples for each channel,
-  // of which some are present and which are not all alike, derivatives 0, 1 or
-  // 2, names given once, inputs finite and of the same length. On failure
-  // *error names the channel.
+  // Checks the record. It needs at least one channel, a positive step, and a
+  // row of samples for each channel. Some samples of a row are present, and
+  // they are not all alike. Derivatives are 0, 1 or 2. Names are unique. Inputs
+  // are finite and of the same length. On failure *error names the channel.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
-// As of a record of any kind (record/channel_faults.h).
+// Returns the faults of the channels, as for a record of any kind
+// (record/channel_faults.h).
 std::vector<std::string> FindChannelFaults(const ResponseRecord& record);
 
 }  // namespace pinode

@@ -9,30 +9,33 @@ namespace pinode {
 
 // Limits for what counts as a mode.
 struct StabilisationOptions {
-  // Two poles may be one mode where their frequencies differ by less than this
-  // fraction and the MAC of their shapes is larger than that.
+  // Tolerances: two poles may be one mode if their frequencies differ by less
+  // than this fraction and the MAC of their shapes is larger than
+  // `smallest_mac`.
   double frequency_tolerance = 0.01;
   double smallest_mac = 0.9;
-  // A mode is seen in this fraction of the orders above the first in which it
-  // is seen, and in that one of all orders.
+  // Smallest share of the orders in which a mode must be found: among the
+  // orders from the first one that contains it, and among all orders.
   double smallest_share = 0.5;
   double smallest_share_of_all = 0.3;
-  // A mode under noise cannot be known better than to a fraction
-  // sqrt(zeta / (2 pi f T)) of its frequency, T the record's length (S. K. Au,
-  // Mech. Syst. Signal Process. 48 (2014) 15). What is so many times as
-  // uncertain is no mode: poles of noise are fifty times. (The damping ratio's
-  // bound is the same number; held to six times that, one record in a hundred
-  // loses a mode that has most of its power.)
+  // Largest accepted excess. Under noise the frequency of a mode cannot be
+  // known better than to the fraction sqrt(zeta / (2 pi f T)), T the record's
+  // length (S. K. Au, Mech. Syst. Signal Process. 48 (2014) 15). A pole that is
+  // more uncertain than this bound times the excess is not a mode; poles of
+  // noise are fifty times. (The bound of the damping ratio is the same number.
+  // With a limit of six times that, one record in a hundred loses a mode that
+  // has most of its power.)
   double largest_excess = 6.0;
   double largest_frequency_sigma = 0.02;  // as a fraction, in all
   double largest_damping_ratio = 0.15;
-  // Root mean square over the channels, each in units of what it records, of
-  // the standard deviations of a shape whose entry at the reference is one.
-  // Shapes of two modes side by side may be as uncertain as those of noise.
+  // Largest accepted uncertainty of a shape that is one at the reference: root
+  // mean square of its standard deviations over the channels, each in the
+  // channel's own unit. Shapes of two close modes may be as uncertain as those
+  // of noise.
   double largest_shape_sigma = 1e300;
-  // Frequencies (Hz): of each the mode is taken that the most certain pole
-  // within frequency_tolerance belongs to, whether or not it is stable; nothing
-  // else is. Empty: the diagram is read as above.
+  // Frequencies (Hz) of the modes to take. For each, the most certain pole
+  // within frequency_tolerance determines the mode, stable or not. No other
+  // modes are taken. Empty: the diagram is read as above.
   std::vector<double> pick;
 };
 
