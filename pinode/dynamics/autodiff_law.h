@@ -1,5 +1,5 @@
-// Turns a functor on a template scalar into a Law. Include it where a law is
-// defined and nowhere else: it brings in Ceres' Jets.
+// Turns a functor on a template scalar into a Law. Include it only where a law
+// is defined, because it includes Ceres' Jets.
 
 #ifndef PINODE_DYNAMICS_AUTODIFF_LAW_H_
 #define PINODE_DYNAMICS_AUTODIFF_LAW_H_
@@ -12,15 +12,15 @@
 
 namespace pinode {
 
-// Functor must have
+// A law from a functor. The functor must have
 //
 //   template <typename T>
 //   void operator()(const T* features, const T* internal,
 //                   const T* parameters, T* result) const;
 //
-// with the sizes given as template arguments; result holds the outputs and
-// then the rates of the internal states. The Jets are as wide as the law's
-// own arguments, never wider.
+// with the sizes given as template arguments. result holds the outputs and then
+// the rates of the internal states. The Jets are exactly as wide as the law's
+// own arguments.
 template <typename Functor, int kFeatures, int kInternal, int kParameters,
           int kOutputs>
 class AutoDiffLaw final : public Law {

@@ -1,4 +1,4 @@
-// What terms that a plain struct describes have in common.
+// Base classes of terms that a plain struct describes.
 
 #ifndef PINODE_DYNAMICS_DESCRIBED_TERM_H_
 #define PINODE_DYNAMICS_DESCRIBED_TERM_H_
@@ -14,8 +14,8 @@
 
 namespace pinode {
 
-// The derived class's copies, its block of parameters and their columns.
-// `Block` is the description's member that holds the parameters.
+// Implements the derived class's copies, its block of parameters and their
+// columns. `Block` is the description's member that holds the parameters.
 template <typename Derived, typename Description,
           ParameterBlock Description::*Block>
 class DescribedTerm : public TermOf<Description> {
@@ -39,7 +39,8 @@ class DescribedTerm : public TermOf<Description> {
  protected:
   int num_free() const { return num_free_; }
 
-  // result.col(column of the parameter) += factor * left, where it is free.
+  // Computes result.col(column of the parameter) += factor * left, if the
+  // parameter is free.
   template <typename Left>
   void AddToColumn(int parameter, const Left& left, double factor,
                    double* result) const {
@@ -58,7 +59,7 @@ struct ColumnScratch : TermTangentScratch {
   Vector column;  // rows
 };
 
-// A term whose parameters act through one column of accelerations at a time.
+// A term in which each parameter acts through one column of accelerations.
 template <typename Derived, typename Description,
           ParameterBlock Description::*Block>
 class ColumnTerm : public DescribedTerm<Derived, Description, Block> {
@@ -73,7 +74,7 @@ class ColumnTerm : public DescribedTerm<Derived, Description, Block> {
   }
 
  protected:
-  // left * [0; acceleration; 0], kept in the scratch.
+  // Returns left * [0; acceleration; 0], stored in the scratch memory.
   template <typename Acceleration>
   static const Vector& MapColumn(const TermPlace& place, const Matrix& left,
                                  const Acceleration& acceleration,
@@ -85,8 +86,8 @@ class ColumnTerm : public DescribedTerm<Derived, Description, Block> {
   }
 };
 
-// A function of features whose results act on the DOFs through a matrix: a
-// description with name, features, outputs and acts_as.
+// A function of features whose results act on the DOFs through a matrix. Its
+// description has the members name, features, outputs and acts_as.
 template <typename Derived, typename Description,
           ParameterBlock Description::*Block>
 class FeatureTerm : public DescribedTerm<Derived, Description, Block> {
@@ -103,8 +104,9 @@ class FeatureTerm : public DescribedTerm<Derived, Description, Block> {
   }
 
  protected:
-  // Whether features exist, and they, the outputs and the parameters are as
-  // many as the function has. `its` is what the function is called in *error.
+  // Checks that the features exist, and that their number and the numbers of
+  // outputs and parameters match the function. `its` is the function's name in
+  // *error.
   bool Fits(const StructuralModel& model, int num_inputs, int num_features,
             int num_outputs, int num_parameters, const std::string& its,
             std::string* error) const {

@@ -1,4 +1,4 @@
-// Elements of one's own, from a shared library that a case names.
+// User-written elements from a shared library that a case names.
 
 #ifndef PINODE_DYNAMICS_ELEMENT_LIBRARY_H_
 #define PINODE_DYNAMICS_ELEMENT_LIBRARY_H_
@@ -39,16 +39,18 @@ class ElementLibrary {
   void Add(Element element) { elements_.push_back(std::move(element)); }
   const std::vector<Element>& elements() const { return elements_; }
 
-  // Of the library's content; empty for elements that were added by hand.
+  // Fingerprint of the library's content. Empty for elements added by hand.
   const std::string& fingerprint() const { return fingerprint_; }
   void set_fingerprint(std::string fingerprint) {
     fingerprint_ = std::move(fingerprint);
   }
 
-  // As many parameters as each law has, each with a name of its own and limits.
+  // Checks that each element describes all parameters of its law, with unique
+  // names and valid limits.
   [[nodiscard]] bool IsValid(std::string* error) const;
 
-  // nullptr, and a sentence with the types that are there, where this is none.
+  // Returns the element of that type. If there is none, returns nullptr, with a
+  // sentence that lists the types in *error.
   const Element* Find(const std::string& type, std::string* error) const;
 
  private:
@@ -56,17 +58,18 @@ class ElementLibrary {
   std::string fingerprint_;
 };
 
-// Loads the shared library at `path` as it is now, also where another one was
-// loaded from there; its code stays for the life of the process. False, with
-// one line in *error that begins with the path: where it cannot be loaded,
-// where it has no elements, or where it was compiled for another version of
-// pinode or with flags that lay out Jets differently.
+// Loads the shared library at `path` in its present state, even if another one
+// was loaded from there before. Its code stays loaded for the life of the
+// process. Returns false, with one line in *error that begins with the path, if
+// the library cannot be loaded or has no elements. Also fails if it was
+// compiled for another version of pinode, or with flags that change the memory
+// layout of Jets.
 [[nodiscard]] bool LoadElementLibrary(const std::string& path,
                                       ElementLibrary* library,
                                       std::string* error);
 
-// Flags with which any compiler lays out Jets as here, whatever processor it
-// compiles for; may be none.
+// Returns flags with which any compiler uses the same memory layout of Jets as
+// this build, for any processor. May be empty.
 std::string ElementCompilerFlags();
 
 }  // namespace pinode

@@ -26,27 +26,30 @@ namespace pinode {
 //   power_damper         c |w|^p sign(w)
 //   bouc_wen             k z,  dz/dt = a w - beta (b |w| |z|^(n-1) z
 //                                                  + g w |z|^n)
-//                        (Wen 1976, without the elastic share)
+//                        (Wen 1976, without the elastic part)
 //   backlash_friction    k (z - clamp(z, -gap, gap)), a slider behind a spring
 //                        and a play of 2 gap: dz/dt = w while |z| grows no
 //                        further than where the force is f,
 //                        dz/dt = w (1 - H(w z) (|z| / (gap + f / k))^n)
 std::vector<std::string> ElementTypes();
 
-// nullptr and a message with the nearest known type where `type` is unknown.
+// Creates the law of a type. Returns nullptr, with the nearest known type in
+// *error, if `type` is unknown.
 std::unique_ptr<Law> CreateElement(const std::string& type, std::string* error);
 
-// One entry per parameter of the law, in its order; `type` must be known.
+// Returns one entry per parameter of the law, in its order. `type` must be
+// known.
 std::vector<ElementParameterInfo> ElementParameters(const std::string& type);
 
-// The element between the points `from` and `to` (DOFs, or Feature::kGround) of
-// a structure with num_dofs DOFs, ready for StructuralDynamics::AddLaw: its
-// force resists d = x[to] - x[from] at both ends. `values` has one number per
-// entry of ElementParameters(type); the parameters "<name>.<entry's name>" are
-// free within the element's physical limits. Last entries that have a default
-// value may be left out but for the first, and are held there. False with a
-// sentence in *error where type, points or values do not fit; *term is
-// untouched then.
+// Creates the element between the points `from` and `to` (DOFs, or
+// Feature::kGround) of a structure with num_dofs DOFs, for
+// StructuralDynamics::AddLaw. Its force resists d = x[to] - x[from] at both
+// ends. `values` has one number per entry of ElementParameters(type). The
+// parameters "<name>.<entry's name>" are free within the element's physical
+// limits. Trailing values with a default, except the first value, may be left
+// out; these parameters are fixed at their defaults. Returns false with a
+// sentence in *error if type, points or values do not fit. *term is then
+// unchanged.
 [[nodiscard]] bool MakeElement(const std::string& name, const std::string& type,
                                int num_dofs, int from, int to,
                                const std::vector<double>& values, LawTerm* term,

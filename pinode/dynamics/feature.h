@@ -1,4 +1,4 @@
-// What a term of the equation of motion may look at.
+// Features: the arguments of the terms of the equation of motion.
 
 #ifndef PINODE_DYNAMICS_FEATURE_H_
 #define PINODE_DYNAMICS_FEATURE_H_
@@ -10,7 +10,7 @@
 
 namespace pinode {
 
-// One scalar picked from the state, the clock or the inputs. With b = kGround
+// One scalar selected from the state, the time or the inputs. With b = kGround
 // the relative quantities refer to the ground, whose relative motion is zero.
 //
 //   displacement      x[a]
@@ -49,12 +49,12 @@ struct Feature {
     return kind == Kind::kVelocity || kind == Kind::kDeformationRate;
   }
 
-  // Whether the DOFs or the input that it looks at exist.
+  // Returns true if its DOFs or its input exist.
   [[nodiscard]] bool Exists(int num_dofs, int num_inputs) const;
 
   // Calls visit(index, sign) for every entry of the state on which the feature
-  // depends: it is the sum of sign * state[index], unless it is the time or an
-  // input, which depend on none.
+  // depends. The feature is the sum of sign * state[index]. Time and inputs
+  // depend on no entry.
   template <typename Visitor>
   void ForEachState(int num_dofs, const Visitor& visit) const {
     const int shift = OnVelocity() ? num_dofs : 0;
@@ -74,7 +74,7 @@ struct Feature {
     }
   }
 
-  // The feature's value, on any scalar.
+  // Returns the feature's value, on any scalar.
   template <typename T>
   T Value(int num_dofs, double time, const double* inputs,
           const T* state) const {
@@ -87,16 +87,17 @@ struct Feature {
     return value;
   }
 
-  // Row of the linear map from x (or from v, for velocities) to the feature,
-  // size num_dofs; zero for time and inputs.
+  // Returns the row of the linear map from x (or from v, for velocities) to the
+  // feature, size num_dofs. Zero for time and inputs.
   RowVector Selector(int num_dofs) const;
 
-  // "x[u1]", "v[u1]", "d[u1,u2]", "w[ground,u1]", "t", "input[temperature]".
+  // Returns "x[u1]", "v[u1]", "d[u1,u2]", "w[ground,u1]", "t" or
+  // "input[temperature]".
   std::string Name(const std::vector<std::string>& dof_names,
                    const std::vector<std::string>& input_names) const;
 };
 
-// The values of all features, one after the other.
+// Computes the values of all features, one after the other.
 template <typename T>
 void GatherFeatures(const std::vector<Feature>& features, int num_dofs,
                     double time, const double* inputs, const T* state,
@@ -106,7 +107,8 @@ void GatherFeatures(const std::vector<Feature>& features, int num_dofs,
   }
 }
 
-// False, with *error saying so of the term `name`, where one does not exist.
+// Checks that all features exist. If not, returns false, and *error names the
+// term `name`.
 [[nodiscard]] bool FeaturesExist(const std::string& name,
                                  const std::vector<Feature>& features,
                                  int num_dofs, int num_inputs,

@@ -1,4 +1,4 @@
-// Groups that follow a covariate by a table, as terms of the equation of
+// Groups that depend on a covariate by a table, as terms of the equation of
 // motion.
 
 #ifndef PINODE_DYNAMICS_GROUP_CURVE_H_
@@ -13,37 +13,39 @@
 
 namespace pinode {
 
-// How the alpha of a group changes with a covariate u: to the group, which has
-// the value alpha at the reference,
+// Change of the alpha of a group with a covariate u. The group has the value
+// alpha at the reference, and becomes
 //
-//   (alpha + sum_k p_k N_k(u)) matrix,
+//   (alpha + sum_k p_k N_k(u)) matrix.
 //
-// N_k being one at knot k, zero at all others and linear between them; constant
-// beyond the outer knots. The reference is one of the knots and has no p.
+// N_k is one at knot k, zero at all other knots, linear between them, and
+// constant beyond the outer knots. The reference is one of the knots and has no
+// p.
 struct GroupCurve {
   std::string name;   // of the group
   MatrixGroup group;  // stiffness or damping, its matrix that of the group
   int input = -1;     // the covariate
   std::vector<double> knots;  // ascending, at least two, in its unit
   int reference = 0;          // place of the reference among them
-  // The change of alpha at each knot but the reference, in their order.
+  // Change of alpha at each knot except the reference, in their order.
   ParameterBlock parameters;
-  // Empty: none but the parameters' own. With one, all parameters are free or
-  // none.
+  // Prior on combinations of the parameters. Empty: only the parameters' own
+  // priors. If not empty, all parameters are free or none.
   CombinationPrior prior;
 };
 
 std::unique_ptr<Term> MakeTerm(GroupCurve curve);
 
-// "stiff.temperature[-10]": the change at a knot of the covariate.
+// Returns "stiff.temperature[-10]", the name of the change at a knot of the
+// covariate.
 std::string KnotName(const std::string& group, const std::string& covariate,
                      double knot);
 
-// A prior on neighbouring knots: the first differences of alpha, or the
+// Returns a prior on neighbouring knots. The first differences of alpha, or the
 // differences of its slopes, have the given standard deviation, in units of
-// alpha, where knots are as far apart as on the average; a wider gap lets alpha
-// change more, as of a random walk. `sigma` 0: the evidence chooses it.
-// differences: 1 or 2, the latter of three knots and more.
+// alpha, at the average distance of knots. Across a wider gap alpha may change
+// more, as in a random walk. `sigma` 0: the evidence chooses it. differences:
+// 1, or 2 for three knots or more.
 CombinationPrior CurvePrior(const std::vector<double>& knots, int reference,
                             int differences, double sigma);
 

@@ -16,24 +16,26 @@ struct GroupTerm {
   enum class Follows { kNothing, kTime, kCovariate };
   MatrixGroup group;
   Parameter alpha;
-  // How many times the group's matrix the model's matrices hold already: alpha
-  // is a change of `present`, 0.1 more than 1 unless these were updated before.
+  // Multiple of the group's matrix that the model's matrices already contain.
+  // alpha is a change of `present`: 0.1 is a change from 1 to 1.1, unless the
+  // model was updated before.
   double present = 1.0;
   Follows follows = Follows::kNothing;
   int input = -1;          // kCovariate
   double reference = 0.0;  // seconds, or the covariate's unit
 };
 
-// All groups of a model: one term, for they share the block "groups". Those
-// that follow nothing change the constant matrices and are left to the linear
-// part. Of the others each has
+// All groups of a model. They form one term, because they share the block
+// "groups". Groups that do not follow a covariate or the time change the
+// constant matrices and belong to the linear part. Each of the others adds
 //
-//   dv/dt += -alpha (followed value) M^-1 matrix x   (v, of damping).
+//   dv/dt += -alpha (followed value) M^-1 matrix x   (v, for damping).
 class GroupTerms final : public Term {
  public:
   const std::vector<GroupTerm>& groups() const { return groups_; }
 
-  // False with a sentence in *error, and nothing added, where it does not fit.
+  // Adds a group. Returns false with a sentence in *error, and adds nothing, if
+  // it does not fit.
   [[nodiscard]] bool Add(GroupTerm group, const StructuralModel& model,
                          int num_inputs, std::string* error);
 

@@ -1,4 +1,4 @@
-// The seam between a user's constitutive law and the identification engine.
+// The interface between a user's constitutive law and the identification.
 
 #ifndef PINODE_DYNAMICS_LAW_H_
 #define PINODE_DYNAMICS_LAW_H_
@@ -12,11 +12,10 @@ namespace pinode {
 //   force     = g(q, z; p)      one value per output
 //   dz/dt     = r(q, z; p)      one value per internal state
 //
-// where q are the features (see Feature), z the internal states of a
-// hysteretic law and p its parameters. Implementations are made from a
-// functor on a template scalar by AutoDiffLaw (autodiff_law.h); nothing above
-// that template is a template itself. Laws have no state of their own: all
-// functions are safe to call from several threads.
+// where q are the features (see Feature), z the internal states of a hysteretic
+// law and p its parameters. AutoDiffLaw (autodiff_law.h) makes implementations
+// from a functor on a template scalar. No code above it is a template. Laws
+// have no mutable state: all functions are safe to call from several threads.
 class Law {
  public:
   virtual ~Law() = default;
@@ -25,22 +24,23 @@ class Law {
   virtual int num_internal() const = 0;
   virtual int num_parameters() const = 0;
   virtual int num_outputs() const = 0;
-  // Whether it is known to give no force, and has no states, whatever its
-  // parameters are.
+  // Returns true if the law gives no force and has no states for all values of
+  // its parameters.
   virtual bool IsIdle() const { return false; }
   int num_results() const { return num_outputs() + num_internal(); }
   int num_arguments() const {
     return num_features() + num_internal() + num_parameters();
   }
 
-  // result: the outputs, then the rates of the internal states.
+  // Computes result: the outputs, then the rates of the internal states.
   virtual void Evaluate(const double* features, const double* internal,
                         const double* parameters, double* result) const = 0;
   virtual void Evaluate(const WideJet* features, const WideJet* internal,
                         const WideJet* parameters, WideJet* result) const = 0;
 
-  // As Evaluate, and jacobian (num_results x num_arguments, row-major): the
-  // derivatives by features, internal states and parameters, in this order.
+  // Does what Evaluate does, and computes jacobian (num_results x
+  // num_arguments, row-major): the derivatives with respect to features,
+  // internal states and parameters, in this order.
   virtual void Linearize(const double* features, const double* internal,
                          const double* parameters, double* result,
                          double* jacobian) const = 0;

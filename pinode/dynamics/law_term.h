@@ -13,11 +13,13 @@
 
 namespace pinode {
 
-// A law. `outputs` (num_dofs x law outputs) puts its results on the DOFs.
+// A law at its place. `outputs` (num_dofs x law outputs) maps its results to
+// the DOFs.
 struct LawTerm {
   std::string name;
   std::string type;  // an element type, "library" (see LibraryLaw), or "user"
-  // Of a user's law, by which one is told from another; may be empty.
+  // Identifier of a user's law, which distinguishes it from others. May be
+  // empty.
   std::string identity;
   std::shared_ptr<const Law> law;
   std::vector<Feature> features;
@@ -26,7 +28,7 @@ struct LawTerm {
   ParameterBlock parameters;
 };
 
-// Its derivatives are those of Law::Linearize.
+// Creates the term. Its derivatives are those of Law::Linearize.
 std::unique_ptr<Term> MakeTerm(LawTerm law);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// Functions of named features, of which closed-form laws are made.
+// Functions of named features, the parts of closed-form laws.
 
 #ifndef PINODE_DYNAMICS_LIBRARY_FUNCTION_H_
 #define PINODE_DYNAMICS_LIBRARY_FUNCTION_H_
@@ -27,42 +27,44 @@ namespace pinode {
 //   && and then ||     of "not 0"
 //   a ? b : c
 //
-// muParser reads the text. What it read becomes a short list of operations
-// that is evaluated here, and differentiated by a backward sweep (the reverse
-// mode of Griewank and Walther, "Evaluating Derivatives", 2008): value and
-// gradient are exact up to rounding for every function, those that users write
-// included; nothing is allocated; and, unlike muParser's own evaluation, all
-// const methods are safe to call from several threads.
+// muParser reads the text. The parsed text becomes a short list of operations.
+// This class evaluates the list, and differentiates it by a backward sweep (the
+// reverse mode of Griewank and Walther, "Evaluating Derivatives", 2008). Value
+// and gradient are exact up to rounding for every function, including those of
+// users. No memory is allocated. Unlike muParser's own evaluation, all const
+// methods are safe to call from several threads.
 //
-// Where a function has no derivative: that of abs and sign at 0 is 0,
-// comparisons and && || have none anywhere (0), min and max of equal arguments
-// follow the first. A derivative that is infinite (sqrt at 0) comes out so.
+// At points without a derivative: that of abs and sign at 0 is 0, comparisons
+// and && || have the derivative 0 everywhere, min and max of equal arguments
+// follow the first. An infinite derivative (sqrt at 0) is returned as infinite.
 class LibraryFunction {
  public:
-  // The longest list of operations, features and numbers included.
+  // Largest number of operations, including features and numbers.
   static constexpr int kMaxOperations = 256;
 
-  // The function that is 0 everywhere, of no feature.
+  // Creates the function that is 0 everywhere, without features.
   LibraryFunction() = default;
 
-  // `feature_names`: the entries of q, such as "x[u1]" or "d[u1,u2]"; blanks
-  // around the parts of such a name do no harm in `text`. On failure returns
-  // false, *function is untouched, and *error reads
-  // "'x[u1]^^2', column 7: what, and what was expected".
+  // Parses a function. `feature_names` are the entries of q, such as "x[u1]" or
+  // "d[u1,u2]". `text` may have blanks around the parts of such a name. On
+  // failure returns false, *function is unchanged, and *error is "'x[u1]^^2',
+  // column 7: error, expected ...".
   [[nodiscard]] static bool Parse(const std::string& text,
                                   const std::vector<std::string>& feature_names,
                                   LibraryFunction* function,
                                   std::string* error);
 
-  // As parsed, without blanks outside names.
+  // Text as parsed, without blanks outside names.
   const std::string& text() const { return text_; }
   int num_features() const { return num_features_; }
   bool DependsOn(int feature) const;
 
-  // q: num_features() entries. Not finite outside the function's domain.
+  // Returns the value at q, num_features() entries. It is not finite outside
+  // the function's domain.
   double Evaluate(const double* q) const;
 
-  // As Evaluate, and gradient (num_features() entries): dg/dq.
+  // Does what Evaluate does, and computes gradient (num_features() entries):
+  // dg/dq.
   double Linearize(const double* q, double* gradient) const;
 
  private:
@@ -106,7 +108,7 @@ class LibraryFunction {
     kMax,
   };
 
-  // The operands are earlier operations.
+  // One operation. Its operands are earlier operations.
   struct Operation {
     Code code = Code::kNumber;
     int index = 0;        // kFeature: which; kIntegerPower: the exponent
@@ -117,19 +119,19 @@ class LibraryFunction {
   };
 
   static double Apply(const Operation& operation, const double* values);
-  // The derivatives of an operation's value by its first two operands, a and b.
-  // False where it has none, or is flat wherever it has one.
+  // Computes the derivatives of an operation's value with respect to its first
+  // two operands, a and b. Returns false if it has none, or if they are zero.
   static bool Differentiate(const Operation& operation, double a, double b,
                             double value, double* by_first, double* by_second);
-  // Sets monomial_ where the operations are one.
+  // Sets monomial_ if the operations form a monomial.
   void FindMonomial();
-  // Fills `values`, one an operation, and returns the last.
+  // Fills `values`, one per operation, and returns the last one.
   double Forward(const double* q, double* values) const;
 
   std::string text_ = "0";
   int num_features_ = 0;
   std::vector<Operation> operations_ = {Operation()};
-  // The same without a list of operations to go through, where there is one.
+  // The same function without a list of operations, if it is a monomial.
   std::optional<Monomial> monomial_;
 };
 

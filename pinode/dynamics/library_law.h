@@ -1,4 +1,4 @@
-// A sparse library term as a law: what discovery finds.
+// A sparse library term as a law, the result of a discovery.
 
 #ifndef PINODE_DYNAMICS_LIBRARY_LAW_H_
 #define PINODE_DYNAMICS_LIBRARY_LAW_H_
@@ -19,12 +19,12 @@ namespace pinode {
 // parameters are the coefficients, in the order of the functions.
 class LibraryLaw final : public Law {
  public:
-  // More features than any structure has terms that matter.
+  // Largest number of features, more than any structure needs.
   static constexpr int kMaxFeatures = 256;
 
-  // All functions are of the same `num_features` (1 to kMaxFeatures) features;
-  // there is at least one. AreValid says so in *error where it is not so; the
-  // constructor aborts.
+  // Checks that there is at least one function and that all functions have the
+  // same `num_features` (1 to kMaxFeatures) features. On failure AreValid sets
+  // *error, and the constructor aborts.
   [[nodiscard]] static bool AreValid(
       int num_features, const std::vector<LibraryFunction>& functions,
       std::string* error);

@@ -1,4 +1,4 @@
-// The part of the equation of motion that is linear with constant matrices.
+// The linear part of the equation of motion, with constant matrices.
 
 #ifndef PINODE_DYNAMICS_LINEAR_DYNAMICS_H_
 #define PINODE_DYNAMICS_LINEAR_DYNAMICS_H_
@@ -20,8 +20,7 @@ struct InputSpec {
     kCovariate,           // a measured quantity that groups or terms follow
     kGroundDisplacement,  // index: direction; for absolute displacements
     kRecordSwitch,        // one in one record, zero in all others
-    // Motion of a DOF that an actuator prescribes, see PrescribedDof; index:
-    // it.
+    // Prescribed motion of a DOF by an actuator, see PrescribedDof. index: DOF.
     kPrescribedDisplacement,
     kPrescribedVelocity,
     kPrescribedAcceleration,
@@ -60,32 +59,33 @@ struct MatrixChange {
 struct LinearSystem {
   Matrix mass, damping, stiffness;  // with their changes
   Matrix mass_inverse;
-  // num_dofs x inputs: acceleration per unit input.
+  // Acceleration per unit input, num_dofs x inputs.
   Matrix input_map;
-  // d[v; a] / d[x; v] = [0, I; -M^-1 K, -M^-1 C].
+  // State matrix, d[v; a] / d[x; v] = [0, I; -M^-1 K, -M^-1 C].
   Matrix state_jacobian;
 };
 
+// The linear part of the dynamics,
+//
 //   dx/dt = v,   M dv/dt = B u(t) - C v - K x,
 //
-// with M, C, K the model's matrices plus the changes p_j M_j, p_j C_j, p_j K_j,
-// and B u the measured forces - (M r + M_fs) a_g. The terms of
-// StructuralDynamics come on top of it; which parameters change its matrices,
-// they tell it.
+// with M, C, K the model's matrices plus the changes p_j M_j, p_j C_j, p_j K_j.
+// B u are the measured forces - (M r + M_fs) a_g. StructuralDynamics adds its
+// terms to this part. The terms define which parameters change the matrices.
 //
-// By the parameter of a change the acceleration a_f that forces cause has the
-// derivative
+// The acceleration a_f that forces cause has, with respect to the parameter of
+// a change, the derivative
 //
 //   d a_f / d p_j = -M^-1 q_j,   q_j = K_j x,  C_j v  or  M_j (a_f + r a_g),
 //
-// where a_f is that of all forces, those of the terms included.
+// where a_f includes all forces, also those of the terms.
 class LinearDynamics {
  public:
   // `model` and `inputs` must be valid, see IsValid.
   LinearDynamics(StructuralModel model, std::vector<InputSpec> inputs);
 
   // Checks the model, and that every input acts on a DOF or in a direction of
-  // it. On failure *error names what does not fit.
+  // it. On failure *error names the mismatch.
   [[nodiscard]] static bool IsValid(const StructuralModel& model,
                                     const std::vector<InputSpec>& inputs,
                                     std::string* error);
@@ -98,27 +98,31 @@ class LinearDynamics {
   const std::vector<MatrixChange>& changes() const { return changes_; }
   void SetChanges(std::vector<MatrixChange> changes);
 
-  // The model with its matrices changed.
+  // Returns the model with its matrices changed.
   StructuralModel ChangedModel(const Vector& theta) const;
 
-  // False where the changed mass matrix is not positive definite.
+  // Computes the linear part at theta. Returns false if the changed mass matrix
+  // is not positive definite.
   [[nodiscard]] bool Prepare(const Vector& theta, LinearSystem* system,
                              std::string* error) const;
 
-  // rate (2 num_dofs) = d[x; v]/dt without any term, at `system`'s theta.
+  // Computes rate (2 num_dofs) = d[x; v]/dt without any term, at `system`'s
+  // theta.
   void Rate(const LinearSystem& system, const double* input,
             const double* state, double* rate) const;
   void Rate(const LinearSystem& system, const double* input,
             const WideJet* state, WideJet* rate) const;
 
-  // On Jets: what the acceleration (num_dofs) gets from derivatives of theta,
-  // whose values are those of `system`. `force_acceleration`: a_f complete.
+  // Adds, on Jets, the derivatives of the acceleration (num_dofs) with respect
+  // to theta, whose values are those of `system`. `force_acceleration`: the
+  // complete a_f.
   void AddVariation(const LinearSystem& system, const double* input,
                     const WideJet* state, const WideJet* theta,
                     const WideJet* force_acceleration,
                     WideJet* acceleration) const;
 
-  // The free changes' forces q_j at one point, num_dofs x num_free_changes.
+  // Computes the free changes' forces q_j at one point, num_dofs x
+  // num_free_changes.
   int num_free_changes() const {
     return static_cast<int>(free_changes_.size());
   }
@@ -136,9 +140,10 @@ class LinearDynamics {
                             const Matrix& left, TangentScratch* scratch,
                             double* result) const;
 
-  // Of the linear part alone, dh/dt = A [h; u], A: 2 num_dofs x (2 num_dofs +
-  // inputs). Adds the derivative of A by each free change to the matrix of its
-  // tangent column, at the price of the rows and columns that the change has.
+  // Handles the linear part alone, dh/dt = A [h; u], with A: 2 num_dofs x (2
+  // num_dofs + inputs). Adds the derivative of A with respect to each free
+  // change to the matrix of its tangent column. The cost is that of the nonzero
+  // rows and columns of the change.
   void AddRateDerivatives(const LinearSystem& system,
                           std::vector<Matrix>* derivatives) const;
 
@@ -146,7 +151,7 @@ class LinearDynamics {
   template <typename T>
   void RateOf(const LinearSystem& system, const double* input, const T* state,
               T* rate) const;
-  // r a_g of DOF `dof`.
+  // Returns r a_g of DOF `dof`.
   double GroundAcceleration(int dof, const double* input) const;
 
   StructuralModel model_;

@@ -1,4 +1,4 @@
-// Products of powers: what most functions of a library are.
+// Products of powers, the form of most library functions.
 
 #ifndef PINODE_DYNAMICS_MONOMIAL_H_
 #define PINODE_DYNAMICS_MONOMIAL_H_
@@ -7,18 +7,20 @@
 
 namespace pinode {
 
-// c b_1^n_1 b_2^n_2 ... with positive whole n_i, where each b_i is a feature or
-// its absolute value. The algebra of building one, and what it is worth.
+// A product c b_1^n_1 b_2^n_2 ... with positive integers n_i, where each b_i is
+// a feature or its absolute value. Includes the algebra to build one, and its
+// evaluation.
 class Monomial {
  public:
   static constexpr int kMaxFactors = 8;
 
-  // The number `coefficient`, or the feature of this index.
+  // Return the number `coefficient`, or the feature of this index.
   static Monomial Number(double coefficient);
   static Monomial Feature(int index);
 
-  // Each turns this one into what its name says. False where that is none, or
-  // has more than kMaxFactors factors; it is not to be used any more then.
+  // Apply the named operation to this monomial. Return false if the result is
+  // not a monomial or has more than kMaxFactors factors. The monomial must not
+  // be used then.
   [[nodiscard]] bool Multiply(const Monomial& other);
   [[nodiscard]] bool Raise(int power);
   void TakeAbsolute();
@@ -28,8 +30,8 @@ class Monomial {
   double coefficient() const { return coefficient_; }
 
   double Evaluate(const double* q) const;
-  // As Evaluate; adds the derivatives by the features to `gradient`. That of an
-  // absolute value at 0 is 0.
+  // Does what Evaluate does, and adds the derivatives with respect to the
+  // features to `gradient`. The derivative of an absolute value at 0 is 0.
   double Linearize(const double* q, double* gradient) const;
 
  private:
@@ -43,7 +45,7 @@ class Monomial {
   std::vector<Factor> factors_;
 };
 
-// x^exponent by squaring; negative exponents too.
+// Returns x^exponent by squaring. The exponent may be negative.
 double IntegerPower(double x, int exponent);
 
 }  // namespace pinode

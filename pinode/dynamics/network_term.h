@@ -13,7 +13,7 @@
 
 namespace pinode {
 
-// A network.
+// A network at its place.
 struct NetworkTerm {
   using ActsAs = pinode::ActsAs;
   std::string name;
@@ -23,21 +23,23 @@ struct NetworkTerm {
   std::vector<std::string> output_names;
   ActsAs acts_as = ActsAs::kAcceleration;
   ParameterBlock weights;
-  // Weight decay: negative asks for the evidence's choice, otherwise the
-  // precision of a zero-mean Gaussian prior.
+  // Weight decay: the precision of a zero-mean Gaussian prior. Negative: the
+  // evidence chooses it.
   double decay = -1.0;
-  // The weights were drawn at random and may be drawn again on the way to a
-  // simpler network; false where they were learned before.
+  // True if the weights are random and may be drawn again for a simpler
+  // network. False if they were learned before.
   bool drawn = true;
 };
 
-// A network that depends on time alone and acts as a force is an unknown force.
+// Returns true for a network that depends on time alone and acts as a force.
+// Such a network is an unknown force.
 bool IsForceOfTime(const NetworkTerm& term);
 
-// Its weights' tangents are one small matrix product per layer for all stages
-// together. Where all weights are free, as they nearly always are, the product
-// goes straight to its columns; where some are fixed, all are computed beside
-// and the free ones copied, which costs less than products of half layers.
+// Creates the term. Its weights' tangents are one small matrix product per
+// layer for all stages together. If all weights are free, as in most cases, the
+// product is written directly to its columns. If some are fixed, all are
+// computed separately and the free ones are copied, which costs less than
+// products of half layers.
 std::unique_ptr<Term> MakeTerm(NetworkTerm network);
 
 }  // namespace pinode

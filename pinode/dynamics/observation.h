@@ -1,4 +1,4 @@
-// What a sensor sees of the state.
+// Measured channels as functions of the state.
 
 #ifndef PINODE_DYNAMICS_OBSERVATION_H_
 #define PINODE_DYNAMICS_OBSERVATION_H_
@@ -21,7 +21,7 @@ enum class Quantity {
   kStrain,                // of x, see AxialStrain and BendingStrain
 };
 
-// The names used in case files, "displacement" and so on.
+// Returns the name as in case files, "displacement" and so on.
 const char* QuantityName(Quantity quantity);
 [[nodiscard]] bool ParseQuantity(const std::string& name, Quantity* quantity,
                                  std::string* error);
@@ -30,23 +30,24 @@ const char* QuantityName(Quantity quantity);
 //
 //   y = sum_i w_i quantity_i,
 //
-// in the model's units. A sensor at one DOF has one weight 1; a strain gauge
-// or a relative displacement sensor has several. The weights of a strain hold
-// what makes it a pure number.
+// in the model's units. A sensor at one DOF has one weight 1. A strain gauge or
+// a relative displacement sensor has several. The weights of a strain make it
+// dimensionless.
 struct Observation {
   std::string name;
   Quantity quantity = Quantity::kDisplacement;
   Vector weights;  // num_dofs
 };
 
-// Weights of a gauge whose ends move apart by sum_i c_i x_i, `combination`
-// being c (num_dofs), over its `gauge_length` > 0:
+// Return the weights of a strain gauge. Its ends move apart by sum_i c_i x_i,
+// with `combination` c (num_dofs), over its `gauge_length` > 0:
 //
 //   axial, of displacements         (u_2 - u_1) / gauge_length,
 //   bending, of rotations r = dv/dx  -distance (r_2 - r_1) / gauge_length
 //
-// where `distance`, not 0, is that from the neutral axis, positive on the side
-// of positive deflection v. It is the mean strain over the gauge.
+// where `distance`, not 0, is the distance from the neutral axis, positive on
+// the side of positive deflection v. The result is the mean strain over the
+// gauge.
 Vector AxialStrain(const Vector& combination, double gauge_length);
 Vector BendingStrain(const Vector& combination, double distance,
                      double gauge_length);
@@ -64,19 +65,20 @@ class ObservationMap {
                  const std::vector<Observation>& observations);
 
   int num_channels() const { return static_cast<int>(state_map_.rows()); }
-  // True where some channel needs the acceleration.
+  // Returns true if some channel needs the acceleration.
   bool uses_acceleration() const { return !acceleration_rows_.empty(); }
 
-  // y (num_channels) from state and its rate at one instant.
+  // Computes y (num_channels) from the state and its rate at one instant.
   void Observe(const double* state, const double* rate, const double* input,
                double* y) const;
 
-  // d y / d state for the linearised dynamics, num_channels x num_states.
+  // Computes d y / d state for the linearised dynamics, num_channels x
+  // num_states.
   void StateJacobian(const StructuralDynamics::Linearization& at,
                      Matrix* jacobian) const;
 
-  // Rows whose channel holds accelerations, and the map from the rate of the
-  // state to them (acceleration rows x num_states): the parameters' direct
+  // Rows of the channels with accelerations, and the map from the rate of the
+  // state to them (acceleration rows x num_states). The parameters' direct
   // effect on the channels is rate_map * (d rate / d theta).
   const std::vector<int>& acceleration_rows() const {
     return acceleration_rows_;

@@ -1,5 +1,5 @@
-// How an element of one's own is written: a functor on a template scalar, as
-// AutoDiffLaw takes it, in a source file of its own,
+// User-written elements. An element is a functor on a template scalar, as for
+// AutoDiffLaw, in its own source file:
 //
 //   #include <pinode/dynamics/own_element.h>
 //
@@ -14,23 +14,22 @@
 //   };
 //
 //   PINODE_ELEMENTS(library) {
-//     // Internal states, parameters; of each parameter its name, its dimension
-//     // by powers of force, length and time, its limits, and its default:
-//     without
-//     // one a case must give it.
+//     // Numbers of internal states and parameters. Then for each parameter:
+//     // its name, its dimension as powers of force, length and time, its
+//     // limits, and its default. Without a default a case must give a value.
 //     pinode::AddElement<Sticky, 0, 3>(
 //         "sticky", {{"k", 1, -1, 0}, {"f", 1, 0, 0}, {"v0", 0, 1, -1, 1e-9}},
 //         library);
 //   }
 //
-// compiled into a shared library,
+// Compile it into a shared library,
 //
 //   c++ -std=c++17 -O2 -shared -fPIC -I/usr/include/eigen3
 //       -o sticky.so sticky.cc
 //
-// and named by a case: `type = "sticky"`, `file = "sticky.so"`. Compiled for
+// and name it in a case: `type = "sticky"`, `file = "sticky.so"`. Compiled for
 // one kind of processor (-march) it needs ElementCompilerFlags, which the CMake
-// target pinode::dynamics brings along.
+// target pinode::dynamics provides.
 
 #ifndef PINODE_DYNAMICS_OWN_ELEMENT_H_
 #define PINODE_DYNAMICS_OWN_ELEMENT_H_
@@ -46,9 +45,10 @@
 
 namespace pinode {
 
-// Which interface between pinode and such a library this is, and how what
-// passes through it lies in memory. To be counted up with any change to Law,
-// ElementLibrary or ElementParameterInfo: element_library_test.cc notices one.
+// Returns the version of the interface between pinode and such a library,
+// including the memory layout of the exchanged data. Increase it with any
+// change to Law, ElementLibrary or ElementParameterInfo.
+// element_library_test.cc detects a missing increase.
 inline unsigned long ElementInterface() {
   constexpr unsigned long kVersion = 1;
   return 100000000 * kVersion + 10000 * sizeof(ElementParameterInfo) +

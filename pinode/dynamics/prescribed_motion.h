@@ -1,4 +1,5 @@
-// DOFs whose motion is prescribed: an actuator moves them, a record says how.
+// DOFs with prescribed motion: an actuator moves them, and a record gives the
+// motion.
 
 #ifndef PINODE_DYNAMICS_PRESCRIBED_MOTION_H_
 #define PINODE_DYNAMICS_PRESCRIBED_MOTION_H_
@@ -16,14 +17,15 @@ namespace pinode {
 // input is missing.
 std::vector<PrescribedDof> PrescribedDofs(const std::vector<InputSpec>& inputs);
 
-// Whether each of them has its three inputs, once, and a mass of its own.
-// `model` and the indices of `inputs` must be valid.
+// Checks that each prescribed DOF has each of its three inputs once, and a mass
+// that is not coupled to others. `model` and the indices of `inputs` must be
+// valid.
 [[nodiscard]] bool ArePrescribable(const StructuralModel& model,
                                    const std::vector<InputSpec>& inputs,
                                    std::string* error);
 
-// The model with those DOFs held: without their rows and columns. May have no
-// DOF left.
+// Returns the model with those DOFs fixed: without their rows and columns. It
+// may have no DOF left.
 StructuralModel WithoutPrescribed(const StructuralModel& model,
                                   const std::vector<PrescribedDof>& prescribed);
 

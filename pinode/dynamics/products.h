@@ -1,6 +1,5 @@
-// Products of a matrix of numbers with a vector on any scalar: by Eigen where
-// the scalar is a number, by plain loops, which pass over zeros, where it is a
-// Jet.
+// Products of a matrix of numbers with a vector on any scalar. Numbers use
+// Eigen. Jets use plain loops that skip zeros.
 
 #ifndef PINODE_DYNAMICS_PRODUCTS_H_
 #define PINODE_DYNAMICS_PRODUCTS_H_
@@ -10,11 +9,11 @@
 
 namespace pinode {
 
-// sum += matrix * vector. Two scalars, so that the inputs, which are numbers,
-// can be added to Jets.
+// Computes sum += matrix * vector. The two scalar types may differ, so that
+// inputs, which are numbers, can be added to Jets.
 inline void AddProduct(const Eigen::Ref<const Matrix>& matrix,
                        const double* vector, double* sum) {
-  // Beyond this Eigen is no slower.
+  // Size above which Eigen is not slower.
   constexpr Eigen::Index kFew = 16;
   if (matrix.rows() <= kFew) {
     AddProductSmall(static_cast<int>(matrix.rows()),
@@ -36,7 +35,7 @@ void AddProduct(const Eigen::Ref<const Matrix>& matrix, const S* vector,
   }
 }
 
-// sum += factor * column.
+// Computes sum += factor * column.
 inline void AddScaled(const Eigen::Ref<const Vector>& column, double factor,
                       double* sum) {
   Eigen::Map<Vector>(sum, column.size()) += factor * column;

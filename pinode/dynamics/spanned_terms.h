@@ -1,4 +1,4 @@
-// Which unknown stiffness and damping a network could stand in for.
+// Finds the unknown stiffness and damping that a network could replace.
 
 #ifndef PINODE_DYNAMICS_SPANNED_TERMS_H_
 #define PINODE_DYNAMICS_SPANNED_TERMS_H_
@@ -10,11 +10,12 @@
 
 namespace pinode {
 
-// The free stiffness and damping groups, and linear elements with a free
-// stiffness or damper, that the inputs of `network` span and whose forces its
-// outputs share: without the gauge their values could not be told from the
-// network's slope at rest (NetworkArchitecture::gauge). `network` need not be a
-// term of `dynamics` yet; its features and outputs fit it.
+// Returns the names of free stiffness and damping groups, and of linear
+// elements with a free stiffness or damper, that `network` could replace: its
+// inputs span them and its outputs share their forces. Without the gauge the
+// data could not separate their values from the network's slope at rest
+// (NetworkArchitecture::gauge). `network` need not be a term of `dynamics` yet,
+// but its features and outputs must fit it.
 std::vector<std::string> SpannedTerms(const StructuralDynamics& dynamics,
                                       const NetworkTerm& network);
 

@@ -1,5 +1,5 @@
-// The right-hand side dh/dt of the structure, with everything that may be
-// unknown in it, and its derivatives.
+// The right-hand side dh/dt of the structure, including all possible unknowns,
+// and its derivatives.
 
 #ifndef PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 #define PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
@@ -31,59 +31,61 @@ namespace pinode {
 //   dx/dt = v,  dv/dt = a + sum_j S_j g_j(q_j)         (accelerations)
 //   dz/dt = r(q, z)                                    (hysteretic laws)
 //
-// with M, C, K the model's matrices plus group corrections, and
-// B u = -(M r + M_fs) a_g for ground motion; measured forces may have an
-// unknown scale. What is linear with constant matrices is LinearDynamics,
-// everything else a list of terms (term.h); here they are put together. Where
-// the motion of a DOF is prescribed, rates are those at the prescribed state,
-// whatever the state says, and who integrates calls Prescribe after each step.
+// with M, C, K the model's matrices plus group corrections, and B u = -(M r +
+// M_fs) a_g for ground motion. Measured forces may have an unknown scale.
+// LinearDynamics is the part that is linear with constant matrices. Everything
+// else is a list of terms (term.h). This class combines them. For DOFs with
+// prescribed motion, rates are those at the prescribed state, whatever the
+// state contains. Integrators call Prescribe after each step.
 //
-// Build it once, add the terms, then only read: all const functions are safe
-// to call from several threads, each with its own Linearization objects.
+// Build it once, add the terms, then only read: all const functions are safe to
+// call from several threads, each with its own Linearization objects.
 class StructuralDynamics {
  public:
-  // From a model and inputs that are known to be valid
-  // (LinearDynamics::IsValid); others abort.
+  // Creates the dynamics from a valid model and valid inputs
+  // (LinearDynamics::IsValid). Aborts otherwise.
   StructuralDynamics(StructuralModel model, std::vector<InputSpec> inputs);
 
-  // From any: nullptr with a sentence in *error where they are not valid.
+  // Creates the dynamics from any model and inputs. Returns nullptr with a
+  // sentence in *error if they are not valid.
   [[nodiscard]] static std::unique_ptr<StructuralDynamics> Create(
       StructuralModel model, std::vector<InputSpec> inputs, std::string* error);
 
-  // Copies have terms of their own.
+  // Copies have copies of the terms.
   StructuralDynamics(const StructuralDynamics& other);
   StructuralDynamics& operator=(const StructuralDynamics& other);
   StructuralDynamics(StructuralDynamics&& other) = default;
   StructuralDynamics& operator=(StructuralDynamics&& other) = default;
 
-  // Each returns false with a sentence in *error where sizes, features, DOFs
-  // or parameters do not fit; nothing is added then.
+  // Each function adds a term. It returns false with a sentence in *error, and
+  // adds nothing, if sizes, features, DOFs or parameters do not fit.
   [[nodiscard]] bool AddGroup(GroupTerm term, std::string* error);
   [[nodiscard]] bool AddLaw(LawTerm term, std::string* error);
   [[nodiscard]] bool AddUnknownForce(UnknownForceTerm term, std::string* error);
-  // Of a group that was added; see GroupCurve.
+  // Adds a curve to an existing group; see GroupCurve.
   [[nodiscard]] bool AddGroupCurve(GroupCurve curve, std::string* error);
   [[nodiscard]] bool AddForceScale(ForceScaleTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
-  // Scales of a network that was added, see NetworkArchitecture: empty, or one
-  // positive number an input and an output. False with a sentence in *error
-  // where there is no such network or a scale is none; nothing changes then.
+  // Sets the scales of an existing network, see NetworkArchitecture: empty, or
+  // one positive number per input and output. Returns false with a sentence in
+  // *error, and changes nothing, if there is no such network or a scale is not
+  // valid.
   [[nodiscard]] bool SetNetworkScales(int network, const Vector& input,
                                       const Vector& output, std::string* error);
-  // A named element between two DOFs, see MakeElement.
+  // Adds a named element between two DOFs, see MakeElement.
   [[nodiscard]] bool AddElement(const std::string& name,
                                 const std::string& type, int from, int to,
                                 const std::vector<double>& values,
                                 std::string* error);
-  // A term of any kind.
+  // Adds a term of any kind.
   [[nodiscard]] bool AddTerm(std::unique_ptr<Term> term, std::string* error);
 
   const LinearDynamics& linear_dynamics() const { return linear_; }
   const StructuralModel& model() const { return linear_.model(); }
   const std::vector<InputSpec>& inputs() const { return linear_.inputs(); }
-  // The DOFs whose motion is prescribed.
+  // DOFs with prescribed motion.
   const std::vector<PrescribedDof>& prescribed() const { return prescribed_; }
-  // The motion that is prescribed at an instant, written into a state.
+  // Writes the prescribed motion at an instant into a state.
   template <typename T>
   void Prescribe(const double* input, T* state) const {
     for (const PrescribedDof& p : prescribed_) {
@@ -91,8 +93,8 @@ class StructuralDynamics {
       state[num_dofs() + p.dof] = T(input[p.velocity]);
     }
   }
-  // What is prescribed depends on nothing: zero rows in the sensitivities
-  // (num_states rows) of a state after Prescribe.
+  // Sets the prescribed rows in the sensitivities (num_states rows) of a state
+  // to zero, after Prescribe: the prescribed motion depends on no parameter.
   void PrescribeSensitivity(Matrix* sensitivity) const;
 
   const std::vector<GroupTerm>& groups() const;
@@ -113,20 +115,21 @@ class StructuralDynamics {
   int num_terms() const { return static_cast<int>(terms_.size()); }
   const Term& term(int term) const { return *terms_[Index(term)]; }
 
-  // Whether dh/dt = F h + G u with constant F and G: nothing but groups that
-  // follow nothing and laws that are idle, and no prescribed motion.
+  // Returns true if dh/dt = F h + G u with constant F and G. This holds if
+  // there are only groups that follow nothing and idle laws, and no prescribed
+  // motion.
   bool IsLinear() const;
 
-  // A copy with the same parameters whose groups follow nothing: each is as
-  // large as the mean of what it follows over the samples of all inputs makes
-  // it. Of small slow changes of its matrices a stationary motion shows the
-  // mean, to the first order. Groups that follow the time stay as they are
-  // where none is given.
+  // Returns a copy with the same parameters in which groups follow nothing.
+  // Each group has its mean value over the samples of all inputs. To first
+  // order, a stationary motion shows this mean of small slow changes of the
+  // matrices. Groups that follow the time are unchanged if no time is given.
   StructuralDynamics Averaged(const Conditions& over) const;
-  // Names of the parameters by which groups follow covariates.
+  // Returns the names of the parameters by which groups follow covariates.
   std::vector<std::string> CovariateParameters() const;
-  // A copy, after a change of the parameters of groups and of their curves: of
-  // values, or of which are free, in a curve all of them or none.
+  // Returns a copy in which `change` was applied to the parameters of groups
+  // and of their curves. It may change values, or which parameters are free (in
+  // a curve all of them or none).
   StructuralDynamics WithGroupParameters(
       const std::function<void(Parameter*)>& change) const;
 
@@ -134,13 +137,13 @@ class StructuralDynamics {
   int num_internal() const { return num_internal_; }
   int num_states() const { return 2 * num_dofs() + num_internal_; }
   int num_inputs() const { return linear_.num_inputs(); }
-  // "x[u1]", "v[u1]", "z[name]".
+  // Returns "x[u1]", "v[u1]", "z[name]".
   std::vector<std::string> StateNames() const;
 
-  // The flat parameter vector theta: one block for all groups (named
-  // "groups"; absent where there are none), one per law, one per unknown force,
-  // one per curve of a group, one per force scale, one per term of another
-  // kind, one per network.
+  // Blocks of the flat parameter vector theta: one block for all groups (named
+  // "groups"; absent without groups), one per law, one per unknown force, one
+  // per curve of a group, one per force scale, one per term of another kind,
+  // one per network.
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   // Indices of the terms' blocks.
   int unknown_force_block(int force) const {
@@ -160,33 +163,36 @@ class StructuralDynamics {
   Vector Parameters() const;
   void SetParameters(const Vector& theta);
 
-  // The free parameters, in their order: tangent_columns()[j] is the index in
-  // theta of tangent column j.
+  // Free parameters, in their order: tangent_columns()[j] is the index in theta
+  // of tangent column j.
   const std::vector<int>& tangent_columns() const { return tangent_columns_; }
   int num_tangent_columns() const {
     return static_cast<int>(tangent_columns_.size());
   }
 
-  // Everything that depends on theta alone.
+  // All quantities that depend on theta alone.
   struct Prepared {
     Vector theta;
     LinearSystem linear;
     std::vector<std::unique_ptr<TermPrepared>> terms;
   };
-  // False with a sentence where the corrected mass matrix is not positive
-  // definite, and where theta has another size than num_parameters.
+  // Computes these quantities. Returns false with a sentence if the corrected
+  // mass matrix is not positive definite, or if the size of theta is not
+  // num_parameters.
   [[nodiscard]] bool Prepare(const Vector& theta, Prepared* prepared,
                              std::string* error) const;
-  // dv/dt by the outputs of a network, num_dofs x outputs.
+  // Derivative of dv/dt with respect to the outputs of a network, num_dofs x
+  // outputs.
   const Matrix& NetworkMap(const Prepared& prepared, int network) const {
     return prepared.terms[Index(network_block(network))]->output_map;
   }
 
-  // The dynamics linearised at one (t, h, u): what a Runge-Kutta stage keeps.
+  // The dynamics linearised at one (t, h, u), as stored for a Runge-Kutta
+  // stage.
   struct Linearization {
     Vector rate;      // dh/dt
     Matrix jacobian;  // d rate / d h
-    // The rest is the factored derivative by theta, see AddParameterTangents.
+    // Factored derivative with respect to theta, see AddParameterTangents.
     Vector force_acceleration;  // a without what acts as an acceleration
     Matrix change_forces;       // see LinearDynamics::ChangeForces
     Vector prescribed_state;    // empty where no motion is prescribed
@@ -194,11 +200,11 @@ class StructuralDynamics {
   };
   Linearization MakeLinearization() const;
 
-  // rate: num_states values.
+  // Computes rate, num_states values.
   void Rate(const Prepared& prepared, double time, const double* input,
             const double* state, double* rate, Linearization* scratch) const;
 
-  // Fills *linearization; no memory is allocated.
+  // Fills *linearization. Allocates no memory.
   void Linearize(const Prepared& prepared, double time, const double* input,
                  const double* state, Linearization* linearization) const;
 
@@ -210,28 +216,28 @@ class StructuralDynamics {
   };
   TangentScratch MakeTangentScratch(int rows) const;
 
-  // *result += sum_s left_s * (d rate / d theta)_s over up to four points,
-  // with left_s of rows x num_states and result of rows x
-  // num_tangent_columns. Networks enter as one small matrix product per layer
-  // for all points together; nothing is allocated.
+  // Computes *result += sum_s left_s * (d rate / d theta)_s over up to four
+  // points, with left_s of rows x num_states and result of rows x
+  // num_tangent_columns. Networks contribute one small matrix product per layer
+  // for all points together. Allocates no memory.
   void AddParameterTangents(const Prepared& prepared,
                             const Linearization* const* points,
                             const Matrix* const* lefts, int num_points,
                             TangentScratch* scratch, double* result) const;
 
-  // The same right-hand side on Jets, for derivatives = "jets": `theta` as
-  // wide Jets whose values are those of `prepared`.
+  // Computes the same right-hand side on Jets, for derivatives = "jets".
+  // `theta` are wide Jets with the values of `prepared`.
   void Rate(const Prepared& prepared, double time, const double* input,
             const WideJet* state, const WideJet* theta, WideJet* rate) const;
 
-  // The model with M, C, K corrected by the groups that follow nothing.
+  // Returns the model with M, C, K corrected by the groups that follow nothing.
   StructuralModel CorrectedModel(const Vector& theta) const;
-  // The same with the DOFs of prescribed motion held, for modes; may have no
-  // DOF left.
+  // Returns the same model with the DOFs of prescribed motion fixed, for modes.
+  // It may have no DOF left.
   StructuralModel HeldModel(const Vector& theta) const;
 
  private:
-  // Where a term's parameters, tangents and internal states begin.
+  // First parameter, tangent column and internal state of a term.
   struct Offsets {
     int parameter = 0;
     int column = 0;
@@ -239,11 +245,11 @@ class StructuralDynamics {
   };
 
   static size_t Index(int i) { return static_cast<size_t>(i); }
-  // The first term of a kind or of those behind it.
+  // Returns the first term of this kind, or of a later kind.
   int FirstOf(TermKind kind) const;
   template <typename Description>
   TermRange<Description> Range(TermKind kind) const;
-  // Finds blocks, offsets and changes of the matrices anew.
+  // Recomputes blocks, offsets and changes of the matrices.
   void Layout();
   template <typename T>
   TermPoint<T> PointOf(int term, double time, const double* input,
@@ -251,10 +257,11 @@ class StructuralDynamics {
   template <typename T>
   TermRate<T> RateOf(int term, T* rate, T* force_acceleration) const;
 
-  // `state`, or *copy with the prescribed motion.
+  // Returns `state`, or *copy with the prescribed motion.
   const double* Prescribed(const double* input, const double* state,
                            Vector* copy) const;
-  // False where the term would change the mass of such a DOF.
+  // Returns false if the term would change the mass of a DOF with prescribed
+  // motion.
   bool LeavesPrescribedMasses(const Term& term, std::string* error) const;
 
   LinearDynamics linear_;

@@ -1,4 +1,5 @@
-// The seam between the terms of the equation of motion and what integrates it.
+// The interface between the terms of the equation of motion and the
+// integrators.
 
 #ifndef PINODE_DYNAMICS_TERM_H_
 #define PINODE_DYNAMICS_TERM_H_
@@ -36,7 +37,7 @@ enum class TermKind {
   kNetwork
 };
 
-// Where a term stands in the state h = [x; v; z].
+// Position of a term in the state h = [x; v; z].
 struct TermPlace {
   int num_dofs = 0;
   int first_internal = 0;  // index in h of its first internal state
@@ -56,26 +57,27 @@ struct TermPoint {
   const T* internal() const { return state + place.first_internal; }
 };
 
-// The sums to which a term adds its share.
+// The sums to which a term adds its part.
 template <typename T>
 struct TermRate {
   T* acceleration = nullptr;  // dv/dt, num_dofs
-  // dv/dt without what acts as an acceleration, num_dofs: whatever comes from a
-  // force is added here as well, for corrections of the mass refer to it.
+  // dv/dt without the terms that act as an acceleration, num_dofs. Add the
+  // effect of each force here too, because corrections of the mass refer to it.
   T* force_acceleration = nullptr;
   T* internal = nullptr;  // dz/dt of the term's own, to be set
 };
 
-// What a term makes of its parameters and of the mass, once for each theta.
+// Data that a term computes once for each theta from its parameters and the
+// mass.
 struct TermPrepared {
   virtual ~TermPrepared() = default;
-  // dv/dt by the term's results, num_dofs x results, where it has any; see
-  // AccelerationMap.
+  // Derivative of dv/dt with respect to the term's results, num_dofs x results,
+  // if it has any; see AccelerationMap.
   Matrix output_map;
 };
 
-// What a term keeps of a linearisation for its parameter tangents, and its
-// scratch while it is evaluated.
+// Data of a linearisation that a term keeps for its parameter tangents, and its
+// scratch memory.
 struct TermLinearization {
   virtual ~TermLinearization() = default;
 };
@@ -85,36 +87,35 @@ struct TermTangentScratch {
   virtual ~TermTangentScratch() = default;
 };
 
-// Over what StructuralDynamics::Averaged takes its means.
+// Data over which StructuralDynamics::Averaged takes its means.
 struct Conditions {
   Matrix inputs;               // inputs x samples
   std::optional<double> time;  // the mean time; none: time does not pass
 };
 
-// One term of the equation of motion. StructuralDynamics composes them: it
-// finds their places, hands each its own part of state and parameters, and
-// knows nothing of what they do.
+// One term of the equation of motion. StructuralDynamics combines the terms: it
+// assigns their places and passes each its own part of state and parameters.
 //
 // To add a kind of term:
 //
-// 1. Write it as a file like law_term.cc: a struct that describes it, a
+// 1. Write it in a file like law_term.cc: a struct that describes it, a
 //    class that derives from TermOf<that struct> in the unnamed namespace, and
-//    MakeTerm(). What it computes is written once, as a template on the
-//    scalar behind the two AddRate(); what is linearised by hand is checked by
-//    CheckTerm of term_test.cc in one line.
-// 2. Give it a line in TermKind, if it shall have a place of its own in theta
-//    and a list like StructuralDynamics::laws().
+//    MakeTerm(). Write its equations once, as a template on the scalar behind
+//    the two AddRate(). CheckTerm of term_test.cc checks hand-coded
+//    derivatives in one line.
+// 2. Give it a line in TermKind if it needs its own place in theta and a list
+//    like StructuralDynamics::laws().
 //
-// Without the second it goes into StructuralDynamics::AddTerm as kOther, from
-// wherever it is defined. A force that is a formula of its features needs none
-// of this: it is a Law.
+// Without step 2, pass it to StructuralDynamics::AddTerm as kOther, from any
+// file. A force that is a formula of its features needs no new term: it is a
+// Law.
 //
 // All const functions are safe to call from several threads, each with its own
-// linearisations and scratch. Rate, Linearize and AddParameterTangents run
-// inside the integrator and allocate nothing, that on Jets apart.
+// linearisations and scratch memory. Rate, Linearize and AddParameterTangents
+// run inside the integrator and allocate no memory, except on Jets.
 class Term {
  public:
-  // A Runge-Kutta step has four stages.
+  // Number of stages of a Runge-Kutta step.
   static constexpr int kMostStages = 4;
 
   virtual ~Term() = default;
@@ -122,37 +123,39 @@ class Term {
   virtual std::unique_ptr<Term> Clone() const = 0;
 
   // Checks sizes, features and parameters against the model and the number of
-  // inputs. On failure *error names the term and what does not fit. No other
-  // function is called before, parameters() apart.
+  // inputs. On failure *error names the term and the mismatch. No other
+  // function except parameters() may be called before.
   [[nodiscard]] virtual bool IsValid(const StructuralModel& model,
                                      int num_inputs,
                                      std::string* error) const = 0;
 
-  // Its unknowns, one block, of which the free ones have tangent columns.
+  // Unknowns of the term, one block. The free ones have tangent columns.
   virtual const ParameterBlock& parameters() const = 0;
   virtual void SetParameters(const Vector& values) = 0;
-  // Names of its internal states z, "z[...]".
+  // Returns the names of the internal states z, "z[...]".
   virtual std::vector<std::string> InternalNames() const { return {}; }
 
-  // What it does to the constant matrices. The linear part takes care of it,
-  // tangents included; the functions below leave it out.
+  // Returns the term's changes of the constant matrices. The linear part
+  // handles them, including their tangents. The functions below leave them out.
   virtual std::vector<MatrixChange> MatrixChanges() const { return {}; }
-  // Whether it does nothing else.
+  // Returns true if the term has no other effect.
   virtual bool IsConstant() const { return false; }
-  // A copy in which matrices that follow something are constant: their means.
+  // Returns a copy in which matrices that follow something have their constant
+  // mean value.
   virtual std::unique_ptr<Term> Averaged(const Conditions& /*over*/) const {
     return Clone();
   }
 
-  // For values of its parameters, and `linear` with everybody's changes.
+  // Computes the data for values of its parameters. `linear` includes the
+  // changes of all terms.
   virtual std::unique_ptr<TermPrepared> Prepare(
       const LinearSystem& linear, const double* parameters) const = 0;
 
   virtual std::unique_ptr<TermLinearization> MakeLinearization(
       const TermPlace& place) const = 0;
 
-  // Adds the term's rate. The parameters are those of `prepared`, on Jets with
-  // derivatives.
+  // Adds the term's rate. The parameters are those of `prepared`; on Jets they
+  // have derivatives.
   virtual void AddRate(const TermPrepared& prepared,
                        const TermPoint<double>& at, TermRate<double>* rate,
                        TermLinearization* scratch) const = 0;
@@ -160,17 +163,18 @@ class Term {
                        const TermPoint<WideJet>& at,
                        TermRate<WideJet>* rate) const = 0;
 
-  // As AddRate, and adds d rate / d h to *jacobian, num_states x num_states.
+  // Does what AddRate does, and adds d rate / d h to *jacobian, num_states x
+  // num_states.
   virtual void Linearize(const TermPrepared& prepared,
                          const TermPoint<double>& at, TermRate<double>* rate,
                          Matrix* jacobian, TermLinearization* kept) const = 0;
 
-  // Working memory for products with so many rows.
+  // Returns working memory for products with `rows` rows.
   virtual std::unique_ptr<TermTangentScratch> MakeTangentScratch(
       const TermPlace& place, int rows) const = 0;
 
-  // result (rows x free parameters) += sum_s left_s (d rate / d p)_s over up to
-  // kMostStages stages, left_s of rows x num_states.
+  // Computes result (rows x free parameters) += sum_s left_s (d rate / d p)_s
+  // over up to kMostStages stages, with left_s of rows x num_states.
   virtual void AddParameterTangents(const TermPlace& place,
                                     const TermPrepared& prepared,
                                     const TermLinearization* const* stages,
@@ -192,8 +196,8 @@ class TermOf : public Term {
   Description description_;
 };
 
-// The terms of one kind, as their descriptions: what a vector of them offers to
-// its readers.
+// The terms of one kind, as a range of their descriptions. It has the reading
+// interface of a vector.
 template <typename Description>
 class TermRange {
  public:
@@ -243,8 +247,8 @@ class TermRange {
   size_t size_;
 };
 
-// The tangent column of each parameter within its term, -1 where it is fixed;
-// and how many there are.
+// Returns the tangent column of each parameter within its term, -1 for a fixed
+// parameter, and the number of columns.
 std::vector<int> TangentColumns(const ParameterBlock& block);
 int NumFree(const ParameterBlock& block);
 

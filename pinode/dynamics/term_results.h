@@ -17,7 +17,8 @@ namespace pinode {
 Matrix AccelerationMap(ActsAs acts_as, const Matrix& outputs,
                        const Matrix& mass_inverse);
 
-// acceleration += map * results; of forces force_acceleration as well.
+// Computes acceleration += map * results. For forces it adds the same to
+// force_acceleration.
 template <typename T>
 void AddResults(const Matrix& map, ActsAs acts_as, const T* results,
                 T* acceleration, T* force_acceleration) {
@@ -35,7 +36,8 @@ inline void AddResults(const Matrix& map, ActsAs acts_as, const double* results,
   if (acts_as == ActsAs::kForce) AddProduct(map, results, force_acceleration);
 }
 
-// jacobian += [0; slope * d feature / d state; 0], slope with num_dofs entries.
+// Computes jacobian += [0; slope * d feature / d state; 0]. slope has num_dofs
+// entries.
 inline void AddFeatureColumn(const Feature& feature, const double* slope,
                              Eigen::Index num_dofs, Matrix* jacobian) {
   feature.ForEachState(static_cast<int>(num_dofs), [&](int index, double sign) {
@@ -44,9 +46,10 @@ inline void AddFeatureColumn(const Feature& feature, const double* slope,
   });
 }
 
-// The state's share through the features, jacobian += [0; map * slope * d
-// features / d state; 0]: slope(o, f) is the derivative of result o by feature
-// f, jacobian is num_states x num_states, `scratch` has num_dofs entries.
+// Adds the state's effect through the features: jacobian += [0; map * slope * d
+// features / d state; 0]. slope(o, f) is the derivative of result o with
+// respect to feature f. jacobian is num_states x num_states. `scratch` has
+// num_dofs entries.
 template <typename Slope>
 void AddFeatureColumns(const Matrix& map, const std::vector<Feature>& features,
                        const Slope& slope, Vector* scratch, Matrix* jacobian) {

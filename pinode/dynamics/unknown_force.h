@@ -1,4 +1,4 @@
-// Forces that nobody measured, as functions of time with unknown parameters.
+// Unmeasured forces, as functions of time with unknown parameters.
 
 #ifndef PINODE_DYNAMICS_UNKNOWN_FORCE_H_
 #define PINODE_DYNAMICS_UNKNOWN_FORCE_H_
@@ -13,14 +13,14 @@
 
 namespace pinode {
 
-// F(t; p). At any instant it depends on a few neighbouring parameters only,
-// however many there are. No state: safe to call from several threads.
+// A force F(t; p). At any instant it depends on a few neighbouring parameters
+// only. It has no mutable state: safe to call from several threads.
 class ForceHistory {
  public:
   static constexpr int kMostLocal = 4;
 
-  // Value at one instant, and its derivatives by the parameters
-  // first ... first + count - 1; those by all others are zero.
+  // Value at one instant, and its derivatives with respect to the parameters
+  // first ... first + count - 1. All other derivatives are zero.
   struct Local {
     double value = 0.0;
     int first = 0;
@@ -32,17 +32,17 @@ class ForceHistory {
   virtual int num_parameters() const = 0;
   virtual Local Evaluate(double time, const double* parameters) const = 0;
   virtual WideJet Evaluate(double time, const WideJet* parameters) const = 0;
-  // What it is, in words and numbers that tell it from any other.
+  // Returns a unique description in words and numbers.
   virtual std::string Description() const = 0;
 };
 
 // A spline with one coefficient per knot,
 //
-//   F(t) = scale sum_k p_k B((t - t_k) / spacing),   t_k = start + k spacing,
+//   F(t) = scale sum_k p_k B((t - t_k) / spacing),   t_k = start + k spacing.
 //
-// B the B-spline of degree 1 (the coefficients are the force at the knots) or
-// 3 (C. de Boor, A Practical Guide to Splines, 2001). Zero where no B reaches:
-// one spacing beyond the outer knots, or two.
+// B is the B-spline of degree 1 (the coefficients are the force at the knots)
+// or 3 (C. de Boor, A Practical Guide to Splines, 2001). The force is zero
+// beyond the reach of all B: one spacing outside the outer knots, or two.
 class SplineForce final : public ForceHistory {
  public:
   struct Options {
@@ -64,20 +64,21 @@ class SplineForce final : public ForceHistory {
   std::string Description() const override;
 
  private:
-  // The derivatives by the coefficients, without the value.
+  // Computes the derivatives with respect to the coefficients, without the
+  // value.
   Local Basis(double time) const;
 
   Options options_;
 };
 
-// A hammer's blow: half a period of a sine,
+// The blow of a hammer: half a period of a sine,
 //
 //   F(t) = amplitude sin(pi (t - start) / duration)   within, zero outside.
 //
-// Parameters: start, duration (positive), amplitude. Where it begins and ends
-// its slope jumps, and so do the derivatives by start and duration of a
-// response that is integrated step by step: steps short against the duration
-// keep that small.
+// Parameters: start, duration (positive), amplitude. The slope jumps at both
+// ends. So do the derivatives, with respect to start and duration, of a
+// response that is integrated step by step. Steps that are short against the
+// duration keep the jumps small.
 class HalfSinePulse final : public ForceHistory {
  public:
   int num_parameters() const override { return 3; }
@@ -90,11 +91,10 @@ class HalfSinePulse final : public ForceHistory {
 //
 //   weights . (p_first, p_first+1, ...) ~ N(0, 1 / precision of its group).
 //
-// There are no more combinations than parameters and they are linearly
-// independent. The determinant of the prior's precision (on the space that they
-// span) then is that of the groups' precisions times a constant, so that
-// MacKay's rule for choosing them by the evidence holds as it does for single
-// parameters.
+// The combinations are linearly independent and at most as many as parameters.
+// The determinant of the prior's precision (on the space that they span) is
+// then that of the groups' precisions times a constant. MacKay's rule for
+// choosing them by the evidence therefore holds as for single parameters.
 struct CombinationPrior {
   struct Combination {
     int group = 0;
@@ -102,35 +102,36 @@ struct CombinationPrior {
     Vector weights;
   };
   std::vector<Combination> combinations;
-  // Per group: negative asks for the evidence's choice of the precision.
+  // Precision of each group. Negative: the evidence chooses it.
   std::vector<double> precisions;
 
   int num_groups() const { return static_cast<int>(precisions.size()); }
-  // Whether its groups exist, its combinations are of `num_parameters`, and,
-  // where there are any, all of these are free or none. *error has no subject.
+  // Checks that its groups exist and that its combinations fit
+  // `num_parameters`. If there are any combinations, all of these parameters
+  // must be free, or none. The sentence in *error has no subject.
   [[nodiscard]] bool IsValid(int num_parameters, int num_free,
                              std::string* error) const;
-  // Share of the combinations whose precision the evidence chooses.
+  // Returns the share of the combinations whose precision the evidence chooses.
   double ShareToBeChosen() const;
 };
 
-// Local smoothness: second differences
+// Returns a prior for local smoothness. The second differences
 //
 //   p_{k-1} - (2 + relaxation^2) p_k + p_{k+1},   zeros beyond both ends,
 //
-// are small, and the evidence says for each `neighbourhood` of so many knots
-// how small. A blow is rough where it falls and the force stays smooth
-// elsewhere, which one precision for all knots cannot express. With a
-// relaxation (spacing of the knots over a time) a smooth force is not a
-// straight line but falls to zero like exp(-t / time): without, a slow drift
-// that the sensors do not see is as good as none.
+// are small. The evidence chooses their size for each `neighbourhood` of so
+// many knots. A force is rough at a blow and smooth elsewhere, which one
+// precision for all knots cannot express. With a relaxation (spacing of the
+// knots over a time) a smooth force decays to zero like exp(-t / time) instead
+// of being a straight line. Without it, the prior hardly limits a slow drift
+// that the sensors do not measure.
 CombinationPrior SmoothnessPrior(int num_knots, int neighbourhood,
                                  double relaxation);
 
-// The force lives between two frequencies (cycles per unit of time, `spacing`
-// in the same unit): of its cosine transform (DCT-II) what lies inside has one
-// precision that the evidence chooses, what lies outside the precision
-// `outside`.
+// Returns a prior for a force between two frequencies (cycles per unit of time,
+// `spacing` in the same unit). It acts on the force's cosine transform
+// (DCT-II). The part inside the band has one precision that the evidence
+// chooses. The part outside has the precision `outside`.
 CombinationPrior BandPrior(int num_knots, double spacing, double lowest,
                            double highest, double outside);
 

@@ -1,4 +1,4 @@
-// The one Jet type that crosses virtual functions.
+// The only Jet type that is passed through virtual functions.
 
 #ifndef PINODE_DYNAMICS_WIDE_JET_H_
 #define PINODE_DYNAMICS_WIDE_JET_H_
@@ -10,8 +10,8 @@ struct Jet;
 
 namespace pinode {
 
-// Wide enough to pay for a pass through a whole step, used by
-// `derivatives = "jets"`. Whoever computes with it includes <ceres/jet.h>.
+// A Jet wide enough that a pass through a whole step pays off, used by
+// `derivatives = "jets"`. Code that computes with it includes <ceres/jet.h>.
 using WideJet = ceres::Jet<double, 8>;
 
 }  // namespace pinode
