@@ -11,23 +11,25 @@ namespace pinode {
 ParameterizedMap Product(const ParameterizedMap& left,
                          const ParameterizedMap& right);
 
-// The state after `duration` T, of dh/dt = F h + G u with `rate` [F G], as a
-// map of the state before and of the inputs' derivatives d_0 ... d_terms-1 by
-// the share of the duration, there,
+// Returns the state of dh/dt = F h + G u after `duration` T, with `rate` [F G],
+// as a map of the initial state and of the inputs' derivatives d_0 ...
+// d_terms-1 at the beginning, with respect to the fraction of the duration:
 //
 //   h(T) = e^(TF) h(0) + sum_k W_k d_k,   W_k = T phi_k+1(TF) G,
 //
-// num_states x (num_states + terms * inputs): the first rows of
+// num_states x (num_states + terms * inputs). These are the first rows of
 //
 //   exp [TF TG 0 ...; 0 0 I ...; ...]
 //
-// (C. F. Van Loan, IEEE Trans. Automat. Contr. 23 (1978) 395-404), by its
-// series after as many halvings as make that short. The derivatives are those
-// of the series and of the squarings, whatever the eigenvalues are.
+// (C. F. Van Loan, IEEE Trans. Automat. Contr. 23 (1978) 395-404). They are
+// computed by the exponential's series, after enough halvings to make it short,
+// and by squaring. The derivatives are those of the series and of the
+// squarings, for any eigenvalues.
 ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
                                    double duration, Eigen::Index terms);
 
-// The same, and that of half the duration in its own share of it, which comes
+// Does the same, and also returns the map of half the duration, with
+// derivatives with respect to the fraction of that half. It is the result
 // before the last squaring.
 ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
                                    double duration, Eigen::Index terms,

@@ -1,4 +1,4 @@
-// Plain integration over a record.
+// Integrates the dynamics over a record without corrections.
 
 #ifndef PINODE_INTEGRATE_FREE_RUN_H_
 #define PINODE_INTEGRATE_FREE_RUN_H_
@@ -12,9 +12,9 @@
 
 namespace pinode {
 
-// What is kept of a run: everything; channels and the states' mean squares;
-// channels alone. States are most of its memory, and where modes are summed
-// most of its work.
+// Stored results of a run: everything; channels and the states' mean squares;
+// channels alone. The states need most of the memory, and most of the work if
+// modes are summed.
 enum class Keep { kAll, kMeanSquares, kChannels };
 
 // States and channels at the samples [first, first + num_samples()).
@@ -22,11 +22,12 @@ struct Trajectory {
   Eigen::Index first_sample = 0;
   Matrix states;    // num_states x samples, or the last one alone
   Matrix channels;  // num_channels x samples
-  // Of the states, where these are not kept: over the samples, of a linear run
-  // of more than 32768 over every second, third, ... of them.
+  // Mean squares of the states over the samples, if the states are not stored.
+  // A linear run of more than 32768 samples uses every second, third, ...
+  // sample.
   Vector mean_squares;
-  // Where a state stopped being finite: sample and index of the state; -1 if
-  // nowhere.
+  // Sample and index of the first state that was not finite; -1 if all are
+  // finite.
   Eigen::Index failed_sample = -1;
   int failed_state = -1;
 
@@ -36,9 +37,9 @@ struct Trajectory {
 
 // Integrates from `start` (num_states) at first_sample to last_sample, both
 // included and at most grid.num_intervals(). A state beyond 1e100 counts as not
-// finite. Returns trajectory->IsFinite(); the samples from the failure on are
-// NaN. A run that fails keeps all. Threads share what goes by modes; how many
-// does not change a bit.
+// finite. Returns trajectory->IsFinite(). The samples from the failure on are
+// NaN. A run that fails stores everything. Threads share the work on modes. The
+// results are the same, bit for bit, for any number of threads.
 bool FreeRun(const StructuralDynamics& dynamics,
              const StructuralDynamics::Prepared& prepared,
              const ObservationMap& observation, const IntegrationGrid& grid,

@@ -12,13 +12,13 @@
 namespace pinode {
 
 // Samples i = 0 ... num_samples - 1 at start_time + i * sampling_step, with
-// `substeps` steps of equal length in every interval. The inputs
-// are tabulated once: every integration of the record reads the same values.
-// Copies share the tables. What the exact solution asks of inputs that are held
-// or linear between two samples is found when it is asked for.
-// The exact solution has steps too, which are but where its inputs are
-// tabulated. A periodic excitation has one interval more, from the last sample
-// to the first one of the next period.
+// `substeps` steps of equal length in every interval. The inputs are tabulated
+// once: every integration of the record reads the same values. Copies share the
+// tables. If the inputs are held or linear between two samples, their values
+// for the exact solution are computed on request. The steps of the exact
+// solution only define where its inputs are tabulated. A periodic excitation
+// has one interval more, from the last sample to the first one of the next
+// period.
 class IntegrationGrid {
  public:
   IntegrationGrid() = default;
@@ -26,12 +26,12 @@ class IntegrationGrid {
   // `excitation` has one row per input of the dynamics, in their order.
   IntegrationGrid(const Excitation& excitation, int substeps,
                   Integrator integrator = Integrator::kRungeKutta);
-  // For the exact solution: as many steps as the polynomial through their nodes
-  // asks for, which is the interpolation's own where that is held, linear or
-  // cubic, and within 1e-6 of it where it is band-limited.
+  // Returns a grid for the exact solution. The number of steps depends on the
+  // polynomial through their nodes. It equals the interpolation if that is
+  // held, linear or cubic, and is within 1e-6 of it if it is band-limited.
   static IntegrationGrid Exact(const Excitation& excitation);
 
-  // Without inputs.
+  // Creates a grid without inputs.
   IntegrationGrid(double start_time, double sampling_step,
                   Eigen::Index num_samples, int substeps);
 
@@ -49,21 +49,23 @@ class IntegrationGrid {
     return time(interval) + substep * step();
   }
 
-  // Inputs (num_inputs values) that act from sample i on, i <= num_intervals():
-  // a held input has already jumped.
+  // Returns the inputs (num_inputs values) that act from sample i on, i <=
+  // num_intervals(): a held input has already jumped.
   const double* AtSample(Eigen::Index sample) const {
     return at_samples_->data() + sample * at_samples_->rows();
   }
 
-  // Inputs at the beginning (node 0), middle (1) and end (2) of one step; at
-  // the end a held input has not jumped yet. Not of the exact solution.
+  // Returns the inputs at the beginning (node 0), middle (1) and end (2) of one
+  // step. At the end a held input has not jumped yet. Not available for the
+  // exact solution.
   const double* AtNode(Eigen::Index interval, int substep, int node) const {
     const Eigen::Index column = (interval * substeps_ + substep) * 3 + node;
     return at_nodes_->data() + column * at_nodes_->rows();
   }
 
-  // The same at all nodes of `count` intervals, a column for each: substeps one
-  // after the other, the nodes of each, the inputs at each.
+  // Returns the same at all nodes of `count` intervals, one column per
+  // interval. Its rows list the steps, in each step the nodes, and at each node
+  // the inputs.
   void GetNodes(Eigen::Index first_interval, Eigen::Index count,
                 Matrix* nodes) const;
 
@@ -74,10 +76,10 @@ class IntegrationGrid {
   Eigen::Index num_samples_ = 0;
   Eigen::Index num_intervals_ = 0;
   int substeps_ = 1;
-  // inputs x (intervals + 1)
+  // Inputs at the samples, inputs x (intervals + 1).
   std::shared_ptr<const Matrix> at_samples_ = std::make_shared<const Matrix>();
-  // inputs x (3 * substeps * intervals); nullptr: samples that are held, or
-  // joined by straight lines.
+  // Inputs at the nodes, inputs x (3 * substeps * intervals). nullptr: samples
+  // that are held, or joined by straight lines.
   std::shared_ptr<const Matrix> at_nodes_;
   bool held_ = false;
 };

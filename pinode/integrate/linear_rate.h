@@ -10,24 +10,24 @@
 
 namespace pinode {
 
-// A linear map of state and inputs, and its derivatives by the free parameters
-// in the order of StructuralDynamics' tangent columns.
+// A linear map of state and inputs, and its derivatives with respect to the
+// free parameters, in the order of StructuralDynamics' tangent columns.
 struct ParameterizedMap {
   Matrix value;
   std::vector<Matrix> derivatives;
 };
 
-// [F G] of dh/dt = F h + G u, num_states x (num_states + inputs), for dynamics
-// with IsLinear. The derivatives only where they are asked for. What *map holds
-// is overwritten, in the memory that it has.
+// Computes [F G] of dh/dt = F h + G u, num_states x (num_states + inputs), for
+// dynamics with IsLinear, and its derivatives if requested. Overwrites *map and
+// reuses its memory.
 void GetLinearRate(const StructuralDynamics& dynamics,
                    const StructuralDynamics::Prepared& prepared,
                    bool with_parameters, ParameterizedMap* map);
 
-// For each state what it is to be multiplied by to have the unit of a velocity:
-// displacements by a power of two near the highest frequency. In these units
-// |F| is about that frequency, in its own its square, and what rounding does to
-// slow modes is as much less.
+// Returns for each state the factor that gives it the unit of a velocity. For
+// displacements it is a power of two near the highest frequency. In these units
+// |F| is about that frequency. In the original units it is its square, and
+// rounding affects slow modes more by the same factor.
 Vector VelocityUnits(const Matrix& state_matrix);
 
 }  // namespace pinode

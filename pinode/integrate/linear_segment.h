@@ -1,4 +1,4 @@
-// A shooting segment where the dynamics are linear.
+// A shooting segment for linear dynamics.
 
 #ifndef PINODE_INTEGRATE_LINEAR_SEGMENT_H_
 #define PINODE_INTEGRATE_LINEAR_SEGMENT_H_
@@ -16,18 +16,19 @@ namespace pinode {
 enum class SegmentColumns;
 struct SegmentTangents;
 
-// Propagates like SegmentPropagator, by LinearMap: the same values and
-// derivatives to rounding. The map of the last parameters and steps is kept.
-// One object per thread.
+// Propagates like SegmentPropagator, with LinearMap: the values and derivatives
+// are equal up to rounding. Stores the map of the last parameters and steps.
+// Use one object per thread.
 class LinearSegment {
  public:
   explicit LinearSegment(const StructuralDynamics& dynamics)
       : dynamics_(dynamics) {}
 
-  // Whether the dynamics are linear, and the map's tables of a reasonable size.
+  // Returns true if the dynamics are linear and the map's tables are not too
+  // large.
   static bool Suits(const StructuralDynamics& dynamics, int substeps);
 
-  // As SegmentPropagator::Propagate.
+  // Does what SegmentPropagator::Propagate does.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
                  const Vector& start, Eigen::Index first, Eigen::Index last,
@@ -37,15 +38,16 @@ class LinearSegment {
  private:
   void UpdateMap(const StructuralDynamics::Prepared& prepared,
                  const IntegrationGrid& grid, bool with_parameters);
-  // The states at the samples `first` to `last`; false where one is not finite.
+  // Computes the states at the samples `first` to `last`. Returns false if one
+  // is not finite.
   bool Run(const IntegrationGrid& grid, const Vector& start, Eigen::Index first,
            Eigen::Index last, SegmentTangents* result);
-  // What the parameters move the states of the samples behind `begin` by
-  // within one interval, (num_states * parameters) x count.
+  // Computes how the parameters move the states within one interval, for the
+  // intervals that start at sample `begin`: (num_states * parameters) x count.
   void UpdateForcing(const IntegrationGrid& grid, Eigen::Index first,
                      Eigen::Index begin, Eigen::Index count);
-  // Their direct effect on the channels of acceleration, (acceleration rows *
-  // parameters) x samples.
+  // Computes the parameters' direct effect on the acceleration channels,
+  // (acceleration rows * parameters) x samples.
   void UpdateDirect(const ObservationMap& observation,
                     const IntegrationGrid& grid, Eigen::Index first,
                     Eigen::Index samples);

@@ -1,4 +1,4 @@
-// Modes of linear dynamics, and what each of them does between two samples.
+// Modes of linear dynamics, and their advance between two samples.
 
 #ifndef PINODE_INTEGRATE_MODAL_BASIS_H_
 #define PINODE_INTEGRATE_MODAL_BASIS_H_
@@ -13,14 +13,14 @@
 namespace pinode {
 
 // The state matrix F of dh/dt = F h + G u as V diag(lambda) W, W = V^-1. In the
-// coordinates W h each mode goes its own way: the response z of a mode to an
-// input u goes from sample i to the next one by
+// coordinates W h the modes are uncoupled. The response z of a mode to an input
+// u advances from sample i to the next one by
 //
 //   z(i + 1) = rho(lambda) z(i) + sum_k kappa_k(lambda) u_k(i),
 //
-// u_k being the input at the nodes of the interval in the order of
-// IntegrationGrid::AtNode. By Runge-Kutta these are the steps themselves, not
-// the exact solution. Of a pair of conjugate modes one is kept.
+// where u_k is the input at the nodes of the interval in the order of
+// IntegrationGrid::AtNode. For Runge-Kutta these are the discrete steps, not
+// the exact solution. Only one mode of a conjugate pair is stored.
 class ModalBasis {
  public:
   struct Spectrum {
@@ -30,8 +30,9 @@ class ModalBasis {
     ComplexMatrix inverse_modes;
   };
 
-  // `state_matrix`: F. False where the modes do not span the states to working
-  // accuracy, as those of a rigid body, whose two eigenvalues 0 have one mode.
+  // Computes the modes of `state_matrix`, F. Returns false if the modes do not
+  // span the states to working accuracy. Rigid-body modes do not: their two
+  // eigenvalues 0 have one mode.
   [[nodiscard]] bool Compute(const Matrix& state_matrix,
                              const IntegrationGrid& grid);
 
@@ -39,19 +40,19 @@ class ModalBasis {
     return static_cast<int>(spectrum_->eigenvalues.size());
   }
   int num_kept() const { return static_cast<int>(kept_.size()); }
-  // All modes; V has them as columns.
+  // Eigenvalues and modes, all of them. The modes are the columns of V.
   const ComplexVector& eigenvalues() const { return spectrum_->eigenvalues; }
   const ComplexMatrix& modes() const { return spectrum_->modes; }
   const ComplexMatrix& inverse_modes() const {
     return spectrum_->inverse_modes;
   }
-  // Those that are kept, and how often each counts: 2 for one of a pair, of
-  // which the real part is taken, and 1 for a real mode.
+  // Kept modes, and the weight of each: 2 for one of a conjugate pair, whose
+  // real part is used, and 1 for a real mode.
   const std::vector<int>& kept() const { return kept_; }
   const Vector& weights() const { return weights_; }
 
-  // Of the kept modes: rho and its derivative by lambda; kappa and its own,
-  // kept x (3 * substeps).
+  // Coefficients of the kept modes: rho and its derivative with respect to
+  // lambda; kappa and its derivative, kept x (3 * substeps).
   const ComplexVector& advance() const { return advance_; }
   const ComplexVector& advance_slope() const { return advance_slope_; }
   const ComplexMatrix& forcing() const { return forcing_; }

@@ -1,4 +1,4 @@
-// A long segment on several threads.
+// Propagates a long segment on several threads.
 
 #ifndef PINODE_INTEGRATE_PARALLEL_SEGMENT_H_
 #define PINODE_INTEGRATE_PARALLEL_SEGMENT_H_
@@ -10,21 +10,22 @@
 
 namespace pinode {
 
-// States go first, alone and in order, which takes no derivatives. Pieces of
-// the segment then find their derivatives side by side, by their own starts as
-// well, and are chained: d/ds_0 = (d/ds_p) (ds_p/ds_0). Up to rounding it is
-// what SegmentPropagator has.
+// First computes the states alone and in order, without derivatives. Pieces of
+// the segment then compute their derivatives in parallel, including those with
+// respect to their own starts. These are chained: d/ds_0 = (d/ds_p)
+// (ds_p/ds_0). The result equals that of SegmentPropagator up to rounding.
 class ParallelSegment {
  public:
   ParallelSegment(const StructuralDynamics& dynamics, DerivativeMethod method,
                   int num_threads);
 
-  // Whether threads would save time: long segments with derivatives, to which
-  // those by the starts of pieces do not add too much.
+  // Returns true if threads would save time. They do for long segments with
+  // derivatives, if the derivatives with respect to the starts of pieces do not
+  // add too much work.
   bool IsWorthwhile(const IntegrationGrid& grid, Eigen::Index first,
                     Eigen::Index last, SegmentColumns columns) const;
 
-  // As SegmentPropagator::Propagate.
+  // Does what SegmentPropagator::Propagate does.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
                  const Vector& start, Eigen::Index first, Eigen::Index last,

@@ -20,7 +20,7 @@ struct Rk4Scratch {
   std::vector<T> k1, k2, k3, k4, stage;  // num_states each
 };
 
-// The classical scheme of order four,
+// Performs one step of the classical scheme of order four,
 //
 //    0  |
 //   1/2 | 1/2
@@ -29,9 +29,10 @@ struct Rk4Scratch {
 //   ----+--------------------
 //       | 1/6  1/3  1/3  1/6
 //
-// in place on state (num_states entries). rate(node, time, state, rate) gives
-// dh/dt; node is 0, 1 or 2 for the beginning, the middle and the end of the
-// step, so that inputs which jump at samples can be taken from the right side.
+// in place on state (num_states entries). rate(node, time, state, rate)
+// computes dh/dt. node is 0, 1 or 2 for the beginning, the middle and the end
+// of the step, so that inputs that jump at samples can be taken from the right
+// side.
 template <typename T, typename RateFunction>
 void Rk4Step(const RateFunction& rate, double time, double dt, T* state,
              Rk4Scratch<T>* scratch) {

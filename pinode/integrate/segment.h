@@ -1,5 +1,5 @@
 // One shooting segment: channels at its samples, the state at its end, and the
-// derivatives of both by the segment's start and the parameters.
+// derivatives of both with respect to the segment's start and the parameters.
 
 #ifndef PINODE_INTEGRATE_SEGMENT_H_
 #define PINODE_INTEGRATE_SEGMENT_H_
@@ -32,8 +32,8 @@ inline bool HasParameters(SegmentColumns columns) {
 
 struct SegmentTangents {
   Matrix channels;  // num_channels x samples observed
-  // (num_channels * samples) x columns, channels fastest, each channel's times
-  // its factor.
+  // Derivatives, (num_channels * samples) x columns, channels fastest, each
+  // channel's times its factor.
   auto jacobian() {
     return rows.middleCols(columns_before,
                            rows.cols() - columns_before - columns_behind);
@@ -44,13 +44,15 @@ struct SegmentTangents {
   }
   Vector end_state;        // num_states
   Matrix end_sensitivity;  // num_states x columns
-  // First sample at whose end the state was not finite, and which state.
+  // Sample and index of the first state that was not finite; -1 if all are
+  // finite.
   Eigen::Index failed_sample = -1;
   int failed_state = -1;
 
-  // Set beforehand by who has use for more columns around the derivatives,
-  // which are left as they are, and for each channel's derivatives times a
-  // factor, e.g. 1 / sigma: a pass of its own over all of them takes longer.
+  // Number of columns before the derivatives, and factors of the channels. The
+  // caller may set them before the call if it needs more columns around the
+  // derivatives, which are left unchanged, or derivatives times a factor, e.g.
+  // 1 / sigma. A separate pass over all derivatives would take longer.
   Eigen::Index columns_before = 0;
   Eigen::Index columns_behind = 0;
   Vector factors;  // empty: 1
@@ -59,23 +61,24 @@ struct SegmentTangents {
   void ResizeJacobian(Eigen::Index num_rows, Eigen::Index columns) {
     rows.resize(num_rows, columns_before + columns + columns_behind);
   }
-  // For who has written derivatives without them.
+  // Applies the factors to derivatives that were written without them.
   void ApplyFactors();
 };
 
-// The first of the states that has run away or is not a number; -1: none.
+// Returns the index of the first state that is too large or not a number; -1:
+// none.
 int FirstNotFinite(const Vector& state);
 
-// Working memory for segments of one dynamics; one object per thread.
+// Propagates segments of one dynamics. Owns the working memory; use one object
+// per thread.
 class SegmentPropagator {
  public:
   SegmentPropagator(const StructuralDynamics& dynamics,
                     DerivativeMethod method);
 
   // Integrates from `start` at sample `first` to sample `last` (at most
-  // grid.num_intervals()) and observes
-  // the samples in [first, last), and `last` itself if observe_last. Returns
-  // false where a state is not finite.
+  // grid.num_intervals()). Observes the samples in [first, last), and `last`
+  // itself if observe_last. Returns false if a state is not finite.
   bool Propagate(const StructuralDynamics::Prepared& prepared,
                  const ObservationMap& observation, const IntegrationGrid& grid,
                  const Vector& start, Eigen::Index first, Eigen::Index last,
@@ -83,7 +86,7 @@ class SegmentPropagator {
                  SegmentTangents* result);
 
  private:
-  // Values alone, by steps without derivatives.
+  // Computes values alone, by steps without derivatives.
   bool Run(const StructuralDynamics::Prepared& prepared,
            const ObservationMap& observation, const IntegrationGrid& grid,
            const Vector& start, Eigen::Index first, Eigen::Index last,
@@ -106,7 +109,8 @@ class SegmentPropagator {
   Matrix direct_;  // acceleration rows x parameter columns
 };
 
-// The same by Jets (jet_segment.cc). Slow; the oracle of the tangents.
+// Does the same with Jets (jet_segment.cc). It is slow and serves as the
+// reference for the tangents.
 bool PropagateWithJets(const StructuralDynamics& dynamics,
                        const StructuralDynamics::Prepared& prepared,
                        const ObservationMap& observation,

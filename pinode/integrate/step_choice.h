@@ -1,4 +1,4 @@
-// How many Runge-Kutta steps a sampling interval needs.
+// Number of Runge-Kutta steps that a sampling interval needs.
 
 #ifndef PINODE_INTEGRATE_STEP_CHOICE_H_
 #define PINODE_INTEGRATE_STEP_CHOICE_H_
@@ -15,7 +15,7 @@ namespace pinode {
 // with some margin: |dt lambda| <= 2.5.
 int StableSubsteps(const Matrix& state_matrix, double sampling_step);
 
-// What happens with the number of substeps given.
+// Returns the stability with the given number of substeps.
 StabilityReport CheckStability(const Matrix& state_matrix, double sampling_step,
                                int substeps);
 

@@ -20,48 +20,51 @@ namespace pinode {
 //   A  = I + sum_s G_s J_s           B  = sum_s G_s F_s
 //   S(t + dt) = A S(t) + [0 B]
 //
-// which is the derivative of the discrete step itself (pinode/theory.md). Where
-// S has few columns for its states it is carried through the stages instead,
+// which is the derivative of the discrete step itself (pinode/theory.md). If S
+// has few columns relative to its states, it is instead carried through the
+// stages,
 //
 //   S_1 = S   S_2 = S + dt/2 K_1   S_3 = S + dt/2 K_2   S_4 = S + dt K_3
 //   K_s = J_s S_s + [0 F_s],   S(t + dt) = S + dt/6 (K_1 + 2 K_2 + 2 K_3 + K_4)
 //
-// which is the same without products of state size. After construction nothing
-// allocates. One object per thread.
+// which gives the same result without products of state size. After
+// construction no function allocates memory. Use one object per thread.
 class TangentStep {
  public:
   explicit TangentStep(const StructuralDynamics& dynamics);
 
-  // The dynamics linearised at a sample, as observation needs it and as the
+  // Returns the dynamics linearised at a sample, for observation and as the
   // first stage of the step that starts there.
   const StructuralDynamics::Linearization& LinearizeAt(
       const StructuralDynamics::Prepared& prepared, double time,
       const double* input, const double* state);
 
-  // Advances *state (num_states) and *sensitivity by one step. `linearized`:
-  // the last call was LinearizeAt at *state and the beginning of the step.
-  // `with_parameters`: whether the last columns of *sensitivity are those of
-  // the parameters.
+  // Advances *state (num_states) and *sensitivity by one step. `linearized` is
+  // true if the last call was LinearizeAt at *state and the beginning of the
+  // step. `with_parameters` is true if the last columns of *sensitivity are
+  // those of the parameters.
   void Step(const StructuralDynamics::Prepared& prepared,
             const IntegrationGrid& grid, Eigen::Index interval, int substep,
             bool linearized, bool with_parameters, Vector* state,
             Matrix* sensitivity);
 
-  // result (rows x num_tangent_columns) += left * (df/dtheta) at the point of
-  // the last LinearizeAt, before the next step; left is rows x num_states.
+  // Computes result (rows x num_tangent_columns) += left * (df/dtheta) at the
+  // point of the last LinearizeAt, before the next step. left is rows x
+  // num_states.
   void AddParameterTangents(const StructuralDynamics::Prepared& prepared,
                             const Matrix& left, Matrix* result);
 
  private:
-  // next_ from the linearised stages, by the transition A or through the
-  // stages.
+  // Compute next_ from the linearised stages, by the transition A or through
+  // the stages.
   void AdvanceByTransition(const StructuralDynamics::Prepared& prepared,
                            double dt, bool with_parameters,
                            const Matrix& sensitivity);
   void AdvanceThroughStages(const StructuralDynamics::Prepared& prepared,
                             double dt, bool with_parameters,
                             const Matrix& sensitivity);
-  // To next_, for the stages and weights of a step.
+  // Adds the parameters' columns to next_, for the stages and weights of a
+  // step.
   void AddParameterColumns(const StructuralDynamics::Prepared& prepared);
 
   const StructuralDynamics& dynamics_;
@@ -72,7 +75,8 @@ class TangentStep {
   Matrix transition_;  // A
   Matrix product_;     // G_s J_s
   Matrix next_;        // next sensitivity
-  // Through the stages: S_s, K_s, and F_s but for the rates of displacements.
+  // Scratch of the stages: S_s, K_s, and F_s without the rates of
+  // displacements.
   StructuralDynamics::TangentScratch forward_scratch_;
   Matrix lower_;  // takes the rows of F_s
   Matrix stage_sensitivity_;
