@@ -1,7 +1,8 @@
-// For tests only, hence not installed: counts every call of the C allocation
+// For tests only, hence not installed. Counts every call of the C allocation
 // functions in the program; Eigen, operator new and the standard library all
-// end there. It defines those functions: one source of a test program includes
-// it. The sanitizers bring their own functions and nothing is counted then.
+// use them. This header defines those functions, so exactly one source of a
+// test program includes it. With sanitizers, which have their own functions,
+// nothing is counted.
 
 #ifndef TESTS_SUPPORT_ALLOCATION_TESTING_H_
 #define TESTS_SUPPORT_ALLOCATION_TESTING_H_

@@ -1,4 +1,4 @@
-// Chains that follow the temperature, under loads that nobody measured.
+// Chains that depend on the temperature, under unmeasured loads.
 
 #ifndef TESTS_SUPPORT_AMBIENT_COVARIATE_TESTING_H_
 #define TESTS_SUPPORT_AMBIENT_COVARIATE_TESTING_H_
@@ -17,7 +17,7 @@ namespace pinode {
 inline constexpr double kSlope = -0.004;    // 1 / degree
 inline constexpr double kReference = 20.0;  // degrees
 
-// The storeys' springs where it is so warm.
+// Returns the stiffness of the storeys' springs at a temperature.
 inline double SpringAt(double temperature) {
   return kChainSpring * (1.0 + kSlope * (temperature - kReference));
 }
@@ -28,8 +28,8 @@ inline void SetTemperature(const Vector& temperature, AmbientRecord* record) {
                          Interpolation::kLinear);
 }
 
-// A record of the chain as it is where it is so warm; `loss`: of its first
-// spring, of what that has at the reference.
+// Returns a record of the chain at a temperature. `loss` is the loss of its
+// first spring, relative to its stiffness at the reference.
 inline AmbientRecord RecordAt(double temperature, unsigned seed, double seconds,
                               double loss = 0.0) {
   Matrix stiffness = TestChain(2, SpringAt(temperature)).stiffness;
@@ -41,8 +41,8 @@ inline AmbientRecord RecordAt(double temperature, unsigned seed, double seconds,
   return record;
 }
 
-// The chain of ProblemOfChain at the reference, with a slope of all of its
-// stiffness; with knots a table in place of the slope.
+// Returns the chain of ProblemOfChain at the reference, with one slope of its
+// total stiffness. With knots, a table replaces the slope.
 inline IdentificationProblem ProblemOfRecords(
     double off, std::vector<AmbientRecord> records,
     const std::vector<double>& knots = {}) {

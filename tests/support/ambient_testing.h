@@ -1,4 +1,4 @@
-// Chains under loads that nobody measured, for tests.
+// Chains under unmeasured loads, for tests.
 
 #ifndef TESTS_SUPPORT_AMBIENT_TESTING_H_
 #define TESTS_SUPPORT_AMBIENT_TESTING_H_
@@ -19,9 +19,10 @@
 
 namespace pinode {
 
-// A chain under wind as a logger with a filter against aliasing records it:
-// simulated in steps of a fifth. Of a record with the forces on the first
-// `measured` masses the steps are those of the simulation.
+// Returns the record of a chain under wind, as from a logger with an
+// anti-aliasing filter: simulated in steps of a fifth of the sampling step. A
+// record with measured forces on the first `measured` masses keeps the steps of
+// the simulation.
 inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
                                    unsigned seed, double memory,
                                    const std::vector<int>& derivatives = {2},
@@ -32,7 +33,7 @@ inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
   excitation.base = base;
   excitation.sensor_noise = noise;
   excitation.measured = measured;
-  // Those that are measured tell nothing of the others.
+  // Measured forces are independent of the others.
   if (measured > 0) excitation.common = 0.0;
   constexpr double kFineStep = 0.004;
   const ResponseRecord fine =
@@ -40,7 +41,7 @@ inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
                     derivatives, excitation);
   AmbientRecord record;
   record.name = "wind";
-  // Measured forces are known as they are held.
+  // Measured forces are held over a step, so they are known exactly.
   record.sampling_step = measured > 0 ? kFineStep : 5.0 * kFineStep;
   const Eigen::Index n = chain.masses();
   for (Eigen::Index c = 0; c < n; ++c) {
@@ -65,8 +66,8 @@ inline AmbientRecord RecordOfChain(const TestChain& chain, double seconds,
   return record;
 }
 
-// The chain with its storeys as groups that begin `off` of their stiffness
-// away, and damping in two parts, each about as large as in truth.
+// Returns the chain with its storeys as groups that start at `off` from their
+// stiffness. Its damping has two parts, each about as large as the true one.
 inline IdentificationProblem ProblemOfChain(const TestChain& chain,
                                             double spring, double off,
                                             AmbientRecord record) {
@@ -98,7 +99,7 @@ inline IdentificationProblem ProblemOfChain(const TestChain& chain,
     std::string error;
     EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
   }
-  // 2 zeta w at the ends of the band from both.
+  // 2 zeta w at the ends of the band from both parts.
   const double low = 6.283185307179586 * chain.frequency_hz[0];
   const double high = 6.283185307179586 * chain.frequency_hz[n - 1];
   const double by_mass = 2.0 * 0.01 * low * high / (low + high);
@@ -123,13 +124,14 @@ inline IdentificationProblem ProblemOfChain(const TestChain& chain,
 
 inline constexpr double kChainSpring = 900.0;
 
-// The chain whose first and last mode have the damping of those two groups at
-// 1; those between have a little more.
+// Returns the chain whose first and last mode have the damping of those two
+// groups at 1. The modes between have a little more.
 inline TestChain RayleighChain(int masses) {
   return TestChain(masses, kChainSpring);
 }
 
-// Options left alone but for how intervals are found.
+// Returns the summary of a fit with default options, except for the method of
+// the intervals.
 inline IdentificationSummary SummaryOfFit(
     const IdentificationProblem& problem,
     IdentificationOptions::Covariance covariance =
@@ -148,7 +150,7 @@ inline void ExpectGradientOfCost(const IdentificationProblem& problem) {
   AmbientCost cost(problem.ambient[0], *problem.dynamics, layout, 2);
   const Vector free = layout.Free(layout.InitialValues());
   CondensedSystem system;
-  // Loads and noise are first found but roughly.
+  // Loads and noise are only found approximately at first.
   double cost_beside = 0.0;
   ASSERT_TRUE(cost.Evaluate(1.001 * free, &cost_beside)) << cost.Failure();
   ASSERT_TRUE(cost.Linearize(free, &system)) << cost.Failure();
@@ -163,7 +165,8 @@ inline void ExpectGradientOfCost(const IdentificationProblem& problem) {
     moved[i] -= 2.0 * step;
     ASSERT_TRUE(cost.Evaluate(moved, &back));
     const double slope = (forth - back) / (2.0 * step);
-    // In scores' deviations, of which loads and noise leave a few hundredths.
+    // Tolerance in standard deviations of the scores. Loads and noise cause a
+    // few hundredths of them.
     EXPECT_NEAR(slope, system.gradient[i],
                 0.03 * std::abs(slope) + 0.05 * std::sqrt(system.hessian(i, i)))
         << "parameter " << i;

@@ -1,4 +1,4 @@
-// Help for the tests of this floor: cases in a folder of their own.
+// Helpers for the tests of this layer: cases in their own folder.
 
 #ifndef TESTS_SUPPORT_CASE_TESTING_H_
 #define TESTS_SUPPORT_CASE_TESTING_H_
@@ -13,7 +13,8 @@
 
 namespace pinode {
 
-// `text` with the first `from` replaced; the test fails if there is none.
+// Returns `text` with the first `from` replaced. The test fails if there is
+// none.
 inline std::string Replaced(std::string text, const std::string& from,
                             const std::string& to) {
   const size_t at = text.find(from);
@@ -31,7 +32,8 @@ inline Case ReadOrFail(const std::string& path) {
   return c;
 }
 
-// Two storeys with a ground motion, line by line: tests count on line numbers.
+// Returns a case of two storeys with a ground motion, line by line. Tests count
+// on its line numbers.
 inline std::string SmallCase() {
   return R"(title = "Two storeys"
 [units]
@@ -71,7 +73,7 @@ start = "rest"
 )";
 }
 
-// Its record: `samples` lines at 100 Hz of t, ag, a1, d2.
+// Returns its record: `samples` lines at 100 Hz of t, ag, a1, d2.
 inline std::string SmallRecord(int samples = 200) {
   std::string text = "t,ag,a1,d2\n";
   for (int i = 0; i < samples; ++i) {

@@ -1,4 +1,4 @@
-// Regressions shared by the tests of this floor.
+// Regressions shared by the tests of this layer.
 
 #ifndef TESTS_SUPPORT_DISCOVER_TESTING_H_
 #define TESTS_SUPPORT_DISCOVER_TESTING_H_

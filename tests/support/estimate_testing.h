@@ -19,28 +19,29 @@
 namespace pinode {
 namespace testing {
 
-// A chain under ground motion (input 0) with one stiffness group a spring: k1
-// ... kn, the fractional change of each.
+// Returns a chain under ground motion (input 0) with one stiffness group per
+// spring: k1 ... kn, the fractional change of each.
 std::shared_ptr<StructuralDynamics> MakeGroupedChain(int n, double k, double c);
 
-// An element between two DOFs, `from` Feature::kGround for the ground.
+// Returns an element between two DOFs. `from` is Feature::kGround for the
+// ground.
 LawTerm MakeElement(const std::string& name, const std::string& type,
                     int num_dofs, int from, int to,
                     const std::vector<double>& values);
 
-// Two masses under ground motion with groups for stiffness, damping and mass
-// (`m2`, fixed), a cubic spring, a Bouc-Wen element with its exponent fixed,
-// and a small network with skip path: something of every kind, and smooth
-// enough for finite differences.
+// Returns two masses under ground motion with groups for stiffness, damping and
+// mass (`m2`, fixed), a cubic spring, a Bouc-Wen element with its exponent
+// fixed, and a small network with skip path. It has one term of every kind and
+// is smooth enough for finite differences.
 std::shared_ptr<StructuralDynamics> MakeSmallNonlinear();
 
-// A record without channels: samples of several sines of about unit size for
-// every input, `step` apart.
+// Returns a record without channels: samples of several sines of about unit
+// size for every input, `step` apart.
 IdentificationRecord MakeExcitedRecord(
     const StructuralDynamics& dynamics, Eigen::Index samples, double step,
     Interpolation interpolation = Interpolation::kLinear);
 
-// One channel at DOF `dof`, its values still to come.
+// Returns one channel at DOF `dof`, without values.
 MeasuredChannel MakeChannel(const std::string& name, Quantity quantity,
                             int num_dofs, int dof);
 
@@ -51,22 +52,24 @@ Matrix Simulate(const StructuralDynamics& dynamics, const Vector& theta,
                 const Vector& start, double noise, uint64_t seed,
                 IdentificationRecord* record);
 
-// Measured at the given DOFs, or, without any, its frequency alone.
+// Returns a mode measured at the given DOFs. Without DOFs only its frequency is
+// measured.
 MeasuredMode MakeMeasuredMode(double frequency, std::vector<int> dofs = {},
                               std::vector<double> shape = {});
 
-// Derivative of a function of one variable at zero: central differences at h,
-// h/2 and h/4, extrapolated twice (C. J. F. Ridders, Adv. Eng. Software 4
-// (1982) 75-76).
+// Returns the derivative of a function of one variable at zero: central
+// differences at h, h/2 and h/4, extrapolated twice (C. J. F. Ridders, Adv.
+// Eng. Software 4 (1982) 75-76).
 Vector Differentiate(const std::function<Vector(double)>& function, double h);
 
-// The nonlinear structure with two training records of 31 and 24 samples, four
-// channels each, sensors with gain, offset and delay, missing samples, one
-// channel that is not fitted, and parameters away from the best ones.
+// The nonlinear structure with two training records of 31 and 24 samples and
+// four channels each. Its sensors have gain, offset and delay, and missing
+// samples. One channel is not fitted. The parameters differ from the best ones.
 struct SmallFit {
   SmallFit(IdentificationRecord::Start start);
 
-  // All of its cost with scales, sigmas and decays set, cut into segments.
+  // Returns the complete cost with scales, sigmas and decays set, cut into
+  // segments.
   std::unique_ptr<Objective> Shoot(
       Eigen::Index segment_samples,
       const MultipleShooting::Options& options) const;

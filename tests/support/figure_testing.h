@@ -1,9 +1,9 @@
-// For tests and benchmarks only, hence not installed: the figures that the
-// project promises, as they are measured.
+// For tests and benchmarks only, hence not installed: records the measured
+// values of the project's stated figures.
 //
-// Where the environment variable PINODE_FIGURES names a file, each figure adds
-// a line to it, `verdict <tab> what <tab> asked <tab> measured`;
-// tests/figures.sh makes one table of them all.
+// If the environment variable PINODE_FIGURES names a file, each figure adds a
+// line to it, `verdict <tab> what <tab> asked <tab> measured`. tests/figures.sh
+// makes one table of them all.
 
 #ifndef TESTS_SUPPORT_FIGURE_TESTING_H_
 #define TESTS_SUPPORT_FIGURE_TESTING_H_
@@ -17,8 +17,8 @@
 namespace pinode {
 namespace testing {
 
-// What a figure is held to: an interval, its ends included. Unbounded on both
-// sides where nothing is asked of it.
+// Required interval of a figure, including its ends. Unbounded on both sides if
+// there is no requirement.
 struct Asked {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
@@ -40,7 +40,8 @@ inline Asked Between(double least, double most) { return {least, most}; }
 
 inline Asked Nothing() { return {}; }
 
-// The larger; not a number where either is not, so that no comparison hides it.
+// Returns the larger value. Returns NaN if either is NaN, so that no comparison
+// hides it.
 inline double Worse(double a, double b) {
   return std::isnan(a) || a > b ? a : b;
 }
@@ -77,7 +78,7 @@ inline void AppendFigureLine(const std::string& verdict,
   std::fclose(file);
 }
 
-// Adds the figure to the file; a figure that is not a number misses.
+// Adds the figure to the file. A figure that is NaN misses its requirement.
 inline void AppendFigure(const std::string& what, const Asked& asked,
                          double measured) {
   const std::string text = AskedText(asked);
@@ -86,7 +87,8 @@ inline void AppendFigure(const std::string& what, const Asked& asked,
                    FigureText(measured));
 }
 
-// The same, and a line on standard output. Expectations are the test's own.
+// Does the same, and writes a line to standard output. The test itself checks
+// its expectations.
 inline void ReportFigure(const std::string& what, const Asked& asked,
                          double measured) {
   std::printf("%s: %s (asked: %s)\n", what.c_str(),
@@ -94,7 +96,7 @@ inline void ReportFigure(const std::string& what, const Asked& asked,
   AppendFigure(what, asked, measured);
 }
 
-// Says that `what` cannot be measured here.
+// Reports that `what` cannot be measured here.
 inline void ReportSkipped(const std::string& what) {
   AppendFigureLine("skipped", what, "-", "-");
 }

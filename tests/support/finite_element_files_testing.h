@@ -12,15 +12,15 @@
 
 namespace pinode {
 
-// What is asked of files, and the model that all samples hold.
+// Fixture for tests of files, with the model that all samples contain.
 class FiniteElementFilesTest : public ::testing::Test {
  public:
-  // A file that tests/generators/matrix_files.py wrote.
+  // Returns a file that tests/generators/matrix_files.py wrote.
   static std::string Sample(const std::string& name) {
     return std::string(PINODE_SOURCE_DIR) + "/tests/fuzz/corpus/" + name;
   }
 
-  // The model of all samples.
+  // Return the matrices of all samples.
   static Matrix ExpectedStiffness() {
     Matrix stiffness(4, 4);
     stiffness << 4, -2, 0, 0, -2, 5, -1.5, 0, 0, -1.5, 3, -1, 0, 0, -1, 1;

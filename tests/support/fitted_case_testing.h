@@ -1,4 +1,4 @@
-// For tests only, hence not installed: a case and what came out of it.
+// For tests only, hence not installed: a case and its result.
 
 #ifndef TESTS_SUPPORT_FITTED_CASE_TESTING_H_
 #define TESTS_SUPPORT_FITTED_CASE_TESTING_H_
@@ -16,7 +16,7 @@
 
 namespace pinode {
 
-// The small case with one term of every kind, and a fit of it made by hand.
+// The small case with one term of every kind, and a hand-made fit of it.
 struct FittedCase {
   FittedCase() {
     folder.Write("quake.csv", SmallRecord());

@@ -1,4 +1,4 @@
-// Random numbers of the tests.
+// Random numbers for tests.
 
 #ifndef TESTS_SUPPORT_GAUSSIAN_TESTING_H_
 #define TESTS_SUPPORT_GAUSSIAN_TESTING_H_
@@ -29,7 +29,7 @@ class Gaussian {
   }
 
  private:
-  // In (0, 1).
+  // Returns a uniform number in (0, 1).
   double Uniform() {
     return (static_cast<double>(random_() >> 11) + 0.5) * 0x1.0p-53;
   }

@@ -1,4 +1,4 @@
-// Structures and channels that tests of integration share.
+// Structures and channels shared by tests of integration.
 
 #ifndef TESTS_SUPPORT_INTEGRATE_TESTING_H_
 #define TESTS_SUPPORT_INTEGRATE_TESTING_H_
@@ -23,7 +23,8 @@ inline const std::vector<InputSpec>& GroundAndForce() {
   return inputs;
 }
 
-// `matrix` on the stiffness, damping and mass of `dynamics` as three groups.
+// Adds `matrix` to the stiffness, damping and mass of `dynamics` as three
+// groups.
 inline void AddGroupsOfAllKinds(const Matrix& matrix,
                                 StructuralDynamics* dynamics,
                                 bool free_damping = true) {
@@ -42,7 +43,7 @@ inline void AddGroupsOfAllKinds(const Matrix& matrix,
   }
 }
 
-// Channels of all kinds on a structure of three DOFs.
+// Runs channels of all kinds on a structure of three DOFs.
 struct ChannelRunner {
   explicit ChannelRunner(const StructuralDynamics& d)
       : dynamics(d),
@@ -52,7 +53,7 @@ struct ChannelRunner {
                 {"a", Quantity::kAbsoluteAcceleration, Vector::Unit(3, 2)},
                 {"e", Quantity::kStrain, Eigen::Vector3d(-1.0, 1.0, 0.0)}}) {}
 
-  // Channels x samples of the whole grid.
+  // Returns channels x samples of the whole grid.
   Matrix Run(const Vector& theta, const Vector& start,
              const IntegrationGrid& grid) const {
     StructuralDynamics::Prepared prepared;

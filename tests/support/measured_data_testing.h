@@ -1,5 +1,5 @@
-// For tests only, hence not installed: where the measured data are that the
-// project does not hold.
+// For tests only, hence not installed: finds measured data that are not part of
+// the project.
 
 #ifndef TESTS_SUPPORT_MEASURED_DATA_TESTING_H_
 #define TESTS_SUPPORT_MEASURED_DATA_TESTING_H_
@@ -13,9 +13,10 @@
 
 namespace pinode {
 
-// The file or folder `name` among the measured data ("": all of them), which
-// are in the folder that the environment variable PINODE_MEASURED_DATA names,
-// else in ../shared/data beside the project's root. Empty if there is none.
+// Returns the path of the file or folder `name` among the measured data ("":
+// all of them). The environment variable PINODE_MEASURED_DATA names their
+// folder; by default it is ../shared/data beside the project's root. Empty if
+// it does not exist.
 inline std::string FindMeasuredData(const std::string& name) {
   namespace fs = std::filesystem;
   const char* folder = std::getenv("PINODE_MEASURED_DATA");
@@ -29,8 +30,8 @@ inline std::string FindMeasuredData(const std::string& name) {
 
 }  // namespace pinode
 
-// In a test or in SetUp(): the string `path` of `name`; where there is none the
-// test is skipped, and says so.
+// Defines, in a test or in SetUp(), the string `path` of `name`. If the file
+// does not exist, skips the test with a message.
 #define PINODE_FIND_MEASURED_DATA(path, name)                      \
   const std::string path = ::pinode::FindMeasuredData(name);       \
   if (path.empty()) {                                              \

@@ -1,4 +1,4 @@
-// Vibrations under noise, for tests.
+// Vibrations with noise, for tests.
 
 #ifndef TESTS_SUPPORT_MODAL_TESTING_H_
 #define TESTS_SUPPORT_MODAL_TESTING_H_
@@ -18,8 +18,8 @@
 
 namespace pinode {
 
-// Unit masses in a row, springs between them and to the ground, the same ratio
-// of damping in all modes.
+// Unit masses in a row, with springs between them and to the ground, and the
+// same damping ratio in all modes.
 struct TestChain {
   Matrix stiffness;
   Matrix shapes;        // a column per mode
@@ -37,7 +37,7 @@ struct TestChain {
     }
     Decompose();
   }
-  // Any stiffness.
+  // Creates a structure with any stiffness matrix.
   TestChain(Matrix matrix, double ratio)
       : stiffness(std::move(matrix)), damping_ratio(ratio) {
     Decompose();
@@ -54,24 +54,25 @@ struct TestChain {
 };
 
 struct TestExcitation {
-  // Forces of successive samples: u(k) = memory u(k - 1) + noise.
+  // Memory of the forces of successive samples: u(k) = memory u(k - 1) + noise.
   double memory = 0.0;
-  // Of all masses in common, beside what each has of its own.
+  // Force that all masses have in common, in addition to each mass's own.
   double common = 0.7;
-  // Noise of the sensors, of each channel's standard deviation.
+  // Noise of the sensors, relative to each channel's standard deviation.
   double sensor_noise = 0.02;
-  // Instead of forces the base moves, with the common noise as its
-  // acceleration; accelerations are absolute, displacements and velocities
-  // relative to it.
+  // True: instead of forces the base moves, with the common noise as its
+  // acceleration. Accelerations are then absolute, and displacements and
+  // velocities are relative to the base.
   bool base = false;
-  // So many of the masses' forces are measured (of the base: its acceleration).
+  // Number of measured forces of the masses. With a moving base: 1 if its
+  // acceleration is measured.
   int measured = 0;
 };
 
-// What sensors at all masses record, named "u1", "u2", ...: quantities
-// [i mod their number] (0 displacement, 1 velocity, 2 acceleration). The forces
-// are held over a sample; the discrete model is exact, so that its poles are
-// those of the chain.
+// Returns the records of sensors at all masses, named "u1", "u2", ...:
+// quantities [i mod their number] (0 displacement, 1 velocity, 2 acceleration).
+// The forces are held over a sample. The discrete model is exact, so its poles
+// are those of the chain.
 inline ResponseRecord SimulateChain(const TestChain& chain, double step,
                                     Eigen::Index samples, unsigned seed,
                                     const std::vector<int>& derivatives = {2},
@@ -134,8 +135,8 @@ inline ResponseRecord SimulateChain(const TestChain& chain, double step,
   return record;
 }
 
-// Accelerations of the chain left to itself with all modes at the same
-// velocity, and white noise of `noise` of each channel's standard deviation.
+// Returns accelerations of the chain in free decay with all modes at the same
+// velocity, and white noise of `noise` times each channel's standard deviation.
 inline ResponseRecord SimulateRingDown(const TestChain& chain, double step,
                                        Eigen::Index samples, unsigned seed,
                                        double noise) {
@@ -169,8 +170,8 @@ inline ResponseRecord SimulateRingDown(const TestChain& chain, double step,
   return record;
 }
 
-// Whether all modes of the chain and no other were found, each within `sigmas`
-// of its deviations; else what was.
+// Checks that all modes of the chain and no others were found, each within
+// `sigmas` standard deviations. Returns "" or the difference.
 inline std::string DifferenceFromChain(const TestChain& chain,
                                        const ModesOfRecord& result,
                                        double sigmas) {

@@ -1,4 +1,4 @@
-// Ranks of a job as threads of one process.
+// Ranks of a job, as threads of one process.
 
 #ifndef TESTS_SUPPORT_RANKS_TESTING_H_
 #define TESTS_SUPPORT_RANKS_TESTING_H_
@@ -15,7 +15,7 @@
 
 namespace pinode::testing {
 
-// What the ranks of one job share.
+// Data shared by the ranks of one job.
 class ThreadRanks {
  public:
   explicit ThreadRanks(int size) : size_(size) {}
@@ -62,7 +62,7 @@ class ThreadRanks {
         if (r == rank_) own = total;
         total += sizes[static_cast<size_t>(r)];
       }
-      // What is another's may hold anything.
+      // Parts of other ranks may contain anything.
       std::vector<double> numbers(static_cast<size_t>(total), 0.0);
       std::copy_n(all + own, sizes[static_cast<size_t>(rank_)],
                   numbers.begin() + own);
@@ -89,7 +89,7 @@ class ThreadRanks {
     int rank_;
   };
 
-  // Until all have come.
+  // Waits until all threads have called it.
   void Meet() {
     std::unique_lock<std::mutex> lock(mutex_);
     const int round = round_;

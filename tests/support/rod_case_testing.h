@@ -100,8 +100,8 @@ class RodCaseTest : public ::testing::Test {
     return c;
   }
 
-  // Of the case in which `from` is replaced by `to`; checks that it names a
-  // file in one line.
+  // Returns the error of the case with `from` replaced by `to`. Checks that it
+  // names a file in one line.
   std::string Refusal(const std::string& from, const std::string& to) {
     Case c;
     std::string error;

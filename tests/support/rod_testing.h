@@ -11,8 +11,8 @@ namespace pinode {
 inline constexpr int kNodes = 8;
 inline constexpr double kSpring = 5000.0;
 
-// A rod of seven springs over eight nodes, "1.1" to "8.1", of which the first
-// is held by the case (remove_dofs). `lower` and `upper` multiply the first
+// Returns a rod of seven springs over eight nodes, "1.1" to "8.1". The case
+// fixes the first node (remove_dofs). `lower` and `upper` multiply the first
 // four and the last three springs.
 inline SparseMatrix Rod(double lower, double upper) {
   Matrix stiffness = Matrix::Zero(kNodes, kNodes);

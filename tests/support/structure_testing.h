@@ -1,4 +1,4 @@
-// Help for the tests of this floor.
+// Helpers for the tests of this layer.
 
 #ifndef TESTS_SUPPORT_STRUCTURE_TESTING_H_
 #define TESTS_SUPPORT_STRUCTURE_TESTING_H_

@@ -1,4 +1,4 @@
-// Problems in memory for the tests of this floor.
+// Problems in memory for the tests of this layer.
 
 #ifndef TESTS_SUPPORT_STUDY_TESTING_H_
 #define TESTS_SUPPORT_STUDY_TESTING_H_
@@ -25,7 +25,7 @@ struct TestFit {
   IdentifiedModel model;
 };
 
-// Steps that are chosen; the test fails where they cannot be.
+// Chooses the steps. The test fails if they cannot be chosen.
 inline void ChooseStepsOrFail(IdentificationProblem* problem) {
   std::vector<SubstepChoice> choices;
   int failed = 0;
@@ -33,9 +33,9 @@ inline void ChooseStepsOrFail(IdentificationProblem* problem) {
   EXPECT_TRUE(SetSubsteps(problem, &choices, &failed, &error)) << error;
 }
 
-// A chain of `n` floors under ground motion, a stiffness group a storey, with
-// accelerometers on all floors. `truth`, which has the terms of another
-// structure perhaps, made the records, with 0.1 % noise.
+// Returns a chain of `n` floors under ground motion, with one stiffness group
+// per storey and accelerometers on all floors. The records come from `truth`,
+// which may have the terms of another structure, with 0.1 % noise.
 inline IdentificationProblem MeasuredChain(int n,
                                            const StructuralDynamics& truth,
                                            uint64_t seed) {
@@ -57,7 +57,7 @@ inline IdentificationProblem MeasuredChain(int n,
   return problem;
 }
 
-// The chain with other values of its groups.
+// Returns the chain with other values of its groups.
 inline std::shared_ptr<StructuralDynamics> ChainAt(const Vector& alpha) {
   auto dynamics =
       testing::MakeGroupedChain(static_cast<int>(alpha.size()), 100.0, 0.5);

@@ -1,4 +1,4 @@
-// For tests only, hence not installed: files in a folder of their own.
+// For tests only, hence not installed: files in a temporary folder.
 
 #ifndef TESTS_SUPPORT_TEMPORARY_FOLDER_TESTING_H_
 #define TESTS_SUPPORT_TEMPORARY_FOLDER_TESTING_H_
@@ -14,7 +14,7 @@
 
 namespace pinode {
 
-// The bytes of a file; empty if there is none.
+// Returns the bytes of a file. Empty if there is none.
 inline std::string FileContent(const std::string& path) {
   std::ostringstream content;
   content << std::ifstream(path, std::ios::binary).rdbuf();

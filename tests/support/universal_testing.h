@@ -1,4 +1,4 @@
-// Universal files held against each other.
+// Compares universal files.
 
 #ifndef TESTS_SUPPORT_UNIVERSAL_TESTING_H_
 #define TESTS_SUPPORT_UNIVERSAL_TESTING_H_
@@ -13,8 +13,8 @@
 
 namespace pinode {
 
-// How far numbers may be from those that were written: `absolute`, or
-// `relative` times themselves, whichever is more.
+// Largest accepted difference from the written numbers: `absolute`, or
+// `relative` times the number, whichever is larger.
 struct UniversalTolerance {
   double absolute = 0.0, relative = 0.0;
   double Of(double value) const {
