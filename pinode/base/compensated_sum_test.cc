@@ -17,7 +17,8 @@ TEST(CompensatedSum, KeepsWhatASumForgets) {
   EXPECT_EQ(sum[0] + rest[0], 1.0);
 }
 
-// Of terms that all but cancel, forwards and backwards; longer than a chunk.
+// Sums terms that nearly cancel, forwards and backwards, over more than one
+// chunk.
 TEST(CompensatedSum, DoesNotDependOnTheOrder) {
   constexpr int kSize = 600;
   std::mt19937 generator(1);

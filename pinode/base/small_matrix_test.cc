@@ -34,7 +34,7 @@ TEST(SmallMatrix, AgreesWithEigenAtEverySize) {
         AddOuterProducts(inner, rows, cols, v.data(), r.data(), c.data());
         ExpectEqual(c, 2.0 * a.lazyProduct(b));
 
-        // Of all rows but the first.
+        // The product uses all rows but the first.
         const Vector x = Vector::Random(inner);
         Vector y = Vector::Random(rows - 1);
         const Vector sum = y + a.bottomRows(rows - 1).lazyProduct(x);

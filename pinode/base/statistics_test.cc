@@ -80,7 +80,7 @@ TEST(AutocorrelationTime, OfAutoregressiveNoise) {
   EXPECT_EQ(AutocorrelationTime(Vector::Zero(10)), 1.0);
 }
 
-// Of a memory of a thousand samples every lag is needed.
+// With a memory of a thousand samples every lag is needed.
 TEST(AutocorrelationTime, OfALongMemory) {
   const Vector values = Autoregressive(0.995, 30000, 3);
   const Eigen::Index n = values.size();
@@ -99,7 +99,7 @@ TEST(AutocorrelationTime, OfALongMemory) {
 
 TEST(MemorylessMeanSquare, TellsNoiseFromASmoothSignal) {
   Vector values = 0.5 * Autoregressive(0.0, 20000, 3);
-  // Of 20000 values the estimate has a relative standard deviation of 0.9 %.
+  // For 20000 values the estimate has a relative standard deviation of 0.9 %.
   EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.01);
   const double step = 0.02;
   Vector signal(values.size());

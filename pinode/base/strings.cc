@@ -41,8 +41,8 @@ size_t EditDistance(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
-// What std::from_chars reads: it knows neither a leading '+' nor blanks.
-// False if nothing that could be a number is left.
+// Strips the parts that std::from_chars does not read: a leading '+' and
+// blanks. Returns false if nothing is left that could be a number.
 bool StripForNumber(std::string_view* text) {
   *text = StripBlanks(*text);
   if (!text->empty() && text->front() == '+') {

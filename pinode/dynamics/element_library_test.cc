@@ -125,7 +125,7 @@ extern "C" void PinodeElements(pinode::ElementLibrary*) {}
               HasSubstr("another version of pinode"));
 }
 
-// What C++ reads of a header: neither comments nor spaces.
+// Returns the code of a header, without comments and spaces.
 std::string CodeOf(const std::string& header) {
   std::string text, error;
   EXPECT_TRUE(

@@ -81,8 +81,8 @@ TEST(Elements, BacklashFrictionFollowsItsEvolutionLaw) {
   EXPECT_EQ(result[1], -2.0);
 }
 
-// Where it slips sharply it is a spring and a slider behind a play, whose state
-// after a step is known: as far as the slider lets it.
+// With sharp slip it is a spring and a slider behind a play. Its state after a
+// step is known: as far as the slider allows.
 TEST(Elements, SharpBacklashFrictionIsASliderBehindAPlay) {
   std::string error;
   const auto law = CreateElement("backlash_friction", &error);

@@ -104,7 +104,7 @@ class ForceScaleDynamics final
   }
 
  private:
-  // What the forces do at scale 1, in place of what *acceleration was.
+  // Sets *acceleration to the effect of the forces at scale 1.
   void SetUnscaled(const TermPrepared& prepared, const double* input,
                    Vector* acceleration) const {
     acceleration->setZero();

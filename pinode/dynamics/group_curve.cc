@@ -293,7 +293,7 @@ CombinationPrior CurvePrior(const std::vector<double>& knots, int reference,
   CombinationPrior prior;
   prior.precisions = {sigma > 0.0 ? 1.0 / (sigma * sigma) : -1.0};
   for (int k = 0; k + differences < num_knots; ++k) {
-    // Of the values at knots k, k + 1, (k + 2).
+    // Weights of the values at knots k, k + 1, (k + 2).
     Vector at_knots(differences + 1);
     const double before = knot(k + 1) - knot(k);
     if (differences == 1) {

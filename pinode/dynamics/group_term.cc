@@ -14,7 +14,7 @@ using Target = MatrixGroup::Target;
 
 size_t GroupIndex(int i) { return static_cast<size_t>(i); }
 
-// What alpha is multiplied by.
+// Returns the factor of alpha.
 double FollowedValue(const GroupTerm& group, double time, const double* input) {
   switch (group.follows) {
     case Follows::kNothing:
@@ -27,7 +27,7 @@ double FollowedValue(const GroupTerm& group, double time, const double* input) {
   return 1.0;
 }
 
-// Of the groups that follow something, in their order.
+// Data of the groups that follow something, in their order.
 struct PreparedGroups : TermPrepared {
   std::vector<Matrix> maps;  // -M^-1 matrix
 };

@@ -51,9 +51,9 @@ int ReadNumber(const mu::char_type* text, int* position, double* value) {
   return length > 0 ? 1 : 0;
 }
 
-// What muParser would call. They are told apart by their data and, for lack of
-// any in a prefix operator, by the address of this one; none is evaluated for
-// its value.
+// Functions that muParser would call. Their data distinguish them. A prefix
+// operator has no data, and the address of its function distinguishes it. No
+// function is evaluated for its value.
 double Unary(void*, double x) { return x; }
 double Binary(void*, double x, double) { return x; }
 double Negative(double x) { return -x; }
@@ -83,8 +83,8 @@ class LibraryFunctionBuilder {
 
   // Text for muParser, in which feature i is called "[i]".
   bool Translate();
-  // Where text_ at `position` names a feature: its index and the position
-  // behind it.
+  // Returns true if text_ at `position` names a feature, with its index and the
+  // position behind it.
   bool MatchFeature(size_t position, int* feature, size_t* end) const;
   bool Compile(const mu::ParserByteCode& code);
   bool Push(const Operation& operation);
@@ -381,7 +381,7 @@ bool LibraryFunctionBuilder::Compile(const mu::ParserByteCode& code) {
   return true;
 }
 
-// What muParser says, in our words and with the place in text_.
+// Sets the error to muParser's message in our words, with its place in text_.
 bool LibraryFunctionBuilder::FailAs(const mu::ParserError& caught) {
   const size_t position =
       caught.GetPos() >= 0 &&

@@ -5,7 +5,7 @@
 namespace pinode {
 namespace {
 
-// Where the index of an input belongs; nullptr for other inputs.
+// Returns the member for the index of an input; nullptr for other inputs.
 int* IndexOf(InputSpec::Kind kind, PrescribedDof* prescribed) {
   switch (kind) {
     case InputSpec::Kind::kPrescribedDisplacement:

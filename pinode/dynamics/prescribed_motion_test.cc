@@ -89,7 +89,7 @@ TEST(PrescribedMotion, MovesTheRestAndNeedsAForce) {
                  {"x2", Quantity::kDisplacement, Vector::Unit(2, 1)}});
   const double input[] = {1.5, -6.0, 0.4, 2.0};  // f1, a2, x2, v2
   const double x1 = 0.1, v1 = -0.2;
-  // What the state says of the second mass does not matter.
+  // The state's entries of the second mass do not matter.
   double state[] = {x1, 77.0, v1, 88.0};
   Vector rate(4);
   auto at = dynamics.MakeLinearization();

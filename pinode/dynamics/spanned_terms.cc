@@ -19,7 +19,7 @@ Matrix FeatureRows(const std::vector<Feature>& features, int num_dofs,
   return rows;
 }
 
-// Whether every row of `matrix` is a combination of `rows`.
+// Returns true if every row of `matrix` is a combination of `rows`.
 bool Spans(const Matrix& rows, const Matrix& matrix) {
   if (rows.rows() == 0) return false;
   const Matrix solution =

@@ -50,7 +50,7 @@ std::vector<StructuralModel> Structures() {
   return models;
 }
 
-// What is found when it is asked for is what a table would hold.
+// Values computed on request equal those of a table.
 TEST(IntegrationGrid, NodesOfTheExactSolution) {
   for (const Interpolation interpolation :
        {Interpolation::kHeld, Interpolation::kLinear, Interpolation::kCubic}) {

@@ -295,7 +295,7 @@ void ExponentialStep::StepSensitivity(Eigen::Index k, bool with_parameters,
   const auto z = sensitivity->bottomRows(nz);
   const Matrix* slopes = &block_slopes_[4 * static_cast<size_t>(k)];
 
-  // What the groups do within the step, to `sum`.
+  // Adds the effect of the groups within the step to `sum`.
   const auto add_groups = [&](Stage stage, auto&& sum) {
     if (by_groups == 0) return;
     const Matrix& changes = changes_[stage];

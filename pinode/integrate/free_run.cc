@@ -99,8 +99,8 @@ bool EndWhereNotFinite(Trajectory* trajectory) {
   return true;
 }
 
-// By the modes of linear dynamics; false where they do not span the states. A
-// state that is not finite is left for the caller to be seen.
+// Runs by the modes of linear dynamics. Returns false if they do not span the
+// states. The caller detects a state that is not finite.
 bool RunByModes(const StructuralDynamics& dynamics,
                 const StructuralDynamics::Prepared& prepared,
                 const ObservationMap& observation, const IntegrationGrid& grid,
@@ -179,7 +179,8 @@ bool FreeRun(const StructuralDynamics& dynamics,
   trajectory->channels =
       Matrix::Constant(observation.num_channels(), samples, kNaN);
 
-  // Where and what did not stay finite takes all states.
+  // Finding the state that did not stay finite, and its sample, requires all
+  // states.
   const auto again = [&]() {
     return FreeRun(dynamics, prepared, observation, grid, start, first_sample,
                    last_sample, trajectory, Keep::kAll, num_threads);

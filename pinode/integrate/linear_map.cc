@@ -69,8 +69,8 @@ Map Columns(const Map& map, Eigen::Index first, Eigen::Index count) {
   return columns;
 }
 
-// By squares: as many products as `exponent` (at least 1) has binary digits,
-// twice at most.
+// Computes the power by squaring: at most twice as many products as `exponent`
+// (at least 1) has binary digits.
 Map Power(Map base, int exponent) {
   while (exponent % 2 == 0) {
     base = Product(base, base);
@@ -121,8 +121,8 @@ void LinearMap::ComputeSteps(const Map& rate, double step, int substeps) {
     derivatives_.block(j * ns, 0, ns, ns) =
         power.derivatives[static_cast<size_t>(j)];
   }
-  // What the inputs of a step come to at the interval's end, from the last step
-  // to the first.
+  // Effect of the inputs of a step at the interval's end, from the last step to
+  // the first.
   const Map a = Columns(one, 0, ns);
   Map inputs = Columns(one, ns, 3 * ni);
   for (int s = substeps - 1; s >= 0; --s) {
@@ -140,8 +140,8 @@ void LinearMap::ComputeExactly(const Map& rate, double sampling_step,
   const Eigen::Index ns = rate.value.rows();
   const Eigen::Index ni = rate.value.cols() - ns;
   const auto np = static_cast<Eigen::Index>(rate.derivatives.size());
-  // Of the inputs' derivatives by the share of the interval those at its
-  // beginning are j! times the polynomial's coefficients.
+  // The derivatives of the inputs at the beginning, with respect to the
+  // fraction of the interval, are j! times the polynomial's coefficients.
   const Matrix polynomial = NodePolynomial(substeps);
   Matrix nodes(polynomial.rows() * ni, polynomial.cols() * ni);
   double factorial = 1.0;

@@ -8,7 +8,7 @@
 namespace pinode {
 namespace {
 
-// Of the tables of derivatives, in numbers: 256 MiB.
+// Largest tables of derivatives, in numbers: 256 MiB.
 constexpr double kLargestTable = 32.0 * 1024.0 * 1024.0;
 // Samples whose forcing is one matrix product.
 constexpr Eigen::Index kBlock = 64;

@@ -32,8 +32,9 @@ constexpr size_t kNumRemembered = 3;
 std::mutex recent_mutex;
 std::deque<std::shared_ptr<const ModalBasis::Spectrum>> recent;
 
-// Of a Runge-Kutta step of dz/dt = lambda z + u, with x = step * lambda:
-// z_next = R(x) z + step * sum_node a_node(x) u_node, and derivatives by x.
+// Runge-Kutta step of dz/dt = lambda z + u, with x = step * lambda: z_next =
+// R(x) z + step * sum_node a_node(x) u_node. Also has the derivatives with
+// respect to x.
 struct ScalarStep {
   explicit ScalarStep(Complex x)
       : growth(1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0)))),

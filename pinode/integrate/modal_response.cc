@@ -252,7 +252,7 @@ void ModalResponse::AddParameter(const Contents& contents,
   const Eigen::Index ns = basis_.num_states();
   const Matrix& change = rate_.derivatives[static_cast<size_t>(j)];
   ComplexMatrix in_modes = InModes(basis_, change.leftCols(ns));
-  // Of modes that are all but equal, and of each with itself.
+  // Pairs of nearly equal modes, and each mode with itself.
   ComplexMatrix near_participation =
       in_modes.diagonal().asDiagonal() * participation;
   ComplexMatrix near_channels = ComplexMatrix::Zero(channel_modes.rows(), ns);
@@ -265,7 +265,7 @@ void ModalResponse::AddParameter(const Contents& contents,
   const ComplexMatrix far_channels = channel_modes * in_modes;
   const ComplexMatrix forcing =
       basis_.inverse_modes() * change.rightCols(num_inputs_);
-  // What moves the channels themselves.
+  // Direct effect on the channels themselves.
   const std::vector<int>& rows = observation.acceleration_rows();
   const Matrix direct = observation.rate_map() * change;
   const ComplexMatrix direct_modes = direct.leftCols(ns) * basis_.modes();

@@ -396,7 +396,8 @@ const std::vector<InputSpec>& MotionOfTheThird() {
   return inputs;
 }
 
-// What moves the free chain is what the moved one asks for.
+// The force that moves the free chain equals that of the chain with prescribed
+// motion.
 TEST(PrescribedSegment, ForceIsTheOneThatMakesTheMotion) {
   constexpr int kSamples = 400;
   constexpr double kStep = 0.01;

@@ -7,7 +7,8 @@
 namespace pinode {
 namespace {
 
-// Of the mean diagonal of T: below it the past says nothing.
+// Limit relative to the mean diagonal of T. Below it the past contains no
+// information.
 constexpr double kSmallestPart = 1e-7;
 
 // Block (i, j) is R_(j - i) of the references.

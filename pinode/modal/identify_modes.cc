@@ -19,8 +19,9 @@
 namespace pinode {
 namespace {
 
-// Of half the sampling rate: where resampling leaves signals as they are, and
-// where the next lower rate takes over (with as much again in common).
+// Limits of a band, relative to half the sampling rate: resampling leaves
+// signals unchanged up to the first, and the next lower rate starts at the
+// second (with as much overlap again).
 constexpr double kBandTop = 0.8;
 constexpr double kBandBottom = 0.2;
 constexpr double kRecordTop = 0.95;
@@ -37,7 +38,8 @@ constexpr Eigen::Index kFilterReach = 24;
 // Lags that a window holds, and windows.
 constexpr int kMostWindows = 120;
 constexpr int kFewestWindows = 20;
-// Of a ring-down: most block rows, and what may be left of a channel.
+// Limits for a ring-down: most block rows, and the largest remainder of a
+// channel.
 constexpr int kMostDecayRows = 300;
 constexpr double kLargestRest = 0.3;
 // Beside a measured load, which tells modes side by side from each other: a
@@ -102,7 +104,7 @@ class ModeFinder {
     while (true) {
       const double nyquist = 0.5 / level.step;
       const bool is_last = IsLast(level);
-      // What a lower rate shows as well is left to it.
+      // Frequencies that a lower rate also covers are left to that rate.
       if (is_last || highest_hz_ > kBandTop * 0.5 * nyquist) {
         level.lowest_hz =
             is_last ? lowest_hz_ : std::max(lowest_hz_, kBandBottom * nyquist);
@@ -266,7 +268,7 @@ class ModeFinder {
     SubspaceOptions subspace;
     subspace.block_rows = band.block_rows;
     subspace.max_order = band.max_order;
-    // Of a decay all modes have to be known, for they are fitted together.
+    // For a decay all modes must be known, because they are fitted together.
     if (!is_decay()) {
       subspace.lowest_hz = band.lowest_hz;
       subspace.highest_hz = band.highest_hz;
@@ -338,7 +340,8 @@ class ModeFinder {
     return true;
   }
 
-  // Of loads that nobody measured, or beside those that somebody did.
+  // Computes correlations under unmeasured loads, or under unmeasured loads in
+  // addition to measured ones.
   bool FormCorrelations(const Level& level, AnalysedBand* band,
                         HankelWindows* hankel, double* window_seconds) {
     const int lags = 2 * band->block_rows - 1;
@@ -457,7 +460,7 @@ class ModeFinder {
     *clusters = std::move(kept);
   }
 
-  // Of modes that two rates have seen the more certain one.
+  // Keeps the more certain of two estimates if two rates found the same mode.
   void Merge() {
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
       return a.mode.frequency_hz < b.mode.frequency_hz;

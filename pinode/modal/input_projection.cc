@@ -15,9 +15,10 @@ namespace {
 
 // Samples that are stacked and multiplied together.
 constexpr Eigen::Index kStackedSamples = 1024;
-// By which u_f reaches beyond y_f.
+// Number of samples by which u_f extends beyond y_f.
 constexpr int kInputMargin = 4;
-// Of the mean diagonal of E[u_f u_f^T]: below it the input says nothing.
+// Limit relative to the mean diagonal of E[u_f u_f^T]. Below it the input
+// contains no information.
 constexpr double kSmallestInput = 1e-10;
 
 // Stacked samples first + k, ... of `values`, for k in [begin, begin + size).

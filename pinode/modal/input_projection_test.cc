@@ -74,7 +74,7 @@ TEST(InputProjectionFigures, TheInputHasNoModes) {
   ModeIdentificationOptions options;
   options.method = ModalMethod::kCovarianceDriven;
   const ModesOfRecord without = IdentifyOrFail(record, options);
-  // What is known of the load makes damping more certain.
+  // Measuring the load makes damping more certain.
   ASSERT_GE(without.modes.size(), 3u);
   EXPECT_LT(result.modes[0].damping_sigma, without.modes[0].damping_sigma);
 }

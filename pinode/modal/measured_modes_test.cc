@@ -99,8 +99,8 @@ class LaboratoryFrameFigures : public ::testing::Test {
     return shape;
   }
 
-  // Of shapes as they are measured: the velocities are as large as the
-  // accelerations there.
+  // Returns the MAC of the shapes as measured: the velocities are as large as
+  // the accelerations there.
   static double MacOf(const IdentifiedMode& mode,
                       const Eigen::VectorXcd& displacements,
                       const Reference& reference, size_t m) {
@@ -121,10 +121,10 @@ class LaboratoryFrameFigures : public ::testing::Test {
     return part;
   }
 
-  // Of 30 modes two differ by 2.7 and 1.9 combined standard deviations of the
-  // frequency (at 7.6 Hz, where the reference has 0.00014 and 0.00047 Hz of one
-  // order, and set-ups scatter by 0.0024), the others by 1.3 at most; damping
-  // ratios by 1.7 at most; the lowest MAC is 0.9995.
+  // Among 30 modes two differ by 2.7 and 1.9 combined standard deviations of
+  // the frequency (at 7.6 Hz, where the reference has 0.00014 and 0.00047 Hz of
+  // one order, and set-ups scatter by 0.0024). The others differ by 1.3 at
+  // most, and damping ratios by 1.7 at most. The lowest MAC is 0.9995.
   static void ExpectAsInReference(const IdentifiedMode& mode,
                                   const Reference& reference, size_t m) {
     ASSERT_LT(m, reference.shapes.size());

@@ -222,8 +222,8 @@ class Merger {
       between[q] =
           std::sqrt(off.squaredNorm() / static_cast<double>(count - 1));
     }
-    // Where set-ups differ by more than their deviations, what they share with
-    // the shape grows along.
+    // If set-ups differ by more than their standard deviations, their
+    // covariance with the shape grows too.
     for (int q = 0; q < 2; ++q) {
       const double old = std::sqrt(merged.covariance(q, q));
       merged.covariance.row(q) *= sigmas[q] / old;
@@ -243,8 +243,8 @@ class Merger {
     merged.damping_upper95 = means[1] + t * sigmas[1];
   }
 
-  // What each set-up has of the mean frequency and the mean damping ratio, see
-  // CombineNumbers.
+  // Returns the share of each set-up in the mean frequency and the mean damping
+  // ratio, see CombineNumbers.
   Matrix SharesOfNumbers(const std::vector<int>& members,
                          const std::vector<size_t>& seen) const {
     if (seen.size() == 1) return Matrix::Ones(2, 1);

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-// What channels `rows` of a record of the chain say.
+// Returns the modes from channels `rows` of a record of the chain.
 SetupModes FindSetup(const TestChain& chain, const std::string& name,
                      const std::vector<int>& rows, unsigned seed) {
   const ResponseRecord all = SimulateChain(chain, 0.01, 60000, seed);
@@ -66,7 +66,7 @@ TEST(MergeSetupsTest, TiesShapesTogetherAtReferences) {
           << "mode " << m << ", place " << i;
     }
   }
-  // What is said of frequency, damping and shape together can be so.
+  // The covariance of frequency, damping and shape together is valid.
   for (const MergedMode& found : merged.modes) {
     const Matrix& covariance = found.mode.covariance;
     EXPECT_NEAR(std::sqrt(covariance(0, 0)), found.mode.frequency_sigma,

@@ -20,7 +20,8 @@ constexpr Eigen::Index kNeighbours = 4;
 // No line weighs more than if the model had this share of what was measured.
 constexpr double kLeastShare = 0.1;
 
-// Of Hann's window with itself at lags of 0 to size - 1 samples, 1 at 0.
+// Returns the correlation of Hann's window with itself at lags of 0 to size - 1
+// samples, 1 at 0.
 Vector WindowCorrelation(Eigen::Index size) {
   Eigen::VectorXcd window = Eigen::VectorXcd::Zero(2 * size);
   for (Eigen::Index k = 0; k < size; ++k) {

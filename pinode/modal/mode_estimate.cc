@@ -12,7 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Of the shape, in displacements, largest entry 1, and of its influences.
+// Converts the shape and its influences to displacements, with largest entry 1.
 void InDisplacements(const ResponseRecord& record, const Vector& scales,
                      SubspacePole* pole) {
   for (Eigen::Index c = 0; c < pole->shape.size(); ++c) {

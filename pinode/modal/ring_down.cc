@@ -72,7 +72,8 @@ Matrix DecayBasis(const std::vector<std::complex<double>>& lambdas,
   return basis;
 }
 
-// What vibrations lambda^k that do not grow leave of the samples.
+// Returns the residuals of the samples after a fit of vibrations lambda^k that
+// do not grow.
 Matrix Residuals(const Matrix& samples, const Eigen::VectorXcd& eigenvalues) {
   std::vector<std::complex<double>> kept;
   for (const std::complex<double>& lambda : eigenvalues) {

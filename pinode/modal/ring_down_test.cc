@@ -84,7 +84,8 @@ TEST(RingDownFigures, IntervalsHoldTheTruth) {
   EXPECT_GE(inside, 30) << inside << " of " << count;
 }
 
-// Where a decay is, it has taken noise with it; the series have it back.
+// The fit of a decay removes noise at its frequency. The series contain that
+// noise again.
 TEST(RingDownTest, NoiseSeriesAreAsLargeAtAModeAsNoiseIs) {
   constexpr double kStepSize = 0.02;
   constexpr double kNoise = 0.1;

@@ -45,7 +45,7 @@ Spectra EstimateSpectra(const ResponseRecord& record,
     means[c] = MeanOfPresent(Vector(record.samples.row(c)));
     sigmas[c] = StandardDeviationOfPresent(record.samples.row(c));
   }
-  // By frequency, 1 to half.
+  // Sums by frequency, 1 to half.
   std::vector<Eigen::MatrixXcd> sums(
       static_cast<size_t>(half), Eigen::MatrixXcd::Zero(channels, channels));
   Spectra spectra;

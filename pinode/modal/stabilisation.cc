@@ -137,7 +137,7 @@ class ClusterFinder {
     return sigmas_[static_cast<size_t>(i)].frequency / pole(i).frequency();
   }
 
-  // Of each order the pole nearest to the seed, where one is near enough.
+  // Returns for each order the pole nearest to the seed, if one is near enough.
   std::vector<int> Gather(int seed) const {
     struct Nearest {
       int pole;
@@ -195,7 +195,7 @@ class ClusterFinder {
     Average(cluster);
   }
 
-  // Of the chosen ones; their sum is one.
+  // Returns the weights of the chosen poles; their sum is one.
   Vector Weights(const std::vector<int>& chosen) const {
     Vector sigmas(static_cast<Eigen::Index>(chosen.size()));
     for (size_t i = 0; i < chosen.size(); ++i) {

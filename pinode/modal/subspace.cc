@@ -27,7 +27,7 @@ Matrix HankelMatrix(const Matrix& correlations, int channels, int block_rows,
   return h;
 }
 
-// What all orders share.
+// Data shared by all orders.
 struct Decomposition {
   Matrix u;  // rows x rows
   Matrix v;  // columns x max_order, and further columns
@@ -143,8 +143,8 @@ class OrderPoles {
       lambda[i] = lambda_[kept_[static_cast<size_t>(i)]];
     }
     parts << phi.real(), phi.imag();
-    // What the model of this order leaves of the shift: it is there because
-    // there are more equations than unknowns.
+    // Residual of the shift equation for the model of this order. It is not
+    // zero, because there are more equations than unknowns.
     const ComplexMatrix residual =
         d_.u.bottomRows(shifted).leftCols(n_) * phi -
         (d_.u.topRows(shifted).leftCols(n_) * phi) * lambda.asDiagonal();

@@ -71,7 +71,7 @@ TEST_F(AllocationTest, HotFunctionsAllocateNothing) {
         EXPECT_EQ(after, before)
             << ActivationName(activation) << ", " << hidden_widths.size()
             << " hidden layers, gauge " << gauge;
-        // What has been computed is used.
+        // Use the results, so that the compiler keeps the computation.
         EXPECT_TRUE(B.allFinite() && y.allFinite());
       }
     }

@@ -301,7 +301,7 @@ void Network::AddWeightTangents(const NetworkTangent* const* stages,
                      B + std::ptrdiff_t{part.offset} * rows);
   }
 
-  // Where D is the identity, `left` itself is the factor.
+  // If D is the identity, `left` itself is the factor.
   v.clear();
   a.clear();
   for (int s = 0; s < count; ++s) {

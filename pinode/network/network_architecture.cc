@@ -21,7 +21,7 @@ std::vector<int> LayerWidths(const NetworkArchitecture& architecture) {
   return widths;
 }
 
-// Whether `scale` is empty or has `size` positive numbers.
+// Returns true if `scale` is empty or has `size` positive numbers.
 bool IsScale(const Vector& scale, const char* key, int size, const char* of,
              std::string* error) {
   if (scale.size() != 0 && scale.size() != size) {

@@ -35,7 +35,7 @@ std::vector<double> OnesWhereEmpty(const Vector& scale, int size) {
   return std::vector<double>(scale.begin(), scale.end());
 }
 
-// What is read so far; the first failure is kept.
+// Reads the values of a network file. Keeps the first failure.
 class Reader {
  public:
   explicit Reader(const Json& json) : json_(json) {}

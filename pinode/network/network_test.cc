@@ -63,7 +63,7 @@ std::string Describe(const NetworkArchitecture& a) {
          (a.gauge ? " gauge" : "");
 }
 
-// By Jets of one direction at a time: value, dy/dq, dy/dweights.
+// Results by Jets of one direction at a time: value, dy/dq, dy/dweights.
 struct Oracle {
   Oracle(const NetworkArchitecture& architecture, const Vector& q,
          const Vector& weights) {

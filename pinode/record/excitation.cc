@@ -16,8 +16,8 @@ namespace {
 
 // Samples on either side that take part.
 constexpr int kHalfWidth = 32;
-// Of the Kaiser window, for an attenuation of 100 dB (J. F. Kaiser and R. W.
-// Schafer, IEEE Trans. ASSP 28 (1980) 105-107).
+// Parameter of the Kaiser window for an attenuation of 100 dB (J. F. Kaiser and
+// R. W. Schafer, IEEE Trans. ASSP 28 (1980) 105-107).
 constexpr double kKaiser = 10.06;
 
 using SincWeights = std::array<double, 2 * kHalfWidth>;
@@ -38,7 +38,7 @@ SincWeights MakeSincWeights(double fraction) {
   return weights;
 }
 
-// Those who tabulate ask for one fraction after the other.
+// Callers that build tables ask for one fraction after the other.
 const SincWeights& SincWeightsAt(double fraction) {
   thread_local double last = -1.0;
   thread_local SincWeights weights;

@@ -50,8 +50,8 @@ TEST(ExcitationTest, LinearIsAStraightLine) {
   EXPECT_DOUBLE_EQ(At(excitation, 3, 0.5)[1], 3.5);
 }
 
-// What is sampled five and two and a half times a period is what it was: the
-// error that the header states.
+// A signal sampled five and two and a half times per period is reproduced with
+// the error that the header states.
 TEST(ExcitationTest, BandLimitedIsTheSampledSignal) {
   for (const double samples_per_period : {5.0, 2.5, 2.25}) {
     const int count = 400;

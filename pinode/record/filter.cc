@@ -80,7 +80,7 @@ ZeroPhaseFilter::ZeroPhaseFilter(const FilterOptions& options,
   for (const double corner : options.corner_frequencies) {
     warped.push_back(std::tan(kPi * corner * sampling_step));
   }
-  // Where the gain is one: the middle of the pass band on the unit circle.
+  // Point of unit gain: the middle of the pass band on the unit circle.
   Complex unit_gain_at = 1.0;
   double center = 0.0;
   double bandwidth = 0.0;

@@ -67,7 +67,7 @@ Outliers StandingOff(const Vector& sizes, Eigen::Index most, bool fewest) {
   return found;
 }
 
-// Whether what is left without the outliers is a history by itself.
+// Returns true if the samples without the outliers are a history on their own.
 bool OthersMove(const Vector& values, const Outliers& outliers) {
   std::set<double> different;
   size_t next = 0;
@@ -202,7 +202,8 @@ class FaultFinder {
     return FormatNumber(100.0 * share, 3) + " %";
   }
 
-  // Whether a blow explains them. Marks of missing samples are none.
+  // Returns true if a blow explains the outliers. It does not explain marks of
+  // missing samples.
   bool IsExplained(const WatchedSignal& signal,
                    const Outliers& outliers) const {
     if (signal.kind == Kind::kCovariate ||
@@ -217,7 +218,7 @@ class FaultFinder {
                        });
   }
 
-  // Whether a response moves more behind a sample than before it.
+  // Returns true if a response moves more after a sample than before it.
   bool ResponsesFollow(Eigen::Index sample) const {
     constexpr Eigen::Index kLookedAt = 30;
     constexpr Eigen::Index kLeast = 5;
@@ -228,7 +229,7 @@ class FaultFinder {
       const Eigen::Index size = values.size();
       const Eigen::Index before = std::min(sample - 1, kLookedAt);
       const Eigen::Index behind = std::min(size - 1 - sample, kLookedAt);
-      // Where nothing can be compared it may well be one.
+      // Without enough samples to compare, it may well be a blow.
       if (before < kLeast || behind < kLeast) return true;
       const auto path = [&values](Eigen::Index first, Eigen::Index count) {
         return (values.segment(first + 1, count) - values.segment(first, count))
@@ -242,7 +243,7 @@ class FaultFinder {
     return false;
   }
 
-  // Whether a load that is small at most times is large then.
+  // Returns true if a load that is small at most times is large then.
   bool IsAtABlow(Eigen::Index sample) const {
     constexpr double kLarge = 0.3;
     constexpr double kSmall = 0.02;
@@ -296,7 +297,7 @@ class FaultFinder {
     const Repeats repeats = CountRepeats(signal.values);
     const bool is_load = signal.kind == Kind::kLoad;
     const bool seldom = repeats.other_share < kSeldom;
-    // What comes to rest by itself does so slowly.
+    // A response that comes to rest naturally does so slowly.
     const auto is_sudden = [&repeats](double step) {
       return step > kFast * repeats.typical_step &&
              step > kSteps * repeats.least_step;
@@ -364,7 +365,7 @@ Outliers FindOutliers(const Vector& values) {
   sizes.maxCoeff(&farthest);
   const Eigen::Index alike = (values.array() == values[farthest]).count();
   const Eigen::Index few = std::max<Eigen::Index>(10, present / 1000);
-  // Of a channel that is off half of the time nothing is known.
+  // A channel that is off half of the time gives no information.
   Outliers found =
       StandingOff(sizes, std::min(std::max(few, alike), present / 3),
                   /*fewest=*/false);

@@ -70,7 +70,7 @@ TEST(SampleFaults, NamesASpike) {
   EXPECT_THAT(FaultsOf(signals),
               ElementsAre(AllOf(HasSubstr("channel a1: the sample at 15 s, "),
                                 HasSubstr("A bad sample?"))));
-  // Of a load that nothing answers to, and of a temperature.
+  // A load without any response to it, and a temperature.
   signals = Shaken();
   signals[0].values[500] = 100.0;
   EXPECT_THAT(
@@ -104,7 +104,7 @@ TEST(SampleFaults, LeavesBlowsAlone) {
   // Before a step of the load's level.
   load.tail(300).array() += 5.0;
   EXPECT_THAT(FaultsOf(Shaken(load)), IsEmpty());
-  // By a pulse alone, of a simulation.
+  // The load of a simulation, a pulse alone.
   load.setZero();
   load.segment(100, 3).setConstant(20.0);
   EXPECT_THAT(FaultsOf(Shaken(load)), IsEmpty());

@@ -165,7 +165,7 @@ std::string BadCellMessage(const std::string& cell) {
   return "'" + cell + "' is not a number";
 }
 
-// Where each wanted column is in the header.
+// Finds the position of each wanted column in the header.
 bool LocateColumns(const std::vector<std::string>& header, int64_t header_line,
                    const std::vector<std::string>& wanted,
                    const std::string& path, std::vector<std::string>* columns,

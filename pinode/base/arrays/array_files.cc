@@ -78,7 +78,8 @@ class MatlabArrays {
     return false;
   }
 
-  // Whether the file can hold what is said of a variable and of its fields.
+  // Returns true if the file can hold the announced size of a variable and of
+  // its fields.
   bool Fits(const matvar_t& variable, int depth) const {
     if (variable.dims == nullptr) return false;
     double count = 1.0;
@@ -102,7 +103,7 @@ class MatlabArrays {
 
   bool Add(const std::string& name, matvar_t* variable, int depth) {
     if (variable->class_type == MAT_C_STRUCT) {
-      // Of arrays of structures it is not clear which is meant.
+      // For arrays of structures the element is ambiguous.
       size_t count = variable->rank > 0 ? 1 : 0;
       for (int d = 0; d < variable->rank; ++d) count *= variable->dims[d];
       if (count != 1 || depth >= kDeepestStructure) return true;

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// What tests/generators/array_files.py wrote.
+// Returns a file that tests/generators/array_files.py wrote.
 std::string Sample(const std::string& name) {
   return std::string(PINODE_SOURCE_DIR) + "/tests/fuzz/corpus/arrays/" + name;
 }
@@ -93,7 +93,7 @@ TEST(ArrayFilesTest, MatlabArraysAndStructures) {
   }
 }
 
-// By matio itself, version 7.3 as MATLAB has it since 2006.
+// The file comes from matio itself, version 7.3 as MATLAB has it since 2006.
 TEST(ArrayFilesTest, Matlab73) {
   const TemporaryFolder folder;
   const std::string path = folder.Path("new.mat");

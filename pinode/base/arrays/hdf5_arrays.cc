@@ -10,8 +10,8 @@
 namespace pinode {
 namespace {
 
-// What the filters of HDF5 can make of a byte at best, rounded up. Data sets
-// that were never written take no place at all.
+// Largest possible ratio of unpacked to packed bytes in the filters of HDF5,
+// rounded up. Data sets that were never written take no place at all.
 constexpr double kLargestHdf5Expansion = 1100.0;
 
 // An identifier of HDF5, closed at the end.
@@ -43,7 +43,7 @@ class Hdf5Reader {
       : path_(path), wanted_(wanted), arrays_(arrays), error_(error) {}
 
   bool Read() {
-    // That there is one, and how large it is.
+    // Checks that the file exists, and finds its size.
     std::string content;
     if (!ReadBinaryFile(path_, &content, error_)) return false;
     file_size_ = static_cast<double>(content.size());
@@ -139,7 +139,7 @@ class Hdf5Reader {
       const Hdf5Id member(H5Tget_member_type(type.get(), number), H5Tclose);
       char* field = H5Tget_member_name(type.get(), number);
       if (!member.good() || field == nullptr) return Fail(name);
-      // Of the fields only this one is taken out.
+      // Only this field of the compound is read.
       const Hdf5Id one(H5Tcreate(H5T_COMPOUND, sizeof(double)), H5Tclose);
       const bool made =
           one.good() && H5Tinsert(one.get(), field, 0, H5T_NATIVE_DOUBLE) >= 0;

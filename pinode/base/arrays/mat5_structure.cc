@@ -127,8 +127,8 @@ class Walker {
       }
       parts.push_back(part);
     }
-    // Of another type a part would not be read, and what is in it taken for the
-    // next one's tag.
+    // A reader would skip a part of another type and take its content for the
+    // next tag.
     if (parts.size() < 3 || parts[0].data.size() != 8 ||
         parts[0].type != kUint32 || parts[1].type != kInt32 ||
         parts[2].type != kInt8) {
@@ -145,7 +145,7 @@ class Walker {
       return Fail("a variable lacks its flags, dimensions or name");
     }
     const size_t numeric_parts = (flags & kComplexFlag) != 0 ? 2 : 1;
-    // What the size says, as a double that cannot overflow.
+    // Announced number of items, as a double, which cannot overflow.
     double count = 1.0;
     for (size_t at = 0; at < parts[1].data.size(); at += 4) {
       count *= WordAt(parts[1].data, at);
@@ -178,8 +178,8 @@ class Walker {
     return true;
   }
 
-  // Whether cells, fields and letters are there for all that the dimensions
-  // promise, so that a reader allocates no more of them than the file has.
+  // Returns true if there are cells, fields and letters for all announced
+  // dimensions. A reader then allocates no more of them than the file has.
   bool IsContainerWhole(uint32_t kind, double count,
                         const std::vector<Element>& parts) const {
     if (kind == kClassText) {

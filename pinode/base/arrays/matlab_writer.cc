@@ -18,7 +18,8 @@ namespace {
 
 constexpr size_t kLongestMatlabName = 63;
 
-// What a char array of MATLAB holds; what is no UTF-8 becomes U+FFFD.
+// Returns the content of a char array of MATLAB. Bytes that are not UTF-8
+// become U+FFFD.
 std::vector<std::uint16_t> Utf16(const std::string& text) {
   std::vector<std::uint16_t> units;
   for (size_t i = 0; i < text.size();) {
@@ -83,8 +84,8 @@ MatlabVariable Cells(const char* name, const std::vector<std::string>& texts) {
       Mat_VarCreate(name, MAT_C_CELL, MAT_T_CELL, 2, dims, cells.data(), 0));
 }
 
-// Whether a file of version 5 has all bytes of so many variables: behind a head
-// of 128 each has its size in the second four.
+// Returns true if a file of version 5 has all bytes of so many variables. After
+// a head of 128 bytes, each variable has its size in its second four bytes.
 bool IsWhole(const std::string& content, size_t num_variables) {
   size_t end = 128, count = 0;
   for (; end + 8 <= content.size(); ++count) {

@@ -136,7 +136,7 @@ TEST(MatlabWriterTest, KnowsWhatAFileOfVersion5CannotHold) {
   EXPECT_TRUE(FitsMatlabFile(0));
   EXPECT_TRUE(FitsMatlabFile(Eigen::Index{8} * 250000000));
   EXPECT_FALSE(FitsMatlabFile(Eigen::Index{8} * 300000000));
-  // What a size of 32 bits would take for one byte.
+  // In 32 bits this size would wrap to one byte.
   EXPECT_FALSE(FitsMatlabFile((Eigen::Index{1} << 32) + 1));
 }
 

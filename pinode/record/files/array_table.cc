@@ -40,7 +40,7 @@ void AppendColumns(const NamedArray& array, std::vector<std::string>* names) {
   }
 }
 
-// Of the arrays with the most samples.
+// Returns the columns of the arrays with the most samples.
 std::vector<std::string> LongestColumns(const std::vector<NamedArray>& arrays) {
   Eigen::Index longest = 0;
   for (const NamedArray& array : arrays) {
@@ -55,7 +55,7 @@ std::vector<std::string> LongestColumns(const std::vector<NamedArray>& arrays) {
   return names;
 }
 
-// What can be asked for, for a message: arrays with many columns once.
+// Returns the known names for a message. Arrays with many columns appear once.
 std::vector<std::string> KnownNames(const std::vector<NamedArray>& arrays) {
   std::vector<std::string> names;
   for (const NamedArray& array : arrays) {

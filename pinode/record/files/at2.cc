@@ -89,7 +89,7 @@ class At2Parser {
     return in_title_ ? TakeTitle(line, error) : TakeValues(line, error);
   }
 
-  // Whether there is no hope that this is such a file.
+  // Returns true if the text cannot be such a file.
   bool gave_up() const { return in_title_ && line_number_ >= kMostTitleLines; }
 
   bool Finish(At2Motion* motion, std::string* error) const {

@@ -224,7 +224,7 @@ std::string UnevenBinary(int data_type, int byte_order,
          bytes + "    -1\n";
 }
 
-// Of hexadecimal digits.
+// Returns the bytes given by hexadecimal digits.
 std::string Bytes(const std::string& digits) {
   std::string bytes;
   for (size_t i = 0; i < digits.size(); i += 2) {
@@ -282,7 +282,7 @@ TEST(UniversalFileTest, UnevenComplexInDoublePrecision) {
     EXPECT_EQ(f.abscissa, Vector(is_wide ? Eigen::Vector2d(0.1, 0.3)
                                          : Eigen::Vector2d(0.25, 1.0)));
   }
-  // Neither way do so many bytes make two points.
+  // Neither type of value makes two points of so many bytes.
   for (const char* count : {"40", "30", "48", "100000"}) {
     UniversalFile file;
     std::string error;
@@ -445,7 +445,7 @@ TEST(UniversalFileTest, CoordinateSystems) {
   EXPECT_FALSE(UniversalFile().IsGlobal(2));
 }
 
-// Where x is, its radius is, and around is y.
+// At this node the radius is along x, and the angle is along y.
 TEST(UniversalFileTest, DirectionsInCylindricalSystems) {
   UniversalFile file;
   UniversalSystem drum;

@@ -23,7 +23,7 @@ std::string Integer(int value, int width) {
   return text;
 }
 
-// Of one line, "NONE" where there is none.
+// Returns a text of one line, "NONE" if it is empty.
 std::string Cut(const std::string& text, size_t width) {
   std::string result = text.empty() ? "NONE" : text.substr(0, width);
   for (char& letter : result) {
@@ -111,7 +111,7 @@ class FunctionWriter {
   }
 
  private:
-  // Whether single precision loses nothing of them.
+  // Returns true if single precision represents all values exactly.
   template <typename Values>
   bool All(const Values& values) const {
     for (Eigen::Index i = 0; i < values.size(); ++i) {

@@ -18,7 +18,7 @@ namespace {
 constexpr char kNoteBegin[] = "abscissa from ";
 constexpr char kNoteMiddle[] = " by ";
 
-// What the header says of the numbers.
+// Layout of the numbers, from the header.
 struct Layout {
   int count = 0;  // of points
   bool is_even = true;

@@ -86,7 +86,7 @@ bool ParseUniversalNodes(int lines, UniversalLines* in, UniversalFile* file,
       *what = "'" + Stripped(text) + "' is no node";
       return false;
     }
-    // Nobody asks for a color that is none.
+    // An invalid color is ignored, because colors are not used.
     if (!UniversalInteger(numbers[3], &node.color)) node.color = 0;
     node.position = {numbers[4], numbers[5], numbers[6]};
     // Until it is known which systems are the global one.
@@ -98,8 +98,8 @@ bool ParseUniversalNodes(int lines, UniversalLines* in, UniversalFile* file,
 
 void ParseUniversalSystems(UniversalLines* in, UniversalFile* file) {
   const std::vector<std::string_view> lines = LinesOfSet(in);
-  // Of each: number, type, reference, color and method; name; two lines of
-  // points.
+  // Each system has number, type, reference, color and method; name; two lines
+  // of points.
   for (size_t i = 0; i + 3 < lines.size(); i += 4) {
     std::vector<int> head;
     std::vector<double> points;

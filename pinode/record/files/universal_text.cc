@@ -13,8 +13,8 @@
 namespace pinode {
 namespace {
 
-// Whether a number ends before the sign at `at`: fields may be full to the last
-// column, and numbers touch.
+// Returns true if a number ends before the sign at `at`. Fields may be full to
+// the last column, so that numbers touch.
 bool BeginsNumber(std::string_view line, size_t at) {
   const unsigned char before = static_cast<unsigned char>(line[at - 1]);
   return (line[at] == '-' || line[at] == '+') &&

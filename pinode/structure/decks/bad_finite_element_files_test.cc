@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 class BadFiniteElementFilesTest : public FiniteElementFilesTest {};
 
-// What is wrong with a text, by format.
+// A faulty text, its format and the expected error.
 struct BadText {
   const char* name;
   // Takes the place of the stiffness.

@@ -108,7 +108,8 @@ class BulkReader {
       const std::vector<std::string_view> parts = Split(line, ',');
       *name = std::string(StripBlanks(parts[0]));
       const bool wide = parts[0].find('*') != std::string_view::npos;
-      // What is left out at the end is blank: a line behind begins its own.
+      // Fields left out at the end are blank: the next line starts with its
+      // own.
       fields.resize(wide ? 4 : 8);
       for (size_t i = 1; i < parts.size() && i <= fields.size(); ++i) {
         fields[i - 1] = std::string(StripBlanks(parts[i]));
@@ -224,7 +225,7 @@ class BulkReader {
       element.nodes.push_back(node);
     }
     if (type.has_property) {
-      // By default the element's own number.
+      // The default is the element's own number.
       const std::string& property = Field(2).empty() ? Field(1) : Field(2);
       sets_[property].push_back(static_cast<int>(geometry_->elements.size()));
     }

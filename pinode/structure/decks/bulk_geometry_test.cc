@@ -76,7 +76,7 @@ TEST(BulkGeometryTest, Reads) {
   EXPECT_THAT(geometry.notes[0], HasSubstr("1 cards CWELD"));
 }
 
-// What is left out at the end of a line with commas is blank.
+// Fields left out at the end of a line with commas are blank.
 TEST(BulkGeometryTest, LinesThatEndEarlyGoOn) {
   const StructureGeometry geometry = BulkOrFail(
       "GRDSET,,0,,,,0,456\nGRID*,1,,1.,2.,+\n*,3.\nGRID*,2,,4.\n*,5.\n"

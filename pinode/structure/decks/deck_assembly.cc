@@ -13,7 +13,7 @@
 namespace pinode {
 namespace {
 
-// Of all sets together: they may name each other.
+// Largest number of entries of all sets together: sets may name each other.
 constexpr size_t kMostSetEntries = 10 * kMostDeckItems;
 
 constexpr char kAssemblyName[] = "ASSEMBLY";
@@ -348,7 +348,7 @@ bool DeckAssembly::AddSets(std::string* error) {
 }
 
 void DeckAssembly::NameSets() {
-  // What a name alone may mean: a set of the assembly, or one of a part in all
+  // Meaning of a name alone: a set of the assembly, or a set of a part in all
   // of its instances.
   struct Meaning {
     int part = -1;

@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// What stands below *MATERIAL and belongs to it.
+// Keywords below *MATERIAL that belong to it.
 constexpr const char* kMaterialKeywords[] = {"*ELASTIC",
                                              "*DENSITY",
                                              "*DAMPING",
@@ -70,7 +70,8 @@ constexpr const char* kMaterialKeywords[] = {"*ELASTIC",
                                              "*USER DEFINED FIELD",
                                              "*USER OUTPUT VARIABLES",
                                              "*VISCOUS"};
-// What ends a material, with sections and all that begins with *END.
+// Keywords that end a material. Sections, and all keywords that begin with
+// *END, end it too.
 constexpr const char* kBehindMaterials[] = {"*SPRING",
                                             "*MASS",
                                             "*ROTARY INERTIA",
@@ -213,7 +214,8 @@ class ContentsReader {
     return static_cast<int>(contents_->owners.size()) - 1;
   }
 
-  // Of the set that a keyword names; false: there is none.
+  // Finds the elements of the set that a keyword names. Returns false if there
+  // is none.
   bool ElementsOf(size_t b, std::vector<int>* elements) const {
     const std::string* set = blocks_[b].keyword.Find("ELSET");
     return set != nullptr &&
@@ -264,7 +266,7 @@ class ContentsReader {
       for (const size_t line : blocks_[b].DataLines()) {
         const std::vector<std::string_view> fields =
             Split(blocks_[b].lines[line], ',');
-        // Of composites: thickness, points, material, orientation.
+        // Composites have thickness, points, material, orientation.
         for (size_t k = known ? 2 : 0; k < (known ? 3 : fields.size()); ++k) {
           if (k < fields.size()) names.emplace_back(StripBlanks(fields[k]));
         }

@@ -54,7 +54,7 @@ class DeckReader {
  private:
   enum class Section { kOther, kHeading, kNodes, kElements, kSet, kInstance };
 
-  // Neither blank nor a comment.
+  // Reads the next line that is neither blank nor a comment.
   static bool NextLine(LineReader* lines, std::string_view* line) {
     while (lines->Next(line)) {
       if (!line->empty() && line->substr(0, 2) != "**") return true;
@@ -383,7 +383,7 @@ class DeckReader {
     parts_->unknown_types.emplace_back(type_name_, 1);
   }
 
-  // What it names may stand further below.
+  // The named sets may follow further below.
   bool ReadSet(const LineReader& lines, std::string_view line) {
     DeckSet* set = Scope()->SetOf(set_name_);
     std::vector<int> numbers;

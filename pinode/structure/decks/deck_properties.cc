@@ -15,7 +15,7 @@ class FactorsOfSets {
  public:
   FactorsOfSets(DeckContents* deck, std::string* error)
       : deck_(deck), error_(error) {
-    // Of others the mass may be none: of a material without one.
+    // Other owners may have no mass, if their material has none.
     for (const DeckOwner& owner : deck->owners) {
       if (owner.material.empty() || !deck->BlocksOf(owner, true).empty()) {
         continue;
@@ -80,7 +80,7 @@ class FactorsOfSets {
     return true;
   }
 
-  // Whether an element has stiffness or mass.
+  // Returns true if an element has stiffness or mass.
   bool HasIt(int element) const {
     const DeckElementType& type = deck_->assembly.type(element);
     return factor_->is_mass

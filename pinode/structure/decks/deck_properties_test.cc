@@ -221,7 +221,7 @@ TEST(DeckPropertiesTest, RefusesWhatItWouldGetWrong) {
               HasSubstr("no *MATERIAL of that name"));
 }
 
-// Where `from` stands in kDeck.
+// Returns kDeck with `from` replaced by `to`.
 std::string DeckWith(const std::string& from, const std::string& to) {
   std::string other = kDeck;
   other.replace(other.find(from), from.size(), to);
@@ -311,7 +311,8 @@ TEST(DeckPropertiesTest, CopiesOfQuotedNamesAreQuoted) {
   EXPECT_THAT(scaled, HasSubstr("ELSET=low,MATERIAL=\"ST 37_LOW\"\n"));
   EXPECT_THAT(PropertiesOrFail(scaled)[0].stiffness,
               ElementsAre(4.2e11, 4.0e11));
-  // Of the set alone, and no longer than decks take.
+  // The name of the copy comes from the set alone, and is not too long for
+  // decks.
   deck = kDeck;
   const std::string set = '"' + std::string(76, 'A') + '"';
   for (size_t at = deck.find("=low"); at != std::string::npos;
@@ -338,7 +339,7 @@ TEST(DeckPropertiesTest, MassesThatAreNotIsotropicAreRefused) {
               ElementsAre(240.0));
 }
 
-// Of Abaqus: paving and cladding, in total or by size.
+// Abaqus' masses of paving and cladding, in total or by size.
 TEST(DeckPropertiesTest, NonstructuralMassesAreMassesOfTheirSets) {
   const std::string deck =
       DeckWith("*STEP\n",
@@ -358,13 +359,13 @@ TEST(DeckPropertiesTest, NonstructuralMassesAreMassesOfTheirSets) {
   EXPECT_THAT(scaled[3].mass, ElementsAre(900.0));
   EXPECT_THAT(scaled[7].mass, ElementsAre(1800.0));
   EXPECT_THAT(scaled[8].mass, ElementsAre(12.5));
-  // What goes over the set's edge cannot be told apart.
+  // Mass beyond the set's edge cannot be separated.
   EXPECT_THAT(ScalingErrorOf({{"low", true, 2.0}}, deck),
               HasSubstr("'all_steel' has elements outside"));
   EXPECT_THAT(
       PropertiesOrFail(ScaledOrFail({{"all_steel", true, 2.0}}, deck))[8].mass,
       ElementsAre(25.0));
-  // Of elements without a density it is all that they have.
+  // Elements without a density have only this mass.
   std::string without = deck;
   const std::string density = "*DENSITY\n450\n";
   without.erase(without.find(density), density.size());
@@ -487,7 +488,7 @@ TEST(DeckPropertiesTest, WhatSectionsHaveOfTheirOwnIsRefused) {
   EXPECT_THAT(error("*REBAR LAYER", true), HasSubstr("*REBAR LAYER"));
   EXPECT_THAT(error("*REBAR LAYER", false), HasSubstr("*REBAR LAYER"));
   EXPECT_THAT(error("*REBAR,ELEMENT=BEAM", false), HasSubstr("*REBAR"));
-  // Where it is none of what is scaled, it may stay.
+  // The keyword may stay if it does not affect the scaled property.
   ScaledOrFail({{"deck", true, 2.0}}, with("*TRANSVERSE SHEAR STIFFNESS"));
   ScaledOrFail({{"deck", false, 2.0}}, with("*BEAM ADDED INERTIA"));
   ScaledOrFail({{"mid", false, 2.0}}, with("*REBAR LAYER"));

@@ -113,8 +113,8 @@ class ModelReader {
     return false;
   }
 
-  // What a program writes several times is numbered; who lists names means
-  // each.
+  // Names that a program writes several times are numbered. A list of names
+  // must name each one.
   bool AreListedOnce() {
     std::unordered_map<std::string, size_t> first;
     for (size_t i = 0; i < names_.size(); ++i) {
@@ -312,7 +312,7 @@ class ModelReader {
   }
 
   bool MergeByPosition() {
-    // What is known of the number of DOFs: names, whole matrices, indices.
+    // Known bounds of the number of DOFs: names, whole matrices, indices.
     Eigen::Index n = static_cast<Eigen::Index>(names_.size());
     bool known = n > 0;
     for (const LoadedMatrix& loaded : loaded_) {
@@ -358,7 +358,7 @@ class ModelReader {
     return true;
   }
 
-  // Where the expected number of DOFs comes from.
+  // Returns the source of the expected number of DOFs.
   std::string SizeSource() const {
     if (!names_source_.empty()) return names_source_;
     return "the other matrices";

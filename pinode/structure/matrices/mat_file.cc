@@ -199,7 +199,8 @@ bool BuildNames(const matvar_t& variable, std::vector<std::string>* names,
   return false;
 }
 
-// Whether a variable of this size is to be read at all; false with *what set.
+// Checks that a variable of this size may be read. Returns false and sets *what
+// otherwise.
 bool CheckSize(const matvar_t& variable, size_t file_size, std::string* what) {
   const size_t rows = variable.dims[0];
   const size_t columns = variable.dims[1];

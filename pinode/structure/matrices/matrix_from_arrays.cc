@@ -59,7 +59,8 @@ class Places {
   Places(const SparseParts& parts, int64_t outer)
       : parts_(parts), outer_(outer) {}
 
-  // Of entry k, one more than in the call before. False if indptr descends.
+  // Finds row and column of entry k, one more than in the call before. Returns
+  // false if indptr descends.
   bool Next(int64_t k, int64_t* row, int64_t* column) {
     *row = parts_.indices->IndexAt(k);
     if (parts_.pointers == nullptr) {

@@ -14,7 +14,7 @@
 namespace pinode {
 namespace {
 
-// What the first lines of a Matrix Market file say.
+// Content of the first lines of a Matrix Market file.
 struct MatrixMarketHeader {
   bool coordinate = false;
   bool integer = false;

@@ -112,7 +112,7 @@ bool AssembleMatrix(int rows, int columns, bool mirrored,
               if (a.row != b.row) return a.row < b.row;
               return a.line < b.line;
             });
-  // Of several, the one that the file has first, as the file has it.
+  // Among several entries, the first one in the file, as it is there.
   const MatrixEntry* first = nullptr;
   for (size_t k = 0; k < entries->size(); ++k) {
     const MatrixEntry& entry = (*entries)[k];

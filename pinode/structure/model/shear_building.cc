@@ -9,7 +9,7 @@
 namespace pinode {
 namespace {
 
-// Whether `values` has `size` entries, finite and positive (or zero).
+// Returns true if `values` has `size` entries, finite and positive (or zero).
 bool IsListValid(const char* what, const std::vector<double>& values, int size,
                  bool zero_allowed, std::string* error) {
   if (static_cast<int>(values.size()) != size) {

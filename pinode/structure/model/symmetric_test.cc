@@ -40,7 +40,7 @@ TEST(SymmetricPart, IsTheNearestSymmetricMatrix) {
   const Matrix matrix = Matrix::Random(5, 5);
   const Matrix part = SymmetricPart(matrix);
   EXPECT_EQ(LargestAsymmetry(part).relative, 0.0);
-  // What is taken away is skew, so orthogonal to every symmetric matrix.
+  // The removed part is skew, so orthogonal to every symmetric matrix.
   const Matrix rest = matrix - part;
   EXPECT_LT((rest + rest.transpose()).norm(), 1e-15);
   EXPECT_NEAR((rest.array() * part.array()).sum(), 0.0, 1e-15);

@@ -242,9 +242,9 @@ TEST(ReduceModel, SharedFrequenciesAreComparedAsSpaces) {
   }
 }
 
-// Where nothing but the kept DOFs holds the others, these follow the ground as
-// a rigid body does and nothing is left for the coupling; where the ground
-// holds one of the others, the coupling makes up for it.
+// If only the kept DOFs support the others, these follow the ground as a rigid
+// body and the coupling is zero. If the ground supports one of the others, the
+// coupling accounts for it.
 TEST(ReduceInfluence, ForceOnTheCoordinatesIsThatOfTheWholeModel) {
   const Matrix influence = Matrix::Ones(12, 1);
   for (const bool held : {false, true}) {

@@ -249,7 +249,7 @@ TEST(DofsToHold, NamesWhatIsMissing) {
   EXPECT_THAT(DofsToHold(shapes, mass, {20, 21}), IsEmpty());
   EXPECT_THAT(DofsToHold(shapes, mass, {20, 22}), IsEmpty());
   EXPECT_THAT(DofsToHold(shapes, mass, {1, 41}), SizeIs(1));
-  // What it names does hold.
+  // The returned DOFs do prevent all rigid-body modes.
   std::vector<int> held = {1, 41};
   held.push_back(DofsToHold(shapes, mass, held)[0]);
   EXPECT_THAT(DofsToHold(shapes, mass, held), IsEmpty());

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// What each mode is held to.
+// Required accuracy of each mode.
 constexpr double kLargestErrorBound = 1e-8;
 // Eigenvalues nearer to each other than this (relative) are one cluster: the
 // count is taken above all of it.
@@ -190,8 +190,8 @@ class LowestModes {
     return size.dot(magnitude_ * size);
   }
 
-  // Of eigenvalue i, whose shape has phi' M phi = 1: what is smaller cannot be
-  // told from zero.
+  // Returns the rounding error of eigenvalue i, whose shape has phi' M phi = 1.
+  // A smaller eigenvalue cannot be distinguished from zero.
   double Rounding(Eigen::Index i, const Vector& shape) const {
     return std::max(1e-12 * Parts(shape),
                     (error_bounds_[i] + 8.0 * kEpsilon) * std::abs(shift_));
@@ -203,7 +203,7 @@ class LowestModes {
     return std::abs(Eigenvalue(i)) <= Rounding(i, shape);
   }
 
-  // Whether K - shift M is positive definite beyond rounding.
+  // Returns true if K - shift M is positive definite beyond rounding.
   bool IsDefinite(double shift) {
     factors_ = std::make_unique<ShiftedFactors>();
     return factors_->Factorise(mass_, stiffness_, shift) &&

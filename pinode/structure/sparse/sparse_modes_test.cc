@@ -292,7 +292,7 @@ TEST(ComputeLowestModes, NegativeStiffnessComesFirst) {
   }
 }
 
-// What programs write for a support: a huge number on the diagonal.
+// Programs write supports as a huge number on the diagonal.
 TEST(ComputeLowestModes, PenaltiesDoNoHarm) {
   for (const int n : {20, 500}) {
     SCOPED_TRACE(n);
