@@ -134,7 +134,7 @@ bool ReadBinaryFile(const std::string& path, std::string* content,
     return false;
   }
   std::string text;
-  // One more than expected, to see the end without asking for more memory.
+  // One byte more than expected, to detect the end without another allocation.
   text.resize(static_cast<size_t>(status.st_size) + 1);
   size_t done = 0;
   // The size may be out of date (or 0, under /proc): read up to the end.

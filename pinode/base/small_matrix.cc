@@ -15,8 +15,8 @@ using ColumnMap = Eigen::Map<Column<kRows>>;
 template <int kRows>
 using ConstColumnMap = Eigen::Map<const Column<kRows>>;
 
-// The tiles below are written as folds over the columns: an array that a loop
-// runs over stays in memory at -O2, and every sum waits for the one before it.
+// The tiles below are written as folds over the columns. An array in a loop
+// would stay in memory at -O2, and every sum would wait for the one before it.
 
 // kRows rows of C = A B, held in registers; J counts its columns.
 template <int kRows, int... J>
@@ -32,7 +32,8 @@ inline void MultiplyTile(std::integer_sequence<int, J...> /*columns*/,
   ((ColumnMap<kRows>(c + J * ldc) = sums[J]), ...);
 }
 
-// kRows rows of A b, in several sums: one alone would wait for itself.
+// kRows rows of A b, in several sums. A single sum would wait for its own
+// previous value.
 template <int kRows, int... S>
 inline Column<kRows> ProductColumn(std::integer_sequence<int, S...> /*sums*/,
                                    int inner, const double* a, Eigen::Index lda,
@@ -69,8 +70,8 @@ inline void MultiplyRows(int inner, int cols, const double* a, int lda,
   }
 }
 
-// Calls rows(std::integral_constant of how many, index of the first) for blocks
-// of 8, 4, 2 and 1.
+// Calls rows(std::integral_constant of the number of rows, index of the first
+// row) for blocks of 8, 4, 2 and 1.
 template <typename Rows>
 inline void ForEachRowBlock(int rows, const Rows& block) {
   int i = 0;
@@ -153,7 +154,7 @@ void AddProductSmall(int rows, int cols, const double* a, Eigen::Index stride,
 
 void Multiply(const Matrix& left, const Eigen::Ref<const Matrix>& right,
               Eigen::Ref<Matrix> result) {
-  // Beyond this packing pays.
+  // Size above which packing pays off.
   constexpr Eigen::Index kFew = 16;
   if (left.rows() > kFew || left.cols() > kFew ||
       right.outerStride() != right.rows()) {

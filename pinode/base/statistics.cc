@@ -11,8 +11,8 @@ namespace {
 
 constexpr Eigen::Index kLagsOneByOne = 64;
 
-// values.head(n - k).dot(values.tail(n - k)) of the lags k = 0 ... count - 1,
-// as a convolution by Fourier transforms.
+// Returns values.head(n - k).dot(values.tail(n - k)) for the lags k = 0 ...
+// count - 1, as a convolution by Fourier transforms.
 Vector LaggedProducts(const Vector& values, Eigen::Index count) {
   Eigen::Index size = 2;
   while (size < values.size() + count) size *= 2;
@@ -113,7 +113,8 @@ double AutocorrelationTime(const Vector& residuals) {
   double time = 1.0;
   Vector products;
   for (Eigen::Index k = 1; k < n / 2; ++k) {
-    // One by one they would be as many operations as the record's square.
+    // Computed one by one, the lags would cost as many operations as the square
+    // of the record's length.
     if (k == kLagsOneByOne) products = LaggedProducts(residuals, n / 2);
     const double product =
         k < kLagsOneByOne ? residuals.head(n - k).dot(residuals.tail(n - k))
@@ -144,7 +145,8 @@ DifferencedVariance VarianceOfDifferences(const Vector& values) {
   constexpr int kOrder = 8;
   constexpr double kSquares = 12870.0;  // C(16, 8), the sum of their squares
   // Sum of the squared correlations of such differences of white noise, C(32,
-  // 16) / C(16, 8)^2: by so much fewer of them are independent.
+  // 16) / C(16, 8)^2. The number of independent differences is smaller by this
+  // factor.
   constexpr double kCorrelation = 601080390.0 / (kSquares * kSquares);
   // NaN spreads to the differences that a missing sample enters.
   Vector differences = values;

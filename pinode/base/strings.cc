@@ -11,7 +11,8 @@
 namespace pinode {
 namespace {
 
-// Names are ASCII as a rule; other bytes are compared as they are.
+// Returns the text in lower case. Names are usually ASCII; other bytes are
+// compared unchanged.
 std::string Lower(std::string text) {
   for (char& c : text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
@@ -109,8 +110,8 @@ bool ParseDouble(std::string_view text, double* value) {
       std::from_chars(text.data(), text.data() + text.size(), parsed);
   if (end != text.data() + text.size()) return false;
   if (status == std::errc::result_out_of_range) {
-    // Overflow and underflow look alike here. A tiny number is zero for every
-    // purpose of ours; a huge one is a mistake.
+    // Overflow and underflow give the same error here. A tiny number is taken
+    // as zero; a huge one is a mistake.
     const size_t e = text.find_first_of("eE");
     const bool underflow =
         e != std::string_view::npos && text.find('-', e) != text.npos;

@@ -59,7 +59,8 @@ std::vector<Unit> MakeUnits() {
 }
 
 const std::vector<Unit>& Units() {
-  // Never destroyed: used by whatever runs last.
+  // Never destroyed, because other static objects may use it until the end of
+  // the program.
   static const auto& units = *new std::vector<Unit>(MakeUnits());
   return units;
 }

@@ -50,9 +50,9 @@ std::string Fingerprint(const std::string& content) {
          std::to_string(content.size());
 }
 
-// The code of a library with this content. A private copy is loaded: of a path
-// that it knows the linker has what was there before, and a file that is
-// written over takes the code that runs with it. One content is loaded once.
+// Returns the code of a library with this content. Loads a private copy: for a
+// path that it knows, the linker would return the old code, and overwriting a
+// loaded file would destroy running code. Each content is loaded once.
 void* Load(const std::string& content, const std::string& fingerprint,
            std::string* reason) {
   static std::mutex& mutex = *new std::mutex;

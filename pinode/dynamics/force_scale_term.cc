@@ -47,7 +47,7 @@ class ForceScaleDynamics final
     return term.parameters.IsValid(error);
   }
 
-  // The acceleration by a unit of each force.
+  // Computes the acceleration for a unit of each force.
   std::unique_ptr<TermPrepared> Prepare(
       const LinearSystem& linear, const double* /*parameters*/) const override {
     auto prepared = std::make_unique<TermPrepared>();
@@ -82,7 +82,7 @@ class ForceScaleDynamics final
     AddForces(unscaled, WideJet(at.parameters[0] - 1.0), rate);
   }
 
-  // It does not depend on the state.
+  // The term does not depend on the state.
   void Linearize(const TermPrepared& prepared, const TermPoint<double>& at,
                  TermRate<double>* rate, Matrix* /*jacobian*/,
                  TermLinearization* kept) const override {

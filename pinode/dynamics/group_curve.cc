@@ -14,8 +14,8 @@
 namespace pinode {
 namespace {
 
-// The parameters between which a value of the covariate lies, and their N; -1
-// for the reference, which has none.
+// The two parameters around a value of the covariate, and their N. -1 for the
+// reference, which has no parameter.
 struct CurvePlace {
   int parameter[2] = {-1, -1};
   double weight[2] = {0.0, 0.0};
@@ -195,7 +195,7 @@ class GroupCurveDynamics final
   }
 };
 
-// A curve of which the mean is taken: each parameter changes a matrix.
+// A curve for its mean: each parameter changes a matrix.
 class AveragedCurve final
     : public DescribedTerm<AveragedCurve, GroupCurve, &GroupCurve::parameters> {
  public:
@@ -231,7 +231,7 @@ class AveragedCurve final
   }
   bool IsConstant() const override { return true; }
 
-  // There is nothing else to it.
+  // The term has no other data.
   std::unique_ptr<TermPrepared> Prepare(
       const LinearSystem& /*linear*/,
       const double* /*parameters*/) const override {
@@ -304,7 +304,7 @@ CombinationPrior CurvePrior(const std::vector<double>& knots, int reference,
       at_knots << 1.0 / before, -1.0 / before - 1.0 / behind, 1.0 / behind;
       at_knots *= mean * std::sqrt(2.0 * mean / (before + behind));
     }
-    // The reference's value is no unknown.
+    // The reference's value is not an unknown.
     CombinationPrior::Combination combination;
     combination.first = k - (k > reference ? 1 : 0);
     std::vector<double> weights;

@@ -40,7 +40,7 @@ struct GroupScratch : TermTangentScratch {
   Vector column;  // rows
 };
 
-// Acceleration by a unit alpha.
+// Computes the acceleration for a unit alpha.
 template <typename T>
 void AddUnitAcceleration(const GroupTerm& group, const Matrix& map,
                          const TermPoint<T>& at, T* acceleration) {
@@ -52,7 +52,7 @@ void AddUnitAcceleration(const GroupTerm& group, const Matrix& map,
   for (int i = 0; i < at.place.num_dofs; ++i) acceleration[i] *= value;
 }
 
-// A mass cannot follow anything: what follows is a force.
+// A mass cannot follow anything, so a group that follows something is a force.
 template <typename T>
 void AddGroupAcceleration(const T& alpha, const T* unit, int num_dofs,
                           TermRate<T>* rate) {

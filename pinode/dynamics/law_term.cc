@@ -10,7 +10,8 @@ namespace pinode {
 namespace {
 
 struct LinearizedLaw : TermLinearization {
-  // Law::Linearize's, results x arguments in rows, is the transpose.
+  // Derivatives of Law::Linearize, whose row-major results x arguments are the
+  // transpose.
   Matrix jacobian;  // arguments x results
   // Scratch.
   Vector features, results, mapped;

@@ -233,7 +233,7 @@ bool LibraryFunction::Differentiate(const Operation& operation, double a,
     case Code::kMax:
       *(b > a ? by_second : by_first) = 1.0;
       break;
-    // Linearize takes a selection's branch by itself.
+    // Linearize handles the branch of a selection itself.
     case Code::kFeature:
     case Code::kNumber:
     case Code::kLess:
@@ -263,8 +263,8 @@ double LibraryFunction::Linearize(const double* q, double* gradient) const {
   for (size_t i = count; i-- > 0;) {
     const Operation& operation = operations_[i];
     const double adjoint = adjoints[i];
-    // Not only saves time: the branch that a selection did not take must not
-    // turn 0 * infinity into the result.
+    // This saves time, and prevents 0 * infinity in the result from the branch
+    // that a selection did not take.
     if (adjoint == 0.0) continue;
     const double value = values[i];
     const auto at = [&](int index) { return static_cast<size_t>(index); };

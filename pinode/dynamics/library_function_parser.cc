@@ -1,4 +1,4 @@
-// The text of a library function, read by muParser.
+// Parses the text of a library function with muParser.
 
 #include <muParser.h>
 #include <muParserBytecode.h>
@@ -17,7 +17,7 @@
 namespace pinode {
 namespace {
 
-// A power as large as this is better left to std::pow.
+// Largest integer power; std::pow handles larger ones better.
 constexpr double kLargestIntegerPower = 64.0;
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
@@ -28,7 +28,7 @@ bool BeginsName(char c) {
 
 bool InName(char c) { return BeginsName(c) || IsDigit(c); }
 
-// With all bytes that it has in UTF-8.
+// Returns the character with all its bytes in UTF-8.
 std::string CharacterAt(const std::string& text, size_t position) {
   size_t end = position + 1;
   while (end < text.size() && (text[end] & 0xC0) == 0x80) ++end;
@@ -37,7 +37,8 @@ std::string CharacterAt(const std::string& text, size_t position) {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// Length of the number at the beginning of `text`, 0 if there is none.
+// Returns the length of the number at the beginning of `text`, 0 if there is
+// none.
 size_t NumberLength(const char* begin, const char* end, double* value) {
   if (begin == end || !(IsDigit(*begin) || *begin == '.')) return 0;
   const auto result = std::from_chars(begin, end, *value);
@@ -60,7 +61,7 @@ double Negative(double x) { return -x; }
 
 }  // namespace
 
-// From a text to the list of operations.
+// Builds the list of operations from a text.
 class LibraryFunctionBuilder {
  public:
   LibraryFunctionBuilder(const std::string& text,
@@ -81,7 +82,7 @@ class LibraryFunctionBuilder {
   static const std::vector<NamedCode>& Functions();
   class Parser;
 
-  // Text for muParser, in which feature i is called "[i]".
+  // Builds the text for muParser, in which feature i is called "[i]".
   bool Translate();
   // Returns true if text_ at `position` names a feature, with its index and the
   // position behind it.
@@ -90,7 +91,7 @@ class LibraryFunctionBuilder {
   bool Push(const Operation& operation);
   bool PushBinary(Code code);
   static bool BinaryCode(mu::ECmdCode token, Code* code);
-  // position: into text_. Both return false.
+  // position: position in text_. Both functions return false.
   bool Fail(size_t position, const std::string& message);
   bool FailAs(const mu::ParserError& caught);
 
@@ -127,7 +128,7 @@ class LibraryFunctionBuilder::Parser : public mu::ParserBase {
  public:
   Parser() {
     DefineNames();
-    // Foldings would replace what Compile() reads.
+    // Constant folding would remove data that Compile() reads.
     EnableOptimizer(false);
     AddValIdent(ReadNumber);
     DefineConst("pi", kPi);
@@ -149,7 +150,7 @@ class LibraryFunctionBuilder::Parser : public mu::ParserBase {
     DefineOprtChars("+-*^/?<>=!&|");
     DefineInfixOprtChars("-");
   }
-  // Called by nobody but derived parsers, such as this one.
+  // Only derived parsers, such as this one, call these functions.
   void InitCharSets() override {}
   void InitFun() override {}
   void InitConst() override {}
@@ -246,7 +247,7 @@ bool LibraryFunctionBuilder::Translate() {
                          "', expected features, numbers, functions and "
                          "operators");
     }
-    // Two names side by side would become one of muParser's.
+    // muParser would join two adjacent names to one.
     if (feature >= 0 && i < text_.size() && InName(text_[i])) {
       return Fail(i, "expected an operator behind a feature");
     }
@@ -315,8 +316,8 @@ bool LibraryFunctionBuilder::BinaryCode(mu::ECmdCode token, Code* code) {
   return true;
 }
 
-// The byte code is in reverse Polish order. `a ? b : c` is a, cmIF, b, cmELSE,
-// c, cmENDIF, so that when cmENDIF comes all three are on the stack.
+// Reads the byte code, which is in reverse Polish order. `a ? b : c` is a,
+// cmIF, b, cmELSE, c, cmENDIF, so that at cmENDIF all three are on the stack.
 bool LibraryFunctionBuilder::Compile(const mu::ParserByteCode& code) {
   for (const mu::SToken* token = code.GetBase(); token->Cmd != mu::cmEND;
        ++token) {

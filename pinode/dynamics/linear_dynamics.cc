@@ -96,7 +96,7 @@ bool LinearDynamics::Prepare(const Vector& theta, LinearSystem* system,
     *TargetMatrix(change.group->target, system) +=
         theta[change.parameter] * change.group->matrix;
   }
-  // The roots of the same numbers in whatever unit masses are.
+  // Scaling gives the roots of the same numbers in any unit of mass.
   const double unit =
       n > 0 ? PowerOfTwoBelow(system->mass.diagonal().maxCoeff()) : 1.0;
   const Eigen::LLT<Matrix> factor(system->mass / unit);
@@ -158,8 +158,8 @@ double LinearDynamics::GroundAcceleration(int dof, const double* input) const {
   return sum;
 }
 
-// M a_f = f(theta) with M = M(theta): the values need the inverse at hand only,
-// and a_f = M_value^-1 (f - (M - M_value) a_f), likewise C and K.
+// Uses M a_f = f(theta) with M = M(theta). The values need only the existing
+// inverse: a_f = M_value^-1 (f - (M - M_value) a_f), likewise for C and K.
 void LinearDynamics::AddVariation(const LinearSystem& system,
                                   const double* input, const WideJet* state,
                                   const WideJet* theta,
@@ -198,7 +198,7 @@ void LinearDynamics::ChangeForces(const double* input, const double* state,
     switch (group.target) {
       case Target::kMass:
         force.noalias() = group.matrix * force_acceleration;
-        // The ground's inertia force follows the mass as well.
+        // The ground's inertia force depends on the mass too.
         for (int i = 0; i < num_inputs(); ++i) {
           const InputSpec& spec = inputs_[static_cast<size_t>(i)];
           if (spec.kind != InputSpec::Kind::kGroundAcceleration) continue;

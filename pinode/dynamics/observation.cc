@@ -83,7 +83,7 @@ ObservationMap::ObservationMap(const StructuralDynamics& dynamics,
       state_map_.block(c, 0, 1, n) = weights;
     }
     if (acceleration) MapPrescribed(dynamics, observation, c);
-    // The ground's own motion, seen by absolute sensors.
+    // Motion of the ground, which absolute sensors include.
     for (int i = 0; i < dynamics.num_inputs(); ++i) {
       const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
       if ((observation.quantity == Quantity::kAbsoluteAcceleration &&
@@ -103,8 +103,8 @@ ObservationMap::ObservationMap(const StructuralDynamics& dynamics,
   }
 }
 
-// The rate at a prescribed DOF is the acceleration that it would have if it
-// were let go.
+// The rate at a prescribed DOF is the acceleration that it would have without
+// the prescription.
 void ObservationMap::MapPrescribed(const StructuralDynamics& dynamics,
                                    const Observation& observation,
                                    int channel) {

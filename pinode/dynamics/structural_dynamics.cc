@@ -56,7 +56,7 @@ bool StructuralDynamics::AddTerm(std::unique_ptr<Term> term,
       !LeavesPrescribedMasses(*term, error)) {
     return false;
   }
-  // Behind all of its kind.
+  // Insert it behind all terms of its kind.
   const auto behind = std::find_if(terms_.begin(), terms_.end(),
                                    [kind = term->kind()](const auto& other) {
                                      return other->kind() > kind;
@@ -66,7 +66,7 @@ bool StructuralDynamics::AddTerm(std::unique_ptr<Term> term,
   return true;
 }
 
-// All groups are one term.
+// All groups form one term.
 bool StructuralDynamics::AddGroup(GroupTerm term, std::string* error) {
   GroupTerms alone;
   if (!alone.Add(term, model(), num_inputs(), error) ||
@@ -411,7 +411,7 @@ void StructuralDynamics::Linearize(const Prepared& prepared, double time,
     at.jacobian = prepared.linear.state_jacobian;
   }
   // The mass groups and the sensors refer to the accelerations that forces
-  // cause; what acts as an acceleration comes on top.
+  // cause. Terms that act as an acceleration are added afterwards.
   at.force_acceleration = at.rate.segment(n, n);
   for (int i = 0; i < num_terms(); ++i) {
     auto sums = RateOf(i, at.rate.data(), at.force_acceleration.data());

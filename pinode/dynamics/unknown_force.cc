@@ -46,7 +46,7 @@ bool SplineForce::AreValid(const Options& options, std::string* error) {
 ForceHistory::Local SplineForce::Basis(double time) const {
   Local local;
   const double place = (time - options_.start) / options_.spacing;
-  // Far outside the conversion to int below would not be defined.
+  // Far outside, the conversion to int below would be undefined.
   if (!(place > -2.0) || !(place < options_.num_knots + 1.0)) return local;
   const double left = std::floor(place);
   const double s = place - left;  // within the interval, 0 to 1

@@ -84,7 +84,7 @@ class UnknownForceDynamics final
     AddForce(prepared, value, rate);
   }
 
-  // It does not depend on the state.
+  // The term does not depend on the state.
   void Linearize(const TermPrepared& prepared, const TermPoint<double>& at,
                  TermRate<double>* rate, Matrix* /*jacobian*/,
                  TermLinearization* kept) const override {

@@ -10,11 +10,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Up to here the series, beyond the recurrence, which divides by x.
+// Radius up to which the series is used. Beyond it the recurrence is used,
+// which divides by x.
 constexpr double kSeriesRadius = 10.0;
 constexpr int kSeriesTerms = 90;
 
-// sum_i x^i / (i + k)!.
+// Returns sum_i x^i / (i + k)!.
 Complex PhiBySeries(Complex x, int k) {
   double factorial = 1.0;
   for (int i = 2; i <= k; ++i) factorial *= i;
@@ -52,8 +53,8 @@ Matrix NodePolynomial(int steps) {
 Eigen::VectorXcd PhiFunctions(std::complex<double> x, int count) {
   Eigen::VectorXcd phi(count);
   if (std::abs(x) < kSeriesRadius) {
-    // From the highest on, by which the lower ones lose nothing:
-    // phi_k = 1/k! + x phi_k+1.
+    // From the highest one on, so that the lower ones lose no accuracy: phi_k =
+    // 1/k! + x phi_k+1.
     phi[count - 1] = PhiBySeries(x, count - 1);
     double factorial = 1.0;
     for (int i = 2; i < count - 1; ++i) factorial *= i;

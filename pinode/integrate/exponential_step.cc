@@ -20,7 +20,8 @@ std::vector<int> RowsWithEntries(const Matrix& matrix) {
   return rows;
 }
 
-// The groups alone, with forces at these DOFs behind the inputs.
+// Returns the groups alone, with forces at these DOFs as inputs behind the
+// others.
 StructuralDynamics GroupsWithForces(const StructuralDynamics& dynamics,
                                     const std::vector<int>& forced) {
   std::vector<InputSpec> inputs = dynamics.inputs();

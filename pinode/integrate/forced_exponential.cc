@@ -8,7 +8,7 @@
 namespace pinode {
 namespace {
 
-// For each input a power of two by which its column is of the order of one.
+// Returns for each input a power of two that scales its column to about one.
 Vector InputUnits(const Matrix& columns) {
   Vector units = Vector::Ones(columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
@@ -20,12 +20,11 @@ Vector InputUnits(const Matrix& columns) {
   return units;
 }
 
-// exp(A) by its series after halvings, with all that lies on the way: of the
-// derivative along dA each matrix is worked out beside the one that it belongs
-// to.
+// exp(A) by its series after halvings, with all intermediate matrices. For the
+// derivative along dA, the derivative of each matrix is computed with it.
 class Series {
  public:
-  // At least `halvings` of them.
+  // Uses at least `halvings` halvings.
   Series(const Matrix& a, int halvings) {
     constexpr double kSmall = 0.5;  // |A| at which so many terms are enough
     const double norm = a.cwiseAbs().colwise().sum().maxCoeff();
@@ -46,12 +45,13 @@ class Series {
   }
 
   const Matrix& whole() const { return squares_.back(); }
-  // exp(A / 2), where there are halvings.
+  // Returns exp(A / 2), if there are halvings.
   const Matrix& half() const { return squares_[squares_.size() - 2]; }
 
-  // The derivative of whole() along `da`, and of half() where it is asked for.
+  // Returns the derivative of whole() along `da`, and that of half() if
+  // requested.
   Matrix Derivative(const Matrix& da, Matrix* half) const {
-    // A group moves a few rows.
+    // A group changes only a few rows.
     std::vector<Eigen::Index> rows;
     for (Eigen::Index i = 0; i < da.rows(); ++i) {
       if (!da.row(i).isZero(0.0)) rows.push_back(i);
@@ -121,7 +121,7 @@ ParameterizedMap ForcedExponential(const ParameterizedMap& rate,
   Matrix a = augmented(rate.value);
   a.block(ns, ns + ni, (terms - 1) * ni, (terms - 1) * ni).setIdentity();
   const Series series(a, half != nullptr ? 1 : 0);
-  // `share`: of the duration, by which the inputs' derivatives count.
+  // `share`: fraction of the duration to which the inputs' derivatives refer.
   const auto own = [&](const Matrix& whole, double share) {
     Matrix rows = unit.cwiseInverse().asDiagonal() * whole.topRows(ns);
     rows.leftCols(ns) = rows.leftCols(ns) * unit.asDiagonal();

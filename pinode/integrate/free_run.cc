@@ -16,14 +16,14 @@
 namespace pinode {
 namespace {
 
-// Samples for each state from which on a map is worth its making, and modes.
+// Samples for each state above which a map pays off, and likewise modes.
 constexpr int kSamplesForAMap = 3;
 constexpr int kSamplesForModes = 40;
-// Mean squares of states, which cost more than the channels, take no fewer.
+// Fewest samples for mean squares of states, which cost more than the channels.
 constexpr int kSamplesForMeans = 16384;
 
-// The steps of one interval after the other: Advance takes the state from one
-// sample to the next.
+// Performs the steps of one interval after the other: Advance moves the state
+// from one sample to the next.
 class Stepper {
  public:
   Stepper(const StructuralDynamics& dynamics,
@@ -85,7 +85,7 @@ class Stepper {
   Matrix nodes_;
 };
 
-// Notes the first state that is not finite; what follows it is NaN.
+// Records the first state that is not finite. All later values are NaN.
 bool EndWhereNotFinite(Trajectory* trajectory) {
   for (Eigen::Index i = 0; i < trajectory->states.cols(); ++i) {
     trajectory->failed_state = FirstNotFinite(trajectory->states.col(i));

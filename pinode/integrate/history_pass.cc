@@ -8,15 +8,16 @@
 namespace pinode {
 namespace {
 
-// Samples whose histories are at hand at a time.
+// Number of samples whose histories are in memory at a time.
 constexpr Eigen::Index kBlockSamples = 128;
-// Blocks that are never parted between threads or ranks.
+// Blocks of a piece, which threads and ranks never divide.
 constexpr int kBlocksOfAPiece = 16;
 constexpr Eigen::Index kPieceSamples = kBlockSamples * kBlocksOfAPiece;
 
-// Operations of matrix products in whose time one row of the histories goes on
-// to the next sample, or is put away. Measured: shares then end together within
-// 2 %, where a visitor forms a Gram matrix and where it forms residuals alone.
+// Operations of matrix products that take as long as advancing one row of the
+// histories by one sample, or storing it. Measured: shares then end together
+// within 2 %, both if a visitor forms a Gram matrix and if it forms residuals
+// alone.
 constexpr double kOperationsOfARow = 28.0;
 
 }  // namespace
@@ -24,7 +25,8 @@ constexpr double kOperationsOfARow = 28.0;
 int FairBound(int begin, int end, int index, int count, double skip_share) {
   if (index == 0) return begin;
   if (index == count) return end;
-  // From share to share what is left to a moving target shrinks by skip_share.
+  // From share to share, the remaining work relative to the moving target
+  // shrinks by skip_share.
   const double all = std::pow(1.0 - skip_share, count);
   const double target = (end - begin * all) / (1.0 - all);
   const double bound =

@@ -13,8 +13,8 @@ namespace {
 
 using Map = ParameterizedMap;
 
-// One stage of Runge-Kutta, the rate at `point`, of state and the inputs at the
-// three nodes of a step; `node` is that of the stage.
+// Returns one stage of Runge-Kutta, the rate at `point`, as a map of the state
+// and the inputs at the three nodes of a step. `node` is the node of the stage.
 Map Stage(const Map& rate, const Map& point, int ns, int ni, int node) {
   const auto f = rate.value.leftCols(ns);
   Map stage;
@@ -31,7 +31,7 @@ Map Stage(const Map& rate, const Map& point, int ns, int ni, int node) {
   return stage;
 }
 
-// *sum += factor * term.
+// Computes *sum += factor * term.
 void Add(double factor, const Map& term, Map* sum) {
   sum->value += factor * term.value;
   for (size_t j = 0; j < sum->derivatives.size(); ++j) {
@@ -39,7 +39,7 @@ void Add(double factor, const Map& term, Map* sum) {
   }
 }
 
-// One step: of the state and the inputs at its three nodes.
+// Returns the map of one step, of the state and the inputs at its three nodes.
 Map StepMap(const Map& rate, int ns, int ni, double dt) {
   Map begin;
   begin.value = Matrix::Identity(ns, ns + 3 * ni);

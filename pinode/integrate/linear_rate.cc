@@ -13,7 +13,7 @@ void GetLinearRate(const StructuralDynamics& dynamics,
   const int ns = dynamics.num_states();
   const int ni = dynamics.num_inputs();
   const int np = with_parameters ? dynamics.num_tangent_columns() : 0;
-  // Constant matrices are all that linear dynamics have.
+  // Linear dynamics have constant matrices only.
   map->value.setZero(ns, ns + ni);
   map->value.leftCols(ns) = prepared.linear.state_jacobian;
   map->value.bottomRightCorner(dynamics.num_dofs(), ni) =

@@ -10,7 +10,7 @@ namespace {
 
 // Largest tables of derivatives, in numbers: 256 MiB.
 constexpr double kLargestTable = 32.0 * 1024.0 * 1024.0;
-// Samples whose forcing is one matrix product.
+// Number of samples whose forcing is one matrix product.
 constexpr Eigen::Index kBlock = 64;
 
 using Inputs = Eigen::Map<const Matrix>;
@@ -137,7 +137,7 @@ bool LinearSegment::Propagate(const StructuralDynamics::Prepared& prepared,
   sensitivity_.leftCols(by_start).setIdentity();
   next_.resize(ns, by_start + np);
   for (Eigen::Index begin = first; begin <= last; begin += kBlock) {
-    // The last sample moves nothing.
+    // The last sample has no interval.
     const Eigen::Index count = std::min(kBlock, last - begin);
     if (np > 0 && count > 0) UpdateForcing(grid, first, begin, count);
     for (Eigen::Index i = begin; i <= std::min(begin + kBlock - 1, last); ++i) {

@@ -18,13 +18,14 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// |V| |V^-1| in the Frobenius norm: digits that are lost.
+// Largest condition |V| |V^-1| in the Frobenius norm, a measure of the lost
+// digits.
 constexpr double kLargestCondition = 1e7;
 
-// A fit asks for the modes at one point again and again: for its search, its
-// scores, its bands, each with another grid or none of the others' tables. The
-// last few are remembered: what is smaller costs nothing, what is larger too
-// much memory (40 ns^2 bytes each).
+// Limits of the cache of modes. A fit needs the modes at one point repeatedly:
+// for its search, its scores and its bands, each with another grid or without
+// the others' tables. The last few are cached. Smaller matrices are cheap to
+// decompose again, and larger ones need too much memory (40 ns^2 bytes each).
 constexpr Eigen::Index kLeastRemembered = 16;
 constexpr Eigen::Index kMostRemembered = 512;
 constexpr size_t kNumRemembered = 3;
@@ -50,9 +51,9 @@ struct ScalarStep {
   Complex node[3], node_slope[3];
 };
 
-// V^-1 of modes that are real or, one behind the other, conjugate pairs: with a
-// pair's real and imaginary parts as columns V is real, and a real inverse is
-// a quarter of the work.
+// Returns V^-1 of modes that are real or adjacent conjugate pairs. With a
+// pair's real and imaginary parts as columns V is real, and a real inverse
+// takes a quarter of the work.
 ComplexMatrix InverseOfPairs(const ComplexMatrix& modes) {
   const Eigen::Index ns = modes.rows();
   const auto begins_pair = [&modes](Eigen::Index m) {
@@ -81,7 +82,7 @@ ComplexMatrix InverseOfPairs(const ComplexMatrix& modes) {
   return result;
 }
 
-// nullptr where modes do not span the states.
+// Computes the modes. Returns nullptr if they do not span the states.
 std::shared_ptr<const ModalBasis::Spectrum> Decompose(
     const Matrix& state_matrix) {
   const Eigen::Index ns = state_matrix.rows();
@@ -109,7 +110,7 @@ std::shared_ptr<const ModalBasis::Spectrum> Decompose(
   return result;
 }
 
-// The same, or what was found before.
+// Does the same, or returns a cached result.
 std::shared_ptr<const ModalBasis::Spectrum> FindSpectrum(
     const Matrix& state_matrix) {
   const Eigen::Index ns = state_matrix.rows();

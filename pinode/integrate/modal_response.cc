@@ -13,12 +13,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Two eigenvalues nearer than this share of the larger one are one: what the
-// mean of their p leaves out is of second order in it, what a division by their
-// difference would lose of first order in its inverse.
+// Two eigenvalues nearer than this share of the larger one count as equal. The
+// error of the mean of their p is of second order in the share. The rounding
+// error of a division by their difference is of first order in its inverse.
 constexpr double kNearShare = 1e-6;
 
-// W * change * V, at the price of the rows and columns that change.
+// Returns W * change * V, at the cost of the rows and columns that change.
 ComplexMatrix InModes(const ModalBasis& basis,
                       const Eigen::Ref<const Matrix>& change) {
   const std::vector<int> rows = RowsInUse(change);

@@ -6,7 +6,7 @@
 namespace pinode {
 namespace {
 
-// Pieces shorter than this are not worth a thread.
+// Shortest piece for which a thread pays off.
 constexpr int kLeastSamples = 500;
 
 SegmentColumns WithStart(SegmentColumns columns) {
@@ -26,7 +26,7 @@ ParallelSegment::ParallelSegment(const StructuralDynamics& dynamics,
 bool ParallelSegment::IsWorthwhile(const IntegrationGrid& grid,
                                    Eigen::Index first, Eigen::Index last,
                                    SegmentColumns columns) const {
-  // A linearisation costs as much as so many columns, a state alone a share of
+  // Cost of a linearisation in columns, and cost of a state alone as a share of
   // it.
   constexpr double kLinearization = 10.0;
   constexpr double kStates = 0.2;
@@ -96,7 +96,8 @@ void ParallelSegment::Chain(const ObservationMap& observation,
   const SegmentTangents& beginning = pieces_.front()->tangents;
   const Eigen::Index by_parameters =
       HasParameters(columns) ? dynamics_.num_tangent_columns() : 0;
-  // The start of each piece by what the segment's derivatives are by.
+  // Derivatives of the start of each piece, with respect to the same quantities
+  // as the segment's derivatives.
   std::vector<Matrix> starts = {Matrix(), beginning.end_sensitivity};
   for (size_t p = 1; p < pieces_.size(); ++p) {
     const Matrix& own = pieces_[p]->tangents.end_sensitivity;

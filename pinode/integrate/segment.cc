@@ -10,10 +10,10 @@
 namespace pinode {
 namespace {
 
-// Samples whose exponential steps are taken before their sensitivities.
+// Number of exponential steps computed before their sensitivities.
 constexpr Eigen::Index kStepBlock = 32;
 
-// kRows rows of diag(map) * sensitivity.
+// Computes kRows rows of diag(map) * sensitivity.
 template <int kRows>
 void ScaleRows(const Matrix& map, const Matrix& sensitivity, Eigen::Index first,
                Eigen::Ref<Matrix>* rows) {
@@ -25,15 +25,15 @@ void ScaleRows(const Matrix& map, const Matrix& sensitivity, Eigen::Index first,
   }
 }
 
-// *rows = map * sensitivity.
+// Computes *rows = map * sensitivity.
 void MapColumns(const Matrix& map, const Matrix& sensitivity,
                 Eigen::Ref<Matrix> rows) {
   if (map.rows() != map.cols() || !map.isDiagonal(0.0)) {
     Multiply(map, sensitivity, rows);
     return;
   }
-  // The whole state in its order, as in simulated records: a product would
-  // take as long as the step itself.
+  // The whole state in its order, as in simulated records. A product would take
+  // as long as the step itself.
   Eigen::Index first = 0;
   for (; first + 8 <= map.rows(); first += 8) {
     ScaleRows<8>(map, sensitivity, first, &rows);

@@ -37,7 +37,7 @@ StabilityReport CheckStability(const Matrix& state_matrix, double sampling_step,
   for (Eigen::Index i = 0; i < lambda.size(); ++i) {
     report.largest_eigenvalue =
         std::max(report.largest_eigenvalue, std::abs(lambda[i]));
-    // A mode that grows by itself is the structure's, not the method's.
+    // Growth of such a mode comes from the structure, not from the method.
     if (lambda[i].real() > 1e-9 * std::abs(lambda[i])) continue;
     report.growth = std::max(report.growth, Growth(report.step * lambda[i]));
   }

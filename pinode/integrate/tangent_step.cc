@@ -6,7 +6,7 @@
 namespace pinode {
 namespace {
 
-// Columns for each state up to which a sensitivity goes through the stages: 8
+// Columns per state up to which a sensitivity is carried through the stages: 8
 // ns^2 columns multiplications against 14 ns^3 + 2 ns^2 columns.
 constexpr int kFewColumns = 2;
 }  // namespace
@@ -79,8 +79,8 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
   dynamics_.Prescribe(end, state->data());
 
   next_.resize(ns, sensitivity->cols());
-  // Networks have factored derivatives that want all stages at once, and what
-  // is prescribed has rates of its own.
+  // Networks have factored derivatives that need all stages at once, and
+  // prescribed motion has its own rates.
   if (dynamics_.networks().empty() && dynamics_.prescribed().empty() &&
       sensitivity->cols() < kFewColumns * ns) {
     AdvanceThroughStages(prepared, dt, with_parameters, *sensitivity);
@@ -94,8 +94,8 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
 void TangentStep::AdvanceByTransition(
     const StructuralDynamics::Prepared& prepared, double dt,
     bool with_parameters, const Matrix& sensitivity) {
-  // Backwards through the stages: each G_s J_s is both a term of A and what
-  // G_(s-1) is made of.
+  // Backwards through the stages: each G_s J_s is a term of A and also gives
+  // G_(s-1).
   product_ = dt / 6.0 * stages_[3].jacobian;  // G4 J4
   transition_ = product_;
   const double shares[] = {0.5 * dt, 0.5 * dt, dt};

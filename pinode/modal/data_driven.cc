@@ -44,7 +44,7 @@ HankelWindows DataDrivenHankel(const WindowedCorrelations& correlations,
   Matrix t = ToeplitzMatrix(correlations, references,
                             correlations.num_lags + 1 - block_rows);
   const double size = t.trace() / static_cast<double>(t.rows());
-  // Correlations that were estimated need not be those of any process.
+  // Estimated correlations need not belong to any process.
   auto factor = std::make_shared<Eigen::LLT<Matrix>>();
   double ridge = kSmallestPart * size;
   do {

@@ -25,27 +25,27 @@ namespace {
 constexpr double kBandTop = 0.8;
 constexpr double kBandBottom = 0.2;
 constexpr double kRecordTop = 0.95;
-// Cycles in the record below which nothing certain can be said of a mode under
-// noise, and of one that decays.
+// Fewest cycles in the record for a reliable mode, under noise and in a decay.
 constexpr double kFewestCycles = 50.0;
 constexpr double kFewestDecayCycles = 5.0;
 // Samples below which a rate is not halved.
 constexpr Eigen::Index kFewestSamples = 3000;
 constexpr Eigen::Index kFewestDecaySamples = 600;
-// Samples at the beginning of a decay in which the filter of a lower rate sees
-// what was before it.
+// Samples at the beginning of a decay for which the filter of a lower rate
+// still uses earlier samples.
 constexpr Eigen::Index kFilterReach = 24;
-// Lags that a window holds, and windows.
+// Most lags per window, and fewest windows.
 constexpr int kMostWindows = 120;
 constexpr int kFewestWindows = 20;
 // Limits for a ring-down: most block rows, and the largest remainder of a
 // channel.
 constexpr int kMostDecayRows = 300;
 constexpr double kLargestRest = 0.3;
-// Beside a measured load, which tells modes side by side from each other: a
-// pole whose shape is less certain is none.
+// Largest uncertainty of the shape of a mode under a measured load. A measured
+// load separates close modes, so a pole whose shape is less certain is not a
+// mode.
 constexpr double kLargestShapeSigma = 0.4;
-// Deviations by which two methods may differ on one record.
+// Standard deviations by which two methods may differ on one record.
 constexpr double kDisagreement = 3.0;
 
 // One record at one rate.
@@ -85,7 +85,7 @@ class ModeFinder {
              std::string* error)
       : record_(record), options_(options), result_(result), error_(error) {}
 
-  // After Find: the option that is at fault.
+  // Option that is at fault, valid after Find.
   const std::string& option() const { return option_; }
 
   bool Find() {
@@ -130,7 +130,7 @@ class ModeFinder {
   }
 
  private:
-  // `what`: after the record's name.
+  // Sets the error. `what` follows the record's name.
   bool Fail(const std::string& option, const std::string& what) {
     option_ = option;
     *error_ = "record '" + record_.name + "' " + what;
@@ -421,7 +421,8 @@ class ModeFinder {
     result_->bands.push_back(std::move(band));
   }
 
-  // Beside modes that were picked decay those that were not.
+  // Fits the shapes of the modes. Modes that were not picked decay too, so the
+  // fit includes them.
   void FitShapes(const Level& level, const std::vector<SubspacePole>& poles,
                  int max_order, std::vector<PoleCluster>* clusters) const {
     const size_t count = clusters->size();

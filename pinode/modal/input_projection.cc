@@ -63,7 +63,7 @@ class Projection {
   Eigen::Index window_samples() const { return 2 * hop_; }
   int num_channels() const { return static_cast<int>(outputs_->rows()); }
 
-  // e_f z^T over a window, less the mean.
+  // Returns e_f z^T over a window, minus the mean.
   Matrix Change(int window) const {
     return Products(window * hop_, Hann(), 1.0) - mean_;
   }
@@ -99,7 +99,7 @@ class Projection {
     return h;
   }
 
-  // The sum of all windows: ramps at either end.
+  // Returns the sum of all windows: one, with ramps at both ends.
   Vector AllWindows() const {
     Vector total = Vector::Ones((num_windows_ + 1) * hop_);
     const Vector h = Hann();
@@ -144,7 +144,8 @@ class Projection {
     on_past_ = factor.solve(uz);
   }
 
-  // Sum of h e_f z^T from `first` on, over the weight of so many windows.
+  // Returns the sum of h e_f z^T from `first` on, divided by the weight of so
+  // many windows.
   Matrix Products(Eigen::Index first, const Vector& h, double windows) const {
     Matrix sums = Matrix::Zero(outputs_->rows() * block_rows_,
                                past_.rows() * block_rows_);
@@ -165,7 +166,7 @@ class Projection {
     return sums / (windows * static_cast<double>(hop_));
   }
 
-  // In groups that do not depend on the threads, and neither does their sum.
+  // The sum uses fixed groups, so it does not depend on the number of threads.
   Matrix Mean(int num_threads) const {
     constexpr int kGroups = 8;
     const Vector h = AllWindows();

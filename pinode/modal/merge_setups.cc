@@ -15,9 +15,9 @@ namespace {
 using Complex = std::complex<double>;
 using Shape = Eigen::VectorXcd;
 
-// Two set-ups' estimates of one mode: their frequencies may differ by so many
-// standard deviations, or by this fraction where traffic or temperature moves
-// them; shapes agree at the references.
+// Tolerances for two set-ups' estimates of one mode. Their frequencies may
+// differ by so many standard deviations, or by this fraction if traffic or
+// temperature changes them. Shapes agree at the references.
 constexpr double kSigmas = 4.0;
 constexpr double kFraction = 0.01;
 constexpr double kSmallestMac = 0.7;
@@ -106,8 +106,8 @@ class Merger {
     return true;
   }
 
-  // The most certain mode that is in none yet, and its likes in the other
-  // set-ups.
+  // Returns the most certain mode without a group, and the same mode in the
+  // other set-ups.
   std::vector<int> Gather() {
     size_t base = 0;
     int seed = -1;
@@ -192,7 +192,7 @@ class Merger {
     return result;
   }
 
-  // Frequency and damping.
+  // Combines frequency and damping.
   void CombineNumbers(const std::vector<int>& members,
                       const std::vector<size_t>& seen,
                       MergedMode* result) const {
@@ -258,8 +258,8 @@ class Merger {
     return shares.array().colwise() / shares.rowwise().sum().array();
   }
 
-  // The mean shape over all places of the shapes of the set-ups, which stand
-  // one behind the other in `entries`.
+  // Returns the mean over all places of the set-ups' shapes, which follow each
+  // other in `entries`.
   Shape MeanShape(const std::vector<int>& members,
                   const std::vector<size_t>& seen, size_t base,
                   const std::vector<Shape>& entries) const {
@@ -278,8 +278,8 @@ class Merger {
       for (size_t p = 0; p < setups_[s].places.size(); ++p) {
         const Eigen::Index row = Find(merged_->places, setups_[s].places[p]);
         const Eigen::Index at = static_cast<Eigen::Index>(p);
-        // Without a floor the entry that others are scaled by, known exactly,
-        // would say everything.
+        // Without a lower limit the reference entry, which is known exactly,
+        // would have all the weight.
         const double sigma = size * (std::hypot(m.shape_sigma_real[at],
                                                 m.shape_sigma_imaginary[at]) +
                                      1e-3);
@@ -295,8 +295,8 @@ class Merger {
     return sums;
   }
 
-  // Real parts over imaginary parts, one at the largest entry `largest` (found
-  // where it is negative).
+  // Returns real parts above imaginary parts, scaled to one at the largest
+  // entry `largest`. A negative `largest` is replaced by its position.
   static Vector Parts(const Shape& shape, Eigen::Index* largest) {
     if (*largest < 0) {
       double size = 0.0;
@@ -313,7 +313,7 @@ class Merger {
     return parts;
   }
 
-  // The mean shape and, by differences, its covariance.
+  // Computes the mean shape and, by differences, its covariance.
   void CombineShapes(const std::vector<int>& members,
                      const std::vector<size_t>& seen, size_t base,
                      IdentifiedMode* merged) const {

@@ -15,9 +15,9 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kReweightings = 4;
-// Lines on either side over which the first weights are means.
+// Lines on either side over which the first weights are averaged.
 constexpr Eigen::Index kNeighbours = 4;
-// No line weighs more than if the model had this share of what was measured.
+// Smallest model value in the weights, as a share of the measured one.
 constexpr double kLeastShare = 0.1;
 
 // Returns the correlation of Hann's window with itself at lags of 0 to size - 1
@@ -37,8 +37,8 @@ Vector WindowCorrelation(Eigen::Index size) {
   return correlation.real().head(size) / correlation[0].real();
 }
 
-// A column for each unknown of a channel: real and imaginary part of each a_m,
-// then the noise; a row for each line.
+// Returns a column for each unknown of a channel (real and imaginary part of
+// each a_m, then the noise) and a row for each line.
 Matrix DensitiesOfUnknowns(const std::vector<IdentifiedMode>& modes,
                            double step, Eigen::Index size) {
   const Vector window = WindowCorrelation(size);
@@ -68,7 +68,7 @@ Matrix DensitiesOfUnknowns(const std::vector<IdentifiedMode>& modes,
   return densities;
 }
 
-// Means of neighbouring lines.
+// Returns means of neighbouring lines.
 Vector Smooth(const Vector& values) {
   Vector means(values.size());
   for (Eigen::Index k = 0; k < values.size(); ++k) {
@@ -80,8 +80,8 @@ Vector Smooth(const Vector& values) {
   return means;
 }
 
-// Weighted least squares for one channel; the last unknown is no less than
-// zero.
+// Solves weighted least squares for one channel. The last unknown is not
+// negative.
 Vector FitChannel(const Matrix& densities, const Vector& measured) {
   const Vector smooth = Smooth(measured);
   const Eigen::Index unknowns = densities.cols();

@@ -13,10 +13,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// How far a DOF may lie outside of what sensors span.
+// Largest part of a DOF outside the space that the sensors span.
 constexpr double kOutside = 1e-6;
 
-// From entries at the old places to those at the new.
+// Transforms entries at the old places to those at the new.
 struct DofTransform {
   std::vector<PlaceOfShape> places;
   std::vector<Eigen::RowVectorXd> rows;
@@ -55,7 +55,8 @@ class DofResolver {
   }
 
  private:
-  // Places that share DOFs, directly or by others.
+  // Returns the places that share DOFs with `first`, directly or through
+  // others.
   std::vector<size_t> TogetherWith(size_t first) const {
     std::set<size_t> found = {first};
     std::set<std::string> dofs;
@@ -131,7 +132,8 @@ class DofResolver {
   DofTransform result_;
 };
 
-// A x of entries that are there; NaN where one with a part in it is not.
+// Returns A x for the existing entries. NaN if an entry that takes part is
+// missing.
 Matrix ApplyWhereSeen(const Matrix& a, const Matrix& x) {
   Matrix result = Matrix::Zero(a.rows(), x.cols());
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
@@ -200,7 +202,7 @@ void ResolveDofs(std::vector<PlaceOfShape>* places, MergedModes* merged) {
         return std::find(merged->places.begin(), merged->places.end(),
                          p.place) == merged->places.end();
       });
-  // Nothing but what was measured itself.
+  // Only directly measured DOFs remain.
   if (!any && transform.places.size() == merged->places.size()) return;
   Matrix t(static_cast<Eigen::Index>(transform.rows.size()),
            static_cast<Eigen::Index>(merged->places.size()));

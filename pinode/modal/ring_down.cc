@@ -19,8 +19,7 @@
 namespace pinode {
 namespace {
 
-// Most columns of the matrix, and stretches in which the decay's energy is
-// looked at.
+// Most columns of the matrix, and number of stretches for the decay's energy.
 constexpr Eigen::Index kMostColumns = 800;
 constexpr Eigen::Index kStretches = 40;
 // Share of the frequencies on either side from which noise is taken.
@@ -28,8 +27,8 @@ constexpr Eigen::Index kNeighbourhood = 40;
 // Probability that noise looks like a decay somewhere in the record.
 constexpr double kFalseDecay = 1e-3;
 
-// Samples up to where the energy of a stretch is at least as much above that of
-// the quietest one as this one's.
+// Returns the number of samples up to the last stretch with at least twice the
+// energy of the quietest one.
 Eigen::Index UsedSamples(const Matrix& samples, Eigen::Index fewest) {
   const Eigen::Index size = samples.cols() / kStretches;
   if (size < 4) return samples.cols();
@@ -55,7 +54,7 @@ Matrix HankelOf(const Matrix& samples, int block_rows, Eigen::Index columns) {
   return h;
 }
 
-// Columns Re and Im of lambda^k, one pair behind the other.
+// Returns columns Re and Im of lambda^k, one pair after the other.
 Matrix DecayBasis(const std::vector<std::complex<double>>& lambdas,
                   Eigen::Index samples) {
   Matrix basis(samples, 2 * static_cast<Eigen::Index>(lambdas.size()));
@@ -84,14 +83,14 @@ Matrix Residuals(const Matrix& samples, const Eigen::VectorXcd& eigenvalues) {
   const Eigen::ColPivHouseholderQR<Matrix> qr(basis);
   const Matrix data = samples.transpose();
   const Matrix left = data - basis * qr.solve(data);
-  // Amplitudes and eigenvalues have taken some of the noise.
+  // The fitted amplitudes and eigenvalues have removed some of the noise.
   const double taken = static_cast<double>(qr.rank()) *
                        (1.0 + 1.0 / static_cast<double>(samples.rows()));
   const double degrees = std::max(1.0, static_cast<double>(count) - taken);
   return left.transpose() * std::sqrt(static_cast<double>(count) / degrees);
 }
 
-// Series with the spectra and cross spectra of `residuals`.
+// Generates series with the spectra and cross spectra of `residuals`.
 class NoiseSeries {
  public:
   explicit NoiseSeries(const Matrix& residuals)
@@ -220,7 +219,7 @@ void FitDecayShapes(const RingDown& ring_down, double step,
   Matrix basis(samples, 2 * count + 1);
   basis << DecayBasis(lambdas, samples), Vector::Ones(samples);
   const Eigen::ColPivHouseholderQR<Matrix> qr(basis);
-  // Channels x modes: what decays by Re a lambda^k.
+  // Returns the amplitudes, channels x modes; a mode is Re a lambda^k.
   const auto amplitudes = [&](const Matrix& data) {
     const Matrix parts = qr.solve(data.transpose());
     ComplexMatrix a(data.rows(), count);

@@ -15,11 +15,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Windows are as long as so many times 1 / (2 zeta omega), the memory of a
-// mode's energy: of its variance then a tenth is missed at most.
+// Length of windows in 1 / (2 zeta omega), the memory of a mode's energy. At
+// this length they miss at most a tenth of its variance.
 constexpr double kMemories = 12.0;
-// Deviations from the median over orders, of its own, beyond which a pole takes
-// no part in the mean.
+// Standard deviations of a pole from the median over orders, beyond which it is
+// not averaged.
 constexpr double kFarthest = 3.0;
 
 // Rows: frequency (Hz), damping ratio, real and imaginary parts of the shape.
@@ -43,7 +43,7 @@ double SmoothingLength(const SubspacePole& pole, double window_seconds) {
   return kMemories / (2.0 * std::max(-pole.s.real(), 1e-12)) / window_seconds;
 }
 
-// Columns whose products with themselves sum to the covariance.
+// Returns columns whose products with themselves sum to the covariance.
 Matrix Scatter(const SubspacePole& pole, const Matrix& influences,
                double window_seconds, double* degrees_of_freedom) {
   const Eigen::Index count = influences.cols();
@@ -110,7 +110,7 @@ class ClusterFinder {
     return clusters;
   }
 
-  // seeds: from the most certain.
+  // seeds: ordered from the most certain.
   void Pick(double wanted, const std::vector<int>& seeds,
             std::vector<PoleCluster>* clusters) {
     for (const int seed : seeds) {
@@ -176,9 +176,9 @@ class ClusterFinder {
            seen >= options_.smallest_share * possible;
   }
 
-  // The mean of the members, each by the inverse variance of its frequency.
-  // More states than there are to be found add poles of noise, with which the
-  // others interfere, and which first-order deviations make too much of.
+  // Computes the mean of the members, weighted by the inverse variance of their
+  // frequency. Model orders above the true one add poles of noise. Other poles
+  // interfere with these, and first-order standard deviations become too large.
   void Choose(PoleCluster* cluster) const {
     std::vector<double> frequencies;
     for (const int member : cluster->members) {
@@ -201,7 +201,7 @@ class ClusterFinder {
     for (size_t i = 0; i < chosen.size(); ++i) {
       sigmas[static_cast<Eigen::Index>(i)] = Relative(chosen[i]);
     }
-    // Relative to the least, which may be next to nothing.
+    // Relative to the smallest one, which may be almost zero.
     const double least = std::max(sigmas.minCoeff(), 1e-300);
     const Vector weights =
         (sigmas.cwiseMax(least) / least).cwiseAbs2().cwiseInverse();

@@ -43,7 +43,7 @@ struct Decomposition {
   Eigen::Index rows() const { return u.rows(); }
 };
 
-// (s_j M_kj + s_k M_jk) / (s_j^2 - s_k^2) of M = U^T dH V.
+// Returns (s_j M_kj + s_k M_jk) / (s_j^2 - s_k^2) of M = U^T dH V.
 Matrix Turn(const Decomposition& d, const Matrix& change) {
   const int n = d.max_order;
   const Matrix left =

@@ -11,8 +11,8 @@
 namespace pinode {
 namespace {
 
-// Samples in which the products of one matrix multiplication run: its operands
-// stay in the cache.
+// Number of samples in one matrix multiplication: its operands stay in the
+// cache.
 constexpr Eigen::Index kStretch = 2048;
 
 Matrix Rows(const Matrix& samples, const std::vector<int>& rows) {
@@ -33,10 +33,10 @@ Vector Hann(Eigen::Index size) {
   return h;
 }
 
-// sum over k of h(k) y(first + k + l) y'(first + k)^T, stacked by lag. y
-// (channels x samples) and y' lie sample by sample, so that the stacked y(k +
-// 1)
-// ... y(k + L) are successive numbers in memory: nothing is copied.
+// Returns the sum over k of h(k) y(first + k + l) y'(first + k)^T, stacked by
+// lag. y (channels x samples) and y' are stored sample by sample. The stacked
+// y(k + 1) ... y(k + L) are therefore successive numbers in memory, and nothing
+// is copied.
 Matrix SumProducts(const Matrix& y, const Matrix& references,
                    Eigen::Index first, const Vector& h, int num_lags) {
   const Eigen::Index channels = y.rows();
@@ -86,7 +86,7 @@ WindowedCorrelations CorrelateWindows(const Matrix& samples,
   ParallelFor(num_windows, num_threads, [&](int w, int) {
     Matrix sums = SumProducts(y, reference_values, w * hop, h, num_lags);
     if (has_gaps) {
-      // A correlation that no pair of samples tells is one without correlation.
+      // A correlation without any pair of samples is taken as zero.
       sums = sums.cwiseQuotient(
           SumProducts(present, reference_present, w * hop, h, num_lags)
               .cwiseMax(1e-3));
@@ -134,7 +134,7 @@ WindowSmoother::WindowSmoother(int num_windows, double length) {
   Matrix covariance = weights_.transpose() * products * weights_;
   const double mass = shape.sum();
   const double variance = covariance(0, 0) / (mass * mass);
-  // The mean over all windows takes its part of the variance away.
+  // The mean over all windows reduces the variance.
   const double left = 1.0 / static_cast<double>(num_windows + 1);
   const double scale = left / std::max(variance - left, 0.1 * variance) /
                        static_cast<double>(count);

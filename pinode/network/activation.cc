@@ -23,16 +23,17 @@ constexpr std::array<std::pair<Activation, const char*>, 7> kNames = {{
     {Activation::kIdentity, "identity"},
 }};
 
-// As many entries as a few vector registers hold; the tail of a layer is
-// padded, so that every entry takes the same arithmetic.
+// Number of entries in a few vector registers. The tail of a layer is padded,
+// so that every entry uses the same arithmetic.
 constexpr int kBlock = 8;
 using Block = Eigen::Array<double, kBlock, 1>;
 
-// The library's tanh is scalar and takes longer than the rest of a small
-// network. Near zero: Lambert's continued fraction x/(1 + x^2/(3 + x^2/(5 +
-// ...))) cut off after 15, whose relative error is below 1e-17 for |x| < 0.625.
-// Elsewhere: (exp(2|x|) - 1)/(exp(2|x|) + 1). Within 3 ulp of the exact value.
-// Divisions take longest, so that the two are chosen between before it.
+// Returns tanh. The library's tanh is scalar and takes longer than the rest of
+// a small network. Near zero: Lambert's continued fraction x/(1 + x^2/(3 +
+// x^2/(5 + ...))) cut off after 15, whose relative error is below 1e-17 for |x|
+// < 0.625. Elsewhere: (exp(2|x|) - 1)/(exp(2|x|) + 1). Within 3 ulp of the
+// exact value. Divisions take longest, so the choice between the two comes
+// before the division.
 Block Tanh(const Block& x) {
   const Block s = x * x;
   const Block numerator =

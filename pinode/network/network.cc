@@ -26,7 +26,7 @@ int WidestHiddenLayer(const NetworkArchitecture& architecture) {
   return widest;
 }
 
-// Sets the adjoint of a_l, D_{l+1} W_{l+1}. Behind the last layer stands the
+// Sets the adjoint of a_l, D_{l+1} W_{l+1}. Behind the last layer it is the
 // identity times `sign`.
 void PropagateAdjoint(const WeightLayout::Part& next, const double* weights,
                       double sign, int l, NetworkSweep* sweep) {
@@ -135,7 +135,7 @@ void Network::SweepForward(const double* q, const double* weights, bool tangent,
     rate->layers[l + 1].input.head(part.rows) =
         layer.preactivation.cwiseProduct(rest->layers[l].slope);
   }
-  // W_L acts on all three alike.
+  // W_L acts on all three in the same way.
   point->layers[last].input -=
       rest->layers[last].input + rate->layers[last].input;
 }

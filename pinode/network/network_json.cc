@@ -21,7 +21,7 @@ constexpr char kSchema[] = "pinode-network-1";
 // The one key that may be missing.
 constexpr char kOutputScale[] = "output_scale";
 
-// In the order in which they are written.
+// Returns the keys in the order in which they are written.
 const std::vector<std::string>& Keys() {
   static const auto& keys = *new std::vector<std::string>{
       "schema",     "inputs",        "outputs",    "input_scale",
@@ -137,7 +137,7 @@ bool ParseJson(const std::string& text, const std::string& source, Json* json,
              std::to_string(1 + std::count(text.begin(), end, '\n')) +
              ": not valid JSON, expected a network file as pinode writes it";
   } catch (const Json::exception&) {
-    // A number that no double can hold.
+    // The number does not fit into a double.
     *error = source + ": a number is out of range, expected finite numbers";
   }
   return false;
@@ -212,7 +212,8 @@ bool ParseNetwork(const std::string& text, const std::string& source,
   if (!json.is_object()) {
     return fail("not a JSON object, expected the keys " + Join(Keys(), " "));
   }
-  // The schema first: a file of another kind should be named as such.
+  // The schema is checked first, so that the message names a file of another
+  // kind.
   if (!json.contains("schema") || json["schema"] != kSchema) {
     return fail(std::string("no key schema with the value \"") + kSchema +
                 "\", expected a network file as pinode writes it");

@@ -11,13 +11,14 @@ namespace pinode {
 namespace {
 
 // Shares of a channel's samples at its extreme value, or equal to the one
-// before, that a sensor in order does not reach.
+// before, that a working sensor does not reach.
 constexpr double kClippedShare = 0.005;
 constexpr double kRepeatedShare = 0.5;
-// Correlation of two channels that are one.
+// Correlation above which two channels count as equal.
 constexpr double kDuplicate = 0.99999;
 
-// Samples that stay at the largest (smallest) value, next to another there.
+// Returns the share of samples at the largest (smallest) value that have a
+// neighbour there.
 double ShareAtLimit(const Vector& values, double limit) {
   Eigen::Index count = 0;
   for (Eigen::Index k = 1; k < values.size(); ++k) {

@@ -14,11 +14,11 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kLargestOrder = 10;
-// Histories that run through the recursion side by side: one alone is bound by
-// the latency of its own chain of additions.
+// Histories that run through the recursion in parallel. A single history is
+// limited by the latency of its own chain of additions.
 constexpr int kLanes = 8;
 
-// Roots of s^2 + b s + c for complex b, c.
+// Computes the roots of s^2 + b s + c for complex b, c.
 void Roots(Complex b, Complex c, Complex* first, Complex* second) {
   const Complex discriminant = std::sqrt(b * b - 4.0 * c);
   // The root without cancellation first.
@@ -159,7 +159,7 @@ ZeroPhaseFilter::ZeroPhaseFilter(const FilterOptions& options,
     section.b0 /= gain;
     section.b1 /= gain;
     section.b2 /= gain;
-    // At rest under the constant that reaches this section.
+    // Steady state under the constant that reaches this section.
     const double static_gain = (section.b0 + section.b1 + section.b2) /
                                (1.0 + section.a1 + section.a2);
     section.state2 = cascade_gain * (section.b2 - section.a2 * static_gain);

@@ -93,7 +93,7 @@ bool SelectWindow(const Record& record, double from, double to, Record* window,
     *error = what + "is empty, expected its begin before its end";
     return false;
   }
-  // 30 s at 100 Hz end at 29.99 s, and are still called 30 s.
+  // 30 s at 100 Hz end at 29.99 s, and still count as 30 s.
   const double slack = (1.0 + kSameTime) * step;
   if (from < record.start_time - slack || to > end_time + slack) {
     *error = what + "reaches beyond the record, which lasts from " +

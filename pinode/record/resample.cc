@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kNumZeros = 32.0;
 constexpr double kCutoff = 0.92;
-// A new sample this close to an old one, in steps, is at its time.
+// Distance, in steps, at which a new sample counts as at the time of an old
+// one.
 constexpr double kSameInstant = 1e-9;
 
 double Sinc(double x) {
@@ -27,8 +28,8 @@ double Window(double x) {
   return 0.42 + 0.5 * c + 0.08 * (2.0 * c * c - 1.0);
 }
 
-// A sample of the history continued by odd reflection about its ends, as far
-// as it reaches, then held.
+// Returns a sample of the history extended by odd reflection about its ends.
+// Beyond the reflection the last value holds.
 double Reflected(const Vector& values, std::ptrdiff_t i) {
   const std::ptrdiff_t last = values.size() - 1;
   if (i < 0) return 2.0 * values[0] - values[std::min(-i, last)];
@@ -53,11 +54,11 @@ Vector Resample(const Vector& values, double step, double new_step) {
   const auto num_new = static_cast<Eigen::Index>(std::floor(
                            static_cast<double>(last) / ratio + kSameInstant)) +
                        1;
-  // All of the history lies before the second new sample: there is nothing that
-  // a cutoff could keep, and the sum below would have no end.
+  // The whole history lies before the second new sample. No cutoff could keep
+  // anything, and the sum below would not end.
   if (num_new == 1) return values.head(1);
   if (CountPresent(values) == 0) {
-    // Nothing to draw a line through.
+    // There are no samples to draw a line through.
     return Vector::Constant(num_new, std::numeric_limits<double>::quiet_NaN());
   }
   const Vector filled = FillMissing(values);

@@ -11,15 +11,15 @@
 namespace pinode {
 namespace {
 
-// How much further out than all others.
+// Factor by which an outlier is farther out than all other samples.
 constexpr double kFarther = 4.0;
-// With fewer samples, or fewer values among them, nothing can be said.
+// Fewest samples, and fewest different values, for a finding.
 constexpr Eigen::Index kLeastSamples = 50;
 constexpr size_t kLeastValues = 10;
-// Samples in a row that are equal by no chance.
+// Number of equal samples in a row that is not chance.
 constexpr Eigen::Index kHangs = 20;
 // Shares of samples: at the limits of a clipped channel; equal to the one
-// before where a channel is read too rarely, and where it seldom is.
+// before, for a channel that is sampled too rarely and for other channels.
 constexpr double kAtLimitShare = 0.005;
 constexpr double kHeldShare = 0.45;
 constexpr double kSeldom = 0.02;
@@ -35,8 +35,8 @@ double MedianOf(const Vector& values) {
   return Median(std::move(present));
 }
 
-// Samples in descending order of their sizes, the first `count` of them and one
-// more. Missing ones come last, as if they were nothing.
+// Returns samples in descending order of their sizes, the first `count` of them
+// and one more. Missing ones come last, as if they were zero.
 std::vector<Eigen::Index> Largest(const Vector& sizes, Eigen::Index count) {
   std::vector<Eigen::Index> order(static_cast<size_t>(sizes.size()));
   for (size_t i = 0; i < order.size(); ++i) {
@@ -50,8 +50,8 @@ std::vector<Eigen::Index> Largest(const Vector& sizes, Eigen::Index count) {
   return order;
 }
 
-// The largest of `sizes`, `most` at most, that stand off from all others; with
-// `fewest` no more than that needs.
+// Returns the largest of `sizes`, at most `most`, that are far from all others.
+// With `fewest`, returns no more of them than necessary.
 Outliers StandingOff(const Vector& sizes, Eigen::Index most, bool fewest) {
   const std::vector<Eigen::Index> order = Largest(sizes, most);
   Outliers found;
@@ -82,8 +82,8 @@ bool OthersMove(const Vector& values, const Outliers& outliers) {
   return false;
 }
 
-// Distances from the median of two samples before and two behind; 0 where
-// those on both sides do not agree, as at a step.
+// Returns distances from the median of two samples before and two behind. 0 if
+// the samples on both sides do not agree, as at a step.
 Vector DistancesFromNeighbours(const Vector& values) {
   Vector distances = Vector::Zero(values.size());
   for (Eigen::Index k = 2; k + 2 < values.size(); ++k) {
@@ -102,7 +102,7 @@ bool AreNeighboursAlike(const Vector& values, double distance, Eigen::Index k) {
   return std::abs(values[k - 1] - values[k + 1]) < 0.3 * distance;
 }
 
-// Runs of equal samples and how they are reached.
+// Runs of equal samples, and the steps that lead to them.
 struct Repeats {
   double held_share = 0.0;    // equal to the one before, but for both ends
   double other_share = 0.0;   // the same without hanging and limits
@@ -110,7 +110,7 @@ struct Repeats {
   double least_step = 0.0;
   double limit_share = 0.0;    // equal to the one before, at either limit
   double limit_arrival = 0.0;  // median difference on the way to a limit
-  // The longest run of a hanging channel; none: size 0.
+  // The longest run of a hanging channel. Size 0: none.
   Eigen::Index hang_first = 0;
   Eigen::Index hang_size = 0;
   double hang_departure = 0.0;  // difference on the way out of it
@@ -327,7 +327,8 @@ class FaultFinder {
     }
   }
 
-  // The response `index` as an earlier one, sample by sample.
+  // Adds a finding if the response `index` repeats an earlier one, sample by
+  // sample.
   void AddDouble(size_t index) {
     const WatchedSignal& signal = signals_[index];
     if (!(StandardDeviationOfPresent(signal.values) > 0.0)) return;

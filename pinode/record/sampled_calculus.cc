@@ -8,7 +8,7 @@ Vector Differentiate(const Vector& values, double step) {
   const Eigen::Index n = values.size();
   Vector derivative(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    // Differences of the fourth order, of the second beside the ends.
+    // Differences of the fourth order, and of the second order near the ends.
     const Eigen::Index room = std::min(i, n - 1 - i);
     if (room >= 2) {
       derivative[i] = (8.0 * (values[i + 1] - values[i - 1]) -

@@ -17,9 +17,9 @@ namespace {
 
 constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 
-// One row after the other of a CSV text. libcsv splits a row into cells; lines
-// are fed to it one by one, so that each row's line is known and lines that
-// are no row (blank, comment) never reach it.
+// Iterates over the rows of a CSV text. libcsv splits a row into cells. Lines
+// are passed to it one by one, so that each row's line is known. Blank lines
+// and comments are never passed to it.
 class CsvRows {
  public:
   CsvRows(std::string_view text, char delimiter) : text_(text) {
@@ -99,8 +99,8 @@ class CsvRows {
   std::vector<std::string> cells_;
 };
 
-// The most frequent candidate in the header line outside quotes; the earlier
-// one of equals (a comma is the likeliest to be part of a name).
+// Returns the most frequent candidate in the header line outside quotes. The
+// first one wins a tie (a comma is most likely part of a name).
 char DetectDelimiter(std::string_view text) {
   while (!text.empty()) {
     const size_t end = std::min(text.find('\n'), text.size());
@@ -223,7 +223,8 @@ bool ParseCsvTable(std::string text, const std::string& path,
   CHECK(table != nullptr);
   CHECK(error != nullptr);
   if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
-  // Carriage returns alone end the lines of some old instruments.
+  // Files of some old instruments have lines that end with a carriage return
+  // alone.
   if (text.find('\n') == std::string::npos) {
     std::replace(text.begin(), text.end(), '\r', '\n');
   }
@@ -262,7 +263,7 @@ bool ParseCsvTable(std::string text, const std::string& path,
     return false;
   }
 
-  // Long records are read where they are to stay.
+  // Long records are read directly into their final memory.
   const Eigen::Index lines = std::count(text.begin(), text.end(), '\n') +
                              (text.back() == '\n' ? 0 : 1);
   result.values.resize(lines - header_line,

@@ -12,7 +12,7 @@
 namespace pinode {
 namespace {
 
-// Samples that may be missing for each row that is there.
+// Largest number of missing samples for each existing row.
 constexpr double kMostMissingPerRow = 10.0;
 // A longer interval between irregular rows, in median steps, is a gap.
 constexpr double kIrregularGap = 2.5;
@@ -28,7 +28,7 @@ std::string Where(const Table& table, Eigen::Index row) {
 
 std::string Number(double value) { return FormatNumber(value, 6); }
 
-// A time, in full: microseconds matter late in a long record.
+// Returns a time with all digits: microseconds matter late in a long record.
 std::string Time(double value) { return FormatNumber(value, 10); }
 
 bool Same(double a, double b) {
@@ -90,15 +90,16 @@ bool SelectRows(const Table& table, int column, const std::string& unit,
   return true;
 }
 
-// Numbers of steps from the first row to each row. Within a run of rows
-// without a gap the count is certain; across a gap it depends on the step, so
-// the step is first found from the runs alone. *step enters as a rough guess
-// and leaves refined.
+// Returns the numbers of steps from the first row to each row. Within a run of
+// rows without a gap the count is certain. Across a gap it depends on the step,
+// so the step is first found from the runs alone. *step is a rough guess on
+// entry and refined on return.
 std::vector<double> CountSteps(const std::vector<double>& times, double* step) {
   const size_t n = times.size();
   std::vector<double> counts(n, 0.0);
   for (int pass = 0; pass < 3; ++pass) {
-    // Slope of straight lines with one slope and an intercept a run.
+    // Fits the slope of straight lines with one slope and one intercept per
+    // run.
     double covariance = 0.0;
     double variance = 0.0;
     size_t first = 0;
@@ -127,8 +128,8 @@ std::vector<double> CountSteps(const std::vector<double>& times, double* step) {
   return counts;
 }
 
-// Half the spread of times - step * counts: how far the best grid of this step
-// leaves its worst row.
+// Returns half the spread of times - step * counts, the distance of the worst
+// row from the best grid of this step.
 double HalfSpread(const std::vector<double>& times,
                   const std::vector<double>& counts, double step) {
   double low = std::numeric_limits<double>::infinity();
@@ -166,7 +167,8 @@ double RoundToDigits(double value, int digits) {
   return rounded;
 }
 
-// The simplest rate or step that leaves no row farther off than the fit does.
+// Returns the simplest rate or step that leaves no row farther from the grid
+// than the fit does.
 double SimplestStep(const std::vector<double>& times,
                     const std::vector<double>& counts, double fitted) {
   const double allowed =
@@ -238,7 +240,7 @@ bool LayIrregularGrid(const Table& table, const std::vector<double>& times,
   const double span = times.back() - times.front();
   const double last = std::floor(span / median + 1e-9);
   if (!RefuseSparse(table, last + 1.0, times.size(), error)) return false;
-  // A fast few rows can leave the grid nothing but its first sample.
+  // A few fast rows can leave the grid with its first sample alone.
   if (last < 1.0) {
     *error = table.path + ": sampling is too irregular to interpolate";
     return false;
@@ -312,7 +314,8 @@ bool FindTimeGrid(const Table& table, const std::string& time_column,
       *grid = std::move(result);
       return true;
     }
-    // The row whose own step is the worst says more than the one farthest off.
+    // The row with the worst step of its own is more informative than the one
+    // farthest off.
     size_t worst = 1;
     double deviation = 0.0;
     for (size_t i = 1; i < times.size(); ++i) {

@@ -65,7 +65,7 @@ class MatlabArrays {
   }
 
  private:
-  // Structures in structures; deeper ones are no records.
+  // Deepest level of structures in structures. Deeper ones are not records.
   static constexpr int kDeepestStructure = 4;
 
   static bool IsFullOfNumbers(const matvar_t& variable) {
@@ -165,7 +165,7 @@ class MatlabArrays {
 bool ShapeArray(const std::vector<int64_t>& dimensions, bool by_rows,
                 NamedArray* array, int64_t* sample_stride,
                 int64_t* column_stride) {
-  // Dimensions longer than one, and how far apart their numbers stand.
+  // Dimensions longer than one, and the strides of their numbers.
   std::vector<int64_t> lengths;
   std::vector<int64_t> strides;
   int64_t stride = 1;
@@ -188,7 +188,7 @@ bool ShapeArray(const std::vector<int64_t>& dimensions, bool by_rows,
     array->fault = "it is empty";
     return false;
   }
-  // Innermost first: of a matrix by rows the columns.
+  // Innermost dimension first: for a matrix by rows, the columns.
   while (lengths.size() < 2) {
     lengths.push_back(1);
     strides.push_back(0);

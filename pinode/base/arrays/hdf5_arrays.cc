@@ -110,8 +110,8 @@ class Hdf5Reader {
       arrays_->push_back(std::move(array));
       return true;
     }
-    // HDF5 does not look whether a data set in its own header is as long as it
-    // says.
+    // HDF5 does not check that a data set in its own header has the length that
+    // it states.
     const Hdf5Id layout(H5Dget_create_plist(set.get()), H5Pclose);
     if (!layout.good()) return Fail(name);
     if (H5Pget_layout(layout.get()) == H5D_COMPACT &&
@@ -124,7 +124,7 @@ class Hdf5Reader {
                         H5T_NATIVE_DOUBLE);
     }
     const int members = H5Tget_nmembers(type.get());
-    // Nor whether a file's fields lie within their record.
+    // HDF5 does not check either that a file's fields lie within their record.
     for (int m = 0; m < members; ++m) {
       const auto number = static_cast<unsigned>(m);
       const Hdf5Id member(H5Tget_member_type(type.get(), number), H5Tclose);

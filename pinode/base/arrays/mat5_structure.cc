@@ -17,7 +17,7 @@ constexpr uint32_t kUint32 = 6;
 constexpr uint32_t kMatrix = 14;
 constexpr uint32_t kCompressed = 15;
 constexpr size_t kLargestMat5Element = size_t{4} << 30;
-// Cells in cells; deeper ones are no matrices of a structure.
+// Deepest level of cells in cells. Deeper ones are not matrices of a structure.
 constexpr int kDeepest = 8;
 
 constexpr uint32_t kClassCell = 1;
@@ -30,7 +30,7 @@ constexpr uint32_t kClassUint64 = 15;
 constexpr uint32_t kClassFunction = 16;
 constexpr uint32_t kComplexFlag = 0x800;
 
-// Bytes of a number of each type of data; 0 for what is none.
+// Returns the bytes of a number of each type of data, or 0 for another type.
 size_t TypeSize(uint32_t type) {
   static constexpr size_t kSizes[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8,
                                       0, 0, 8, 8, 0, 0, 1, 2, 4};
@@ -83,8 +83,9 @@ class Walker {
     return swapped_ ? __builtin_bswap32(word) : word;
   }
 
-  // Takes the next element off *rest: a tag of type and length, or both in one
-  // word with up to four bytes behind it. `padded`: to eight bytes.
+  // Takes the next element from *rest: a tag of type and length, or both in one
+  // word followed by up to four bytes. `padded`: the element is padded to eight
+  // bytes.
   bool Next(std::string_view* rest, bool padded, Element* element) {
     if (rest->size() < 8) return Fail("the file ends inside an element's tag");
     const uint32_t first = WordAt(*rest, 0);

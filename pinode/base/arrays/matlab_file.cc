@@ -11,7 +11,8 @@
 namespace pinode {
 namespace {
 
-// Version 2.0 (7.3 to its users) and the byte order behind MATLAB's header.
+// Version 2.0 (called 7.3 by its users) and the byte order, as after MATLAB's
+// header.
 constexpr std::string_view kMat73("\x00\x02IM", 4);
 
 }  // namespace

@@ -57,8 +57,8 @@ MatlabVariable Numbers(const char* name, const double* data, Eigen::Index rows,
                                       const_cast<double*>(data), 0));
 }
 
-// Plain text in bytes; other as MATLAB has it itself. (matio 1.5.23 writes
-// files that are too short of its own MAT_T_UTF16.)
+// Writes ASCII text in bytes, and other text in MATLAB's own encoding. (matio
+// 1.5.23 writes files that are too short for its own MAT_T_UTF16.)
 MatlabVariable Text(const char* name, const std::string& text) {
   std::vector<std::uint16_t> units = Utf16(text);
   const bool plain =
@@ -72,7 +72,7 @@ MatlabVariable Text(const char* name, const std::string& text) {
       name, MAT_C_CHAR, plain ? MAT_T_UTF8 : MAT_T_UINT16, 2, dims, data, 0));
 }
 
-// The cells belong to what is returned.
+// The returned variable owns the cells.
 MatlabVariable Cells(const char* name, const std::vector<std::string>& texts) {
   size_t dims[2] = {texts.size(), 1};
   std::vector<matvar_t*> cells;
@@ -103,8 +103,8 @@ struct MatlabWriter::Opened {
     void operator()(mat_t* mat) const { Mat_Close(mat); }
   };
   std::string path;
-  // matio does not look whether all that it writes arrives. It writes to
-  // memory, and Close from there to the disk.
+  // matio does not check that all its output is written. It therefore writes to
+  // memory, and Close writes from memory to the disk.
   int memory = -1;
   std::string memory_path;
   std::unique_ptr<mat_t, Closer> file;
@@ -115,7 +115,8 @@ struct MatlabWriter::Opened {
     file.reset();
     if (memory >= 0) close(memory);
   }
-  // Before a variable of so many numbers is made; its name comes first.
+  // Call it before a variable with so many numbers is created; its name is
+  // written first.
   bool HasRoomFor(Eigen::Index numbers, Eigen::Index bytes_of_a_number) {
     if (!FitsMatlabFile(numbers * bytes_of_a_number) && fault.empty()) {
       fault = "'" + names.back() + "' has " + std::to_string(numbers) +
@@ -159,7 +160,7 @@ void MatlabWriter::AddMatrix(const std::string& name, const Matrix& matrix) {
 void MatlabWriter::AddSparse(const std::string& name,
                              const Eigen::SparseMatrix<double>& matrix) {
   const char* valid = opened_->Name(name);
-  // With the row of each.
+  // Each nonzero needs its row too.
   if (!opened_->HasRoomFor(matrix.nonZeros(),
                            sizeof(double) + sizeof(mat_uint32_t))) {
     return;
@@ -236,7 +237,7 @@ bool MatlabWriter::Close(std::string* error) {
 }
 
 bool FitsMatlabFile(Eigen::Index bytes) {
-  // Heads, names and dimensions of a variable take some as well.
+  // Bytes for the heads, names and dimensions of a variable.
   constexpr Eigen::Index kHeads = Eigen::Index{1} << 20;
   return bytes <= std::numeric_limits<std::int32_t>::max() - kHeads;
 }

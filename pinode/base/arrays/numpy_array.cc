@@ -42,8 +42,9 @@ void AppendUtf8(uint32_t code, std::string* text) {
   }
 }
 
-// The header is a Python dictionary: {'descr': '<f8', 'fortran_order': False,
-// 'shape': (3, 3), }. The text behind `'key':`, empty if there is none.
+// Returns the text behind `'key':` in the header, empty if there is none. The
+// header is a Python dictionary: {'descr': '<f8', 'fortran_order': False,
+// 'shape': (3, 3), }.
 std::string_view ValueOf(std::string_view header, const std::string& key) {
   size_t at = header.find("'" + key + "'");
   if (at == std::string_view::npos) return {};
@@ -198,7 +199,7 @@ NumpyArrayKind ParseNumpyArray(const std::string& bytes, NumpyArray* array,
   }
   array->fortran_order = order[0] == 'T';
   const size_t available = view.size() - begin - length;
-  // The product may be absurd; as a double it does not overflow.
+  // The product may be very large; as a double it does not overflow.
   double expected = static_cast<double>(array->item_size);
   for (const int64_t size : array->shape) expected *= static_cast<double>(size);
   if (expected != static_cast<double>(available)) {

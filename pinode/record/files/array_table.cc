@@ -14,7 +14,7 @@
 namespace pinode {
 namespace {
 
-// A column as it is asked for.
+// A requested column.
 struct ArrayColumn {
   std::string array;
   int number = 0;  // from 1; 0: the array's name alone
@@ -65,7 +65,7 @@ std::vector<std::string> KnownNames(const std::vector<NamedArray>& arrays) {
   return names;
 }
 
-// The samples of a column; null with a sentence in *what.
+// Returns the samples of a column, or null with a sentence in *what.
 const double* FindColumn(const std::vector<NamedArray>& arrays,
                          const std::string& name, Eigen::Index* samples,
                          std::string* what) {

@@ -37,7 +37,7 @@ std::vector<std::string> Words(std::string_view text,
   return words;
 }
 
-// "0.01" or "0.01SEC".
+// Parses "0.01" or "0.01SEC".
 bool ParseStep(std::string word, double* step) {
   for (const std::string_view suffix : {"SEC", "S"}) {
     if (word.size() > suffix.size() &&
@@ -51,7 +51,7 @@ bool ParseStep(std::string word, double* step) {
 
 enum class SizeLine { kAbsent, kBad, kGood };
 
-// The line that gives the number of points and the step.
+// Parses the line that gives the number of points and the step.
 SizeLine ParseSizeLine(std::string_view line, int64_t* num_points,
                        double* step) {
   const std::vector<std::string> words = Words(Upper(line), " \t,=:");
@@ -67,7 +67,8 @@ SizeLine ParseSizeLine(std::string_view line, int64_t* num_points,
   return good ? SizeLine::kGood : SizeLine::kBad;
 }
 
-// The word behind "UNITS OF", upper case, without parentheses; empty if none.
+// Returns the word behind "UNITS OF", upper case, without parentheses; empty if
+// there is none.
 std::string StatedUnit(std::string_view line) {
   const std::vector<std::string> words = Words(Upper(line), " \t,.()");
   for (size_t i = 0; i + 2 < words.size(); ++i) {
@@ -80,7 +81,7 @@ std::string StatedUnit(std::string_view line) {
 // points and step, then values in g, any number a line.
 class At2Parser {
  public:
-  // `size`: of the file, in bytes.
+  // `size` is the size of the file in bytes.
   At2Parser(const std::string& path, size_t size) : path_(path), size_(size) {}
 
   bool TakeLine(std::string_view line, std::string* error) {

@@ -39,7 +39,8 @@ bool HaveSameAbscissae(const UniversalFunction& a, const UniversalFunction& b) {
                      : a.abscissa == b.abscissa;
 }
 
-// Axes of a cylindrical system at a place: outwards, around and along its axis.
+// Computes the axes of a cylindrical system at a place: outwards, around and
+// along its axis.
 bool CylindricalAxes(const UniversalSystem& system,
                      const Eigen::Vector3d& position, Eigen::Matrix3d* axes) {
   const Eigen::Vector3d local = system.axes * (position - system.origin);

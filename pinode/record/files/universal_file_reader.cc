@@ -1,4 +1,4 @@
-// Universal files read: data sets one after the other, and shapes.
+// Reads universal files: data sets one after the other, and shapes.
 
 #include <algorithm>
 #include <array>

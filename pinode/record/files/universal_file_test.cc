@@ -282,7 +282,8 @@ TEST(UniversalFileTest, UnevenComplexInDoublePrecision) {
     EXPECT_EQ(f.abscissa, Vector(is_wide ? Eigen::Vector2d(0.1, 0.3)
                                          : Eigen::Vector2d(0.25, 1.0)));
   }
-  // Neither type of value makes two points of so many bytes.
+  // So many bytes do not make two points, neither with four-byte nor with
+  // eight-byte abscissae.
   for (const char* count : {"40", "30", "48", "100000"}) {
     UniversalFile file;
     std::string error;

@@ -1,4 +1,4 @@
-// Universal files written.
+// Writes universal files.
 
 #include <array>
 #include <cmath>
@@ -52,7 +52,7 @@ std::string Set(int type, const std::string& body) {
   return Set(Integer(type, 6), body);
 }
 
-// Numbers, `per_line` of them.
+// Writes numbers, `per_line` on each line.
 class NumberLines {
  public:
   explicit NumberLines(int per_line) : per_line_(per_line) {}
@@ -89,7 +89,7 @@ bool FitsSingleColumns(double value) {
          (ParseDouble(UniversalNumber(value, kSingle), &read) && read == value);
 }
 
-// A function, as it is written.
+// Writes a function.
 class FunctionWriter {
  public:
   FunctionWriter(const UniversalFunction& f, bool binary)
@@ -179,7 +179,7 @@ class FunctionWriter {
     bytes->append(raw, in_double ? 8 : 4);
   }
 
-  // Abscissae in single precision, as the format has them, where that loses
+  // Writes abscissae in single precision, as the format requires, if that loses
   // nothing.
   std::string BinaryValues() const {
     std::string bytes;
@@ -233,7 +233,7 @@ std::string ShapeText(const UniversalShape& shape) {
   return text;
 }
 
-// One set, of its part 1.
+// Returns one set with part number 1.
 std::string SystemsText(const std::map<int, UniversalSystem>& systems) {
   std::string text = Integer(1, 10) + "\nNONE\n";
   for (const auto& [number, system] : systems) {
@@ -247,7 +247,8 @@ std::string SystemsText(const std::map<int, UniversalSystem>& systems) {
   return text;
 }
 
-// In their order: a set for each run of nodes of one kind.
+// Returns the nodes in their order, with a set for each run of nodes of one
+// kind.
 std::string NodesText(const std::vector<UniversalNode>& nodes) {
   std::string text;
   for (size_t begin = 0; begin < nodes.size();) {

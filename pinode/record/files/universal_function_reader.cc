@@ -1,4 +1,4 @@
-// Data set 58 read: functions, as text and binary.
+// Reads data set 58: functions, as text and binary.
 
 #include <algorithm>
 #include <array>
@@ -37,8 +37,8 @@ bool ReadAxis(std::string_view line, UniversalAxis* axis) {
          UniversalIntField(line, 20, 5, &axis->exponents[2]);
 }
 
-// Takes start and step from the text that has all their digits, if it is about
-// those that the columns have.
+// Takes start and step from the text with all their digits, if it agrees with
+// the columns.
 void TakeAbscissaNote(std::string_view columns, UniversalFunction* f) {
   for (std::string& text : f->texts) {
     const size_t middle = text.find(kNoteMiddle);
@@ -141,7 +141,7 @@ double FromBytes(const char* bytes, size_t size, bool swap) {
                    : FromBytes<float>(bytes, swap);
 }
 
-// The separator begins a line of its own, with or without a break before.
+// The separator starts its own line, with or without a break before.
 void SkipBreak(UniversalLines* in) {
   if (!in->AtEnd() && StripBlanks(in->Peek()).empty()) in->Next();
 }
@@ -153,10 +153,10 @@ bool EndsBehind(const UniversalLines& in, size_t bytes) {
   return !rest.AtEnd() && IsUniversalSeparator(rest.Peek());
 }
 
-// Bytes of an abscissa beside ordinates of eight: four by the format, whose
-// abscissae are of single precision always, but some programs write eight
-// (pyuff does, and counts its bytes wrong). How many there are tells, and where
-// the set ends. 0: neither fits.
+// Returns the bytes of an abscissa beside ordinates of eight bytes. The format
+// has four, because its abscissae are always of single precision. Some programs
+// write eight (pyuff does, and counts its bytes wrong). The number of bytes,
+// and the place where the set ends, show which. 0: neither fits.
 size_t AbscissaBytes(const Layout& layout, size_t stated,
                      const UniversalLines& in) {
   const auto total = [&layout](size_t abscissa) {

@@ -1,4 +1,4 @@
-// Nodes, coordinate systems, lines and elements of universal files read.
+// Reads nodes, coordinate systems, lines and elements of universal files.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace pinode {
 namespace {
 
-// The lines of a set, behind which its separator is.
+// Returns the lines of a set. Its separator follows.
 std::vector<std::string_view> LinesOfSet(UniversalLines* in) {
   std::vector<std::string_view> lines;
   while (!in->AtEnd()) {
@@ -33,7 +33,7 @@ Eigen::Vector3d ToPoint(const std::vector<double>& numbers, size_t at) {
   return {numbers[at], numbers[at + 1], numbers[at + 2]};
 }
 
-// Six digits are what set 18 has of points.
+// Set 18 has points with six digits.
 bool AreAxes(const Eigen::Matrix3d& axes) {
   return axes.allFinite() &&
          (axes * axes.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-4;
@@ -45,7 +45,8 @@ void Forget(UniversalSystem* system) {
   system->is_known = false;
 }
 
-// From the origin, a point of the x axis and one of the x-z plane.
+// Computes the system from its origin, a point of the x axis and one of the x-z
+// plane.
 void PlaceByPoints(const std::vector<double>& numbers,
                    UniversalSystem* system) {
   system->origin = ToPoint(numbers, 0);
@@ -57,7 +58,8 @@ void PlaceByPoints(const std::vector<double>& numbers,
   system->axes.row(2) = x.normalized().cross(y.normalized());
 }
 
-// From the system `reference`, which the file has before it, to the global one.
+// Transforms from the system `reference`, which comes before it in the file, to
+// the global one.
 bool TurnToGlobal(int reference, const UniversalFile& file,
                   UniversalSystem* system) {
   if (reference == 0) return true;
@@ -89,7 +91,7 @@ bool ParseUniversalNodes(int lines, UniversalLines* in, UniversalFile* file,
     // An invalid color is ignored, because colors are not used.
     if (!UniversalInteger(numbers[3], &node.color)) node.color = 0;
     node.position = {numbers[4], numbers[5], numbers[6]};
-    // Until it is known which systems are the global one.
+    // Local until the global systems are known.
     node.position_is_local = lines == 1;
     file->nodes.push_back(node);
   }
@@ -124,8 +126,8 @@ void ParseUniversalSystems(UniversalLines* in, UniversalFile* file) {
 
 void ParseUniversalSystemMatrices(UniversalLines* in, UniversalFile* file) {
   const std::vector<std::string_view> lines = LinesOfSet(in);
-  // Number and name of a part; of each system number, type and color; name; a
-  // matrix of four rows that a row vector (x, y, z, 1) is multiplied with: the
+  // Number and name of a part. Then for each system: number, type and color;
+  // name; a matrix of four rows that multiplies a row vector (x, y, z, 1): the
   // axes and the origin.
   for (size_t i = 2; i + 5 < lines.size(); i += 6) {
     std::vector<int> head;
@@ -169,7 +171,7 @@ bool ParseUniversalLine(UniversalLines* in, UniversalFile* file,
       return false;
     }
   }
-  // Some fill the last line with zeros.
+  // Some programs fill the last line with zeros.
   while (static_cast<int>(line.nodes.size()) > std::max(0, head[1]) &&
          line.nodes.back() == 0) {
     line.nodes.pop_back();

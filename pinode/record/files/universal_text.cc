@@ -21,7 +21,8 @@ bool BeginsNumber(std::string_view line, size_t at) {
          (std::isdigit(before) || before == '.');
 }
 
-// With a decimal point, and of the exponent what it needs: 1e-05 is 1.e-5.
+// Returns the number with a decimal point and the shortest exponent: 1e-05
+// becomes 1.e-5.
 std::string Compact(std::string_view text) {
   const size_t e = text.find('e');
   std::string result(text.substr(0, e));
@@ -41,7 +42,7 @@ std::string Printed(double value, std::chars_format format, int digits) {
                                   static_cast<size_t>(end.ptr - text.data())));
 }
 
-// The nearest to `value` of what has room, in one of two forms.
+// Returns the form nearest to `value` that fits, one of two forms.
 std::string Nearest(double value, size_t room) {
   std::string best;
   double smallest = std::numeric_limits<double>::infinity();

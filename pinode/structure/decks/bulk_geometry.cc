@@ -52,7 +52,8 @@ const BulkElement* FindBulkElement(const std::string& name) {
   return nullptr;
 }
 
-// Springs, coordinate systems and what else begins with C draw nothing.
+// Returns true for cards that need no note: springs, coordinate systems and
+// other cards with C that draw nothing.
 bool IsSilent(const std::string& name) {
   return name.substr(0, 5) == "CELAS" || name.substr(0, 4) == "CORD" ||
          name.substr(0, 5) == "CDAMP" || name.substr(0, 5) == "CMASS" ||
@@ -100,7 +101,8 @@ class BulkReader {
   }
 
  private:
-  // Fields of a line behind its first; the first in *name.
+  // Returns the fields of a line behind its first field, which is stored in
+  // *name.
   static std::vector<std::string> FieldsOfLine(std::string_view line,
                                                std::string* name) {
     std::vector<std::string> fields;
@@ -177,7 +179,7 @@ class BulkReader {
     return good;
   }
 
-  // Systems of coordinates and of displacements.
+  // Checks the systems of coordinates and of displacements.
   bool AreBasic(const std::string& what) const {
     for (const size_t system : {2u, 6u}) {
       if (Field(system).empty() || Field(system) == "0") continue;

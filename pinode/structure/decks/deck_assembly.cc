@@ -94,7 +94,7 @@ bool DeckAssembly::MakeCopies(const std::string& path, std::string* error) {
                 {{&part}, {&instance.own}}});
   }
   Copy rest = {"", -1, -1, {{&parts_.assembly}}};
-  // Solvers that know no assemblies take a part as it stands.
+  // Solvers without assemblies take a part as it is.
   if (parts_.instances.empty() && !parts_.parts.empty()) {
     rest.part = 0;
     rest.pieces.push_back({&parts_.parts[0]});
@@ -215,7 +215,7 @@ void DeckAssembly::AddRange(const Copy& copy, const DeckSet::Range& range,
                             std::vector<int>* elements) const {
   const auto steps = (static_cast<int64_t>(range.last) - range.first) /
                      static_cast<int64_t>(range.step);
-  // Elements that are there, however far the numbers go.
+  // Uses the elements that exist, even if the range goes further.
   for (const Copy::Piece& piece : copy.pieces) {
     const auto& index = piece.scope->element_index;
     if (steps < static_cast<int64_t>(index.size())) {
@@ -242,8 +242,8 @@ bool DeckAssembly::AddRanges(size_t copy, const DeckSet& set,
   for (const DeckSet::Range& range : set.ranges) {
     const size_t before = elements->size();
     AddRange(copies_[CopyOf(copy, range.instance)], range, elements);
-    // In an assembly plain numbers are those of its own elements, whatever the
-    // instances have. Elements of unknown types are not there to be seen.
+    // In an assembly, plain numbers mean its own elements, whatever the
+    // instances have. Elements of unknown types are missing from the lists.
     if (elements->size() == before && copies_[copy].part < 0 &&
         range.instance < 0 && !parts_.instances.empty() &&
         parts_.unknown_types.empty()) {
@@ -294,7 +294,7 @@ bool DeckAssembly::AddNamed(size_t copy, const DeckSet& set,
 
 bool DeckAssembly::Collect(const SetKey& wanted, std::vector<int>* elements,
                            std::string* error) const {
-  // Sets may name each other in any order, in circles even.
+  // Sets may name each other in any order, even in circles.
   std::vector<SetKey> open = {wanted};
   std::set<SetKey> seen = {wanted};
   while (!open.empty()) {
@@ -378,7 +378,7 @@ void DeckAssembly::NameSets() {
   }
   for (const auto& [key, name] : order) {
     std::vector<Meaning>& meanings = by_name[key];
-    // Copies are in order, and so are the elements of several.
+    // Copies are in order, and so are the elements of several copies.
     const bool same = std::all_of(
         meanings.begin(), meanings.end(), [&meanings](const Meaning& other) {
           return other.elements == meanings[0].elements;

@@ -12,7 +12,7 @@ namespace {
 bool AddBlocks(const std::string& path, const std::string& main,
                const std::string& content, int depth,
                std::vector<DeckBlock>* blocks, std::string* error) {
-  // The last line gets an end, that of the others.
+  // The last line gets the same line end as the others.
   const bool cut = !content.empty() && content.back() != '\n' &&
                    content.find("\r\n") != std::string::npos;
   const std::string completed = cut ? content + "\r\n" : std::string();

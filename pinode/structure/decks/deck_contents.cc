@@ -103,17 +103,18 @@ constexpr const char* kSections[] = {"*SOLID SECTION", "*SHELL SECTION",
                                      "*MEMBRANE SECTION", "*BEAM SECTION",
                                      "*TRUSS SECTION"};
 
-// Masses by element set. What is spread over a set is so in proportion to its
-// own mass or volume, which factors on all of it leave as it is.
+// Masses by element set. A mass that is spread over a set is distributed in
+// proportion to the set's own mass or volume. Factors on the whole set do not
+// change that distribution.
 constexpr const char* kMasses[] = {"*MASS", "*ROTARY INERTIA",
                                    "*NONSTRUCTURAL MASS"};
 
-// Below a section, in numbers of their own.
+// Keywords below a section that have their own numbers.
 constexpr const char* kStiffnessOfSections[] = {
     "*TRANSVERSE SHEAR STIFFNESS", "*HOURGLASS STIFFNESS", "*REBAR LAYER"};
 constexpr const char* kMassOfSections[] = {
     "*BEAM ADDED INERTIA", "*BEAM FLUID INERTIA", "*REBAR LAYER"};
-// Anywhere, for elements that their data name.
+// Keywords at any place, for elements that their data name.
 constexpr const char* kAddedStiffness[] = {"*REBAR"};
 constexpr const char* kAddedMass[] = {"*REBAR", "*MASS ADJUST",
                                       "*FIXED MASS SCALING"};
@@ -167,8 +168,8 @@ class ContentsReader {
   }
 
  private:
-  // All up to the next one, unknown keywords too: solvers take numbers as those
-  // of the last material.
+  // Adds all blocks up to the next material, including unknown keywords:
+  // solvers assign numbers to the last material.
   bool AddMaterial(size_t b) {
     const std::string* name = blocks_[b].keyword.Find("NAME");
     if (name == nullptr || name->empty()) {
@@ -196,7 +197,8 @@ class ContentsReader {
                            "material '" + *name + "' is there twice", error_);
   }
 
-  // Position of the owner; -1: what has no elements here is changed by nobody.
+  // Returns the position of the owner. -1: it has no elements here, so nothing
+  // changes it.
   int AddOwner(size_t b) {
     const DeckKeyword& keyword = blocks_[b].keyword;
     const std::string* material = keyword.Find("MATERIAL");
@@ -254,8 +256,8 @@ class ContentsReader {
     if (IsAmong(kMassOfSections, keyword)) owner.kept_mass.push_back(b);
   }
 
-  // Uses of materials by what has no factor: composites and general sections,
-  // which need them as they are, and what nobody here knows.
+  // Adds uses of materials by users without a factor: composites and general
+  // sections, which need them unchanged, and unknown keywords.
   void AddOtherUses(size_t b) {
     const DeckKeyword& keyword = blocks_[b].keyword;
     const bool known = IsAmong(kSections, keyword);

@@ -5,7 +5,7 @@
 namespace pinode {
 namespace {
 
-// Corners come first but in lines of three nodes.
+// Corners come first, except in lines of three nodes.
 constexpr DeckElementType kDeckElementTypes[] = {
     {"C3D4", ElementShape::kTetrahedron, 4, DeckElementKind::kOther},
     {"C3D10", ElementShape::kTetrahedron, 10, DeckElementKind::kOther},

@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// But for blanks.
+// Compares keywords and ignores blanks.
 bool SameKeyword(std::string_view a, std::string_view b) {
   size_t i = 0, j = 0;
   for (;;) {

@@ -1,4 +1,4 @@
-// ScaleDeckMaterials of deck_contents.h.
+// Implements ScaleDeckMaterials of deck_contents.h.
 
 #include <algorithm>
 #include <iterator>
@@ -44,7 +44,8 @@ class MaterialScaling {
       if (owner.material.empty()) continue;
       by_material_[owner.material][{owner.stiffness, owner.mass}].push_back(o);
     }
-    // From behind, so that copies move no block that is still to come.
+    // From the end to the beginning, so that copies do not move blocks that are
+    // still to be handled.
     std::vector<std::pair<size_t, std::string>> order;
     for (const auto& entry : by_material_) {
       order.emplace_back(contents_->materials.at(entry.first).first,
@@ -79,7 +80,7 @@ class MaterialScaling {
                                  "sections alone",
                              error_);
     }
-    // Composites and general sections keep it as it is.
+    // Composites and general sections need it unchanged.
     if (!material.sections.empty()) kinds[{1.0, 1.0}];
     auto kept = kinds.find({1.0, 1.0});
     if (kept == kinds.end()) kept = kinds.begin();
@@ -112,7 +113,8 @@ class MaterialScaling {
                           block, error_);
   }
 
-  // Nothing that may belong to it is left behind, and nothing else doubled.
+  // Returns true if the copy would include every block that may belong to the
+  // material, and no other.
   bool CanBeCopied(const DeckMaterial& material) const {
     if (material.in_the_way.empty()) return true;
     const DeckBlock& block = blocks_[material.in_the_way[0]];
@@ -146,7 +148,7 @@ class MaterialScaling {
   // Owners of each material by their factors.
   std::map<std::string, std::map<Factors, std::vector<size_t>>> by_material_;
   std::map<size_t, std::string> renamed_;  // owner: new material
-  // In front of which block they come, and their blocks.
+  // Copies: the block before which each is inserted, and its own blocks.
   std::vector<std::pair<size_t, std::vector<DeckBlock>>> copies_;
 };
 

@@ -14,16 +14,15 @@ std::vector<std::string_view> FieldsOf(const std::string& line) {
   return Split(line, ',');
 }
 
-// CalculiX and Abaqus read twenty characters, and CalculiX tells a number from
-// a direction by its point.
+// Returns a number as text. CalculiX and Abaqus read twenty characters.
+// CalculiX distinguishes a number from a direction by its decimal point.
 std::string FormatDeckNumber(double value) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.13E", value);
   return text;
 }
 
-// Fields that are moduli, for each of the lines that one set of constants goes
-// over.
+// Finds the fields that are moduli, for each line of one set of constants.
 bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
               std::string* error) {
   const std::string* given = block.keyword.Find("TYPE");
@@ -54,7 +53,8 @@ bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
   return true;
 }
 
-// One or two of 1 to 6, a comma behind them or not.
+// Returns true for one or two directions of 1 to 6, with or without a comma
+// behind them.
 bool AreDirections(const std::string& line) {
   std::vector<std::string_view> fields = FieldsOf(line);
   if (fields.size() > 1 && StripBlanks(fields.back()).empty()) {
@@ -69,13 +69,13 @@ bool AreDirections(const std::string& line) {
   return directions;
 }
 
-// Which lines below *SPRING have constants or forces.
+// Finds the lines below *SPRING that have constants or forces.
 bool DropDirections(const DeckBlock& block, SpringStart start,
                     std::vector<size_t>* data, std::string* error) {
   if (start == SpringStart::kConstants || data->empty()) return true;
   const std::string& first = block.lines[data->front()];
   const bool must = start == SpringStart::kDirections;
-  // A blank line in the place of directions says that there are none.
+  // A blank line instead of directions means that there are none.
   const bool blank =
       data->front() > 0 && StripBlanks(block.lines[data->front() - 1]).empty();
   const bool maybe =
@@ -94,8 +94,8 @@ bool DropDirections(const DeckBlock& block, SpringStart start,
   return true;
 }
 
-// Which of the fields of each of the lines that one set of constants goes over
-// are in proportion to stiffness or mass.
+// Finds, for each line of one set of constants, the fields that are
+// proportional to stiffness or mass.
 bool ScaledFieldsOf(const DeckBlock& block,
                     std::vector<std::vector<size_t>>* by_line,
                     std::string* error) {

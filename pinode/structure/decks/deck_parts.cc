@@ -22,7 +22,8 @@ class DeckReader {
   DeckReader(const std::string& path, DeckParts* parts, std::string* error)
       : main_path_(path), parts_(parts), error_(error) {}
 
-  // Data of a keyword may stand in a file that is included below it.
+  // Reads a file. The data of a keyword may be in a file that is included below
+  // it.
   bool ReadFile(const std::string& path, const std::string& content,
                 int depth) {
     LineReader lines(path, content);
@@ -62,7 +63,8 @@ class DeckReader {
     return false;
   }
 
-  // Names and messages are UTF-8; comments and headings stay as they are.
+  // Checks that names are UTF-8, as messages need it. Comments and headings may
+  // have any encoding.
   bool CheckEncoding(const LineReader& lines, std::string_view line) const {
     if (line[0] != '*' && section_ == Section::kHeading) return true;
     return FirstInvalidUtf8(std::string(line)) == std::string::npos ||
@@ -314,10 +316,10 @@ class DeckReader {
            ParseInt(field.substr(point + 1), &reference->number);
   }
 
-  // An element may go on over lines.
+  // Reads an element, which may continue over several lines.
   bool ReadElement(const LineReader& lines, std::string_view line) {
     if (type_ == nullptr) {
-      // One line an element, about: the note says how many there are.
+      // Counts about one line per element: the note gives their number.
       if (line.back() != ',') CountUnknown();
       return true;
     }

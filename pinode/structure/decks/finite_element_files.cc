@@ -31,7 +31,7 @@ const char* RoleName(int role) {
   return kNames[role];
 }
 
-// Names that programs and people give to matrices, lower case.
+// Returns the usual names of a matrix, in lower case.
 const std::vector<std::string>& UsualNames(int role) {
   static const std::vector<std::string> kUsual[] = {
       {"m", "mass", "mgg", "maa", "mff", "mhh", "mxx"},
@@ -44,7 +44,7 @@ std::string Extension(const std::string& path) {
   return LowerCase(std::filesystem::path(WithoutGz(path)).extension().string());
 }
 
-// A matrix as its file has it.
+// A matrix as in its file.
 struct LoadedMatrix {
   enum class Kind { kAbsent, kWhole, kIndexed, kAbaqus };
 
@@ -288,7 +288,7 @@ class ModelReader {
             (names.empty() ? "(the file has none)" : Join(names, ", ")));
   }
 
-  // For how many matrices the file is named.
+  // Returns the number of matrices that are read from this file.
   int UsedBy(const std::string& path) const {
     int count = 0;
     for (const MatrixSource* source : sources_) {

@@ -46,7 +46,7 @@ bool ReadAbaqusMatrixText(const std::string& path, const std::string& content,
   std::string_view line;
   while (lines.NextContent('*', &line)) {
     std::vector<std::string_view> fields = Split(line, ',');
-    // Abaqus likes to end a line with a comma.
+    // Abaqus often ends a line with a comma.
     if (fields.size() == 6 && fields.back().empty()) fields.pop_back();
     NamedEntry entry;
     if (fields.size() != 5 || !ParseDof(fields[0], fields[1], &entry.row) ||

@@ -43,8 +43,8 @@ bool AddEntry(size_t row, size_t column, double value,
   return true;
 }
 
-// The entries of a variable whose data have been read; false with a sentence in
-// *what that continues "variable 'x' ...".
+// Returns the entries of a variable whose data have been read. False with a
+// sentence in *what that continues "variable 'x' ...".
 bool FullEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
                  std::string* what) {
   const size_t rows = variable.dims[0];
@@ -119,7 +119,8 @@ bool BuildMatrix(const matvar_t& variable, SparseMatrix* matrix,
   return true;
 }
 
-// Row `row` of a character array; only ASCII, which is what names of DOFs are.
+// Reads row `row` of a character array. Only ASCII is accepted, as for names of
+// DOFs.
 bool CharacterRow(const matvar_t& variable, size_t row, std::string* text) {
   const size_t rows = variable.dims[0];
   const size_t columns = variable.dims[1];

@@ -53,7 +53,7 @@ bool CheckParts(const SparseParts& parts, int64_t outer, std::string* what) {
   return true;
 }
 
-// Row and column of one entry after the other.
+// Iterates over the rows and columns of the entries.
 class Places {
  public:
   Places(const SparseParts& parts, int64_t outer)

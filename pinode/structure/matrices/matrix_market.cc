@@ -226,7 +226,7 @@ bool ReadArrayEntries(LineReader* lines, const MatrixMarketHeader& header,
         return false;
       }
       entry.line = lines->number();
-      // A full matrix states all its zeros; they are no sparsity.
+      // A full matrix lists all its zeros. They are not part of a sparsity.
       if (entry.value != 0.0) entries->push_back(entry);
       ++found;
       if (++entry.row == header.rows) {
@@ -241,7 +241,7 @@ bool ReadArrayEntries(LineReader* lines, const MatrixMarketHeader& header,
   return true;
 }
 
-// Values and stored places alike.
+// Compares values and stored places.
 bool IsExactlySymmetric(const SparseMatrix& matrix) {
   if (matrix.rows() != matrix.cols()) return false;
   const SparseMatrix transpose = matrix.transpose();

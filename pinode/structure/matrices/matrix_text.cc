@@ -11,7 +11,7 @@ namespace pinode {
 
 LineReader::LineReader(const std::string& path, std::string_view text)
     : path_(path), rest_(text) {
-  // Windows programs like to begin with a byte order mark.
+  // Windows programs often begin a file with a byte order mark.
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (rest_.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
     rest_.remove_prefix(kByteOrderMark.size());

@@ -27,7 +27,8 @@ const NumpyArray* Find(const Arrays& arrays, const std::string& name) {
   return found == arrays.end() ? nullptr : &found->second;
 }
 
-// The parts whose names begin with `prefix`; false if they are not complete.
+// Finds the parts whose names begin with `prefix`. Returns false if they are
+// not complete.
 bool FindParts(const Arrays& arrays, const std::string& prefix,
                SparseParts* parts) {
   parts->data = Find(arrays, prefix + "data");
@@ -43,7 +44,7 @@ bool FindParts(const Arrays& arrays, const std::string& prefix,
          parts->indices != nullptr;
 }
 
-// The format that scipy.sparse.save_npz states; empty without one.
+// Returns the format that scipy.sparse.save_npz states; empty if there is none.
 std::string SparseFormat(const Arrays& arrays, const std::string& prefix) {
   const NumpyArray* format = Find(arrays, prefix + "format");
   if (format == nullptr || format->is_number() || format->size() != 1) {
@@ -54,7 +55,7 @@ std::string SparseFormat(const Arrays& arrays, const std::string& prefix) {
 
 enum class ArrayUse { kNone, kBad, kGood };
 
-// The sparse matrix of which "<prefix>data" is a part, if it is one.
+// Finds the sparse matrix of which "<prefix>data" is a part, if it is one.
 ArrayUse FindSparse(const Arrays& arrays, const std::string& prefix,
                     SparseParts* parts, std::string* what) {
   const std::string format = SparseFormat(arrays, prefix);

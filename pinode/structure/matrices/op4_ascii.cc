@@ -12,7 +12,8 @@
 namespace pinode {
 namespace {
 
-// Fixed columns, as Fortran writes them: numbers may touch each other.
+// Returns a field of fixed columns, as Fortran writes them: numbers may touch
+// each other.
 std::string_view Field(std::string_view line, size_t begin, size_t width) {
   return begin < line.size() ? line.substr(begin, width) : std::string_view();
 }
@@ -64,7 +65,7 @@ class Op4AsciiReader {
                       error);
   }
 
-  // "1p,5e16.9": five numbers a line, 16 places each.
+  // Reads "1p,5e16.9": five numbers per line, 16 places each.
   bool ReadFormat(const std::string& format, std::string* error) {
     per_line_ = 5;
     width_ = 16;
@@ -94,8 +95,8 @@ class Op4AsciiReader {
                        error);
   }
 
-  // Column headers until the one behind the last column, which ends a matrix
-  // with one number that means nothing.
+  // Reads column headers up to the one behind the last column. That header ends
+  // a matrix, with one number that has no meaning.
   bool ReadColumns(Op4Matrix* matrix, std::string* error) {
     for (;;) {
       std::string_view line;
@@ -125,7 +126,7 @@ class Op4AsciiReader {
 
   bool ReadDense(int64_t row, int64_t column, int64_t numbers,
                  Op4Matrix* matrix, std::string* error) {
-    // Some programs count two words a number in double precision.
+    // Some programs count two words per number in double precision.
     if (matrix->type % 2 == 0 && numbers % 2 == 0 &&
         !matrix->Fits(row, numbers) && matrix->Fits(row, numbers / 2)) {
       numbers /= 2;

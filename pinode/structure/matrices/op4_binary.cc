@@ -119,7 +119,7 @@ class Op4BinaryReader {
     matrix->form = IntegerAt(record, 2);
     matrix->type = IntegerAt(record, 3);
     const int64_t rows = IntegerAt(record, 1);
-    // Its negative exists.
+    // Checked before the number is negated, which could overflow.
     if (rows < -kMaxFiniteElementDofs) {
       *what = "matrix " + Quote(matrix->name) + " has " + std::to_string(rows) +
               " rows, and at most " + std::to_string(kMaxFiniteElementDofs) +
@@ -230,16 +230,17 @@ class Op4BinaryReader {
   size_t position_ = 0;
 };
 
-// How the integers of a file are written.
+// Format of the integers in a file.
 struct Form {
   bool swapped = false;
   size_t marker = 0;  // bytes of a record's length
   size_t word = 0;    // bytes of an integer
 };
 
-// A binary file begins with the length of its first record: in 4 bytes, or in 8
-// where Fortran was compiled so (gfortran's -frecord-marker=8). As no matrix
-// has 0 columns, zeros behind a length of 4 bytes are the rest of 8.
+// Finds the format. A binary file begins with the length of its first record:
+// in 4 bytes, or in 8 with some compiler options of Fortran (gfortran's
+// -frecord-marker=8). No matrix has 0 columns, so zeros behind a length of 4
+// bytes are the rest of 8 bytes.
 bool FindForm(const std::string& content, Form* form) {
   constexpr int64_t kShortHeader = 24;
   constexpr int64_t kLongHeader = 48;

@@ -7,8 +7,8 @@
 namespace pinode {
 namespace {
 
-// Rows above which a string header of 16 bits for the row does not suffice, so
-// that Nastran writes BIGMAT on its own.
+// Number of rows above which 16 bits for the row in a string header are too
+// few. Nastran then writes BIGMAT by itself.
 constexpr int64_t kBigMatrixRows = 65536;
 
 }  // namespace

@@ -7,10 +7,10 @@
 namespace pinode {
 namespace {
 
-// Minimum-cost assignment of every row of `cost`, which has at least as many
-// columns as rows. Rows enter one at a time; each is placed along the cheapest
-// alternating path, where "cheap" is the reduced cost under the potentials of
-// the rows and columns, which stays non-negative throughout.
+// Returns the minimum-cost assignment of every row of `cost`, which has at
+// least as many columns as rows. Rows enter one at a time. Each is placed along
+// the cheapest alternating path. The cost of a path is the reduced cost under
+// the potentials of the rows and columns, which stays non-negative.
 std::vector<int> AssignRows(const Matrix& cost) {
   const int rows = static_cast<int>(cost.rows());
   const int columns = static_cast<int>(cost.cols());

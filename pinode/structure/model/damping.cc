@@ -57,8 +57,8 @@ bool RayleighFromRatios(double frequency_a_hz, double ratio_a,
              " Hz; frequencies of the structure's modes were expected";
     return false;
   }
-  // Purely mass- or stiffness-proportional damping is meant exactly; rounding
-  // must not refuse it.
+  // Exactly mass- or stiffness-proportional damping must not be refused because
+  // of rounding.
   const double rounding = 1e-14 * (ratio_a + ratio_b);
   if (a0 < -rounding * (w_a + w_b) || a1 < -rounding / (w_a + w_b)) {
     *error = std::string("Rayleigh damping: the ") +

@@ -14,20 +14,20 @@
 namespace pinode {
 namespace {
 
-// Eigenvalues of the damped structure, and how much each undamped mode takes
-// part in each.
+// Eigenvalues of the damped structure, and the participation of each undamped
+// mode in each of them.
 struct DampedEigenvalues {
   ComplexVector values;  // 2 n; conjugates are neighbours
   Matrix participation;  // 2 n x n, rows sum to one
 };
 
-// In modal coordinates x = Phi q, with w = sqrt|w^2| and the state (w q,
-// dq/dt),
+// Computes the eigenvalues in modal coordinates x = Phi q, with w = sqrt|w^2|
+// and the state (w q, dq/dt),
 //
-//   d/dt [w q; q'] = [0, W; -sign W, -Phi' C Phi] [w q; q'],
+//   d/dt [w q; q'] = [0, W; -sign W, -Phi' C Phi] [w q; q'].
 //
-// whose two halves are, squared, twice the strain and the kinetic energy. The
-// matrix is nearly skew, so its eigenvalues are well conditioned.
+// The squares of its two halves are twice the strain and the kinetic energy.
+// The matrix is nearly skew, so its eigenvalues are well conditioned.
 bool ComputeDampedEigenvalues(const UndampedModes& undamped,
                               const Matrix& damping, DampedEigenvalues* damped,
                               std::string* error) {
@@ -56,8 +56,8 @@ bool ComputeDampedEigenvalues(const UndampedModes& undamped,
   return true;
 }
 
-// The two eigenvalues of each undamped mode. A conjugate pair stays together;
-// the modes that get none share out the real eigenvalues.
+// Returns the two eigenvalues of each undamped mode. A conjugate pair stays
+// together. The modes without a pair share the real eigenvalues.
 std::vector<std::pair<std::complex<double>, std::complex<double>>>
 PairEigenvalues(const DampedEigenvalues& damped) {
   const int n = static_cast<int>(damped.participation.cols());
@@ -72,9 +72,9 @@ PairEigenvalues(const DampedEigenvalues& damped) {
   CHECK_EQ(static_cast<int>(real.size()), 2 * num_overdamped)
       << "complex eigenvalues of a real matrix come in conjugate pairs";
 
-  // Which modes oscillate: every conjugate pair is a candidate for every mode,
-  // and so is "a pair of the real ones", worth half of what all of them
-  // together have of the mode.
+  // Finds the modes that oscillate. Every conjugate pair is a candidate for
+  // every mode. So is "a pair of the real ones", with half of their total
+  // participation in the mode.
   Matrix profit(n, n);
   Vector of_real = Vector::Zero(n);
   for (const int k : real) of_real += 0.5 * damped.participation.row(k);
@@ -106,10 +106,12 @@ PairEigenvalues(const DampedEigenvalues& damped) {
   return pairs;
 }
 
-// The damping ratio of two real eigenvalues, NaN where they do not have one.
+// Returns the damping ratio of two real eigenvalues, NaN if they do not have
+// one.
 double OverdampedRatio(double first, double second) {
   if (!(first * second > 0.0)) return kNaN;
-  // The geometric mean, root by root: the product may leave the range.
+  // The geometric mean, with each root separately: the product may overflow or
+  // underflow.
   const double frequency =
       std::sqrt(std::abs(first)) * std::sqrt(std::abs(second));
   return -0.5 * (first + second) / frequency;
@@ -130,8 +132,8 @@ void CheckSizes(const Matrix& mass, const Matrix& damping,
 
 bool ComputeUndampedModes(const Matrix& mass, const Matrix& stiffness,
                           UndampedModes* modes, std::string* error) {
-  // A unit diagonal of M makes the result independent of units and of
-  // rotations beside translations.
+  // A unit diagonal of M makes the result independent of units, also for
+  // rotations and translations together.
   if ((mass.diagonal().array() <= 0.0).any()) {
     *error = "the mass matrix is not positive definite: a DOF has no mass";
     return false;
@@ -157,8 +159,8 @@ bool ComputeUndampedModes(const Matrix& mass, const Matrix& stiffness,
   modes->shapes = scale.asDiagonal() * solver.eigenvectors();
 
   const Eigen::Index n = mass.rows();
-  // Dense eigenvalues carry an error of a few roundings of the largest one;
-  // nothing below that can be told from zero.
+  // Dense eigenvalues have an error of a few roundings of the largest one.
+  // Smaller values cannot be distinguished from zero.
   const double rounding = 8.0 * static_cast<double>(n) *
                           std::numeric_limits<double>::epsilon() *
                           modes->eigenvalues.cwiseAbs().maxCoeff();
@@ -204,7 +206,8 @@ bool ComputeModes(const Matrix& mass, const Matrix& damping,
     modes->frequency_hz[i] =
         eigenvalue < 0.0 ? kNaN : std::sqrt(eigenvalue) / kTwoPi;
     const std::complex<double> s = pairs[i].first;
-    // A double eigenvalue zero comes apart by the root of rounding.
+    // Rounding separates a double eigenvalue zero by the root of the rounding
+    // error.
     const bool at_rest = eigenvalue == 0.0 && std::abs(s) <= at_rest_below;
     modes->damped_frequency_hz[i] = at_rest ? 0.0 : std::abs(s.imag()) / kTwoPi;
     if (at_rest) {

@@ -16,8 +16,8 @@ std::vector<Eigen::Index> RigidBodies(const ModalProperties& modes) {
   return rigid;
 }
 
-// Any mixture of rigid-body modes is one: takes those of `after` that are
-// nearest to those of `before`.
+// Any combination of rigid-body modes is a rigid-body mode. Takes the
+// combinations of `after` that are nearest to those of `before`.
 void AlignRigidBodies(const ModalProperties& before, const Matrix& mass,
                       ModalProperties* after) {
   const std::vector<Eigen::Index> from = RigidBodies(before);

@@ -24,7 +24,7 @@ std::string SizeText(Eigen::Index rows, Eigen::Index columns) {
   return std::to_string(rows) + " x " + std::to_string(columns);
 }
 
-// "('u1', 'u2')": an entry by the names of its row and column.
+// Returns "('u1', 'u2')": an entry by the names of its row and column.
 std::string EntryText(const std::vector<std::string>& row_names,
                       const std::vector<std::string>& column_names, int row,
                       int column) {
@@ -94,8 +94,8 @@ bool IsSymmetricMatrix(const std::string& what, const Matrix& matrix,
   return false;
 }
 
-// `mass` is symmetric. The test is on M scaled to a unit diagonal, so that it
-// does not depend on units or on rotations beside translations.
+// Checks a symmetric `mass`. The test uses M scaled to a unit diagonal, so that
+// it does not depend on units, also for rotations and translations together.
 bool IsPositiveDefiniteMass(const Matrix& mass,
                             const std::vector<std::string>& dof_names,
                             std::string* error) {
@@ -112,8 +112,8 @@ bool IsPositiveDefiniteMass(const Matrix& mass,
       scale.asDiagonal() * SymmetricPart(mass) * scale.asDiagonal();
   const double floor = n * std::numeric_limits<double>::epsilon();
   const Eigen::LLT<Matrix> cholesky(scaled);
-  // A squared pivot is at least the smallest eigenvalue, and where one fails
-  // the eigenvalues tell how badly.
+  // A squared pivot is at least the smallest eigenvalue. If a pivot fails, the
+  // eigenvalues show by how much.
   if (cholesky.info() == Eigen::Success &&
       cholesky.matrixLLT().diagonal().cwiseAbs2().minCoeff() > floor) {
     return true;

@@ -93,8 +93,8 @@ bool CheckMatrix(const std::string& name, const SparseMatrix& matrix,
   return true;
 }
 
-// A matrix is positive semidefinite if its diagonal outweighs each row: true of
-// lumped masses, at no cost.
+// Returns true if the diagonal outweighs each row. A matrix is then positive
+// semidefinite. This holds for lumped masses and costs little.
 bool IsDiagonallyDominant(const SparseMatrix& matrix) {
   Vector off_diagonal = Vector::Zero(matrix.rows());
   Vector diagonal = Vector::Zero(matrix.rows());
@@ -139,7 +139,7 @@ bool CheckMass(const SparseMatrix& mass, const std::vector<std::string>& names,
   SparseMatrix scaled = scale.asDiagonal() * mass * scale.asDiagonal();
   SparseMatrix shift(mass.rows(), mass.cols());
   shift.setIdentity();
-  // Massless DOFs get any positive pivot, for they do not matter here.
+  // Massless DOFs get any positive pivot, because they do not matter here.
   scaled += kDefinitenessTolerance * shift;
   const Eigen::SimplicialLDLT<SparseMatrix> factors(scaled);
   const Vector pivots = factors.vectorD();
@@ -230,7 +230,8 @@ std::vector<std::string> NumberRepeatedNames(std::vector<std::string> names,
     const int number = ++seen[name];
     if (number == 1) repeated.push_back(name);
     std::string numbered = name + "#" + std::to_string(number);
-    // A file may hold `a#1` beside two `a`; nothing is merged then either.
+    // A file may have `a#1` in addition to two `a`. These must not be merged
+    // either.
     while (count.count(numbered) > 0) numbered += "'";
     name = std::move(numbered);
   }

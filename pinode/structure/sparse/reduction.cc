@@ -22,10 +22,10 @@
 namespace pinode {
 namespace {
 
-// Modes at the kept DOFs count as independent above this ratio of singular
-// values; below, T magnifies rounding and noise a million times.
+// Ratio of singular values above which modes at the kept DOFs count as
+// independent. Below it, T magnifies rounding and noise a million times.
 constexpr double kSmallestObservability = 1e-6;
-// Below this share of the largest entry nothing of a shape is known.
+// Share of the largest entry below which the entries of a shape are rounding.
 constexpr double kRoundingOfShapes = 1e-10;
 
 // Positions of the kept DOFs, and of all others in ascending order.
@@ -41,7 +41,8 @@ bool FindKept(const FiniteElementModel& model,
   for (const std::string& name : names) {
     const int dof = model.DofIndex(name);
     if (dof < 0) {
-      // The hint compares with every name, which is too much for large models.
+      // Largest model for which the hint compares every name. It would take too
+      // long for larger models.
       constexpr int kHinted = 2000;
       *error = "the kept DOF '" + name + "' does not exist" +
                (model.num_dofs() <= kHinted ? NameHint(name, model.dof_names)
@@ -61,8 +62,8 @@ bool FindKept(const FiniteElementModel& model,
   return true;
 }
 
-// The rows and columns of the other DOFs, and the columns of the kept ones in
-// the others' rows.
+// Returns the rows and columns of the other DOFs. *coupling receives the
+// columns of the kept DOFs in the others' rows.
 SparseMatrix OthersBlock(const SparseMatrix& matrix, const Partition& partition,
                          Matrix* coupling) {
   std::vector<int> kept_place(static_cast<size_t>(matrix.rows()), -1);
@@ -94,9 +95,9 @@ SparseMatrix OthersBlock(const SparseMatrix& matrix, const Partition& partition,
   return block;
 }
 
-// A DOF that moves where a matrix is not positive definite: the one that gives
-// way most to forces once a little is added to the diagonal, without which
-// there would be no factors.
+// Returns a DOF that moves if a matrix is not positive definite: the one that
+// yields most to forces. A small amount is added to the diagonal first, so that
+// the factors exist.
 int LooseDof(const SparseMatrix& stiffness) {
   SparseMatrix little(stiffness.rows(), stiffness.rows());
   little.setIdentity();
@@ -113,7 +114,8 @@ int LooseDof(const SparseMatrix& stiffness) {
   return static_cast<int>(loosest);
 }
 
-// Kept DOFs hold the rigid-body modes, or the others could not follow them.
+// Checks that the kept DOFs prevent the rigid-body modes. Otherwise the others
+// could not follow them.
 bool HoldRigidBody(const FiniteElementModel& model, const Partition& partition,
                    const Matrix& rigid_shapes, std::string* error) {
   const std::vector<int> missing =
@@ -133,7 +135,8 @@ bool HoldRigidBody(const FiniteElementModel& model, const Partition& partition,
   return false;
 }
 
-// T of Guyan, with `num_modes` columns of modes of the others behind.
+// Computes T of Guyan, followed by `num_modes` columns of modes of the other
+// DOFs.
 bool ConstraintBasis(const FiniteElementModel& model,
                      const Partition& partition, int num_modes, Matrix* basis,
                      std::string* error) {
@@ -183,9 +186,10 @@ bool ConstraintBasis(const FiniteElementModel& model,
   return true;
 }
 
-// W of SEREP and modal truncation: modes to coordinates. Its first columns move
-// one kept DOF by one and the others not at all, with the least of the modes;
-// the rest move none: they are the modes of what is left, orthonormal.
+// Computes W of SEREP and modal truncation: modes to coordinates. Its first
+// columns move one kept DOF by one and the others not at all, with the smallest
+// combination of modes. The other columns move no kept DOF: they are the modes
+// of the remaining motion, orthonormal.
 bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
                       const Vector& eigenvalues, Matrix* modes_of_coordinates,
                       std::string* error) {
@@ -203,8 +207,9 @@ bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
     at_kept.row(i) = shapes.row(partition.kept[static_cast<size_t>(i)]);
     size[i] = at_kept.row(i).norm();
   }
-  // Rows of one size, so that the units of translations and rotations do not
-  // matter; a DOF that the modes move by rounding alone is none of theirs.
+  // Rows are scaled to one size, so that the units of translations and
+  // rotations do not matter. A DOF that moves by rounding alone does not take
+  // part in the modes.
   bool independent =
       size.minCoeff() > kRoundingOfShapes * shapes.cwiseAbs().maxCoeff();
   Eigen::JacobiSVD<Matrix> svd;
@@ -239,9 +244,9 @@ bool ModalCoordinates(const Partition& partition, const Matrix& shapes,
   return true;
 }
 
-// The basis of the lowest modes, and M and K in it as they would be without the
-// rounding of sums over all DOFs, which makes of a rigid-body mode one that
-// hangs on the last digit.
+// Computes the basis of the lowest modes, and M and K in it without the
+// rounding of sums over all DOFs. That rounding would turn a rigid-body mode
+// into a mode determined by the last digit.
 bool ModalBasis(const Partition& partition, int num_modes,
                 ReducedModel* reduced, std::string* error) {
   const SparseModes& whole = reduced->whole_modes;
@@ -251,7 +256,7 @@ bool ModalBasis(const Partition& partition, int num_modes,
              std::to_string(whole.eigenvalues.size());
     return false;
   }
-  // Which mixture of them a part would be is left to rounding.
+  // Only rounding would determine the combination in a part of them.
   if (num_modes < whole.num_rigid_body_modes) {
     *error = std::to_string(num_modes) + " modes are taken of a model with " +
              std::to_string(whole.num_rigid_body_modes) +
@@ -280,12 +285,12 @@ bool ModalBasis(const Partition& partition, int num_modes,
   return true;
 }
 
-// Modes first .. last - 1 of the whole model have one frequency, to this: any
-// mixture of them is as much a mode as they are.
+// Relative tolerance for equal frequencies. If modes first .. last - 1 of the
+// whole model have one frequency, any combination of them is a mode too.
 constexpr double kSameFrequency = 1e-6;
 
-// Part of an elastic frequency that rounding may leave in the place of zero:
-// its square is that of eigenvalues.
+// Share of an elastic frequency that may be rounding of zero. Its square
+// applies to eigenvalues.
 constexpr double kRounding = 1e-5;
 
 int ClusterEnd(const Vector& eigenvalues, int first, int count) {
@@ -297,21 +302,21 @@ int ClusterEnd(const Vector& eigenvalues, int first, int count) {
   return last;
 }
 
-// The squared cosine between a shape and the space of some others: the MAC
-// where that is one.
+// Returns the squared cosine between a shape and the space of some others. With
+// one shape it is the MAC.
 double MacOfSpace(const Vector& shape, const Matrix& space) {
   const Vector nearest = space * space.householderQr().solve(shape);
   return Mac(shape, nearest);
 }
 
-// Fills in what the reduction costs.
+// Computes the error of the reduction.
 bool Compare(int count, ReducedModel* reduced, std::string* error) {
   const SparseModes& whole = reduced->whole_modes;
   const SparseMatrix mass = reduced->mass.sparseView(0.0, 0.0);
   const SparseMatrix stiffness = reduced->stiffness.sparseView(0.0, 0.0);
   SparseModes modes;
-  // More than are compared, for the best partner of a mode need not have its
-  // place.
+  // More modes than are compared, because the best partner of a mode may have
+  // another position.
   const int candidates =
       std::min(2 * count, static_cast<int>(reduced->mass.rows()));
   if (!ComputeLowestModes(mass, stiffness, candidates, &modes, error)) {
@@ -325,8 +330,7 @@ bool Compare(int count, ReducedModel* reduced, std::string* error) {
       PairModes(whole.mode_shapes.leftCols(count), expanded);
   reduced->frequency_error.resize(count);
   reduced->mac.resize(count);
-  // The lowest eigenvalue of the whole model that is none of a rigid body; 0:
-  // none is compared.
+  // The lowest elastic eigenvalue of the whole model; 0: none is compared.
   double elastic = 0.0;
   for (int i = count - 1; i >= 0; --i) {
     if (whole.frequency_hz[i] > 0.0) elastic = whole.eigenvalues[i];
@@ -336,8 +340,8 @@ bool Compare(int count, ReducedModel* reduced, std::string* error) {
     const double found = modes.frequency_hz[partner[static_cast<size_t>(i)]];
     double relative = (found - exact) / exact;
     if (exact == 0.0) {
-      // The products that make the reduced matrices leave a rigid body a little
-      // stiffness by rounding, of either sign.
+      // Rounding in the products of the reduced matrices gives a rigid body a
+      // small stiffness of either sign.
       const double left = modes.eigenvalues[partner[static_cast<size_t>(i)]];
       relative = std::abs(left) <= kRounding * elastic
                      ? 0.0
@@ -389,7 +393,7 @@ bool CheckOptions(const FiniteElementModel& model,
   return true;
 }
 
-// q, unless a kept DOF is called so.
+// Returns "q", unless a kept DOF has such a name.
 std::string ModePrefix(const ReductionOptions& options) {
   std::string prefix = "q";
   for (int i = 1; i <= options.num_modes; ++i) {
@@ -404,7 +408,7 @@ std::string ModePrefix(const ReductionOptions& options) {
   return prefix;
 }
 
-// At least `needed` modes, and the first that is elastic.
+// Computes at least `needed` modes, and the first elastic one.
 bool ModesOfWhole(const FiniteElementModel& model, int needed,
                   SparseModes* whole, std::string* error) {
   for (int count = std::min(needed, model.num_dofs());;) {
@@ -420,7 +424,8 @@ bool ModesOfWhole(const FiniteElementModel& model, int needed,
   }
 }
 
-// T of Guyan or of Craig and Bampton, M, K and the rigid-body modes in it.
+// Computes T of Guyan or of Craig and Bampton, and M, K and the rigid-body
+// modes in it.
 bool ReduceByConstraints(const FiniteElementModel& model,
                          const Partition& partition, int num_modes,
                          ReducedModel* reduced, std::string* error) {
@@ -429,7 +434,8 @@ bool ReduceByConstraints(const FiniteElementModel& model,
       !ConstraintBasis(model, partition, num_modes, &reduced->basis, error)) {
     return false;
   }
-  // As the others follow the kept DOFs, no mode of theirs takes part.
+  // In a rigid-body motion the others follow the kept DOFs, so no mode of
+  // theirs takes part.
   reduced->rigid_body_motions =
       Matrix::Zero(reduced->basis.cols(), rigid_shapes.cols());
   for (size_t i = 0; i < partition.kept.size(); ++i) {
@@ -514,7 +520,7 @@ bool ReduceModel(const FiniteElementModel& model,
                  std::string* error) {
   CHECK(reduced != nullptr);
   CHECK(error != nullptr);
-  // The factorisation throws where memory runs out.
+  // The factorisation throws if memory runs out.
   try {
     return Reduce(model, options, reduced, error);
   } catch (const std::exception& problem) {

@@ -9,16 +9,17 @@
 namespace pinode {
 namespace {
 
-// DOFs hold motions independently above this ratio of singular values; below,
-// what is held follows from rounding of the shapes.
+// Ratio of singular values above which DOFs fix motions independently. Below
+// it, rounding of the shapes would determine the result.
 constexpr double kSmallestHold = 1e-6;
-// A DOF that moves by less than this share of the largest entry takes no part.
+// Share of the largest entry below which a DOF does not take part in a motion.
 constexpr double kRoundingOfMotion = 1e-8;
-// Resistance below this share of the terms that cancel in it is rounding, of
+// Share of the cancelling terms below which a resistance is rounding, either of
 // the products or of an export's fourteen digits.
 constexpr double kNoResistance = 1e-10;
 
-// The combinations of columns that `rows` (of any length each) leave at zero.
+// Returns the combinations of columns for which `rows` (of any length each) are
+// zero.
 Matrix NullSpace(Matrix rows, double least) {
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const double size = rows.row(i).norm();
@@ -76,8 +77,8 @@ std::vector<int> DofsToHold(const Matrix& shapes, const Vector& mass_diagonal,
 Matrix WithoutResistance(const Matrix& matrix, const Matrix& motions) {
   CHECK_EQ(matrix.rows(), motions.rows()) << "a row for each coordinate";
   if (motions.cols() == 0) return matrix;
-  // In y = S r with S^2 the diagonal, so that units do not matter. Coordinates
-  // on which the matrix does not act stay out.
+  // The coordinates are y = S r with S^2 the diagonal, so that units do not
+  // matter. Coordinates on which the matrix does not act are left out.
   const Vector scale = matrix.diagonal().cwiseAbs().cwiseSqrt();
   Vector inverse = Vector::Zero(scale.size());
   for (Eigen::Index i = 0; i < scale.size(); ++i) {

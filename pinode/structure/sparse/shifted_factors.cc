@@ -10,14 +10,14 @@
 namespace pinode {
 namespace {
 
-// Pivots of a matrix with unit diagonal below this are taken for zero: a beam
-// of a thousand elements has 1e-12, rounding leaves 1e-16.
+// Pivots below this count as zero in a matrix with unit diagonal. A beam of a
+// thousand elements has 1e-12, and rounding causes 1e-16.
 constexpr double kSmallestPivot = 1e-13;
-// Below this many rows either order is quick, and METIS the slower one.
+// Number of rows below which both orders are fast, and METIS is the slower one.
 constexpr Eigen::Index kNestedFrom = 2000;
 
-// The neighbours of each row, itself not among them. False where METIS finds
-// no order.
+// Finds the order from the neighbours of each row (without the row itself).
+// Returns false if METIS finds no order.
 bool NestedDissection(
     const SparseMatrix& symmetric,
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>* inverse) {

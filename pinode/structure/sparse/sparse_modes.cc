@@ -23,22 +23,22 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // Required accuracy of each mode.
 constexpr double kLargestErrorBound = 1e-8;
-// Eigenvalues nearer to each other than this (relative) are one cluster: the
-// count is taken above all of it.
+// Relative width of a cluster of eigenvalues. Eigenvalues are counted above the
+// whole cluster.
 constexpr double kClusterWidth = 1e-6;
-// Below this many DOFs the dense solver is the quicker one.
+// Number of DOFs below which the dense solver is faster.
 constexpr int kAlwaysDense = 300;
-// And above this many it takes more time and memory than anybody expects.
+// Number of DOFs above which the dense solver takes too much time and memory.
 constexpr int kLargestDense = 4000;
-// Stiffness below this share of the parts that cancel in it hangs on the last
+// Share of the cancelling parts below which a stiffness depends on the last
 // digits of a file.
 constexpr double kLastDigits = 1e-9;
 
-// With K - shift M = F F' positive definite, H = F^-1 M F^-T is symmetric
-// and positive semidefinite with eigenvalues 1 / (w^2 - shift); those of
-// massless motions are zero. Unlike the usual (K - shift M)^-1 M it needs no
-// M-inner product, which a singular M would make a seminorm. Vectors already
-// found are projected out.
+// The inverse operator. With K - shift M = F F' positive definite, H = F^-1 M
+// F^-T is symmetric and positive semidefinite with eigenvalues 1 / (w^2 -
+// shift). Those of massless motions are zero. Unlike the usual (K - shift M)^-1
+// M it needs no M-inner product, which would be a seminorm for a singular M.
+// Vectors already found are projected out.
 class InverseOperator {
  public:
   using Scalar = double;  // what Spectra calls it
@@ -78,8 +78,8 @@ struct InversePairs {
   Matrix vectors;  // orthonormal columns
 };
 
-// Rayleigh and Ritz on the image of `basis`: one step of inverse iteration
-// takes out what does not belong, massless motions above all.
+// Applies Rayleigh and Ritz to the image of `basis`. One step of inverse
+// iteration removes unwanted parts, mainly massless motions.
 bool RayleighRitz(const InverseOperator& inverse, const Matrix& basis,
                   InversePairs* pairs, Vector* error_bounds,
                   std::string* error) {
@@ -146,7 +146,7 @@ Matrix LanczosVectors(const ShiftedFactors& factors, const SparseMatrix& mass,
   return solver.eigenvectors();
 }
 
-// The computation with everything it needs at hand.
+// The computation with all its data.
 class LowestModes {
  public:
   LowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
@@ -184,7 +184,7 @@ class LowestModes {
     return shift_ + 1.0 / pairs_.theta[i];
   }
 
-  // The parts that cancel in phi' K phi.
+  // Returns the parts that cancel in phi' K phi.
   double Parts(const Vector& shape) const {
     const Vector size = shape.cwiseAbs();
     return size.dot(magnitude_ * size);
@@ -213,8 +213,8 @@ class LowestModes {
   bool ChooseShift(std::string* error) {
     shift_ = 0.0;
     if (IsDefinite(0.0)) return true;
-    // Below the lowest eigenvalue; a thousandth of the frequency at which the
-    // softest DOF would vibrate alone is a start.
+    // Finds a shift below the lowest eigenvalue. It starts from a thousandth of
+    // the frequency at which the softest DOF would vibrate alone.
     const Vector k = stiffness_.diagonal();
     const Vector m = mass_.diagonal();
     unit_ = std::numeric_limits<double>::infinity();
@@ -241,8 +241,8 @@ class LowestModes {
     return false;
   }
 
-  // Moves the shift nearer to the modes where it is much farther off than they
-  // are apart; true if it moved.
+  // Moves the shift nearer to the modes if its distance is much larger than
+  // theirs. Returns true if it moved.
   bool RefineShift() {
     if (shift_ == 0.0 || pairs_.theta.size() == 0) return false;
     Eigen::Index last =
@@ -255,7 +255,7 @@ class LowestModes {
     const double previous = shift_;
     shift_ = std::min(least, -span);
     if (IsDefinite(shift_)) return true;
-    // So near to zero the factors are rounding; what there is must do.
+    // So close to zero the factors are rounding. Keep the previous shift.
     shift_ = previous;
     (void)IsDefinite(shift_);
     return false;
@@ -300,7 +300,7 @@ class LowestModes {
         if (dense_) break;
         continue;  // those not converged, or still missing
       }
-      // The factors of the count go over those of the modes.
+      // The factors of the count overwrite those of the modes.
       ExpandShapes();
       const CountResult result = CheckCount(complete);
       if (result == CountResult::kComplete) return true;
@@ -351,7 +351,7 @@ class LowestModes {
   enum class CountResult { kComplete, kMissing, kCannotCount };
 
   // Counts the eigenvalues below a gap behind the last wanted mode. `complete`:
-  // there are no more modes than those found.
+  // there are no other modes than those found.
   CountResult CheckCount(bool complete) {
     const Eigen::Index found = pairs_.theta.size();
     const Eigen::Index last = std::min<Eigen::Index>(num_modes_, found);
@@ -366,9 +366,9 @@ class LowestModes {
         break;
       }
       if (!(high - low > kClusterWidth * (high - shift_))) continue;
-      // Rigid-body modes are a cluster whatever rounding makes of them.
+      // Rigid-body modes form a cluster, whatever their rounded values are.
       if (below < found && IsRigid(below)) continue;
-      // One set of factors of a large model at a time.
+      // Only one set of factors of a large model is kept at a time.
       factors_ = std::make_unique<ShiftedFactors>();
       for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
         const double bound = low + part * (high - low);
@@ -410,8 +410,8 @@ class LowestModes {
       const bool rigid = std::abs(eigenvalue) <= Rounding(i, shape);
       const bool on_digits = !rigid && std::abs(eigenvalue) <= digits;
       if (on_digits) ++on_last_digits;
-      // Nor can a negative stiffness be told from the last digits of a file; a
-      // positive one may be that of a slender beam in many elements.
+      // The last digits of a file cannot show a negative stiffness either. A
+      // small positive one may belong to a slender beam with many elements.
       if (rigid || (on_digits && eigenvalue < 0.0)) {
         eigenvalue = 0.0;
         ++result.num_rigid_body_modes;
@@ -464,7 +464,7 @@ bool ComputeLowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
       << stiffness.rows() << " x " << stiffness.cols()
       << "; both must be square, of the same size and not empty";
   bool success = false;
-  // Spectra and the factorisation throw where memory or iterations run out.
+  // Spectra and the factorisation throw if memory or iterations run out.
   try {
     LowestModes computation(mass, stiffness, num_modes);
     success = computation.Compute(modes, error);
