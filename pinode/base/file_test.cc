@@ -103,8 +103,7 @@ TEST_F(FileTest, SaysWhatCannotBeRead) {
   EXPECT_EQ(content, "kept");
 }
 
-// A whole matrix file of another program may hold any byte, which text may
-// not.
+// A matrix file of another program may hold any byte; a text may not.
 TEST_F(FileTest, BinaryFilesMayHoldAnyByte) {
   std::string bytes;
   for (int value = 255; value >= 0; --value) {
@@ -166,7 +165,7 @@ TEST_F(FileTest, NewFilesHaveOrdinaryPermissions) {
   struct stat status;
   ASSERT_EQ(stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0644u);
-  // A file that is replaced keeps its own.
+  // A replaced file keeps its own permissions.
   ASSERT_EQ(chmod(path.c_str(), 0600), 0);
   ASSERT_TRUE(WriteFileAtomically(path, "y", &error)) << error;
   ASSERT_EQ(stat(path.c_str(), &status), 0);
@@ -183,7 +182,7 @@ TEST_F(FileTest, AFailedWriteLeavesNothing) {
   EXPECT_THAT(error, EndsWith("a folder of that name exists"));
   EXPECT_EQ(NumFiles(), 1);
 
-  // No file can be made here, not even by root.
+  // Not even root can create a file here.
   EXPECT_FALSE(WriteFileAtomically("/proc/self/out.csv", "x", &error));
 }
 

@@ -61,7 +61,7 @@ TEST(LjungBoxExcess, TellsWhiteNoiseFromAutoregressive) {
   // Zero mean and unit variance.
   EXPECT_NEAR(sum / trials, 0.0, 0.25);
   EXPECT_NEAR(squares / trials, 1.0, 0.35);
-  // n rho^2 / (1 - rho^2) in all: (1000 * 0.0989 - 0) / sqrt(40).
+  // The total is n rho^2 / (1 - rho^2): (1000 * 0.0989 - 0) / sqrt(40).
   EXPECT_NEAR(LjungBoxExcess(Autoregressive(0.3, 1000, 1), 20), 15.6, 8.0);
   EXPECT_EQ(LjungBoxExcess(Vector::Zero(500), 20), 0.0);
   EXPECT_EQ(LjungBoxExcess(Vector::Ones(30), 20), 0.0);
@@ -70,7 +70,7 @@ TEST(LjungBoxExcess, TellsWhiteNoiseFromAutoregressive) {
 TEST(AutocorrelationTime, OfAutoregressiveNoise) {
   for (double a : {0.0, 0.5, 0.8, 0.9}) {
     const double expected = (1.0 + a) / (1.0 - a);
-    // The sum ends where the correlation falls below 0.05; what is left out is
+    // The sum ends where the correlation falls below 0.05. The missing part is
     // at most 2 * 0.05 / (1 - a).
     const double cut = a > 0.0 ? 0.1 / (1.0 - a) : 0.0;
     const double time = AutocorrelationTime(Autoregressive(a, 200000, 7));
@@ -110,7 +110,7 @@ TEST(MemorylessMeanSquare, TellsNoiseFromASmoothSignal) {
   const double alone = 50.0 * (1.0 - std::cos(step));
   EXPECT_NEAR(MemorylessMeanSquare(signal), alone, 1e-3 * alone);
   EXPECT_NEAR(MemorylessMeanSquare(values + signal), 0.25 + alone, 0.01);
-  // Missing ones are passed over.
+  // Missing samples are skipped.
   for (Eigen::Index i = 0; i < values.size(); i += 3) values[i] = 0.0;
   EXPECT_NEAR(MemorylessMeanSquare(values), 0.25, 0.012);
   EXPECT_EQ(MemorylessMeanSquare(Vector::Zero(10)), 0.0);
@@ -122,8 +122,8 @@ TEST(VarianceOfDifferences, IsThatOfTheNoiseBesideAMotion) {
   const DifferencedVariance alone = VarianceOfDifferences(noise);
   EXPECT_NEAR(alone.value, 0.25, 3.0 * alone.deviation);
   EXPECT_NEAR(alone.deviation / alone.value, 0.01905, 1e-5);
-  // A sine of amplitude 3, eight samples a period: (2 sin(pi / 8))^16 / C(16,
-  // 8) of its mean square is left.
+  // A sine of amplitude 3, eight samples per period: the share (2 sin(pi /
+  // 8))^16 / C(16, 8) of its mean square remains.
   Vector sine(noise.size());
   for (Eigen::Index i = 0; i < sine.size(); ++i) {
     sine[i] = 3.0 * std::sin(0.25 * kPi * static_cast<double>(i) + 0.1);
@@ -131,7 +131,8 @@ TEST(VarianceOfDifferences, IsThatOfTheNoiseBesideAMotion) {
   const double left = 4.5 * std::pow(2.0 * std::sin(kPi / 8.0), 16.0) / 12870.0;
   EXPECT_NEAR(VarianceOfDifferences(sine).value, left, 1e-3 * left);
   EXPECT_NEAR(VarianceOfDifferences(noise + sine).value, alone.value, 1e-4);
-  // The deviation is the spread over stretches of the series, to its own 7 %.
+  // The standard deviation is the scatter over stretches of the series, within
+  // its own 7 %.
   const Vector gaussian = 0.5 * testing::Gaussian(4).Draw(20000);
   Vector stretches(100);
   for (Eigen::Index k = 0; k < stretches.size(); ++k) {

@@ -20,7 +20,8 @@ TEST(NearestNameTest, FindsWhatWasMeant) {
   EXPECT_EQ(NearestName("influences", known), "influence");
   EXPECT_EQ(NearestName("temperature", known), "");
   EXPECT_EQ(NearestName("mass", {}), "");
-  // The first of equals; a one-letter name is no hint for another.
+  // The first of several equal names wins. A one-letter name is not a hint for
+  // another.
   EXPECT_EQ(NearestName("u9", {"u1", "u2"}), "u1");
   EXPECT_EQ(NearestName("x", {"y"}), "");
 }

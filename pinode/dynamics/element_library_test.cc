@@ -51,7 +51,7 @@ PINODE_ELEMENTS(library) {
 
 class ElementLibraryTest : public ::testing::Test {
  protected:
-  // The path of the library that this source makes.
+  // Returns the path of the library compiled from this source.
   std::string Compile(const std::string& name, const std::string& source) {
     const std::string path = folder_.Write(name + ".cc", source);
     const std::string made = folder_.Path(name + ".so");
@@ -142,8 +142,8 @@ std::string CodeOf(const std::string& header) {
   return code;
 }
 
-// Libraries that were compiled before must be refused once what they are
-// compiled against is not the same.
+// Libraries compiled earlier must be refused after a change of the headers that
+// they use.
 TEST(ElementInterface, IsCountedUpWithEveryChange) {
   std::string code =
       CodeOf("law.h") + CodeOf("wide_jet.h") + CodeOf("element_library.h");

@@ -22,7 +22,7 @@ struct WorkedForce {
   double force;
 };
 
-// Forces worked out by hand from the table in pinode/case/README.md.
+// Forces computed by hand from the table in pinode/case/README.md.
 class ElementForce : public ::testing::TestWithParam<WorkedForce> {};
 
 TEST_P(ElementForce, MatchesTheTable) {
@@ -107,8 +107,8 @@ TEST(Elements, SharpBacklashFrictionIsASliderBehindAPlay) {
     exact = std::clamp(exact + move, -slip, slip);
   }
   EXPECT_LT(largest, 0.1 * f);
-  // The second cycle's travel at full force is 2 (2 d - 2 slip), and what the
-  // spring stores comes back.
+  // The second cycle's travel at full force is 2 (2 d - 2 slip), and the spring
+  // returns its energy.
   EXPECT_NEAR(work, f * 2.0 * (4.0 - 2.0 * slip), 0.05 * work);
 }
 

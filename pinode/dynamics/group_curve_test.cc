@@ -16,7 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Two masses in a row on springs of 10, the first of which follows the
+// Two masses in a row on springs of 10. The first spring depends on the
 // temperature: 10 (1 + alpha + change).
 StructuralDynamics TwoMassesInFrost(const std::vector<double>& knots,
                                     int reference,
@@ -48,7 +48,7 @@ StructuralDynamics TwoMassesInFrost(const std::vector<double>& knots,
   return dynamics;
 }
 
-// The stiffness of the first spring at a temperature.
+// Returns the stiffness of the first spring at a temperature.
 double StiffnessAt(const StructuralDynamics& dynamics, double temperature) {
   StructuralDynamics::Prepared prepared;
   std::string error;
@@ -97,8 +97,8 @@ TEST(GroupCurve, CorrectedModelIsThatAtTheReference) {
               21.0, 1e-13);
 }
 
-// The mean over samples of what the curve says, not the curve at their mean;
-// by parameters as before.
+// The mean over samples of the curve's values, not the curve at their mean. Its
+// parameters are unchanged.
 TEST(GroupCurve, AveragedIsConstantAtItsMean) {
   const StructuralDynamics dynamics =
       TwoMassesInFrost({-20.0, 0.0, 10.0, 30.0}, 2, {0.5, 0.2, -0.1});
@@ -114,7 +114,8 @@ TEST(GroupCurve, AveragedIsConstantAtItsMean) {
     EXPECT_NEAR(StiffnessAt(averaged, temperature),
                 10.0 * (1.1 + (0.5 - 0.075) / 3.0), 1e-12);
   }
-  // One at each knot but the reference, a third of what each sample has of it.
+  // One at each knot except the reference, a third of the weight of each
+  // sample.
   for (const auto& [parameter, slope] : std::vector<std::pair<int, double>>{
            {0, 10.0}, {1, 10.0 / 3.0}, {2, 0.0}, {3, 7.5 / 3.0}}) {
     theta = dynamics.Parameters();
@@ -154,7 +155,7 @@ TEST(GroupCurve, AveragedStraightLines) {
               20.0 + 10.0 * 0.1 * (9.0 - 5.0) + 10.0 * 0.1 * (2.0 - 5.0),
               1e-12);
   EXPECT_THAT(both.CovariateParameters(), ElementsAre());
-  // Without a time the second still follows it.
+  // Without a time the second group still follows it.
   const StructuralDynamics one = dynamics.Averaged({inputs, {}});
   EXPECT_FALSE(one.IsLinear());
   EXPECT_NEAR(one.CorrectedModel(theta).stiffness(0, 0), 24.0, 1e-12);

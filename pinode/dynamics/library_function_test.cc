@@ -91,7 +91,7 @@ std::vector<Example> Examples() {
        [](const double* q) {
          return (q[0] >= 0 && q[1] <= 0) || q[3] == 1.0 ? q[1] : 0.0;
        }},
-      // The sign binds less than the power, the power to the right.
+      // The sign binds less than the power; powers group from the right.
       {"-x[u1]^2", [](const double* q) { return -q[0] * q[0]; }},
       {"2^3^2 - 500 + x[u1]", [](const double* q) { return 12.0 + q[0]; }},
       {"x[u1] - v[u1] - t", [](const double* q) { return q[0] - q[1] - q[3]; }},
@@ -119,8 +119,8 @@ TEST(LibraryFunction, HasTheValuesWorkedOutByHand) {
   }
 }
 
-// muParser itself evaluates the same texts, with plain names and what it lacks
-// in functions spelt out.
+// muParser itself evaluates the same texts, with plain names and with its
+// missing functions written out.
 TEST(LibraryFunction, AgreesWithMuParser) {
   const std::vector<std::pair<std::string, std::string>> texts = {
       {"x[u1]^3 - 2*v[u1]^2*x[u1]", "x^3 - 2*v^2*x"},

@@ -72,7 +72,7 @@ TEST(LibraryLaw, ACoefficientOfZeroKeepsAnInfiniteSlopeOut) {
   EXPECT_EQ(jacobian[0], 3.0);
 }
 
-// Accelerations are added as they are, forces resist and act through M.
+// Accelerations are added unchanged; forces resist and act through M.
 TEST(LibraryLaw, ActsAsAccelerationOrForce) {
   for (const ActsAs acts_as : {ActsAs::kAcceleration, ActsAs::kForce}) {
     StructuralModel model = testing::MakeChain(2, 0.0, 0.0);

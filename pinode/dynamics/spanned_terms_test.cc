@@ -60,7 +60,7 @@ TEST_F(SpannedTermsTest, AreThoseThatTheInputsSpanAndTheOutputsShare) {
       SpannedBy({Feature::Displacement(0), Feature::Displacement(1)}, first),
       ElementsAre("k1", "k2"));
   EXPECT_THAT(SpannedBy({Feature::Velocity(0)}, first), ElementsAre("c1"));
-  // It sees the spring of the first floor and drives the second.
+  // The network depends on the spring of the first floor and drives the second.
   EXPECT_THAT(SpannedBy({Feature::Displacement(0)}, Vector::Unit(2, 1)),
               IsEmpty());
   EXPECT_THAT(SpannedBy({Feature::Time()}, first), IsEmpty());

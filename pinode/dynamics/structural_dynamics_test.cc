@@ -205,7 +205,8 @@ TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
               ::testing::HasSubstr("0 values of parameters, expected 1"));
 }
 
-// As if the column had been multiplied before, whatever else there is.
+// The result is as if the column had been multiplied before, with any other
+// terms.
 TEST(StructuralDynamics, ScaleOfAForceMultipliesIt) {
   auto scaled = testing::MakeEverything();
   StructuralDynamics plain(scaled->model(), scaled->inputs());
@@ -230,7 +231,7 @@ TEST(StructuralDynamics, ScaleOfAForceMultipliesIt) {
              &plain_scratch);
   EXPECT_LT((rate - expected).norm(), 1e-14 * expected.norm());
 
-  // The second is off where its record's switch is zero.
+  // The second force is off where its record's switch is zero.
   theta[scaled->block_offset(scaled->force_scale_block(1))] = 7.0;
   ASSERT_TRUE(scaled->Prepare(theta, &prepared, &error)) << error;
   const double off[] = {kInput[0], kInput[1], 0.0};
@@ -241,7 +242,7 @@ TEST(StructuralDynamics, ScaleOfAForceMultipliesIt) {
   EXPECT_LT((rate - expected).norm(), 1e-14 * expected.norm());
 }
 
-// A copy's terms are its own; theta is in the order of the kinds, whatever the
+// A copy has its own terms. theta is in the order of the kinds, whatever the
 // order in which they were added.
 TEST(StructuralDynamics, CopiesAndOrders) {
   const auto all = testing::MakeEverything();

@@ -1,4 +1,4 @@
-// Every kind of term alone, through the seam.
+// Tests every kind of term alone, through the interface of Term.
 
 #include "pinode/dynamics/term.h"
 
@@ -27,8 +27,8 @@ Vector TermState(int size) {
   return state;
 }
 
-// Columns: states, then free parameters; by central differences of the rate, so
-// that what is prepared from theta is varied as well.
+// Returns columns for states, then free parameters, by central differences of
+// the rate. Data prepared from theta vary too.
 Matrix DifferenceJacobian(const StructuralDynamics& dynamics,
                           const Vector& theta, const Vector& state) {
   const int ns = dynamics.num_states();
@@ -54,9 +54,9 @@ Matrix DifferenceJacobian(const StructuralDynamics& dynamics,
   return jacobian;
 }
 
-// A structure with this term and no other: its rate against Jets' values, its
+// Checks a structure with this term alone: its rate against Jets' values, its
 // linearisation and its parameter tangents against Jets and differences, and
-// those of four stages against their sum.
+// the tangents of four stages against their sum.
 void CheckTerm(std::unique_ptr<Term> term) {
   const auto all = testing::MakeEverything();
   StructuralDynamics dynamics(all->model(), all->inputs());
@@ -149,9 +149,9 @@ TEST(Term, SomeParametersFixed) {
   }
 }
 
-// A kind of term that the library does not know: a spinning mass, whose gyro
-// couples velocities by a skew matrix, and which stretches what holds it; its
-// drive follows with a lag,
+// A kind of term unknown to the library: a spinning mass. Its gyro couples
+// velocities by a skew matrix, and it stretches its support. Its drive follows
+// with a lag,
 //
 //   M a + ... + z G v + p_1 K_1 x = 0,   dz/dt = p_0 (x_2 - z).
 struct Rotor {
@@ -276,7 +276,7 @@ TEST(Term, OfAKindOfOnesOwn) {
   CheckTerm(std::make_unique<RotorTerm>(MakeRotor()));
 }
 
-// Among all others: mass groups and laws with internal states beside it.
+// The term together with all others: mass groups and laws with internal states.
 TEST(Term, OfAKindOfOnesOwnAmongAllOthers) {
   const auto dynamics = testing::MakeEverything();
   std::string error;

@@ -119,8 +119,8 @@ TEST(HalfSinePulse, IsHalfASine) {
   EXPECT_EQ(pulse.Evaluate(0.521, p).value, 0.0);
 }
 
-// As many independent combinations as parameters: what the evidence's rule
-// needs.
+// As many independent combinations as parameters, as the evidence's rule
+// requires.
 TEST(CombinationPrior, HasFullRank) {
   const int n = 40;
   for (const CombinationPrior& prior :
@@ -138,7 +138,7 @@ TEST(CombinationPrior, SmoothnessIsOfNeighbourhoods) {
   EXPECT_EQ(prior.combinations[3].group, 0);
   EXPECT_EQ(prior.combinations[4].group, 1);
   EXPECT_EQ(prior.combinations[9].group, 2);
-  // A straight line is perfectly smooth but at the ends, where zeros follow.
+  // A straight line is perfectly smooth except at the ends, where zeros follow.
   const Vector line = Vector::LinSpaced(10, 1.0, 10.0);
   const Vector differences = Rows(prior, 10) * line;
   EXPECT_LT(differences.head(9).cwiseAbs().maxCoeff(), 1e-12);

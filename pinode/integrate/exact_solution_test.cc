@@ -1,5 +1,5 @@
-// The exact solution of linear dynamics against Runge-Kutta refined until it
-// stands.
+// Compares the exact solution of linear dynamics with converged Runge-Kutta
+// solutions.
 
 #include <gtest/gtest.h>
 
@@ -34,8 +34,8 @@ std::unique_ptr<StructuralDynamics> WithGroups(const StructuralModel& model) {
   return dynamics;
 }
 
-// Structures that ask for something: damping of any kind, modes that do not
-// swing, a rigid body, equal frequencies.
+// Difficult structures: damping of any kind, modes that do not oscillate, a
+// rigid body, equal frequencies.
 std::vector<StructuralModel> Structures() {
   std::vector<StructuralModel> models;
   models.push_back(testing::MakeChain(3, 10.0, 0.5));
@@ -89,7 +89,7 @@ TEST_P(ExactSolution, IsWhatRungeKuttaComesTo) {
           runner.Run(theta, start, IntegrationGrid::Exact(wave));
       const Matrix fine = runner.Run(theta, start, IntegrationGrid(wave, 128));
       const double error = (exact - fine).norm() / fine.norm();
-      // The windowed sinc is no polynomial.
+      // The windowed sinc is not a polynomial.
       const double limit =
           GetParam() == Interpolation::kBandLimited ? 1e-6 : 1e-10;
       testing::ReportFigure("exact solution against 128 Runge-Kutta steps",
@@ -101,7 +101,7 @@ TEST_P(ExactSolution, IsWhatRungeKuttaComesTo) {
 
 TEST_P(ExactSolution, HasItsOwnDerivatives) {
   constexpr int kSamples = 300;
-  // The polynomials through many nodes leave differences fewer digits.
+  // Polynomials through many nodes leave fewer digits for differences.
   const double limit = GetParam() == Interpolation::kBandLimited ? 3e-6 : 1e-7;
   const IntegrationGrid grid =
       IntegrationGrid::Exact(Wave(kSamples, GetParam()));
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(Interpolations, ExactSolution,
                                            Interpolation::kCubic,
                                            Interpolation::kBandLimited));
 
-// A mode at 5 kHz, sampled at 20 Hz: Runge-Kutta needs hundreds of steps a
+// A mode at 5 kHz, sampled at 20 Hz: Runge-Kutta needs hundreds of steps per
 // sample to stay stable.
 TEST(ExactSolutionOfStiffModels, CostsNoSteps) {
   StructuralModel model = testing::MakeChain(3, 10.0, 0.5);

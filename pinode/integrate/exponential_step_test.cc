@@ -31,8 +31,8 @@ Excitation Quake(int samples, Interpolation interpolation) {
   return Excitation(0.0, kSampling, values, interpolation);
 }
 
-// A chain with groups of all kinds, a spring that hardens between two masses,
-// hysteresis to the ground, and something that acts as an acceleration.
+// A chain with groups of all kinds, a hardening spring between two masses,
+// hysteresis to the ground, and a term that acts as an acceleration.
 std::unique_ptr<StructuralDynamics> WithLaws(const StructuralModel& model) {
   auto dynamics =
       std::make_unique<StructuralDynamics>(model, testing::GroundAndForce());
@@ -167,8 +167,8 @@ INSTANTIATE_TEST_SUITE_P(Interpolations, ExponentialDerivatives,
                                            Interpolation::kLinear,
                                            Interpolation::kCubic));
 
-// A mode at 5 kHz, sampled at 20 Hz, beside a spring that hardens. Its own
-// error too is small, in strains and accelerations.
+// A mode at 5 kHz, sampled at 20 Hz, together with a hardening spring. The
+// error of the stiff mode itself is small too, in strains and accelerations.
 TEST(ExponentialStep, DoesNotFollowTheHighestMode) {
   StructuralModel model = testing::MakeChain(3, 10.0, 0.5);
   const auto soft = WithLaws(model);

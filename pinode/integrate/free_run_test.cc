@@ -59,7 +59,7 @@ TEST(FreeRun, StartsAndEndsWhereToldTo) {
   EXPECT_EQ(rest.states, whole.states.rightCols(30));
 }
 
-// Long runs of linear dynamics go by modes, short ones by steps.
+// Long runs of linear dynamics use modes, short ones use steps.
 TEST(FreeRun, LongRunsEqualShortOnesOneAfterTheOther) {
   for (const double damping : {0.0, 0.3, 20.0}) {
     const StructuralDynamics dynamics(
@@ -83,7 +83,7 @@ TEST(FreeRun, LongRunsEqualShortOnesOneAfterTheOther) {
     Trajectory whole;
     ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0,
                         kSamples - 1, &whole));
-    // The same by modes and by steps, whatever is kept.
+    // Modes and steps give the same result, whatever is stored.
     for (const int last : {kSamples - 1, 20}) {
       Trajectory channels;
       ASSERT_TRUE(FreeRun(dynamics, prepared, observation, grid, start, 0, last,
@@ -111,8 +111,8 @@ TEST(FreeRun, LongRunsEqualShortOnesOneAfterTheOther) {
   }
 }
 
-// Threads share a long run, and what is kept of it does not change it; mean
-// squares are those of every `stride`th sample.
+// Threads share a long run. The choice of stored results does not change it.
+// Mean squares are those of every `stride`th sample.
 void ExpectSameBitsOfThreads(int num_samples, int stride) {
   const StructuralDynamics dynamics(
       testing::MakeChain(3, 10.0, 0.3),

@@ -45,7 +45,8 @@ class ModalResponseTest : public ::testing::Test {
     start_ = Vector::LinSpaced(dynamics.num_states(), -0.5, 0.6);
   }
 
-  // Largest difference from the segment's own, each column by its size.
+  // Returns the largest difference from the segment's own result, each column
+  // relative to its size.
   double WorstAgainstSegment() {
     return testing::Worse(WorstAgainstSegment(grid_),
                           WorstAgainstSegment(exact_grid_));
@@ -82,7 +83,8 @@ class ModalResponseTest : public ::testing::Test {
     }
     double worst =
         (channels - segment.channels).norm() / segment.channels.norm();
-    // A column that is zero, as by a state that no channel sees, by the others.
+    // A zero column, for example of a state that no channel measures, is
+    // compared relative to the others.
     const double least = 1e-6 * segment.jacobian().colwise().norm().maxCoeff();
     for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
       worst = testing::Worse(
@@ -129,8 +131,8 @@ TEST_F(ModalResponseTest, HoldsWithoutDampingAndWithModesThatDoNotSwing) {
   EXPECT_LT(WorstAgainstSegment(), 1e-10);
 }
 
-// Two oscillators that are equal, and one that is all but equal to them: the
-// derivatives by a spring between them divide by no difference.
+// Two equal oscillators, and one that is nearly equal to them: the derivatives
+// with respect to a spring between them must not divide by a difference.
 TEST_F(ModalResponseTest, HoldsWhereFrequenciesAreEqual) {
   for (const double apart : {0.0, 1e-12, 1e-9, 3e-7, 1e-4}) {
     StructuralModel model = testing::MakeChain(3, 10.0, 0.0);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kLongRun = 2100;
 
-// Hysteresis, and prescribed motion: a state that nothing but the input moves.
+// Hysteresis, and prescribed motion: a state that only the input moves.
 class ParallelSegmentTest : public ::testing::Test {
  protected:
   void SetUp() override {

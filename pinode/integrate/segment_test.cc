@@ -52,7 +52,7 @@ class SegmentDerivatives : public ::testing::TestWithParam<Interpolation> {
     return result;
   }
 
-  // `way`: what the tangents are compared with.
+  // `way`: the method with which the tangents are compared.
   static void ReportWorst(const std::string& way, double limit, double worst) {
     const char* names[] = {"held", "linear", "cubic"};
     testing::ReportFigure("tangents against " + way + ", every term, " +
@@ -138,8 +138,9 @@ TEST_P(SegmentDerivatives, TangentsMatchRiddersDifferences) {
       return Vector(Eigen::Map<const Vector>(trajectory.channels.data(),
                                              trajectory.channels.size()));
     };
-    // Small enough that no stage crosses the corner of the bilinear spring, and
-    // longer where a parameter moves so little that rounding would show.
+    // Step of the differences. It is so small that no stage crosses the corner
+    // of the bilinear spring, and larger for a parameter whose effect would
+    // vanish in rounding.
     const double step =
         std::clamp(3e-4 / tangents.jacobian().col(j).norm(), 3e-4, 3e-2);
     const Vector difference = RiddersDerivative(run, step);
@@ -181,8 +182,8 @@ TEST(Segment, StartColumnsAloneEqualThoseOfTheFullRun) {
   }
 }
 
-// Factors of the channels and columns around the derivatives, where the whole
-// state is measured in its order, and where one more channel is.
+// Factors of the channels and columns around the derivatives, if the whole
+// state is measured in its order, and with one more channel.
 TEST(Segment, RowsAreWeightedWhereTheyLie) {
   for (const int n : {1, 3, 4, 5}) {
     StructuralDynamics dynamics(testing::MakeChain(n, 10.0, 0.5),
@@ -236,7 +237,7 @@ TEST(Segment, RowsAreWeightedWhereTheyLie) {
   }
 }
 
-// Columns that are not asked for are left out, and the others are the same.
+// Columns that were not requested are missing, and the others are the same.
 TEST(Segment, ColumnsDoNotDependOnEachOther) {
   const auto dynamics = testing::MakeEverything();
   StructuralDynamics::Prepared prepared;
@@ -271,9 +272,9 @@ TEST(Segment, ColumnsDoNotDependOnEachOther) {
   }
 }
 
-// Groups of every matrix, two inputs, a mass that is coupled, and a segment
-// longer than the blocks of LinearSegment; all methods, and differences of runs
-// that take their steps one by one.
+// Groups of every matrix, two inputs, a coupled mass, and a segment longer than
+// the blocks of LinearSegment. Compares all methods, and differences of runs
+// that compute their steps one by one.
 class LinearSegments : public ::testing::TestWithParam<Interpolation> {};
 
 TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
@@ -338,7 +339,8 @@ TEST_P(LinearSegments, EqualStepsTakenOneByOne) {
               1e-11 * jets.end_sensitivity.col(j).norm())
               << j;
         }
-        // Other parameters have another map, and those before their own again.
+        // Other parameters have another map. The previous parameters get their
+        // own map again.
         StructuralDynamics::Prepared other;
         ASSERT_TRUE(
             dynamics.Prepare(1.5 * dynamics.Parameters(), &other, &error));
@@ -370,7 +372,8 @@ INSTANTIATE_TEST_SUITE_P(Interpolations, LinearSegments,
                                            Interpolation::kLinear,
                                            Interpolation::kBandLimited));
 
-// A chain of three with a law of every kind of state, the last DOF moved.
+// A chain of three with a law of every kind of state. The motion of the last
+// DOF is prescribed.
 std::unique_ptr<StructuralDynamics> MakeMovedChain(
     const std::vector<InputSpec>& inputs) {
   auto dynamics = std::make_unique<StructuralDynamics>(
@@ -414,7 +417,7 @@ TEST(PrescribedSegment, ForceIsTheOneThatMakesTheMotion) {
     CHECK(dynamics.Prepare(dynamics.Parameters(), &prepared, &error)) << error;
     const Excitation excitation(0.0, kStep, input, Interpolation::kCubic);
     Trajectory trajectory;
-    // Whatever the start says of the third.
+    // The start's entries of the third DOF do not matter.
     Vector start = Vector::Zero(dynamics.num_states());
     if (!dynamics.prescribed().empty()) start[2] = start[5] = 9.0;
     CHECK(FreeRun(dynamics, prepared, ObservationMap(dynamics, observations),

@@ -51,7 +51,7 @@ TEST(DataDrivenFigures, FindsTheModesOfAChain) {
   std::string error;
   ASSERT_TRUE(IdentifyModes(record, options, &result, &error)) << error;
   EXPECT_EQ(DifferenceFromChain(chain, result, 4.0), "");
-  // The other way sees the same, and checks itself by this one.
+  // The other method finds the same modes, and uses this one as a check.
   ModesOfRecord other;
   ASSERT_TRUE(IdentifyModes(record, {}, &other, &error)) << error;
   ASSERT_EQ(other.modes.size(), result.modes.size());

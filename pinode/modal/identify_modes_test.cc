@@ -23,8 +23,8 @@ ModesOfRecord FindOrFail(const ResponseRecord& record,
   return result;
 }
 
-// All modes of the chain and nothing else, each within `sigmas` of its
-// deviations.
+// Checks that all modes of the chain and no others are found, each within
+// `sigmas` standard deviations.
 void ExpectModes(const TestChain& chain, const ModesOfRecord& result,
                  double sigmas) {
   std::string found;

@@ -22,8 +22,8 @@ ModesOfRecord IdentifyOrFail(const ResponseRecord& record,
   return result;
 }
 
-// Without noise sums over the same samples cancel exactly, however the ground
-// moves: no mode of its own, and deviations of nothing.
+// Without noise, sums over the same samples cancel exactly for any ground
+// motion. It causes no additional mode, and the standard deviations are zero.
 TEST(InputProjectionTest, ExactWithoutNoise) {
   const TestChain chain(3, 900.0);
   TestExcitation excitation;
@@ -57,8 +57,8 @@ TEST(InputProjectionTest, ExactWithoutNoise) {
   EXPECT_EQ(exact, 3);
 }
 
-// Ground motion with a peak of its own, which the response alone would show as
-// a mode, and wind that nobody measured.
+// Ground motion with its own peak, which the response alone would show as a
+// mode, and unmeasured wind.
 TEST(InputProjectionFigures, TheInputHasNoModes) {
   const TestChain chain(3, 4000.0);
   TestExcitation excitation;
@@ -90,8 +90,8 @@ TEST(InputProjectionTest, GapsHaveNoWeight) {
   EXPECT_EQ(DifferenceFromChain(chain, IdentifyOrFail(record), 4.0), "");
 }
 
-// One of three forces is measured: intervals hold the truth as often as they
-// say. A few records; many are in tests/cases/modes_study_test.cc.
+// One of three forces is measured: intervals contain the truth as often as
+// stated. A few records; many are in tests/cases/modes_study_test.cc.
 TEST(InputProjectionFigures, IntervalsHoldTheTruth) {
   const TestChain chain(3, 2000.0);
   TestExcitation excitation;

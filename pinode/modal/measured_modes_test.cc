@@ -1,5 +1,4 @@
-// The laboratory frame of three set-ups, held against what others published of
-// it.
+// Compares the laboratory frame of three set-ups with published results.
 
 #include <algorithm>
 #include <array>
@@ -21,9 +20,9 @@
 namespace pinode {
 namespace {
 
-// Merged over 15 set-ups: Hz and damping ratios, and their standard deviations
-// between these (pyOMA-dev/pyOMA, merged_setups.npz; its shapes are not
-// published).
+// Results merged over 15 set-ups: frequencies (Hz) and damping ratios, and
+// their standard deviations between set-ups (pyOMA-dev/pyOMA,
+// merged_setups.npz; its shapes are not published).
 struct Published {
   double frequency_hz;
   double between;
@@ -50,7 +49,8 @@ class LaboratoryFrameFigures : public ::testing::Test {
   }
 
   // Modes that another program found in a set-up (order 50 of covariance-driven
-  // identification), shapes of its channels, each over `deviations`.
+  // identification), with shapes of its channels. Each is divided by
+  // `deviations`.
   struct Reference {
     std::vector<double> frequency_hz, frequency_sigma;
     std::vector<double> damping_ratio, damping_sigma;
@@ -83,8 +83,8 @@ class LaboratoryFrameFigures : public ::testing::Test {
     return reference;
   }
 
-  // Displacements as what the channels measure of them, over `deviations`:
-  // three velocities, two accelerations.
+  // Displacements as measured by the channels, divided by `deviations`: three
+  // velocities, two accelerations.
   static Eigen::VectorXcd AsMeasured(const IdentifiedMode& mode,
                                      const Eigen::VectorXcd& displacements,
                                      const Vector& deviations) {
@@ -137,8 +137,8 @@ class LaboratoryFrameFigures : public ::testing::Test {
     EXPECT_GT(MacOf(mode, mode.shape, reference, m), 0.997);
   }
 
-  // Two accelerometers at node 24 are in all set-ups; a laser vibrometer looks
-  // at one node along three oblique beams.
+  // Two accelerometers at node 24 are in all set-ups. A laser vibrometer
+  // measures one node along three oblique beams.
   SetupModes FindSetup(const std::string& number) {
     Table table;
     std::string error;
@@ -172,9 +172,9 @@ class LaboratoryFrameFigures : public ::testing::Test {
   std::string folder_;
 };
 
-// Each set-up alone against the other program's run on it, the set-ups merged
-// against what is published, and their shapes against those of the runs. In
-// one test, as finding the modes takes the time.
+// Compares each set-up with the other program's run on it, the merged set-ups
+// with the published results, and their shapes with those of the runs. It is
+// one test, because finding the modes takes most of the time.
 TEST_F(LaboratoryFrameFigures, TenPublishedModesByDefault) {
   std::vector<SetupModes> setups;
   std::vector<Reference> references;
@@ -204,7 +204,7 @@ TEST_F(LaboratoryFrameFigures, TenPublishedModesByDefault) {
     EXPECT_NEAR(
         mode.damping_ratio, kPublished[m].damping_ratio,
         2.0 * std::hypot(kPublished[m].damping_between, mode.damping_sigma));
-    // The lasers' velocities are displacements times i omega: turned back, all
+    // The lasers' velocities are displacements times i omega. Rotated back, all
     // places move in phase.
     EXPECT_GT(mode.phase_collinearity, 0.98);
     EXPECT_EQ(mode.shape.size(), 11);

@@ -39,7 +39,7 @@ SetupModes FindSetup(const TestChain& chain, const std::string& name,
 
 TEST(MergeSetupsTest, TiesShapesTogetherAtReferences) {
   const TestChain chain(5, 6000.0);
-  // Each set-up has a scale of its own: another seed, other forces.
+  // Each set-up has its own scale: another seed, other forces.
   const std::vector<SetupModes> setups = {FindSetup(chain, "a", {0, 1, 4}, 1),
                                           FindSetup(chain, "b", {2, 1, 4}, 2),
                                           FindSetup(chain, "c", {3, 1, 4}, 3)};

@@ -35,7 +35,7 @@ TEST(ModalSpectraTest, ModesExplainAllButTheNoise) {
   for (int c = 0; c < 3; ++c) {
     // Noise of 0.3 of the standard deviation, white up to 50 Hz.
     EXPECT_NEAR(spectra.explained[c], 1.0 / 1.09, 0.02) << c;
-    // The model is the mean of what was measured, line by line.
+    // The model is the mean of the measured values, line by line.
     const Vector ratio = spectra.measured.row(c)
                              .cwiseQuotient(spectra.modelled.row(c))
                              .transpose();
@@ -46,8 +46,8 @@ TEST(ModalSpectraTest, ModesExplainAllButTheNoise) {
   }
 }
 
-// A mode that nobody found is missing in the share: its own power, by the
-// spectrum of a chain of that mode alone.
+// A mode that was not found is missing in the share, with its own power from
+// the spectrum of a chain of that mode alone.
 TEST(ModalSpectraTest, AModeThatIsMissingIsNotExplained) {
   const TestChain chain(3, 4000.0);
   const ResponseRecord record = SimulateChain(chain, 0.01, 120000, 3);

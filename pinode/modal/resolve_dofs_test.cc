@@ -25,7 +25,7 @@ MergedModes OneMode(const std::vector<PlaceOfShape>& places,
   return merged;
 }
 
-// A mode that moves node 5 by u and is seen along three oblique beams.
+// A mode that moves node 5 by u and is measured along three oblique beams.
 TEST(ResolveDofsTest, ThreeObliqueBeamsAreANode) {
   const Eigen::Vector3cd u(Complex(0.5, 0.1), Complex(-2.0, 0.3),
                            Complex(0.25, 0.0));
@@ -56,7 +56,7 @@ TEST(ResolveDofsTest, ThreeObliqueBeamsAreANode) {
   EXPECT_LT(std::abs(mode.shape[3] - 0.7 / u[1]), 1e-12);
   EXPECT_EQ(mode.shape_sigma_real[1], 0.0);
 
-  // Deviations as by differences of one entry of the beams.
+  // Standard deviations by differences of one entry of the beams.
   const Matrix inverse = beams.inverse();
   double variance = 0.0;
   for (int part = 0; part < 2; ++part) {
@@ -72,8 +72,8 @@ TEST(ResolveDofsTest, ThreeObliqueBeamsAreANode) {
               1e-5 * std::sqrt(variance));
 }
 
-// One sensor along z, one that is oblique in x and y: z is known, and of x and
-// y no more than their sum.
+// One sensor along z and one oblique sensor in x and y: z is determined, and of
+// x and y only their sum.
 TEST(ResolveDofsTest, WhatIsOpenStaysAsItIs) {
   std::vector<PlaceOfShape> places = {
       {"oblique", "o", {{"1.1", 0.866}, {"1.2", 0.5}}},
@@ -101,7 +101,8 @@ TEST(ResolveDofsTest, SumsBesideASensorOfOneDof) {
   EXPECT_LT(std::abs(shape[2] - 0.4), 1e-12);
 }
 
-// A set-up that does not see a mode leaves what it alone knows open.
+// If a set-up does not see a mode, the DOFs that it alone measures stay
+// undetermined.
 TEST(ResolveDofsTest, PlacesThatWereNotSeen) {
   std::vector<PlaceOfShape> places = {{"a", "a", {{"1.1", 0.6}, {"1.2", 0.8}}},
                                       {"b", "b", {{"1.1", 0.8}, {"1.2", -0.6}}},

@@ -119,7 +119,7 @@ TEST(RingDownTest, NoiseSeriesAreAsLargeAtAModeAsNoiseIs) {
   EXPECT_LT(ratio, 1.3);
 }
 
-// Least squares over the whole decay, not what its first samples say.
+// Least squares over the whole decay, not over its first samples.
 TEST(RingDownFigures, ShapesAreAsGoodAsTheDecayAllows) {
   const TestChain chain(3, 900.0);
   double squares = 0.0;
@@ -140,7 +140,7 @@ TEST(RingDownFigures, ShapesAreAsGoodAsTheDecayAllows) {
   EXPECT_LT(squares / count, 2.0);
 }
 
-// The others decay all the same.
+// The other modes decay too.
 TEST(RingDownTest, OneModeIsPicked) {
   const TestChain chain(3, 900.0);
   ModeIdentificationOptions options;

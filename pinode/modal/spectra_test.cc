@@ -18,7 +18,7 @@ TEST(SpectraTest, DensityOfWhiteNoiseIsItsVarianceOverTheBand) {
   EXPECT_EQ(spectra.frequency_hz[255], 50.0);
   // One-sided, 9 over 50 Hz.
   EXPECT_NEAR(spectra.densities.row(0).head(255).mean(), 9.0 / 50.0, 0.003);
-  // Two channels that have nothing in common have about equal values.
+  // Two channels without correlation have about equal values.
   EXPECT_GT(spectra.singular_values.row(1).mean(),
             0.7 * spectra.singular_values.row(0).mean());
 }

@@ -89,8 +89,8 @@ TEST(SubspaceTest, FindsThePolesOfExactCorrelations) {
   }
 }
 
-// An influence is the derivative along a window's difference from the mean:
-// what the estimate does where the mean is moved by it.
+// An influence is the derivative along a window's difference from the mean: the
+// change of the estimate if the mean is moved by it.
 TEST(SubspaceTest, InfluencesAreDerivatives) {
   std::vector<Complex> truth;
   Eigen::MatrixXcd shapes;
@@ -114,7 +114,7 @@ TEST(SubspaceTest, InfluencesAreDerivatives) {
       EXPECT_LT(std::abs(slope - poles[i].s_influence[w]),
                 1e-5 * std::abs(slope) + 1e-6)
           << "order " << poles[i].order << ", " << poles[i].frequency();
-      // Shapes have no scale: one at the first channel.
+      // Shapes have no scale; they are one at the first channel.
       const Eigen::VectorXcd ratio = (forth[i].shape / forth[i].shape[0] -
                                       back[i].shape / back[i].shape[0]) /
                                      (2.0 * kMove);

@@ -50,7 +50,7 @@ TEST(WindowedCorrelationsTest, AreTheWeighedMeansOfProducts) {
 }
 
 TEST(WindowedCorrelationsTest, MissingSamplesDoNotCount) {
-  // A signal whose correlations do not depend on where it is looked at.
+  // A signal whose correlations are the same in every window.
   Matrix y(1, 4000);
   for (Eigen::Index k = 0; k < y.cols(); ++k) {
     y(0, k) = std::sin(0.7 * static_cast<double>(k));
@@ -61,8 +61,8 @@ TEST(WindowedCorrelationsTest, MissingSamplesDoNotCount) {
   EXPECT_LT((gap.mean - whole.mean).cwiseAbs().maxCoeff(), 5e-3);
 }
 
-// The variance of the mean of a process, over many realisations, beside what
-// the smoother says of each.
+// The variance of the mean of a process, over many realisations, compared with
+// the smoother's estimate for each.
 void ExpectCalibrated(double memory, double length, double tolerance) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
@@ -101,10 +101,10 @@ void ExpectCalibrated(double memory, double length, double tolerance) {
 }
 
 TEST(WindowSmootherTest, KnowsTheVarianceOfAMean) {
-  // 400 trials know a variance to 7 %.
+  // 400 trials give a variance to 7 %.
   ExpectCalibrated(0.0, 1.0, 0.15);
   ExpectCalibrated(0.0, 4.0, 0.2);
-  // A memory of 50 samples in windows of 40, and in such of 240.
+  // A memory of 50 samples in windows of 40, and in windows of 240.
   ExpectCalibrated(0.98, 6.0, 0.25);
 }
 
@@ -113,7 +113,7 @@ TEST(WindowSmootherTest, LongerWindowsAreFewer) {
   const double fewer = WindowSmoother(100, 5.0).degrees_of_freedom();
   EXPECT_LT(fewer, 25.0);
   EXPECT_GT(fewer, 10.0);
-  // No window is longer than leaves ten.
+  // Windows are only as long as ten of them allow.
   EXPECT_GE(WindowSmoother(100, 1e9).degrees_of_freedom(), 7.0);
 }
 

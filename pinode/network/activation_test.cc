@@ -43,8 +43,8 @@ TEST(Activation, UnknownNameSuggestsKnownOnes) {
   EXPECT_THAT(error, testing::HasSubstr("leaky_relu, softplus, sine"));
 }
 
-// Odd, so that the vectorised functions end in an incomplete block, and on
-// both sides of where tanh changes its formula.
+// An odd size, so that the vectorised functions end in an incomplete block. The
+// values are on both sides of the change of tanh's formula.
 std::vector<double> Points() {
   std::vector<double> points;
   for (int i = -30; i <= 30; ++i) points.push_back(0.11 * i);

@@ -16,8 +16,8 @@ NetworkArchitecture WideNetwork(Activation activation) {
   return architecture;
 }
 
-// Mean and deviation of n draws, within five of their own deviations; and a
-// normal distribution's share inside one deviation.
+// Mean and standard deviation of n draws, within five of their own standard
+// deviations; and a normal distribution's share within one standard deviation.
 void ExpectNormal(const Vector& draws, double deviation) {
   const auto n = static_cast<double>(draws.size());
   EXPECT_NEAR(draws.mean(), 0.0, 5.0 * deviation / std::sqrt(n));
@@ -32,7 +32,7 @@ Vector Part(const Vector& weights, const WeightLayout::Part& part) {
   return weights.segment(part.offset, part.size());
 }
 
-// The one input that each unit of the first layer sees; the others are zero.
+// Returns the one input of each unit of the first layer; the others are zero.
 Vector SingleInputs(const Vector& weights, const WeightLayout& layout) {
   const WeightLayout::Part& part = layout.weights[0];
   const Eigen::Map<const Matrix> first(weights.data() + part.offset, part.rows,
@@ -92,9 +92,9 @@ TEST(InitializeWeights, DependsOnTheSeedOnly) {
       InitializeWeights(architecture, 2, false).head(100), 0.1));
 }
 
-// Whatever the standard library: the C++ standard fixes the 10000th number of
-// the engine, and Box and Muller's formula fixes the rest. Reference: the
-// engine and the formula in Python's integers and floats.
+// The result is the same with any standard library: the C++ standard fixes the
+// 10000th number of the engine, and Box and Muller's formula fixes the rest.
+// Reference: the engine and the formula in Python's integers and floats.
 TEST(InitializeWeights, IsTheSameOnEveryPlatform) {
   NetworkArchitecture architecture;
   architecture.num_inputs = 1;

@@ -135,7 +135,7 @@ TEST(NetworkArchitecture, LinearPartIsInTheFeaturesUnits) {
   architecture.bias = false;
   EXPECT_EQ(ConstantPart(architecture, weights.head(4)), Vector::Zero(2));
 
-  // With hidden layers the skip path is what folds back.
+  // With hidden layers only the skip path is folded into the model.
   architecture.hidden_widths = {3};
   ASSERT_EQ(architecture.NumWeights(), 16);
   Vector more = Vector::Constant(16, 99.0);

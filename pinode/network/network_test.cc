@@ -118,7 +118,7 @@ TEST(Network, AgreesWithJets) {
       network.Evaluate(q.data(), weights.data(), y.data(), &workspace);
       ExpectClose(y, oracle.value, 1e-13);
 
-      // The tangent keeps what the previous point left in it: that must not
+      // The tangent still contains data of the previous point. They must not
       // matter.
       network.Linearize(q.data(), weights.data(), &tangent);
       EXPECT_EQ(tangent.value(), y);
@@ -192,7 +192,7 @@ TEST(Network, GaugedByHand) {
 }
 
 // y(q) = g(q) - g(0) - (dg/dq)(0) q, with g the plain network of the same
-// weights: the gauge on the other side of the definition.
+// weights: the other side of the gauge's definition.
 TEST(Network, GaugeRemovesValueAndSlopeAtRest) {
   for (const NetworkArchitecture& architecture : AllArchitectures()) {
     if (!architecture.gauge) continue;
@@ -227,9 +227,9 @@ TEST(Network, GaugeRemovesValueAndSlopeAtRest) {
   }
 }
 
-// Without a bias every kink of a rectifier lies at rest. Its slope there is
-// the one from the left, so that a gauged relu is itself and a gauged leaky
-// relu is the rectifier above the left slope.
+// Without a bias every kink of a rectifier lies at rest, and its slope there is
+// the one from the left. A gauged relu is therefore unchanged, and a gauged
+// leaky relu is the rectifier above the left slope.
 TEST(Network, GaugedRectifierTakesTheSlopeFromTheLeft) {
   NetworkArchitecture architecture;
   architecture.num_inputs = 1;
@@ -255,7 +255,7 @@ TEST(Network, GaugedRectifierTakesTheSlopeFromTheLeft) {
   }
 }
 
-// The linear part is the slope of what the nonlinear part leaves.
+// The linear part is the slope that remains beside the nonlinear part.
 TEST(Network, LinearPartIsTheSlopeOfTheSkipPath) {
   for (const NetworkArchitecture& architecture : AllArchitectures()) {
     if (architecture.gauge || architecture.bias) continue;
@@ -275,8 +275,8 @@ TEST(Network, LinearPartIsTheSlopeOfTheSkipPath) {
   }
 }
 
-// B += left * dy/dweights, for row counts that fill the tiles of the products
-// and that do not, added to what was there, one by one and all at once.
+// B += left * dy/dweights, added to existing values, one by one and all at
+// once. Row counts fill the tiles of the products, or do not.
 TEST(Network, AddsWeightTangents) {
   constexpr int kStages = 4;
   for (const NetworkArchitecture& architecture : AllArchitectures()) {

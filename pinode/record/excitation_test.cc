@@ -73,7 +73,7 @@ TEST(ExcitationTest, BandLimitedIsTheSampledSignal) {
     }
     EXPECT_LT(worst, 2e-5) << samples_per_period;
   }
-  // Towards the ends it goes through the samples, and a line stays one.
+  // Near the ends it passes through the samples, and a line stays a line.
   const Excitation few(0.0, 0.1, Samples(), Interpolation::kBandLimited);
   EXPECT_EQ(At(few, 0, 0.0), Samples().col(0));
   EXPECT_EQ(At(few, 4, 1.0), Samples().col(5));
@@ -126,7 +126,7 @@ TEST(ExcitationTest, TheLastSampleHolds) {
   }
 }
 
-// Behind the last sample comes the first, for all interpolations.
+// The first sample follows the last one, for all interpolations.
 TEST(ExcitationTest, PeriodicGoesOnWithTheFirstSample) {
   const int count = 90;
   const double omega = 2.0 * kPi * 7.0 / count;

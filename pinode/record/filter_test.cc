@@ -94,8 +94,8 @@ TEST(ZeroPhaseFilterTest, IsLinear) {
             1e-11 * combined.norm());
 }
 
-// The gain of a sine in the middle of a long history, and its phase, are those
-// of the formula: none.
+// The gain for a sine in the middle of a long history follows the formula, and
+// the phase is zero.
 TEST(ZeroPhaseFilterTest, GainAndPhase) {
   const double step = 1.0 / kRate;
   auto warped = [step](double f) { return std::tan(kPi * f * step); };
@@ -149,8 +149,8 @@ TEST(ZeroPhaseFilterTest, ConstantsAndLinesPassALowPassUnharmedToTheEnds) {
   Vector constant = Vector::Constant(50, 3.0);
   low.Apply(&constant);
   EXPECT_LT((constant.array() - 3.0).abs().maxCoeff(), 1e-12);
-  // Odd reflection continues a line; the start-up of its slope dies out in the
-  // padding only as far as that reaches.
+  // Odd reflection extends a line. The start-up of its slope decays only within
+  // the padding.
   const Vector line = Vector::LinSpaced(500, 0.0, 1.0);
   Vector filtered = line;
   low.Apply(&filtered);

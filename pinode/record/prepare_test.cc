@@ -78,10 +78,10 @@ TEST(PrepareTest, SelectsAWindow) {
   EXPECT_DOUBLE_EQ(window.start_time, 1.3);
   EXPECT_EQ(window.num_samples(), 8);
   EXPECT_EQ(window.channels[0].values[0], 3.0);
-  // Between samples: those inside.
+  // A window between samples contains the samples inside.
   ASSERT_TRUE(SelectWindow(record, 1.31, 1.99, &window, &error)) << error;
   EXPECT_EQ(window.channels[0].values, Make({4, 5, 6, 7, 8, 9}));
-  // The whole, also as [start, number of samples * step].
+  // The whole record, also as [start, number of samples * step].
   ASSERT_TRUE(SelectWindow(record, 1.0, 11.1, &window, &error)) << error;
   EXPECT_EQ(window.num_samples(), 101);
   // In place.

@@ -24,8 +24,8 @@ using ::testing::IsEmpty;
 constexpr Eigen::Index kLength = 1000;
 constexpr double kSamplingStep = 0.01;
 
-// A load of white noise and the acceleration of an oscillator of 2 Hz, 2 %
-// damping, that it drives, with a little noise; or driven by `load`.
+// White noise as a load and the acceleration of an oscillator that it drives (2
+// Hz, 2 % damping), with a little noise; or driven by `load`.
 std::vector<WatchedSignal> Shaken(Vector load = Vector()) {
   testing::Gaussian random(5);
   if (load.size() == 0) {
@@ -57,7 +57,7 @@ TEST(SampleFaults, NamesMarksOfMissingSamples) {
               ElementsAre(AllOf(HasSubstr("channel a1: 5 samples are -9999 "
                                           "m/s^2, the first at 14 s"),
                                 HasSubstr("Empty cells are read as missing"))));
-  // Beside cells that are empty, and in any number.
+  // The same with empty cells, and with any number of them.
   signals[1].values.segment(100, 200).setConstant(-9999.0);
   signals[1].values.segment(700, 20).setConstant(kNaN);
   EXPECT_THAT(FaultsOf(signals),
@@ -82,7 +82,7 @@ TEST(SampleFaults, NamesASpike) {
               ElementsAre(HasSubstr("ground x: the sample")));
 }
 
-// Within the range of what moves slowly.
+// Within the range of a slow signal.
 TEST(SampleFaults, NamesASpikeAmongItsNeighbours) {
   std::vector<WatchedSignal> signals = Shaken();
   for (Eigen::Index k = 0; k < kLength; ++k) {
@@ -94,7 +94,7 @@ TEST(SampleFaults, NamesASpikeAmongItsNeighbours) {
 }
 
 TEST(SampleFaults, LeavesBlowsAlone) {
-  // One sample each, and what they are felt as.
+  // One sample each, and the response to it.
   Vector load = Vector::Zero(kLength);
   testing::Gaussian random(9);
   for (double& value : load) value = 0.01 * random.Next();
@@ -139,7 +139,8 @@ TEST(SampleFaults, NamesWhatIsClipped) {
               ElementsAre(HasSubstr("channel a1: is clipped")));
 }
 
-// Coarse loggers dwell where a slow motion turns, and repeat what is small.
+// Coarse loggers repeat values at the turning points of a slow motion, and in
+// small motions.
 TEST(SampleFaults, LeavesCoarseLoggersAlone) {
   std::vector<WatchedSignal> signals = Shaken();
   for (Eigen::Index k = 0; k < kLength; ++k) {

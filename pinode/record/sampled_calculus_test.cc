@@ -28,8 +28,8 @@ TEST(DifferentiateTest, IsOfFourthOrderInsideAndOfSecondAtTheEnds) {
   EXPECT_NEAR(error(101, true) / error(201, true), 4.0, 0.5);
 }
 
-// The oracle: Simpson's rule on the interpolated acceleration, which is exact
-// for cubics, over two integrations.
+// The reference: Simpson's rule on the interpolated acceleration, which is
+// exact for cubics, over two integrations.
 TEST(IntegrateTwiceTest, IsExactForTheInterpolation) {
   constexpr int kSamples = 30;
   constexpr double kStep = 0.02;

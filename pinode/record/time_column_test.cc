@@ -106,7 +106,7 @@ TEST(TimeColumnTest, EpochTimes) {
 TEST(TimeColumnTest, GapsBecomeMissingSamples) {
   std::vector<double> times = RoundedTimes(2000, 120.0, 5);
   times.erase(times.begin() + 500, times.begin() + 503);
-  // Long enough that the rounded step alone would miscount it by two.
+  // Long enough that the rounded step alone would give a count wrong by two.
   times.erase(times.begin() + 700, times.begin() + 1696);
   const Table table = MakeTable(times);
   const TimeGrid grid = Find(table);
@@ -146,7 +146,7 @@ TEST(TimeColumnTest, RepeatedRowsAreDropped) {
                                               HasSubstr("(lines 4, 7, 8)"))));
   EXPECT_EQ(OnTimeGrid(table, 1, grid)[3], 0.3);
 
-  // Missing twice is the same value, too.
+  // Two missing values count as the same value too.
   Table missing = MakeTable({0.0, 0.1, 0.1, 0.2});
   missing.values(1, 1) = missing.values(2, 1) = kNaN;
   EXPECT_TRUE(std::isnan(OnTimeGrid(missing, 1, Find(missing))[1]));
@@ -178,13 +178,13 @@ TEST(TimeColumnTest, RefusesIrregularAndDriftingClocks) {
   std::vector<double> drift;
   for (int i = 0; i < 1000; ++i) drift.push_back(0.01 * i * (1 + 1e-5 * i));
   EXPECT_THAT(Refusal(MakeTable(drift)), HasSubstr("step drifts"));
-  // A restart that is no whole number of steps later.
+  // A restart after a time that is not a whole number of steps.
   std::vector<double> restart;
   for (int i = 0; i < 200; ++i) {
     restart.push_back(0.01 * i + (i < 100 ? 0.0 : 0.504));
   }
   EXPECT_THAT(Refusal(MakeTable(restart)), StartsWith("r.csv:102: "));
-  // The limit is the caller's.
+  // The caller sets the limit.
   TimeColumnOptions options;
   options.largest_jitter = 0.3;
   EXPECT_EQ(Find(MakeTable(restart), options).num_samples(), 250);
@@ -193,7 +193,7 @@ TEST(TimeColumnTest, RefusesIrregularAndDriftingClocks) {
 TEST(TimeColumnTest, InterpolatesIrregularRowsOnRequest) {
   TimeColumnOptions options;
   options.interpolate_irregular = true;
-  // A drifting 100 Hz clock with a hole, and a value missing.
+  // A drifting 100 Hz clock with a hole, and a missing value.
   std::vector<double> times;
   for (int i = 0; i < 1000; ++i) {
     if (i >= 400 && i < 420) continue;
@@ -219,7 +219,8 @@ TEST(TimeColumnTest, InterpolatesIrregularRowsOnRequest) {
       EXPECT_TRUE(in_gap || near_missing) << t;
     } else {
       EXPECT_FALSE(in_gap) << t;
-      // Linear beside the hole, cubic elsewhere: (w h)^2 / 8 and far less.
+      // Linear beside the hole, cubic elsewhere: errors of (w h)^2 / 8 and far
+      // less.
       const bool linear = std::abs(t - times[399]) < 0.03 ||
                           std::abs(t - times[400]) < 0.03 ||
                           std::abs(t - times[700]) < 0.05 || t < 0.03 ||
@@ -228,7 +229,7 @@ TEST(TimeColumnTest, InterpolatesIrregularRowsOnRequest) {
     }
   }
   EXPECT_GE(missing, 20);
-  // Cubics are exact only in their slopes' order, straight lines entirely.
+  // Cubics are exact only to the order of their slopes, straight lines exactly.
   const Table line = MakeTable(times, [](double t) { return 2.0 - 3.0 * t; });
   const TimeGrid line_grid = Find(line, options);
   const Vector on_line = OnTimeGrid(line, 1, line_grid);

@@ -135,8 +135,8 @@ TEST(ArrayFilesTest, Hdf5DataSets) {
   EXPECT_THAT(Find(huge, "empty").fault, HasSubstr("larger than the file"));
 }
 
-// A data set in its own header ("compact") is not looked at by HDF5: of one
-// that is shorter than its shape says it reads what lies behind.
+// HDF5 does not check a data set in its own header ("compact"). If one is
+// shorter than its shape says, HDF5 reads the bytes behind it.
 TEST(ArrayFilesTest, CompactHdf5DataSetShorterThanItSays) {
   const TemporaryFolder folder;
   const std::string path = folder.Path("compact.h5");

@@ -13,7 +13,7 @@
 #include "pinode/base/arrays/matlab_file.h"
 #include "tests/support/temporary_folder_testing.h"
 
-// tests/programs/mat_test.sh has SciPy read what it writes.
+// tests/programs/mat_test.sh reads the written file with SciPy.
 
 namespace pinode {
 namespace {

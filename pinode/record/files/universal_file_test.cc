@@ -69,7 +69,7 @@ TEST(UniversalFileTest, WhatIsWrittenIsReadBack) {
   ASSERT_TRUE(ParseUniversalFile(bytes, "x.uff", &read, &error)) << error;
   EXPECT_THAT(read.set_types, ElementsAre(2420, 2411, 15, 82, 82, 58, 58, 55));
   ExpectEqualFiles(read, file, {}, {});
-  // And once more, to the byte.
+  // Writing again gives the same bytes.
   EXPECT_EQ(FormatUniversalFile(read), bytes);
 }
 
@@ -124,7 +124,7 @@ TEST(UniversalFileTest, FunctionsOfAllKinds) {
   }
 }
 
-// Sixths of seconds have no end, and columns have.
+// Sixths of seconds have infinitely many digits, and columns do not.
 TEST(UniversalFileTest, StepsThatColumnsDoNotHold) {
   for (const double step : {1.0 / 120.0, 1.0 / 65536.0, 0.005, 1e-5 / 7.0}) {
     for (const double start : {0.0, -1.0 / 3.0}) {
@@ -142,7 +142,7 @@ TEST(UniversalFileTest, StepsThatColumnsDoNotHold) {
       }
     }
   }
-  // A text about other columns than these is a text.
+  // A text that does not agree with the columns is only a text.
   UniversalFile file;
   file.functions = {Function(0, true)};
   std::string bytes = FormatUniversalFile(file);
@@ -154,14 +154,15 @@ TEST(UniversalFileTest, StepsThatColumnsDoNotHold) {
   ASSERT_TRUE(ParseUniversalFile(bytes, "x.uff", &read, &error)) << error;
   EXPECT_EQ(read.functions[0].abscissa_step, 0.0083333399);
   EXPECT_THAT(read.functions[0].texts[4], HasSubstr("abscissa from 0 by 0.00"));
-  // With all five texts in use, what the columns hold.
+  // With all five texts in use, the values of the columns remain.
   file.functions[0].texts = {"a", "b", "c", "d", "e"};
   ASSERT_TRUE(
       ParseUniversalFile(FormatUniversalFile(file), "x.uff", &read, &error));
   EXPECT_NEAR(read.functions[0].abscissa_step, 1.0 / 120.0, 5e-11);
 }
 
-// Fields of 13 columns, and no data type of double precision: what is lost.
+// Fields of 13 columns, and no data type of double precision: the expected
+// loss.
 TEST(UniversalFileTest, ShapesToTheirThirteenColumns) {
   for (const int type : {0, 1, 2, 3, 5, 7}) {
     UniversalFile file;
@@ -203,8 +204,8 @@ TEST(UniversalFileTest, ShapesToTheirThirteenColumns) {
   }
 }
 
-// Set 58b of two points with uneven abscissae in double precision, put together
-// by hand: `bytes` are the numbers, of which the header states `count`.
+// Set 58b of two points with uneven abscissae in double precision, built by
+// hand. `bytes` are the numbers; the header states `count` of them.
 std::string UnevenBinary(int data_type, int byte_order,
                          const std::string& count, const std::string& bytes) {
   return "    -1\n    58b     " + std::to_string(byte_order) +
@@ -234,8 +235,8 @@ std::string Bytes(const std::string& digits) {
 }
 
 TEST(UniversalFileTest, UnevenAbscissaeInDoublePrecision) {
-  // 1.5 and -2 at 0.25 and 1, abscissae in single precision as the format says;
-  // then with abscissae in double precision, as some write them.
+  // 1.5 and -2 at 0.25 and 1, with abscissae in single precision as the format
+  // requires, then in double precision as some programs write them.
   const std::string real = Bytes(
       "0000803e000000000000f83f"
       "0000803f00000000000000c0");
@@ -244,7 +245,7 @@ TEST(UniversalFileTest, UnevenAbscissaeInDoublePrecision) {
       "000000000000f03f00000000000000c0");
   for (const auto& [bytes, count] :
        {std::make_pair(real, "24"), std::make_pair(wide, "32"),
-        // Counted as if there were no abscissae, as pyuff does.
+        // Counted without the abscissae, as pyuff does.
         std::make_pair(wide, "16"), std::make_pair(real, "16")}) {
     UniversalFile file;
     std::string error;
@@ -263,7 +264,7 @@ TEST(UniversalFileTest, UnevenAbscissaeInDoublePrecision) {
   }
 }
 
-// The most significant byte first; the numbers' bytes hold breaks of lines.
+// Most significant byte first. The numbers' bytes contain line breaks.
 TEST(UniversalFileTest, UnevenComplexInDoublePrecision) {
   const std::string values = "400a0a0a0a0a0a0ac000000000000000";  // and -2
   const std::string single = Bytes("3e800000" + values + "3f800000" + values);
@@ -330,7 +331,7 @@ TEST(UniversalFileTest, HistoriesOfOtherTimesAreNoTable) {
   }
 }
 
-// Even abscissae with a step of nothing, as some files have them, and no names.
+// Even abscissae with a step of zero, as in some files, and no names.
 TEST(UniversalFileTest, HistoriesWithoutStepAndName) {
   UniversalFile file;
   file.functions = {Function(0, true), Function(1, true)};
@@ -361,7 +362,7 @@ TEST(UniversalFileTest, DamagedFilesAreRefused) {
   EXPECT_FALSE(ParseUniversalFile("", "x.uff", &file, &error));
   EXPECT_FALSE(ParseUniversalFile("just a text\n", "x.uff", &file, &error));
   EXPECT_THAT(error, HasSubstr("no data set"));
-  // Cut off anywhere: read as far as it goes, or refused, never more.
+  // A file cut at any place is read up to the cut, or refused.
   for (size_t size = 0; size < text.size(); size += 7) {
     UniversalFile part;
     if (ParseUniversalFile(text.substr(0, size), "x.uff", &part, &error)) {
@@ -430,7 +431,7 @@ TEST(UniversalFileTest, CoordinateSystems) {
   EXPECT_FALSE(file.nodes[0].position_is_local);
   EXPECT_EQ(file.nodes[0].displacement_system, 2);
   EXPECT_EQ(file.systems[2].name, "turned");
-  // The second, of x backwards and y too; the fourth in it, moved.
+  // The second system has x and y reversed; the fourth is moved within it.
   Eigen::Matrix3d axes;
   ASSERT_TRUE(file.AxesAt(file.nodes[0], &axes));
   EXPECT_TRUE(axes.isApprox(

@@ -1,5 +1,5 @@
-// Universal files of many programs, held against what another reader made of
-// them, and written and read back.
+// Compares universal files of many programs with another reader's results, and
+// with themselves after writing and reading.
 
 #include <Eigen/LU>
 #include <cmath>
@@ -41,7 +41,7 @@ TEST_F(MeasuredUniversalFileTest, AllAreReadAsByOthers) {
   for (const auto& [name, expected] : reference.items()) {
     UniversalFile file;
     std::string error;
-    // Cut off: 42 of 2508876 numbers are left of it.
+    // A truncated file: it contains 42 of 2508876 numbers.
     if (name == "dataset_milestone_in_header.uff") {
       EXPECT_FALSE(ReadUniversalFile(folder_ + "/" + name, &file, &error));
       EXPECT_THAT(error, HasSubstr("it has 42 numbers"));
@@ -105,8 +105,8 @@ TEST_F(MeasuredUniversalFileTest, AllAreReadAsByOthers) {
   EXPECT_GT(functions, 8);
 }
 
-// To the last bit; as text, functions but for the last digits of what was
-// binary.
+// Equal to the last bit. Functions as text may lose the last digits of binary
+// ones.
 TEST_F(MeasuredUniversalFileTest, WhatIsWrittenIsReadBackEqual) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
@@ -134,7 +134,7 @@ TEST_F(MeasuredUniversalFileTest, WhatIsWrittenIsReadBackEqual) {
   EXPECT_EQ(files, 15);
 }
 
-// Each of its nodes has directions of its own: the first has x and z backwards.
+// Each of its nodes has its own directions: the first has x and z reversed.
 TEST_F(MeasuredUniversalFileTest, DirectionsAtNodes) {
   UniversalFile file;
   std::string error;

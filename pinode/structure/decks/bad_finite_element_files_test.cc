@@ -1,5 +1,4 @@
-// Files of finite-element programs that are refused: cut short, or with
-// something wrong in them.
+// Refused files of finite-element programs: cut short, or with errors.
 
 #include <filesystem>
 #include <fstream>
@@ -25,7 +24,7 @@ class BadFiniteElementFilesTest : public FiniteElementFilesTest {};
 // A faulty text, its format and the expected error.
 struct BadText {
   const char* name;
-  // Takes the place of the stiffness.
+  // Replaces the stiffness.
   const char* file;
   const char* content;
   int line;
@@ -84,15 +83,15 @@ INSTANTIATE_TEST_SUITE_P(
                 5, "no mirror image"}}),
     [](const auto& test) { return test.param.name; });
 
-// Every prefix of a file is refused or gives the whole model (where the end
-// holds nothing that matters); never a crash, never a different model.
+// Every prefix of a file is refused, or gives the whole model if its missing
+// end does not matter. It never causes a crash or another model.
 TEST_F(BadFiniteElementFilesTest, TruncatedFilesAreRefused) {
   TemporaryFolder folder;
   struct Truncated {
     const char* name;
     bool damped;
-    // Bytes at the end that may be missing: what ends the last matrix of an
-    // OP4 file, a variable behind those that are asked for.
+    // Bytes at the end that may be missing: the end of the last matrix of an
+    // OP4 file, or a variable behind the requested ones.
     size_t spare;
   };
   for (const Truncated& sample :
@@ -248,11 +247,11 @@ TEST_F(BadFiniteElementFilesTest, BadNpzIsRefused) {
               HasSubstr("NumPy archive"));
   EXPECT_THAT(ErrorOf(OneFile(Sample("npz/types.npz"), true)),
               HasSubstr("usual name of the damping matrix"));
-  // An absurd shape in the header of the first array, stored uncompressed.
+  // An impossible shape in the header of the first array, stored uncompressed.
   const std::string content = FileContent(Sample("npz/full.npz"));
   for (const char* shape : {"(4, 5)", "(9, 4)", "(4, x)", "[4, 4]"}) {
     SCOPED_TRACE(shape);
-    // The checksum of the archive notices, or the header does.
+    // The checksum of the archive, or the header, shows the error.
     EXPECT_THAT(
         ErrorOf(OneFile(
             folder.Write("a.npz", Replaced(content, "(4, 4)", shape)), false)),

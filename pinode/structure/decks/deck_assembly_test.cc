@@ -14,7 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A column of two halves, and what stands behind the instances in an assembly.
+// A column of two halves, and the keywords behind the instances in an assembly.
 std::string Column(const std::string& assembly) {
   return R"(*Heading
 *Part, name=Column
@@ -47,7 +47,7 @@ std::string Column(const std::string& assembly) {
 
 constexpr char kOne[] =
     "*Instance, name=Column-1, part=Column\n*End Instance\n";
-// The second is moved along x and lies along y then.
+// The second instance is moved along x and then lies along y.
 constexpr char kTwo[] =
     "*Instance, name=Column-1, part=Column\n*End Instance\n"
     "*Instance, name=\"Column 2\", part=COLUMN\n"
@@ -147,7 +147,7 @@ TEST(DeckAssemblyTest, SectionsAreThoseOfAllInstances) {
               HasSubstr("'Low' has elements outside of it"));
 }
 
-// A set of the assembly is another than one of the same name in a part.
+// A set of the assembly differs from a part's set of the same name.
 TEST(DeckAssemblyTest, NamesOfSeveralSetsAreRefused) {
   std::vector<double> moduli;
   const std::string other = "*Elset, elset=Low, instance=Column-1\n2\n";
@@ -178,7 +178,7 @@ TEST(DeckAssemblyTest, SeveralParts) {
   EXPECT_THAT(SetOf(geometry, "B.Low"), ElementsAre(0));
   EXPECT_THAT(SetOf(geometry, "Column-1.Low"), ElementsAre(1));
   EXPECT_THAT(SetOf(geometry, "High"), ElementsAre(2));
-  // A part without an instance is not there.
+  // A part without an instance is not in the model.
   EXPECT_EQ(GeometryOrFail(beam + Column(kOne)).num_nodes(), 3);
 }
 
@@ -196,7 +196,7 @@ TEST(DeckAssemblyTest, InstancesMayHaveTheirOwnMesh) {
   EXPECT_THAT(moduli, ElementsAre(2e5));
 }
 
-// As solvers take it that know no assemblies.
+// The result for solvers without assemblies.
 TEST(DeckAssemblyTest, OnePartNeedsNoAssembly) {
   const std::string part = "*PART,NAME=P\n*NODE\n1,0,0,0\n*END PART\n";
   const StructureGeometry geometry = GeometryOrFail(

@@ -102,7 +102,7 @@ TEST(DeckGeometryTest, IncludesAreBesideTheDeck) {
   EXPECT_EQ(geometry.elements.size(), 1u);
 }
 
-// A file names others from where it is, or from where the deck is.
+// Paths are relative to the file that names them, or to the deck.
 TEST(DeckGeometryTest, IncludesMayNameOthers) {
   TemporaryFolder folder;
   std::filesystem::create_directory(folder.Path("sub"));
@@ -165,7 +165,7 @@ TEST(DeckGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(error, HasSubstr("a.inp:1: *INCLUDE is the 11th"));
 }
 
-// The deck of the frame: what data/README.md says of it.
+// The deck of the frame agrees with its description in data/README.md.
 TEST(DeckGeometryTest, TheFrame) {
   StructureGeometry geometry;
   std::string error;

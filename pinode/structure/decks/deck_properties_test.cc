@@ -143,7 +143,8 @@ TEST(DeckPropertiesTest, FactorsAreReadBack) {
       EXPECT_NEAR(after[i].mass[k], expected, 1e-13 * expected);
     }
   }
-  // The shared material has a copy for each that differs, with what it had.
+  // The shared material gets a copy for each section that differs, with all its
+  // data.
   EXPECT_THAT(scaled, HasSubstr("*MATERIAL, NAME=Steel\n"));
   EXPECT_THAT(scaled, HasSubstr("*MATERIAL,NAME=STEEL_MID\n*ELASTIC\n** at two "
                                 "temperatures\n1.6800000000000E+11,0.3,20."));
@@ -159,7 +160,7 @@ TEST(DeckPropertiesTest, FactorsAreReadBack) {
 TEST(DeckPropertiesTest, NothingElseIsTouched) {
   EXPECT_EQ(ScaledOrFail({}), kDeck);
   EXPECT_EQ(ScaledOrFail({{"all_steel", false, 1.0}}), kDeck);
-  // One factor for all that share a material needs no copy.
+  // One factor for all sections of a material needs no copy.
   const std::string scaled = ScaledOrFail({{"all_steel", false, 2.0}});
   EXPECT_THAT(scaled, Not(HasSubstr("STEEL_")));
   EXPECT_THAT(PropertiesOrFail(scaled)[2].stiffness,
@@ -228,8 +229,8 @@ std::string DeckWith(const std::string& from, const std::string& to) {
   return other;
 }
 
-// Elements of a composite, of a general section and of a section that nobody
-// knows, all of the steel that the bars have.
+// Elements of a composite, of a general section and of an unknown section, all
+// of the steel of the bars.
 TEST(DeckPropertiesTest, WhatCompositesUseStaysAsItIs) {
   for (const char* section :
        {"*SHELL SECTION,ELSET=skin,COMPOSITE\n.1,,wood\n.2,,steel,axes\n",
@@ -353,7 +354,8 @@ TEST(DeckPropertiesTest, NonstructuralMassesAreMassesOfTheirSets) {
   EXPECT_THAT(properties[7].stiffness, ElementsAre());
   EXPECT_THAT(properties[8].mass, ElementsAre(12.5));
 
-  // With the density of the same elements; a factor of stiffness leaves it.
+  // The mass follows the density of the same elements. A factor of stiffness
+  // does not change it.
   const std::vector<DeckProperty> scaled = PropertiesOrFail(
       ScaledOrFail({{"deck", true, 2.0}, {"deck", false, 3.0}}, deck));
   EXPECT_THAT(scaled[3].mass, ElementsAre(900.0));
@@ -375,7 +377,7 @@ TEST(DeckPropertiesTest, NonstructuralMassesAreMassesOfTheirSets) {
   EXPECT_THAT(light[7].mass, ElementsAre(1800.0));
 }
 
-// A material that sections share is copied in front of one.
+// The copy of a shared material is inserted in front of a material.
 TEST(DeckPropertiesTest, NonstructuralMassesMayStandBehindMaterials) {
   const std::string deck =
       DeckWith("*MATERIAL,NAME=WOOD",
@@ -389,13 +391,13 @@ TEST(DeckPropertiesTest, NonstructuralMassesMayStandBehindMaterials) {
   EXPECT_THAT(scaled[2].stiffness, ElementsAre(2.1e11, 2.0e11));
 }
 
-// Constants at two temperatures, of whole numbers.
+// Constants at two temperatures, as whole numbers.
 TEST(DeckPropertiesTest, ConstantsOfSpringsAreNoDirections) {
   const std::string deck =
       DeckWith("ELSET=stay,NONLINEAR\n-10.,-1.\n0.,0.\n20.,1.",
                "ELSET=stay\n1000,,20\n5,,40");
   EXPECT_THAT(PropertiesOrFail(deck)[4].stiffness, ElementsAre(1000.0, 5.0));
-  // A set of its own, whose types nobody knows.
+  // A set of its own with unknown types.
   const auto of_set = [](const std::string& data) {
     return DeckWith(
         "*SPRING,ELSET=soil\n2\n",
@@ -414,8 +416,7 @@ TEST(DeckPropertiesTest, ConstantsOfSpringsAreNoDirections) {
   }
 }
 
-// The type of the elements says what the first line is, whatever set they are
-// in.
+// The type of the elements defines the first line, whatever set they are in.
 TEST(DeckPropertiesTest, SpringsAreWhatTheirElementsAre) {
   const auto of_set = [](const std::string& members) {
     return DeckWith(
@@ -428,7 +429,7 @@ TEST(DeckPropertiesTest, SpringsAreWhatTheirElementsAre) {
               ElementsAre(1.0, 2.0, 3.0));
   EXPECT_THAT(PropertiesOrFail(of_set("30"))[5].stiffness,
               ElementsAre(2.0, 3.0));
-  // A spring to the ground is a point and has stiffness nevertheless.
+  // A spring to the ground is a point but has stiffness.
   EXPECT_THAT(
       ScalingErrorOf({{"both", false, 2.0}},
                      "*ELSET,ELSET=both\nstay,soil\n" +
@@ -459,7 +460,8 @@ TEST(DeckPropertiesTest, UnknownKeywordsEndNoMaterial) {
     EXPECT_THAT(PropertiesOrFail(scaled)[3].mass, ElementsAre(900.0));
     EXPECT_THAT(scaled, HasSubstr("\n36,.1\n"));
   }
-  // Nor do sections, as CalculiX reads it; but then there is no copy.
+  // Sections do not end a material either, as CalculiX reads it; but then it
+  // cannot be copied.
   const std::string apart = DeckWith(
       "*DENSITY\n7850.\n*DAMPING, ALPHA=0.5\n",
       "*SOLID SECTION,ELSET=low,MATERIAL=steel\n1e-3\n*DENSITY\n7850.\n");
@@ -506,7 +508,7 @@ TEST(DeckPropertiesTest, RotaryInertiasAreMasses) {
   EXPECT_THAT(scaled[7].mass, ElementsAre(240.0));
 }
 
-// CalculiX reads past blanks in keywords, parameters and names.
+// CalculiX ignores blanks in keywords, parameters and names.
 TEST(DeckPropertiesTest, BlanksMakeNoDifference) {
   std::string deck = DeckWith("*SOLID SECTION,ELSET=mid,MATERIAL=steel",
                               "*SOLIDSECTION,ELSET= m id,MATERIAL=st eel");

@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(All, SampleModelTest,
                          ::testing::ValuesIn(SampleModels()),
                          [](const auto& test) { return test.param.name; });
 
-// Zeros that a file states are part of its sparsity.
+// Explicit zeros of a file are part of its sparsity.
 TEST(WriteSparseMatrixMarket, KeepsStatedZeros) {
   TemporaryFolder folder;
   const std::string content =
@@ -242,7 +242,8 @@ TEST_F(FiniteElementFilesTest, Mat73) {
   EXPECT_EQ(Matrix(model.mass), ExpectedMass());
   EXPECT_EQ(Matrix(model.stiffness), ExpectedStiffness());
 
-  // Cut anywhere, it is refused, or read whole where only unused bytes go.
+  // A file cut at any place is refused, or read completely if only unused bytes
+  // are missing.
   const std::string content = FileContent(path);
   for (const size_t part : {1, 2, 5, 9}) {
     const std::string cut =
@@ -251,7 +252,7 @@ TEST_F(FiniteElementFilesTest, Mat73) {
   }
 }
 
-// Structures, cells and text beside the matrices are nobody's business.
+// Structures, cells and text beside the matrices are ignored.
 TEST_F(FiniteElementFilesTest, MatrixInAWholeMatlabWorkspace) {
   const FiniteElementModel model =
       ReadOrFail(OneFile(Sample("mat/workspace.mat"), false));
@@ -261,7 +262,7 @@ TEST_F(FiniteElementFilesTest, MatrixInAWholeMatlabWorkspace) {
             ReadOrFail(OneFile(Sample("mat/sparse.mat"), false)).dof_names);
 }
 
-// For each of them matio would allocate what the dimensions say.
+// For each of them matio would allocate the announced dimensions.
 TEST_F(FiniteElementFilesTest, MatlabFilesThatPromiseTooMuchAreRefused) {
   EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_allocation.mat"), false)),
               HasSubstr("an element of at most 4 bytes has more"));
@@ -271,8 +272,8 @@ TEST_F(FiniteElementFilesTest, MatlabFilesThatPromiseTooMuchAreRefused) {
               HasSubstr("an element is no variable"));
   TemporaryFolder folder;
   const std::string content = FileContent(Sample("mat/workspace.mat"));
-  // An array begins so; its class (a sparse one's rows cost nothing) and two
-  // dimensions follow.
+  // Beginning of an array. Its class (the rows of a sparse one cost nothing)
+  // and two dimensions follow.
   const std::string flags("\6\0\0\0\10\0\0\0", 8);
   for (const char kind : {'\x01', '\x02', '\x04', '\x05', '\x06'}) {
     size_t at = std::string::npos;
@@ -283,7 +284,7 @@ TEST_F(FiniteElementFilesTest, MatlabFilesThatPromiseTooMuchAreRefused) {
     }
     ASSERT_NE(at, std::string::npos) << static_cast<int>(kind);
     std::string crafted = content;
-    // Two milliard rows.
+    // Two billion (2e9) rows.
     crafted.replace(at + 24, 4, "\xff\xff\xff\x7f");
     const std::string error =
         ErrorOf(OneFile(folder.Write("crafted.mat", crafted), false));
@@ -303,7 +304,7 @@ TEST_F(FiniteElementFilesTest, CompressedCalculixFrame) {
   ASSERT_TRUE(
       ComputeLowestModes(model.mass, model.stiffness, 12, &modes, &error))
       << error;
-  // As CalculiX prints them, seven digits.
+  // Values as CalculiX prints them, with seven digits.
   const nlohmann::json truth =
       nlohmann::json::parse(FileContent(folder + "truth.json"));
   const std::vector<double> hertz = truth["design_frequencies_hz"];
@@ -372,7 +373,7 @@ TEST_F(FiniteElementFilesTest, RefusesFilesThatDoNotFitEachOther) {
   const std::string blank = folder.Write("blank.dof", "1.1 2.1\n");
   EXPECT_THAT(ErrorOf(Files(mass, stiffness, blank)),
               AllOf(HasSubstr("blank.dof:1: "), HasSubstr("one DOF")));
-  // Names here, positions there.
+  // Names in one file, positions in the other.
   EXPECT_THAT(ErrorOf(Files(mass, {Sample("abaqus/beam_STIF2.mtx"), ""})),
               HasSubstr("files of one kind"));
   EXPECT_THAT(ErrorOf(Files({Sample("abaqus/beam_MASS2.mtx"), ""},
@@ -381,7 +382,7 @@ TEST_F(FiniteElementFilesTest, RefusesFilesThatDoNotFitEachOther) {
   EXPECT_THAT(ErrorOf(Files(mass, {"K.xlsx", ""})), HasSubstr(".op4"));
   EXPECT_THAT(ErrorOf(Files(mass, {stiffness.path, "KGG"})),
               HasSubstr("holds only one"));
-  // A lower triangle that calls itself general.
+  // A lower triangle that is labelled general.
   EXPECT_THAT(
       ErrorOf(Files({folder.Write("M.mtx",
                                   "%%MatrixMarket matrix coordinate real "
@@ -402,7 +403,7 @@ TEST_F(FiniteElementFilesTest, FindsMatricesByName) {
   files.stiffness.variable = "KAA";
   EXPECT_THAT(ErrorOf(files),
               AllOf(HasSubstr("'KAA'"), HasSubstr("mgg, bgg, kgg")));
-  // One file of one matrix cannot be both.
+  // A file of one matrix cannot be two matrices.
   const std::string one = Sample("npz/K_csr.npz");
   EXPECT_THAT(ErrorOf(OneFile(one, false)), HasSubstr("usual name"));
   EXPECT_THAT(ErrorOf(Files({npz, ""}, {Sample("npz/complex.npz"), "K"})),
@@ -413,7 +414,7 @@ TEST_F(FiniteElementFilesTest, FindsMatricesByName) {
 TEST_F(FiniteElementFilesTest, FindsMatricesByTheirOccurrence) {
   TemporaryFolder folder;
   const std::string first = FileContent(Sample("op4/ascii_dense.op4"));
-  // In the second the stiffness ends with another number.
+  // In the second file the stiffness ends with another number.
   const std::string last = " 1.0000000000000000E+06\n";
   std::string second = first;
   second.replace(second.rfind(last), last.size(), " 3.0000000000000000E+06\n");

@@ -104,7 +104,7 @@ struct BadFile {
   const char* name;
   const char* file;
   std::string content;
-  // Line in the message; 0 for none.
+  // Line in the message; 0: no line.
   int line;
   std::vector<const char*> message_parts;
 };

@@ -57,7 +57,7 @@ TEST_F(MatrixVariableTest, IsFoundByName) {
   EXPECT_EQ(matrix, mass_);
 }
 
-// MATLAB tells M from m.
+// MATLAB distinguishes M from m.
 TEST_F(MatrixVariableTest, ExactNamesComeFirst) {
   const std::string both = folder_.Path("both.mat");
   MatlabWriter writer(both);

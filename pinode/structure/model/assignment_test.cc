@@ -22,7 +22,7 @@ double Total(const Matrix& profit, const std::vector<int>& column_of_row) {
   return total;
 }
 
-// The best total by trying all: rows <= columns.
+// Returns the best total by trying all assignments: rows <= columns.
 double BestTotal(const Matrix& profit) {
   std::vector<int> columns(profit.cols());
   std::iota(columns.begin(), columns.end(), 0);
@@ -34,7 +34,7 @@ double BestTotal(const Matrix& profit) {
 }
 
 TEST(MaximumProfitAssignment, IsNotGreedy) {
-  // Greedy takes 0.9 and is left with 0.0; the best is 0.8 + 0.8.
+  // A greedy choice takes 0.9 and then 0.0; the best is 0.8 + 0.8.
   Matrix profit(2, 2);
   profit << 0.9, 0.8, 0.8, 0.0;
   EXPECT_THAT(MaximumProfitAssignment(profit), ElementsAre(1, 0));

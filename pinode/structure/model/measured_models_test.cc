@@ -1,4 +1,4 @@
-// Finite-element models of others, held against what they say of them.
+// Compares finite-element models of others with their published results.
 
 #include <algorithm>
 #include <cmath>

@@ -94,8 +94,8 @@ TEST(ComputeModes, OneDofFromUndampedToUnstable) {
         std::abs(ratio) < 1.0 ? std::sqrt(1.0 - ratio * ratio) / kPi : 0.0;
     EXPECT_NEAR(modes.damped_frequency_hz[0], damped, 1e-12);
   }
-  // At critical damping the two eigenvalues meet, and rounding counts as a
-  // square root.
+  // At critical damping the two eigenvalues coincide, and rounding has the
+  // effect of its square root.
   EXPECT_NEAR(Modes(Scalar(1.0), Scalar(4.0), Scalar(4.0)).damping_ratio[0],
               1.0, 1e-7);
 }

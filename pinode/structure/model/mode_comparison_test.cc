@@ -32,8 +32,8 @@ TEST(ModeComparison, FollowsModesThatChangePlaces) {
   EXPECT_EQ(pairs[1].updated_mode, 0);
 }
 
-// Three equal masses in a plane row, two of them tied: any mixture of the two
-// motions that nothing holds is a mode.
+// Three equal masses in a row, two of them connected: any combination of the
+// two unsupported motions is a mode.
 TEST(ModeComparison, RigidBodiesAreAsLikeAsTheyCanBe) {
   const auto tied = [](double spring) {
     const Matrix mass = (Vector(3) << 1.0, 2.0, spring).finished().asDiagonal();
@@ -49,7 +49,7 @@ TEST(ModeComparison, RigidBodiesAreAsLikeAsTheyCanBe) {
     EXPECT_EQ(pairs[i].updated_frequency, 0.0);
     EXPECT_NEAR(pairs[i].mac, 1.0, 1e-12);
   }
-  // A mass that differs changes the scale of shapes, not that they are modes.
+  // Another mass changes the scale of shapes, but they stay modes.
   const Matrix mass = tied(3.0).mass;
   const Vector first = pairs[0].updated_shape;
   EXPECT_NEAR(first.dot(mass * first), 1.0, 1e-12);

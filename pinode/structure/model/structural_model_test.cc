@@ -64,7 +64,7 @@ TEST(StructuralModel, AcceptsWhatIsUnusualButSound) {
   without_ground.support_mass_coupling.resize(3, 0);
   EXPECT_TRUE(without_ground.IsValid(&error)) << error;
 
-  // A tonne beside a small rotational inertia is no reason to refuse.
+  // A tonne together with a small rotational inertia is not refused.
   StructuralModel badly_scaled = Chain();
   badly_scaled.mass.diagonal() << 1e6, 1e-12, 1.0;
   EXPECT_TRUE(badly_scaled.IsValid(&error)) << error;

@@ -15,8 +15,8 @@ TEST(LargestAsymmetry, IsZeroForSymmetricMatrices) {
 }
 
 TEST(LargestAsymmetry, FindsTheWorstPairRelativeToItsOwnDofs) {
-  // Translations of 1e9, rotations of 1: the error among the rotations is the
-  // larger one although it is the smaller number.
+  // Translations of 1e9, rotations of 1: the relative error among the rotations
+  // is larger, although it is the smaller number.
   Matrix matrix = Matrix::Zero(4, 4);
   matrix.diagonal() << 1e9, 1e9, 1.0, 4.0;
   matrix(0, 1) = -5e8;

@@ -14,8 +14,8 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A chain of n masses, u1 to un, with unit springs, held at its first or free;
-// masses grow a little, so that nothing is symmetric by chance.
+// A chain of n masses, u1 to un, with unit springs, fixed at its first mass or
+// free. Masses grow a little, so that nothing is symmetric by chance.
 FiniteElementModel Chain(int n, bool held) {
   FiniteElementModel model;
   model.dof_names = DefaultDofNames(n);
@@ -95,7 +95,7 @@ TEST(ReduceModel, ModalTruncationKeepsDofsToo) {
     }
     if (num_modes == 6) {
       EXPECT_EQ(reduced.coordinate_names[5], "q2");
-      // Modes by themselves, the lower first.
+      // Modes without kept DOFs, the lower one first.
       EXPECT_NEAR(reduced.stiffness(4, 5), 0.0, 1e-10);
       EXPECT_LT(reduced.stiffness(4, 4), reduced.stiffness(5, 5));
     }
@@ -131,7 +131,7 @@ TEST(ReduceModel, SerepKeepsAsManyModesAsDofs) {
   }
 }
 
-// With every other mass missing, nothing is lost.
+// If every other mass is missing, the reduction is exact.
 TEST(ReduceModel, GuyanIsExactForMasslessDofs) {
   FiniteElementModel model = Chain(20, true);
   std::vector<std::string> kept;
@@ -151,8 +151,8 @@ TEST(ReduceModel, GuyanIsExactForMasslessDofs) {
   EXPECT_THAT(reduced.notes, ElementsAre());
 }
 
-// Static answers to forces at kept DOFs are exact; frequencies come out too
-// high, the more so the higher the mode.
+// Static responses to forces at kept DOFs are exact. Frequencies are too high,
+// and more so for higher modes.
 TEST(ReduceModel, GuyanIsStaticallyExactAndTooStiff) {
   const FiniteElementModel model = Chain(30, true);
   ReductionOptions options =
@@ -213,8 +213,8 @@ TEST(ReduceModel, AgreesWithAnIndependentReduction) {
   }
 }
 
-// Two chains side by side, the same but for nothing: every frequency is there
-// twice, and which mixtures of the two motions are called its modes is chance.
+// Two identical chains side by side: every frequency occurs twice, and the
+// combinations of the two motions that form its modes are arbitrary.
 TEST(ReduceModel, SharedFrequenciesAreComparedAsSpaces) {
   const FiniteElementModel one = Chain(10, true);
   FiniteElementModel two;
@@ -327,8 +327,8 @@ TEST(ReduceModel, RigidBodyModesStayAtZero) {
   }
 }
 
-// The whole model with a group added, reduced, is the reduced model with the
-// group reduced along.
+// Adding a group to the whole model and reducing it gives the reduced model
+// with the reduced group.
 TEST(ReduceMatrix, GroupsAreReducedAlong) {
   FiniteElementModel model = Chain(12, true);
   const ReducedModel reduced = ReduceOrFail(
@@ -389,7 +389,7 @@ TEST(ReduceModel, RefusesWhatCannotBe) {
   EXPECT_THAT(
       ErrorOf(model, Options(ReductionMethod::kCraigBampton, {"u1"}, 10)),
       HasSubstr("there are 9"));
-  // A last mass that nothing holds, and one that is pushed away.
+  // A last mass without support, and one with negative stiffness.
   FiniteElementModel loose = Chain(10, true);
   loose.stiffness.coeffRef(9, 9) = 0.0;
   loose.stiffness.coeffRef(8, 8) = 1.0;
@@ -399,7 +399,7 @@ TEST(ReduceModel, RefusesWhatCannotBe) {
   loose.stiffness.coeffRef(9, 9) = -1e-3;
   EXPECT_THAT(ErrorOf(loose, Options(ReductionMethod::kGuyan, {"u1"}, 0)),
               AllOf(HasSubstr("can still move"), HasSubstr("u10")));
-  // Two equal chains: from one of them, the modes look alike.
+  // Two equal chains: seen from one of them, the modes are equal.
   FiniteElementModel twins = Chain(4, true);
   Matrix stiffness = Matrix::Zero(8, 8);
   stiffness.topLeftCorner(4, 4) = Matrix(twins.stiffness);

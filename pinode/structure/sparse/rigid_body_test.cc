@@ -18,14 +18,15 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-// A steel strip that nothing holds, 1 m x 40 mm x 5 mm.
+// An unsupported steel strip, 1 m x 40 mm x 5 mm.
 constexpr double kLength = 1.0;
 constexpr double kBending = 210e9 * 40e-3 * 5e-3 * 5e-3 * 5e-3 / 12.0;  // N m^2
 constexpr double kMassPerLength = 7850.0 * 40e-3 * 5e-3;                // kg/m
 constexpr double kMass = kMassPerLength * kLength;
 
-// Plane bending in `elements` of Euler and Bernoulli, DOFs w and rotation a
-// node, "i.3" and "i.5"; K of the elements first .. last - 1, M of all.
+// Plane bending in `elements` Euler-Bernoulli elements, with DOFs w and
+// rotation at each node, "i.3" and "i.5". K of the elements first .. last - 1,
+// M of all.
 FiniteElementModel Strip(int elements, int first, int last) {
   const double h = kLength / elements;
   Matrix k(4, 4);
@@ -80,7 +81,8 @@ ReducedModel ReduceStrip(const FiniteElementModel& model,
   options.kept_dofs = {Deflection(1), Deflection((nodes + 1) / 2),
                        Deflection(nodes)};
   options.num_modes = num_modes;
-  // Fewer than there are of a rigid body: they are all found nevertheless.
+  // Fewer modes are requested than there are rigid-body modes: all of these are
+  // found nevertheless.
   options.num_compared_modes = 1;
   ReducedModel reduced;
   std::string error;
@@ -108,7 +110,7 @@ TEST_P(FreeStripTest, ModesOfTheWholeAreThoseOfTheTextbook) {
 }
 
 // Any motion a + b x of the kept DOFs is one of the whole strip, with its mass
-// and its inertia m L^2 / 12, and meets no stiffness.
+// and its inertia m L^2 / 12, and without resistance.
 TEST_P(FreeStripTest, RigidBodyIsKeptByConstraints) {
   const FiniteElementModel model = Strip(GetParam());
   for (const int num_modes : {0, 6}) {
@@ -168,7 +170,7 @@ TEST_P(FreeStripTest, RigidBodyIsKeptByModes) {
   }
 }
 
-// A half of the strip made softer does not hold it; a spring under it does.
+// Softening half of the strip does not support it; a spring under it does.
 TEST_P(FreeStripTest, GroupsHoldItOnlyWhereTheyAreSupports) {
   const int elements = GetParam();
   const FiniteElementModel model = Strip(elements);

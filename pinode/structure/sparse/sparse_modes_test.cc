@@ -81,7 +81,7 @@ void ExpectEigenvalues(const SparseModes& modes,
   }
 }
 
-// Phi' M Phi = I and K Phi = M Phi W^2, to what rounding in K Phi allows.
+// Phi' M Phi = I and K Phi = M Phi W^2, to the rounding in K Phi.
 void ExpectModesSolveTheProblem(const SparseMatrix& mass,
                                 const SparseMatrix& stiffness,
                                 const SparseModes& modes) {
@@ -126,7 +126,7 @@ TEST(ComputeLowestModes, HeldChain) {
   }
 }
 
-// Nothing is coupled, so there is no order of elimination to look for.
+// Nothing is coupled, so any order of elimination will do.
 TEST(ComputeLowestModes, DiagonalModel) {
   constexpr int kSize = 2500;
   SparseMatrix mass(kSize, kSize);
@@ -166,8 +166,8 @@ TEST(ComputeLowestModes, FreeChainsHaveRigidBodyModes) {
   }
 }
 
-// Seven equal chains: Lanczos from one vector finds each eigenvalue once but
-// for rounding.
+// Seven equal chains: Lanczos from one vector finds each eigenvalue only once,
+// except for rounding.
 TEST(ComputeLowestModes, MissesNoneOfAClusterThatIsCutByTheCount) {
   const int n = 150;
   const int copies = 7;
@@ -257,7 +257,7 @@ TEST(ComputeLowestModes, FreeAndMasslessTogether) {
 }
 
 TEST(ComputeLowestModes, RefusesMotionsWithoutMassAndStiffness) {
-  // The massless DOFs 2 and 3 hang on each other only.
+  // The massless DOFs 2 and 3 are connected only to each other.
   Triplets triplets;
   AddSpring(0, 1, 1.0, &triplets);
   AddSpring(0, -1, 1.0, &triplets);
