@@ -26,7 +26,7 @@ struct GroupCurve {
   MatrixGroup group;  // stiffness or damping, its matrix that of the group
   int input = -1;     // the covariate
   std::vector<double> knots;  // ascending, at least two, in its unit
-  int reference = 0;          // place of the reference among them
+  int reference = 0;          // index of the reference
   // Change of alpha at each knot except the reference, in their order.
   ParameterBlock parameters;
   // Prior on combinations of the parameters. Empty: only the parameters' own

@@ -17,7 +17,7 @@ enum class Quantity {
   kRelativeAcceleration,  // a
   kAbsoluteAcceleration,  // a + r a_g
   kAbsoluteDisplacement,  // x + r x_g; needs the ground displacement as input
-  kForce,                 // what moves a DOF of prescribed motion
+  kForce,                 // force on a DOF of prescribed motion
   kStrain,                // of x, see AxialStrain and BendingStrain
 };
 

@@ -193,9 +193,9 @@ class StructuralDynamics {
     Vector rate;      // dh/dt
     Matrix jacobian;  // d rate / d h
     // Factored derivative with respect to theta, see AddParameterTangents.
-    Vector force_acceleration;  // a without what acts as an acceleration
+    Vector force_acceleration;  // a without accelerating terms
     Matrix change_forces;       // see LinearDynamics::ChangeForces
-    Vector prescribed_state;    // empty where no motion is prescribed
+    Vector prescribed_state;    // empty without prescribed motion
     std::vector<std::unique_ptr<TermLinearization>> terms;
   };
   Linearization MakeLinearization() const;

@@ -64,7 +64,7 @@ struct TermRate {
   // dv/dt without the terms that act as an acceleration, num_dofs. Add the
   // effect of each force here too, because corrections of the mass refer to it.
   T* force_acceleration = nullptr;
-  T* internal = nullptr;  // dz/dt of the term's own, to be set
+  T* internal = nullptr;  // dz/dt of the term's states; set it
 };
 
 // Data that a term computes once for each theta from its parameters and the
@@ -90,7 +90,7 @@ struct TermTangentScratch {
 // Data over which StructuralDynamics::Averaged takes its means.
 struct Conditions {
   Matrix inputs;               // inputs x samples
-  std::optional<double> time;  // the mean time; none: time does not pass
+  std::optional<double> time;  // mean time; none: no average over time
 };
 
 // One term of the equation of motion. StructuralDynamics combines the terms: it

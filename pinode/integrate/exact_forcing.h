@@ -39,7 +39,7 @@ struct ExactStep {
 
   std::complex<double> advance;
   std::complex<double> advance_slope;
-  Eigen::VectorXcd forcing;  // one a node
+  Eigen::VectorXcd forcing;  // one per node
   Eigen::VectorXcd forcing_slope;
 };
 

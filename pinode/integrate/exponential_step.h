@@ -77,7 +77,7 @@ class ExponentialStep {
   // T.
   struct Response {
     Matrix all;            // 2n x (2n + 3 (inputs + outputs))
-    RowMajorMatrix local;  // the rows of it that laws look at
+    RowMajorMatrix local;  // its rows that laws use
     // Derivatives of these matrices with respect to the groups' parameters,
     // stacked. A whole step has both tables. Half a step has only the local
     // one.
@@ -133,7 +133,7 @@ class ExponentialStep {
   std::array<Vector, 4> results_;
   std::array<Matrix, 4> slopes_;
   std::array<Matrix, 4> rates_;
-  Vector point_;  // a stage, of which only what laws look at is set
+  Vector point_;  // a stage; only the states that laws use are set
   // Data of a block: states; arguments (one column per step) and the groups'
   // changes of their responses; slopes, four per step.
   Matrix states_;

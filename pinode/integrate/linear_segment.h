@@ -42,8 +42,9 @@ class LinearSegment {
   // is not finite.
   bool Run(const IntegrationGrid& grid, const Vector& start, Eigen::Index first,
            Eigen::Index last, SegmentTangents* result);
-  // Computes how the parameters move the states within one interval, for the
-  // intervals that start at sample `begin`: (num_states * parameters) x count.
+  // Computes how the parameters move the states within one interval, for
+  // `count` intervals from sample `begin` on: (num_states * parameters) x
+  // count.
   void UpdateForcing(const IntegrationGrid& grid, Eigen::Index first,
                      Eigen::Index begin, Eigen::Index count);
   // Computes the parameters' direct effect on the acceleration channels,

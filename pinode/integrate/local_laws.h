@@ -60,7 +60,7 @@ class LocalLaws {
   const StructuralDynamics& dynamics_;
   std::vector<Place> places_;
   std::vector<int> states_;
-  std::vector<int> column_of_state_;  // -1 where no law looks
+  std::vector<int> column_of_state_;  // -1 if no law uses it
   Matrix forces_;
   int num_outputs_ = 0;
   int num_internal_ = 0;

@@ -101,7 +101,7 @@ class SegmentPropagator {
   const StructuralDynamics& dynamics_;
   DerivativeMethod method_;
   LinearSegment linear_;
-  std::optional<ExponentialStep> exponential_;  // made where it is asked for
+  std::optional<ExponentialStep> exponential_;  // created on request
   TangentStep step_;
   Vector state_;
   Matrix sensitivity_;

@@ -59,7 +59,7 @@ struct DiagramPole {
   double frequency_hz = 0.0;
   double frequency_sigma = 0.0;
   double damping_ratio = 0.0;
-  int mode = -1;  // in ModesOfRecord::modes; -1: of none
+  int mode = -1;  // in ModesOfRecord::modes; -1: no mode
 };
 
 // The record at one sampling rate, analysed in a band of frequencies.

@@ -32,7 +32,7 @@ struct MergedMode {
   // covariance is that of frequency, damping ratio, real parts, imaginary
   // parts; it is NaN at places where no set-up sees the mode.
   IdentifiedMode mode;
-  std::vector<int> in_setups;  // of each set-up its mode's number, -1: none
+  std::vector<int> in_setups;  // number of the mode in each; -1: none
   // Standard deviations between the set-ups, if several see the mode.
   double frequency_between = 0.0;  // Hz
   double damping_between = 0.0;

@@ -20,7 +20,7 @@ struct ModalSpectra {
   // of the power, except for chance, if the record contains only these modes
   // and noise.
   Vector explained;
-  Eigen::Index num_segments = 0;  // that `measured` is the mean of
+  Eigen::Index num_segments = 0;  // averaged in `measured`
 };
 
 // Fits spectra of poles and residues. With s_m the poles of the modes, the

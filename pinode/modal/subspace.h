@@ -17,7 +17,7 @@ namespace pinode {
 // A pole of an identified state-space model: a mode, or an artefact of noise.
 struct SubspacePole {
   int order = 0;           // states of the model
-  std::complex<double> s;  // continuous, 1 / s; of the pair that with Im > 0
+  std::complex<double> s;  // continuous, 1 / s; Im > 0 of a pair
   Eigen::VectorXcd shape;  // channels, in the units of the samples
   // Influence of each block of the record on s and on the shape, to first
   // order: blocks; channels x blocks. The mean over the blocks is zero.

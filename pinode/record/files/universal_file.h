@@ -57,7 +57,7 @@ struct UniversalFunction {
   int reference_node = 0, reference_direction = 0;
   double abscissa_start = 0.0;
   double abscissa_step = 0.0;
-  Vector abscissa;  // each; empty where they are even, by start and step
+  Vector abscissa;  // empty if even: see abscissa_start and _step
   Eigen::VectorXcd values;
   bool is_complex = false;
   // True if the function is stored in double precision. It is always written so

@@ -56,7 +56,7 @@ struct DeckSet {
   };
 
   std::string name;
-  std::vector<int> own;  // positions among the elements of where it stands
+  std::vector<int> own;  // positions among the elements of its scope
   std::vector<Range> ranges;
   std::vector<Name> names;
 };
