@@ -10,7 +10,7 @@ namespace pinode {
 
 // Reads the whole file at `path` into *content, byte for byte. Fails with a
 // message in *error if the file is missing, cannot be read or is not a regular
-// file. *content is untouched on failure.
+// file. *content is unchanged on failure.
 [[nodiscard]] bool ReadBinaryFile(const std::string& path, std::string* content,
                                   std::string* error);
 

@@ -30,7 +30,7 @@ TEST(Monomial, HasTheValueAndSlopesWorkedOutByHand) {
       const std::array<double, 2> q = {x, y};
       const double value = -3.0 * x * x * std::abs(y) * y;
       EXPECT_NEAR(example.Evaluate(q.data()), value, 1e-14);
-      // Added to what is there.
+      // Linearize adds to existing values.
       std::array<double, 2> gradient = {1.0, 2.0};
       EXPECT_NEAR(example.Linearize(q.data(), gradient.data()), value, 1e-14);
       EXPECT_NEAR(gradient[0], 1.0 - 6.0 * x * std::abs(y) * y, 1e-13);

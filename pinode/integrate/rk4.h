@@ -31,7 +31,7 @@ struct Rk4Scratch {
 //
 // in place on state (num_states entries). rate(node, time, state, rate)
 // computes dh/dt. node is 0, 1 or 2 for the beginning, the middle and the end
-// of the step, so that inputs that jump at samples can be taken from the right
+// of the step. Inputs that jump at samples can thus be taken from the right
 // side.
 template <typename T, typename RateFunction>
 void Rk4Step(const RateFunction& rate, double time, double dt, T* state,

@@ -37,10 +37,14 @@ struct Table {
 // once). Text or infinite numbers in other columns are ignored. An empty
 // `wanted` means every column of the file.
 //
-// Refuses with `path:line: ...`: an unreadable file, no header or no rows, an
-// unknown column (with the nearest name) or one whose name occurs twice, rows
-// with more or fewer cells than the header, text in a wanted column (decimal
-// commas are explained), stray or unclosed quotes.
+// Refuses with `path:line: ...`:
+//
+// - an unreadable file;
+// - no header or no rows;
+// - an unknown column (with the nearest name), or one whose name occurs twice;
+// - rows with more or fewer cells than the header;
+// - text in a wanted column (decimal commas are explained);
+// - stray or unclosed quotes.
 [[nodiscard]] bool ReadCsvTable(const std::string& path,
                                 const std::vector<std::string>& wanted,
                                 Table* table, std::string* error);

@@ -56,9 +56,13 @@ struct TimeGrid {
 // Accepts, with a remark: jitter within the limit; rows that repeat the one
 // before (dropped); gaps of whole steps (missing samples).
 //
-// Refuses with `path:line: ...`: fewer than two rows, NaN or decreasing times,
-// one time with different values, times off the grid by more than the limit,
-// gaps that are most of the grid.
+// Refuses with `path:line: ...`:
+//
+// - fewer than two rows;
+// - NaN or decreasing times;
+// - one time with different values;
+// - times off the grid by more than the limit;
+// - gaps that are most of the grid.
 [[nodiscard]] bool FindTimeGrid(const Table& table,
                                 const std::string& time_column,
                                 const TimeColumnOptions& options,

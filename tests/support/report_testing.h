@@ -22,12 +22,12 @@ struct ReportExample {
 };
 
 // Returns a three-storey shear frame under ground motion, with stiffness groups
-// k1..k3, a Rayleigh-like damping group, a cubic spring in the first storey, a
-// hysteretic one in the second and a small network. It has one training and one
-// hold-out record with the absolute accelerations of the floors. The "measured"
-// records are free runs with known parameters plus noise of a seeded generator.
-// The "identified" parameters are close to the known ones; scores, modes,
-// stages and covariance are consistent with them.
+// k1..k3 and a Rayleigh-like damping group. It has a cubic spring in the first
+// storey, a hysteretic one in the second and a small network. It has one
+// training and one hold-out record with the absolute accelerations of the
+// floors. The "measured" records are free runs with known parameters plus noise
+// of a seeded generator. The "identified" parameters are close to the known
+// ones; scores, modes, stages and covariance are consistent with them.
 std::unique_ptr<ReportExample> MakeReportExample();
 
 // Returns a term as after a refit, without an interval if half_width is NaN.

@@ -27,8 +27,8 @@ enum class SpringStart {
 
 // Finds the moduli of *ELASTIC, the constants or forces of *SPRING, and the
 // numbers of *DENSITY, *MASS, *ROTARY INERTIA and *NONSTRUCTURAL MASS. Returns
-// false with `file:line:` and the error for unknown kinds, for data that are
-// not numbers, and for springs of an unknown type whose first line is
+// false with `file:line:` and the error for unknown kinds and for data that are
+// not numbers. Also refuses springs of an unknown type whose first line is
 // ambiguous.
 [[nodiscard]] bool FindDeckNumbers(const DeckBlock& block, SpringStart start,
                                    std::vector<DeckNumber>* numbers,

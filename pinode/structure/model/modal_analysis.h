@@ -90,10 +90,10 @@ double Mac(const Vector& a, const Vector& b);
 // B. Both have the same DOFs as rows.
 Matrix MacMatrix(const Matrix& shapes_a, const Matrix& shapes_b);
 
-// Returns for each column of A its partner among the columns of B, one to one,
-// so that the sum of the MACs is as large as possible. A greedy choice, mode by
-// mode, could leave poor partners for the last modes. The entry is -1 for
-// columns of A without a partner because B has fewer columns.
+// Returns for each column of A its partner among the columns of B, one to one.
+// The sum of the MACs is as large as possible. A greedy choice, mode by mode,
+// could leave poor partners for the last modes. The entry is -1 for columns of
+// A without a partner because B has fewer columns.
 std::vector<int> PairModes(const Matrix& shapes_a, const Matrix& shapes_b);
 
 }  // namespace pinode

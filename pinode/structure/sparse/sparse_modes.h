@@ -49,8 +49,8 @@ struct SparseModes {
 // section 3.3).
 //
 // Fails, with *modes unchanged, if some motion has neither mass nor stiffness,
-// if the precision is insufficient for a factorisation, or if the dense solver
-// would be needed for a large model.
+// or if the precision is insufficient for a factorisation. Fails too if a large
+// model would need the dense solver.
 [[nodiscard]] bool ComputeLowestModes(const SparseMatrix& mass,
                                       const SparseMatrix& stiffness,
                                       int num_modes, SparseModes* modes,
