@@ -24,8 +24,8 @@ struct WatchedSignal {
 // Samples that differ in kind from the others.
 struct Outliers {
   std::vector<Eigen::Index> samples;  // ascending; empty: there are none
-  // Distance of the least outlier from the median, relative to the most distant
-  // other sample.
+  // Smallest distance of an outlier, relative to the largest distance of the
+  // other samples.
   double ratio = 0.0;
   // True if all outliers have one value, like a code for missing samples.
   bool alike = false;
