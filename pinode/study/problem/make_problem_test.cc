@@ -10,7 +10,6 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/elements.h"
-#include "pinode/study/problem/prepare_problem.h"
 #include "tests/support/identify_testing.h"
 
 namespace pinode {

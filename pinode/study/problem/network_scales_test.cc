@@ -8,7 +8,6 @@
 #include "gtest/gtest.h"
 #include "pinode/network/initialize_weights.h"
 #include "pinode/study/problem/make_problem.h"
-#include "pinode/study/problem/prepare_problem.h"
 
 namespace pinode {
 namespace {

@@ -8,7 +8,7 @@
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/estimate/start/free_run_start.h"
 #include "pinode/problem/parameter_layout.h"
-#include "pinode/study/problem/prepare_problem.h"
+#include "pinode/study/problem/make_problem.h"
 #include "tests/support/estimate_testing.h"
 
 namespace pinode {
