@@ -32,7 +32,7 @@ std::string Text(const Parts&... parts) {
   return text.str();
 }
 
-std::string Percent(double fraction) {
+std::string PercentText(double fraction) {
   return FormatNumber(100.0 * fraction, 2) + " %";
 }
 
@@ -79,7 +79,7 @@ void CheckPrediction(const RecordScore& score, Findings* findings) {
   } else if (train && StructuredError(score) > limits::kUnexplained) {
     findings->push_back(
         {"unexplained_motion",
-         "the model misses " + Percent(score.nrmse) +
+         "the model misses " + PercentText(score.nrmse) +
              " of the motion of record '" + score.name +
              "', and noise does not explain it",
          StructuredError(score), limits::kUnexplained,
@@ -103,7 +103,7 @@ void CheckLearnedForce(const FitSummary& fit, Findings* findings) {
   if (left <= limits::kUnexplainedByNetwork) return;
   findings->push_back(
       {"force_not_learned",
-       "the network leaves " + Percent(left) +
+       "the network leaves " + PercentText(left) +
            " of the training records unexplained: its force is not the "
            "missing one",
        left, limits::kUnexplainedByNetwork,
@@ -124,8 +124,8 @@ void CheckHoldouts(const FitSummary& fit, Findings* findings) {
     findings->push_back({"does_not_carry_over",
                          "the result does not carry over: hold-out record '" +
                              score.name + "' is predicted with an error of " +
-                             Percent(score.nrmse) +
-                             ", the training records with " + Percent(training),
+                             PercentText(score.nrmse) +
+                             ", the training records with " + PercentText(training),
                          much ? score.nrmse : unexplained,
                          much ? largest : limits::kUnexplainedOfHoldout});
   }
@@ -179,7 +179,7 @@ void CheckModePartners(const FitSummary& fit, Findings* findings) {
     const bool unlike = mode.updated.mac < limits::kModeMac;
     if (distance <= limits::kModeDistance && !unlike) continue;
     const std::string nearest = std::isfinite(ratio)
-                                    ? Percent(ratio - 1.0) + " in frequency"
+                                    ? PercentText(ratio - 1.0) + " in frequency"
                                     : "without a frequency";
     findings->push_back(
         {"mode_lost",
@@ -213,15 +213,15 @@ void CheckFrequencies(const FitSummary& fit, Findings* findings) {
   if (after > limits::kFrequencyError) {
     findings->push_back(
         {"frequencies_not_met",
-         "measured frequencies are met within no less than " + Percent(after) +
+         "measured frequencies are met within no less than " + PercentText(after) +
              ": sensors in another order, a sensor's sign, place or direction, "
              "or groups that cannot make the model like the structure",
          after, limits::kFrequencyError});
   } else if (after > grown) {
     findings->push_back(
         {"frequencies_worse",
-         "measured frequencies are met within " + Percent(after) +
-             ", by the initial model within " + Percent(before) +
+         "measured frequencies are met within " + PercentText(after) +
+             ", by the initial model within " + PercentText(before) +
              ": shapes and frequencies contradict each other",
          after, grown,
          "check each sensor's sign, place and direction, and standard "
@@ -296,7 +296,7 @@ void CheckLoadsDoNotExplainAll(const FitSummary& fit, Findings* findings) {
       {"loads_explain_all",
        "the unmeasured loads of ambient record '" + first.name +
            "' explain all that it shows: with them unknown at most " +
-           Percent(first.most_information_left) +
+           PercentText(first.most_information_left) +
            " of what it says of the groups is left, so that none of them can "
            "be told",
        first.most_information_left, limits::kAnyInformationLeft,
