@@ -11,15 +11,16 @@
 namespace pinode {
 namespace {
 
-// Their covariances are half the square of this at each knot.
+// Largest number of correlated areas. The number of their covariances is half
+// its square at each knot.
 constexpr Eigen::Index kMostCorrelatedAreas = 40;
-// What two channels that are one, but for a factor and rounding, leave of the
-// square of their correlation.
+// Largest remainder of the squared correlation of two channels that are equal
+// but for a factor and rounding.
 constexpr double kCopy = 1e-10;
-// Of the model's lowest mode in the band: below it spectral lines are no longer
-// independent numbers.
+// Fewest cycles of the model's lowest mode in the band. In shorter records
+// spectral lines are not independent.
 constexpr double kFewestCyclesOfMode = 20.0;
-// Of a record, that all channels have.
+// Smallest share of the record that all channels must have in common.
 constexpr double kLeastInCommon = 0.5;
 
 bool IsLoad(InputSpec::Kind kind) {
@@ -27,7 +28,7 @@ bool IsLoad(InputSpec::Kind kind) {
          kind == InputSpec::Kind::kGroundAcceleration;
 }
 
-// Empty where its inputs are as they should be.
+// Returns an empty text if the inputs are valid.
 std::string WhatIsWrongWithInputs(const AmbientRecord& record,
                                   const StructuralDynamics& dynamics) {
   if (!record.inputs.has_value()) {
@@ -69,9 +70,9 @@ Matrix AmbientRecord::MeasuredLoads(const StructuralDynamics& dynamics) const {
 
 StructuralDynamics AmbientRecord::AveragedDynamics(
     const StructuralDynamics& dynamics) const {
-  // Nothing follows anything.
+  // No group follows a covariate.
   if (dynamics.IsLinear()) return dynamics;
-  // What lies in gaps has no part in the record's lines.
+  // Gaps have no part in the record's lines.
   std::vector<Eigen::Index> present;
   double middle = 0.0;
   for (Eigen::Index i = 0; i < samples.cols(); ++i) {

@@ -1,4 +1,4 @@
-// Records of a structure under loads that nobody measured.
+// Records of a structure under loads that were not measured.
 
 #ifndef PINODE_PROBLEM_AMBIENT_RECORD_H_
 #define PINODE_PROBLEM_AMBIENT_RECORD_H_
@@ -17,83 +17,82 @@
 
 namespace pinode {
 
-// Responses to random forces, stationary over the record, whose spectral
-// densities are unknown:
+// Record of the responses to random forces that are stationary over the record
+// and have unknown spectral densities:
 //
 //   S_y(w) = H(w) S_f(w) H(w)^H + diag(noise),   S_f(w) = sum_b t_b(w) P_b.
 //
-// H is the transfer function from the forces in `loads` to the channels; t_b
-// are triangles over the logarithm of the frequency, one around each knot; the
-// P_b are covariances between the forces, unknown, positive semidefinite. A
-// spectrum that is correlated between areas and falls with frequency as that of
-// wind does is of this form. Beside such forces measured ones may act: what the
-// model's response to these, from rest, leaves of the record is what has that
-// density.
+// H is the transfer function from the forces in `loads` to the channels. The
+// t_b are triangles over the logarithm of the frequency, one around each knot.
+// The P_b are unknown, positive semidefinite covariances between the forces. A
+// spectrum that is correlated between areas and falls with frequency, as that
+// of wind, has this form. Measured forces may act as well: the record less the
+// model's response to them, from rest, then has this density.
 struct AmbientRecord {
   std::string name;
   double sampling_step = 0.0;  // model time
   std::vector<Observation> channels;
   Matrix samples;  // channels x samples, in the model's units; NaN: missing
 
-  // Where forces act, num_dofs x areas, and what they are called. Empty, with
-  // an empty base: on each mode in and near the band that the model has at
-  // first or, where these are more than 24 or loads are not correlated, where
-  // the channels measure. Any load on the structure does to its modes what such
-  // forces do.
+  // Distribution of the unknown forces, num_dofs x areas, and the names of the
+  // areas. If `loads` and `base` are empty, a force acts on each mode of the
+  // initial model in and near the band. With more than 24 such modes, or
+  // uncorrelated loads, forces act at the channels instead. Any load on the
+  // structure excites its modes in the same way as such forces.
   Matrix loads;
   std::vector<std::string> areas;
-  // Where accelerations of the base act that nobody measured, num_dofs x
-  // directions: displacements of the DOFs as they follow it. Channels of
-  // absolute accelerations see it themselves.
+  // Distribution of unmeasured accelerations of the base, num_dofs x
+  // directions: displacements of the DOFs as they follow the base. Channels of
+  // absolute accelerations also see the acceleration of the base itself.
   Matrix base;
-  // False: forces of different areas, and motions of the base,
-  // have nothing in common.
+  // False: forces of different areas, and motions of the base, are independent.
   bool correlated = true;
-  // Knots of the spectrum; 1: white; 0: one an octave of the band.
+  // Number of knots of the spectrum. 1: white; 0: one per octave of the band.
   int knots = 0;
 
-  // What was measured beside them, a row for each input of the dynamics and as
-  // many samples as the record: loads, for which the dynamics must be linear,
-  // and covariates that groups follow, of which the record shows the mean.
+  // Measured inputs, one row per input of the dynamics, with as many samples as
+  // the record. Loads need linear dynamics. Covariates that groups follow enter
+  // with their mean over the record.
   std::optional<Excitation> inputs;
-  // Applied to `samples` by whoever read them, and here to the response to
-  // measured loads.
+  // Filter that the reader already applied to `samples`. The cost applies it to
+  // the response to measured loads.
   std::shared_ptr<const ZeroPhaseFilter> filter;
 
-  // The band that is looked at, cycles per model time. Default (0): from 0.3 of
-  // the lowest frequency of the model as it is at first to 1.5 of its highest,
-  // and at most 0.8 of half the sampling rate.
+  // Band of the fit, in cycles per model time. Default (0): from 0.3 of the
+  // lowest frequency of the initial model to 1.5 of its highest, and at most
+  // 0.8 of half the sampling rate.
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
 
-  // The rows of `inputs` that are loads and not the same all the time.
+  // Returns the rows of `inputs` that are loads and vary with time.
   Matrix MeasuredLoads(const StructuralDynamics& dynamics) const;
   bool HasMeasuredLoads(const StructuralDynamics& dynamics) const {
     return MeasuredLoads(dynamics).rows() > 0;
   }
-  // The dynamics with what groups follow at its mean over the record.
+  // Returns the dynamics with the covariates of groups at their means over the
+  // record.
   StructuralDynamics AveragedDynamics(const StructuralDynamics& dynamics) const;
-  // The frequency (cycles per model time) of the lowest mode inside the band,
-  // of the model as it is at first; 0: none.
+  // Returns the frequency (cycles per model time) of the initial model's lowest
+  // mode inside the band; 0: none.
   double LowestModeInBand(const StructuralDynamics& dynamics) const;
 
-  // Channels of displacements, velocities, accelerations or strains, of sizes
-  // that fit the dynamics; 200 samples and more; loads that are there. On
-  // failure *error says what.
+  // Checks that channels are displacements, velocities, accelerations or
+  // strains with sizes that fit the dynamics, that there are at least 200
+  // samples, and that the loads exist. On failure *error says what is wrong.
   [[nodiscard]] bool IsValid(const StructuralDynamics& dynamics,
                              std::string* error) const;
 };
 
-// What the evidence says of the loads' spectrum of a record, in natural
-// logarithms, see JudgeLoads.
+// Evidence for the spectrum of a record's loads, in natural logarithms, see
+// JudgeLoads.
 struct LoadEvidence {
-  // Of the likelihood, without what holds the covariances; and what the
-  // evidence takes off it for loads and noise that were fitted.
+  // Logarithm of the likelihood, without the prior of the covariances; and the
+  // evidence's price for the loads and noise that were fitted.
   double log_likelihood = 0.0;
   double price = 0.0;
-  // Of a spectrum with a knot between any two: by how much both would be
-  // larger, as far as that can be told before it is fitted. 0 knots: it was not
-  // looked at.
+  // Increases of both for a spectrum with one more knot between any two,
+  // estimated before it is fitted. 0 knots: the finer spectrum was not
+  // examined.
   int finer_knots = 0;
   double finer_gain = 0.0;
   double finer_price = 0.0;
@@ -103,7 +102,7 @@ struct LoadEvidence {
   }
 };
 
-// What the fit says of an ambient record.
+// Scores of the fit for an ambient record.
 struct AmbientScore {
   std::string name;
   double lowest_frequency = 0.0;
@@ -111,49 +110,52 @@ struct AmbientScore {
   Eigen::Index num_lines = 0;
   int num_knots = 0;  // of the loads' spectrum
   LoadEvidence evidence;
-  // Whitened by the model, a line's power is one. Over parts of the band its
-  // mean deviates from that by chance alone where the model is right: the
-  // probability of a chi^2 as large as the one found, and the part (cycles per
-  // model time) that deviates most, in standard deviations.
+  // Test of the whitened lines: if the model is right, each has power one, and
+  // means over parts of the band deviate from one by chance alone.
+  // `probability` is that of a chi^2 as large as the one found. `worst_from` to
+  // `worst_to` (cycles per model time) is the part that deviates most, by
+  // `worst_deviation` standard deviations.
   double chi_square = 0.0;
   Eigen::Index degrees_of_freedom = 0;
   double probability = 1.0;
-  // What the response to measured loads leaves has nothing in common with it
-  // but by chance: the probability of a chi^2 as large as the one found.
+  // Test of the remainder after the response to measured loads: if the model is
+  // right, its correlation with that response is due to chance. Probability of
+  // a chi^2 as large as the one found.
   double coherence_probability = 1.0;
   double worst_from = 0.0, worst_to = 0.0, worst_deviation = 0.0;
-  // Of each channel: what part of its power in the band the structure's motion
-  // explains, the rest being noise, and what part measured loads explain alone
-  // (empty: there are none); the noise's standard deviation over all
+  // Per channel: share of its power in the band that the structure's motion
+  // explains, the rest being noise; share that measured loads alone explain
+  // (empty: no measured loads); standard deviation of the noise over all
   // frequencies, in the channel's unit.
   std::vector<std::string> channels;
   Vector explained;
   Vector by_measured_loads;
   Vector noise_sigma;
-  // Free groups, and what part of what the record says of each (the inverse of
-  // a variance) is left where the loads are unknown; the largest such part of
-  // any combination of them.
+  // Free groups, and the share of the record's information on each (the inverse
+  // of a variance) that is left when the loads are unknown.
+  // `most_information_left` is the largest such share of any combination of
+  // groups.
   std::vector<std::string> groups;
   Vector information_left;
   double most_information_left = 1.0;
-  // Spectral densities over a grid of frequencies, channels x grid: as measured
-  // (means of lines; without the response to measured loads) and of the model,
-  // with the number of lines.
+  // Spectral densities over a grid of frequencies, channels x grid: measured
+  // (means of lines, without the response to measured loads) and modelled, with
+  // the number of lines.
   Vector frequencies;
   Matrix measured;
   Matrix modelled;
   Vector lines;
 
-  // Of both tests.
+  // Returns the smaller probability of the two tests.
   double LeastProbability() const {
     return std::min(probability, coherence_probability);
   }
 };
 
-// Below this probability the intervals of a record are those of a sandwich.
+// Probability below which the intervals are those of a sandwich estimate.
 inline constexpr double kDoubtfulAmbientProbability = 0.05;
 
-// Numbers of the loads' covariances at all knots.
+// Largest number of unknowns of the loads' covariances, over all knots.
 inline constexpr Eigen::Index kMostLoadUnknowns = 4000;
 
 }  // namespace pinode

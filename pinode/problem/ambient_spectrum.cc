@@ -16,21 +16,22 @@
 namespace pinode {
 namespace {
 
-// Of a record, at either end.
+// Tapered share of a record at either end.
 constexpr double kTapered = 0.05;
-// Cycles of the lowest frequency beside a gap, and what is kept of the squares
-// of what is there; samples in a row that need no taper.
+// Length of the taper at a gap in cycles of the lowest frequency; smallest
+// share of the squares that tapers keep; number of missing samples in a row
+// that need no taper.
 constexpr double kCyclesBesideGap = 8.0;
 constexpr double kLeastKept = 0.75;
 constexpr Eigen::Index kMostBridged = 4;
 
-// From 0 to 1 over an interval of length one.
+// Rises from 0 to 1 over an interval of length one.
 double Rise(double x) {
   return 0.5 - 0.5 * std::cos(kPi * std::clamp(x, 0.0, 1.0));
 }
 
-// Of each sample from the next one within a gap of any channel; infinite where
-// there is none.
+// Returns each sample's distance from the next sample within a gap of any
+// channel; infinite if there are no gaps.
 Vector DistanceFromGaps(const Matrix& samples, Eigen::Index size) {
   Vector distance = Vector::Constant(size, kInfinity);
   for (Eigen::Index c = 0; c < samples.rows(); ++c) {
@@ -52,7 +53,8 @@ Vector DistanceFromGaps(const Matrix& samples, Eigen::Index size) {
   return distance;
 }
 
-// `beside`: samples of the taper at a gap's edge, at most.
+// Returns the taper. `beside`: largest number of tapered samples at a gap's
+// edge.
 Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
   Vector ends(size);
   const double at_end =
@@ -76,15 +78,15 @@ Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
   return taper;
 }
 
-// L with L L^T = a a^T, of no fewer columns than rows.
+// Returns L with L L^T = a a^T; `a` has at least as many columns as rows.
 Matrix LowerFactor(const Matrix& a) {
   const Eigen::HouseholderQR<Matrix> qr(a.transpose());
   return Matrix(qr.matrixQR().topRows(a.rows()).triangularView<Eigen::Upper>())
       .transpose();
 }
 
-// Samples of a record that are transformed: what is left over at the end is
-// less than a hundredth.
+// Returns the number of samples that are transformed. Less than a hundredth
+// remains at the end.
 Eigen::Index FastSize(Eigen::Index size) {
   const Eigen::Index fast = SmoothNumberBelow(size);
   return fast > size - size / 100 ? fast : size;
@@ -220,7 +222,7 @@ int LoadSpectrum::Weigh(double frequency, double* below, double* above) const {
 }
 
 void LoadSpectrum::SetPowers(const Vector& unknowns) {
-  // What falls faster is no load.
+  // Powers steeper than any load's.
   constexpr double kSteepest = 4.0;
   for (int b = 0; b + 1 < knots_; ++b) {
     const double here = Root(unknowns, b).squaredNorm();
@@ -302,7 +304,7 @@ LoadSpectrum LoadSpectrum::Refined(const Vector& unknowns,
     finer.SetRoot(root, 2 * b, refined);
     if (b + 1 == knots_) break;
     finer.powers_.segment(2 * b, 2).setConstant(powers_[b]);
-    // Half of either, as Weigh has it in the middle.
+    // Half of each power, as Weigh has it in the middle.
     const double rise = 0.25 * powers_[b] * log_step_;
     both << std::sqrt(0.5) * std::exp(rise) * root,
         std::sqrt(0.5) * std::exp(-rise) * Root(unknowns, b + 1);

@@ -1,4 +1,4 @@
-// Noise of channels for which no fit has estimated it.
+// Noise of channels that no fit has estimated.
 
 #ifndef PINODE_PROBLEM_ASSUMED_NOISE_H_
 #define PINODE_PROBLEM_ASSUMED_NOISE_H_
@@ -11,8 +11,8 @@
 
 namespace pinode {
 
-// Smallest noise of a channel, in its own unit, so that a channel that never
-// moves has a finite weight.
+// Smallest noise of a channel, in its own unit, so that a constant channel has
+// a finite weight.
 constexpr double kLeastNoise = 1e-290;
 
 // Returns the standard deviations with which a fit begins, one per channel in
@@ -20,7 +20,7 @@ constexpr double kLeastNoise = 1e-290;
 // (NoiseTuning::first_share).
 Vector AssumedNoise(const IdentificationRecord& record,
                     const NoiseTuning& tuning);
-// The same for each training record.
+// Returns the same for each training record.
 std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
                                  const NoiseTuning& tuning);
 

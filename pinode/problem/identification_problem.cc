@@ -7,7 +7,7 @@
 namespace pinode {
 namespace {
 
-// Of a sample: sums of squares of larger ones are not finite.
+// Largest absolute sample: sums of squares of larger ones are not finite.
 constexpr double kLargestSample = 1e140;
 
 bool HasFree(const ParameterBlock& block) {
@@ -15,7 +15,7 @@ bool HasFree(const ParameterBlock& block) {
                      [](const Parameter& parameter) { return parameter.free; });
 }
 
-// What modes without a record can tell of.
+// Modes without a record can determine groups only.
 bool AreGroupsAloneFree(const IdentificationProblem& problem,
                         std::string* error) {
   const StructuralDynamics& dynamics = *problem.dynamics;
@@ -178,7 +178,7 @@ bool IsValidExcitation(const StructuralDynamics& dynamics,
   return false;
 }
 
-// On failure without the record's name.
+// Checks a record; on failure *error lacks the record's name.
 bool IsValidRecord(const IdentificationProblem& problem,
                    const IdentificationRecord& record, std::string* error) {
   const StructuralDynamics& dynamics = *problem.dynamics;

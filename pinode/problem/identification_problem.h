@@ -1,5 +1,5 @@
-// What is identified from what: the dynamics with its unknowns, records and
-// measured modes.
+// The identification problem: dynamics with unknowns, records and measured
+// modes.
 
 #ifndef PINODE_PROBLEM_IDENTIFICATION_PROBLEM_H_
 #define PINODE_PROBLEM_IDENTIFICATION_PROBLEM_H_
@@ -22,7 +22,7 @@
 
 namespace pinode {
 
-// A sensor's record beside what the model predicts for it,
+// Measured values of a sensor, and the observation that predicts them,
 //
 //   y(t) = gain * observation(t - delay) + offset + noise.
 struct MeasuredChannel {
@@ -46,36 +46,38 @@ struct IdentificationRecord {
 
   std::string name;
   Role role = Role::kTrain;
-  // One row per input of the dynamics, in their order (no rows where there are
-  // none). Its samples are those of the record.
+  // Inputs of the dynamics, one row each, in their order (no rows if there are
+  // none). They have as many samples as the record.
   std::optional<Excitation> excitation;
   // Standard deviation of the noise of each input (empty: none). It enters the
   // intervals, see InputNoise in pinode/theory.md.
   Vector input_sigma;
   Start start = Start::kFree;
   Vector known_start;  // num_states, for kKnown
-  // Of a free start: the first samples, which it is found from; of a hold-out
-  // they are not scored, 0: a twentieth of the record. Of a training record
-  // PrepareProblem makes it a known start, 0: it is an unknown of the fit.
+  // Number of first samples that a free start is found from. They are not
+  // scored in a hold-out record; 0 there means a twentieth of the record. In a
+  // training record, PrepareProblem makes the start known; 0 there makes it an
+  // unknown of the fit.
   Eigen::Index start_samples = 0;
   std::vector<MeasuredChannel> channels;
-  // Applied to `values` by whoever read them, and to the prediction here.
+  // Filter that the reader already applied to `values`. It is applied to the
+  // prediction too.
   std::shared_ptr<const ZeroPhaseFilter> filter;
-  // Runge-Kutta steps per sample; 0: not chosen yet, see PrepareProblem.
+  // Runge-Kutta steps per sample. 0: PrepareProblem chooses them.
   int substeps = 0;
-  // By PrepareProblem for the dynamics as they are, rather than given.
+  // True if PrepareProblem chose `substeps` for the dynamics.
   bool substeps_chosen = false;
-  // How it is integrated; not given: see IntegratorOf.
+  // Integrator of the record. Not given: see IntegratorOf.
   std::optional<Integrator> integrator;
-  // Steps of ExponentialStep per sample, by PrepareProblem; 0: these are not
-  // taken.
+  // Steps of ExponentialStep per sample, set by PrepareProblem. 0: it is not
+  // used.
   int exponential_steps = 0;
   RecordDescription description;
 
-  // Indices of the inputs that have noise.
+  // Returns the indices of the inputs that have noise.
   std::vector<int> NoisyInputs() const;
 
-  // What its channels see, in their order.
+  // Returns the observations of the channels, in their order.
   std::vector<Observation> Observations() const;
 
   Eigen::Index num_samples() const { return excitation->num_samples(); }
@@ -83,44 +85,51 @@ struct IdentificationRecord {
 };
 
 struct IdentificationProblem {
-  // Initial values, bounds, priors and free flags are those of its blocks.
+  // Dynamics; initial values, bounds, priors and free flags are those of its
+  // blocks.
   std::shared_ptr<const StructuralDynamics> dynamics;
   std::vector<IdentificationRecord> records;
-  // Measured modes beside the records, or alone.
+  // Measured modes, with the records or alone.
   ModalData modal;
-  // Records of loads that nobody measured, beside the others or alone.
+  // Records under loads that were not measured, with the others or alone.
   std::vector<AmbientRecord> ambient;
   // Gains (initially 1), offsets (the channel's unit) and delays (s).
   ParameterBlock sensors;
-  // For reports and result files; takes no part in the fit.
+  // Description for reports and result files; takes no part in the fit.
   ProblemDescription description;
 
   int num_train_records() const;
 
-  // Whether the ground, a force or an actuator drives the structure in a
-  // record; covariates and switches do not.
+  // True if the ground, a force or an actuator drives the structure in a
+  // record. Covariates and switches do not drive it.
   bool IsDriven(const IdentificationRecord& record) const;
 
-  // By its initial value; 1 of a sensor without one, or where that is zero and
-  // says nothing.
+  // Returns the channel's initial gain. It is 1 without a gain, or if the
+  // initial gain is zero.
   double InitialGain(const MeasuredChannel& channel) const;
-  // The record as ideal sensors would show it by these gains.
+  // Returns the record that ideal sensors would give, by these gains.
   IdentificationRecord AsSeenByIdealSensors(
       const IdentificationRecord& record) const;
 
-  // What a channel's values came in, and where it measures.
+  // Return the unit of the channel's original values, and where it measures.
   std::string UnitOf(const MeasuredChannel& channel) const;
   std::string LocationOf(const MeasuredChannel& channel) const;
 
-  // Everything that a caller can get wrong, so that what works on a valid
-  // problem needs no further look at sizes and numbers: a mass matrix that can
-  // be inverted; at least one free parameter, which without a training record
-  // must be a group's; at least one training record with a fitted channel, one
-  // mode or one ambient record; and of each record two samples, finite
-  // excitations, steps that are chosen, sizes and indices of channels, sensors,
-  // starts and input noise that fit the dynamics, no negative deviation. On
-  // failure *error names the record, channel or mode, and what was expected.
-  // What takes a problem asks this first, and aborts on none.
+  // Checks everything that a caller can get wrong, so that code for valid
+  // problems need not check sizes and numbers again:
+  //
+  // - the mass matrix can be inverted;
+  // - at least one parameter is free; without a training record it is that of
+  //   a group;
+  // - there is a training record with a fitted channel, a mode or an ambient
+  //   record;
+  // - each record has at least two samples, finite excitations and chosen
+  //   steps;
+  // - sizes and indices of channels, sensors, starts and input noise fit the
+  //   dynamics, and no deviation is negative.
+  //
+  // On failure *error names the record, channel or mode, and what was expected.
+  // Functions that take a problem call this first, and abort on none.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

@@ -9,7 +9,7 @@ namespace {
 constexpr Eigen::Index kLinesAtATime = 32;
 constexpr int kPairs = 3;
 
-// Of the lower triangle by columns.
+// Index into the lower triangle by columns.
 Eigen::Index Packed(Eigen::Index i, Eigen::Index j, Eigen::Index n) {
   if (i < j) std::swap(i, j);
   return j * n - j * (j - 1) / 2 + (i - j);

@@ -1,4 +1,4 @@
-// What spectral lines tell of the covariances of loads.
+// Information in spectral lines on the covariances of loads.
 
 #ifndef PINODE_PROBLEM_LOAD_INFORMATION_H_
 #define PINODE_PROBLEM_LOAD_INFORMATION_H_
@@ -17,7 +17,7 @@ namespace pinode {
 //   sum n tr(W_p W_q),  W_p = t L_S^-1 H D_p H^H L_S^-H,
 //   D_p = e_i l_j^T + l_j e_i^T for the entry (i, j) of L with columns l,
 //
-// of S = L_S L_S^H. All that it wants of a line is A = H^H S^-1 H:
+// with S = L_S L_S^H. It needs of a line only A = H^H S^-1 H:
 //
 //   tr(W_p W_q) = t t' tr(A D_p A D_q),
 //
@@ -26,35 +26,36 @@ namespace pinode {
 // not correlated; channels do not enter.
 class LoadInformation {
  public:
-  // `spectrum` must outlive this object.
+  // Keeps a reference to `spectrum`, which must outlive this object.
   explicit LoadInformation(const LoadSpectrum& spectrum);
 
-  // A line, or `count` lines with one A; the weights of the two knots.
+  // Adds a line, or `count` lines with one A, with the weights of the two
+  // knots.
   void Add(const Eigen::MatrixXcd& a, double count, double below, double above);
 
-  // The information; entries of the knot with the factor `root`, then those of
-  // the next. Ends the sums.
+  // Returns the information: entries of the knot with the factor `root`, then
+  // those of the next. Ends the sums.
   Matrix Finish(const Matrix& root, const Matrix& next_root);
 
  private:
   void Flush();
-  // tr(A D_p A D_q) summed, for D_p of the factor l and D_q of m; `pair` says
-  // with which weights.
+  // Returns the sum of tr(A D_p A D_q) for D_p of the factor l and D_q of m,
+  // with the weights of `pair`.
   Matrix Block(int pair, const Matrix& l, const Matrix& m) const;
 
   const LoadSpectrum& spectrum_;
   const int areas_;
-  // Of lines not yet summed: entries of the lower triangle of A by columns,
-  // real and imaginary; n t t' for the pairs (b, b), (b, b+1), (b+1, b+1).
+  // Lines not yet summed: entries of the lower triangle of A by columns, real
+  // and imaginary; n t t' for the pairs (b, b), (b, b+1), (b+1, b+1).
   Matrix real_, imaginary_;
   Matrix weights_;
   Eigen::Index waiting_ = 0;
-  // sum n t t' Re A_ab Re A_cd, and of the imaginary parts, for each pair;
+  // Sums of n t t' Re A_ab Re A_cd, and of the imaginary parts, for each pair;
   // |A_ab|^2 where loads are not correlated.
   std::vector<Matrix> real_products_, imaginary_products_;
 };
 
-// d/dp of tr(P S) for each entry of L, for a symmetric S: 2 (S L)_ij.
+// Returns d/dp of tr(P S) for each entry of L and a symmetric S: 2 (S L)_ij.
 Vector ByLoadEntries(const LoadSpectrum& spectrum, const Matrix& root,
                      const Matrix& s);
 

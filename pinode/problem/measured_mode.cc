@@ -13,15 +13,15 @@
 namespace pinode {
 namespace {
 
-// What a factor of e between frequencies costs beside a MAC of one.
+// Cost of a factor of e between frequencies, where a MAC of one counts 1.
 constexpr double kFrequencyShare = 0.5;
-// Frequencies below this share of the measured one count as that: a mode of no
-// or negative stiffness is the last to be chosen.
+// Lower limit of the model's frequency relative to the measured one: modes of
+// zero or negative stiffness are chosen last.
 constexpr double kLowestRatio = 1e-3;
-// Of pairs and their common factor.
+// Maximum number of rounds of pairing and finding the common factor.
 constexpr int kMostRounds = 10;
 
-// Or nothing at all.
+// True for a covariance matrix, or an empty one.
 bool IsCovariance(const Matrix& matrix, Eigen::Index size) {
   if (matrix.size() == 0) return true;
   return matrix.rows() == size && matrix.cols() == size && matrix.allFinite() &&
@@ -30,7 +30,7 @@ bool IsCovariance(const Matrix& matrix, Eigen::Index size) {
          Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
 }
 
-// Measured modes (rows) beside those of a model (columns).
+// Measured modes (rows) compared with those of a model (columns).
 struct Likeness {
   Matrix macs;       // 1 without a shape
   Matrix distances;  // logarithms of model's over measured frequencies
@@ -59,8 +59,8 @@ Likeness Compare(const ModalData& data, const Vector& eigenvalues,
   return likeness;
 }
 
-// Empty: what the frequency has in common with the shape goes with the spread
-// of both.
+// Returns an empty text if the covariance of frequency and shape fits the
+// spread of both.
 std::string WhyNoFrequencyShapeCovariance(const MeasuredMode& mode) {
   const Vector& shared = mode.frequency_shape_covariance;
   if (shared.size() == 0) return "";
@@ -185,7 +185,7 @@ std::vector<bool> HavePartners(const ModalData& data, const Vector& eigenvalues,
   const Likeness likeness = Compare(data, eigenvalues, shapes);
   const Eigen::Index measured = likeness.macs.rows();
   const Eigen::Index count = likeness.macs.cols();
-  // One column more for each that stays alone.
+  // One more column for each mode that stays alone.
   Matrix profit =
       Matrix::Constant(measured, count + measured, kLeastPairProfit);
   double stretch = 0.0;

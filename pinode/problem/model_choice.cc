@@ -7,7 +7,8 @@
 namespace pinode {
 namespace {
 
-// "without a, b -3.2", of one that was not accepted "without c +7.1 (refused)".
+// Returns "without a, b -3.2", or "without c +7.1 (refused)" if the step was
+// not accepted.
 std::string StepText(const ModelChoice::Step& step) {
   std::string text;
   if (!step.left_out.empty()) text += "without " + Join(step.left_out, ", ");

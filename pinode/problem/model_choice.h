@@ -1,4 +1,4 @@
-// Which of a problem's candidate terms stayed, and why.
+// Choice among a problem's candidate terms, with the reasons.
 
 #ifndef PINODE_PROBLEM_MODEL_CHOICE_H_
 #define PINODE_PROBLEM_MODEL_CHOICE_H_
@@ -11,35 +11,35 @@ namespace pinode {
 struct ModelChoice {
   // One fit that was compared with the one before it.
   struct Step {
-    // The candidates that it left out and those that it took in again.
+    // Candidates that the fit left out, and those that it took in again.
     std::vector<std::string> left_out;
     std::vector<std::string> taken_in;
-    // The other terms could be fitted, and the criterion became smaller.
+    // True if the other terms could be fitted and the criterion became smaller.
     bool fitted = false;
     bool accepted = false;
-    // Changes of the deviance, divided by `memory`, and of the prices; negative
-    // ones are gains.
+    // Changes of the deviance, divided by `memory`, and of the price of the
+    // unknowns; negative values are gains.
     double deviance = 0.0;
     double price = 0.0;
 
     double criterion() const { return deviance + price; }
   };
 
-  // Names, in the problem's order.
+  // Names of the candidate terms, in the problem's order.
   std::vector<std::string> candidates;
   std::vector<std::string> left_out;
-  // The unknowns that went with them.
+  // Unknowns that were left out with them.
   std::vector<std::string> left_out_parameters;
-  // By how much the residuals of the fit with all candidates are fewer than
-  // they look, see FittedCost.
+  // Factor between the number of residuals and their effective number in the
+  // fit with all candidates, see FittedCost.
   double memory = 1.0;
   std::vector<Step> steps;
   bool complete = false;  // false: cut off
 
   bool empty() const { return candidates.empty(); }
 
-  // "Model choice: 3 candidates, 1 kept (oil); ..." with the criterion of each
-  // step.
+  // Returns "Model choice: 3 candidates, 1 kept (oil); ..." with the criterion
+  // of each step.
   std::string Sentence() const;
 };
 

@@ -23,8 +23,8 @@ std::vector<int> ParameterLayout::GroupWeights(const NetworkTerm& term,
                              int group) {
     groups[static_cast<size_t>(part.offset + col * part.rows + row)] = group;
   };
-  // Of a network of time the hidden units are a basis, spread over the record;
-  // a prior that draws them to t = 0 would take them away from where they are.
+  // The hidden units of a network of time are a basis, spread over the record.
+  // A prior that draws them to t = 0 would move them away from their places.
   const bool of_time = std::all_of(
       term.features.begin(), term.features.end(), [](const Feature& feature) {
         return feature.kind == Feature::Kind::kTime;
@@ -71,7 +71,7 @@ void ParameterLayout::AddCombinations(const std::string& name,
                                       DecayGroup::Kind kind,
                                       int first_parameter) {
   if (prior.combinations.empty()) return;
-  // All of its parameters are free, or none.
+  // Either all of its parameters are free, or none.
   const int first = FreeIndex(first_parameter);
   if (first < 0) return;
   const int first_group = num_decay_groups();

@@ -1,8 +1,7 @@
-// What a problem says of itself, for reports and result files.
+// Description of a problem for reports and result files.
 //
-// None of it takes part in an identification. Every field has a value that is
-// right for a problem made of arrays in SI units, so that only those who know
-// better need to fill it; a case file fills all of it.
+// None of it takes part in an identification. The default of each field is
+// right for a problem made of arrays in SI units. A case file fills all fields.
 
 #ifndef PINODE_PROBLEM_PROBLEM_DESCRIPTION_H_
 #define PINODE_PROBLEM_PROBLEM_DESCRIPTION_H_
@@ -16,71 +15,74 @@
 
 namespace pinode {
 
-// How a channel came, to give its values back as they came.
+// Original unit and scale of a channel, to report its values as they were
+// measured.
 struct ChannelDescription {
-  // Of the values as they came; empty: the model's own unit of the quantity.
+  // Unit of the original values. Empty: the model's own unit of the quantity.
   std::string unit;
-  // value in the model's units = factor * value as it came; the sensor's sign
-  // is included. Finite and not zero.
+  // Factor with: value in the model's units = factor * original value. It
+  // includes the sensor's sign. Finite and not zero.
   double factor = 1.0;
-  // The DOF's name, or a combination such as "-1 u1 + 1 u2"; empty: that of the
-  // observation.
+  // Name of the DOF, or a combination such as "-1 u1 + 1 u2". Empty: location
+  // of the observation.
   std::string location;
 };
 
-// How a record came.
+// Original unit of a record's times, and remarks on it.
 struct RecordDescription {
-  // Of the times as they came; empty: the model's own.
+  // Unit of the original times. Empty: the model's own.
   std::string time_unit;
-  // time in the model's unit = time_factor * time as it came; positive.
+  // Factor with: time in the model's unit = time_factor * original time;
+  // positive.
   double time_factor = 1.0;
-  // What a reader of the report should know about this record, one sentence
-  // each: rate and jitter of the time column, samples missing, ...
+  // Remarks for the report, one sentence each: rate and jitter of the time
+  // column, samples missing, ...
   std::vector<std::string> remarks;
 };
 
-// What a force that is to be found was in truth, to be compared with it and for
-// nothing else. Model units.
+// True values of a force that is to be found, used only for comparison. Model
+// units.
 struct ForceTruth {
   std::string name;  // of the unknown force, or the network
   Vector times;
   Vector values;
 };
 
-// The force of one of the model's terms as known from elsewhere: a data sheet,
-// a test of the device alone. The term has one output and resists, or is an
+// Force of one of the model's terms from another source: a data sheet, or a
+// test of the device alone. The term has one output and resists, or is an
 // acceleration of one uncoupled mass.
 struct ReferenceCurve {
   std::string term;
   std::string name;  // for the legend
-  // Model units; the force resists positive deformation.
+  // Points of the curve in model units; the force resists positive deformation.
   Vector deformation, force;
 };
 
 struct ProblemDescription {
   std::string title;
-  // In which everything in the problem is written.
+  // Units of everything in the problem.
   UnitSystem units;
   std::vector<ForceTruth> force_truths;
   std::vector<ReferenceCurve> reference_curves;
-  // Of a problem that was made from another one without a change of what is
-  // asked, as by another basis of its reduction: the hash of that one, by which
-  // results are known (study/problem/checkpoint.h); else empty.
+  // Hash of the original problem, if this one was made from it without a change
+  // of the question, as by another basis of its reduction. Results are
+  // recognised by it (study/problem/checkpoint.h). Else empty.
   std::string known_as;
-  // Decisions that were taken for the user, one sentence each.
+  // Decisions that were taken automatically, one sentence each.
   std::vector<std::string> remarks;
 
-  // Frequencies in Hz are this factor times those in cycles per model time.
+  // Factor from cycles per model time to Hz.
   double HzPerModelFrequency() const;
 
-  // Units that exist; curves with as many finite forces as places.
+  // Checks that units exist and that curves have as many finite forces as
+  // points.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
-// What a quantity is measured in.
+// Returns the physical dimension of a quantity.
 Dimension DimensionOf(Quantity quantity);
 
-// The weighted DOFs, "u2" or "u2 - 0.5 u1".
+// Returns the weighted DOFs as text, "u2" or "u2 - 0.5 u1".
 std::string LocationText(const Vector& weights,
                          const std::vector<std::string>& dof_names);
 

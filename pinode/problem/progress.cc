@@ -39,7 +39,7 @@ bool Progress::Note(IterationRecord iteration, const Vector& free) {
 
 bool Progress::GoOn(const Vector& free, double cost, double largest_gap) {
   if (!options_.callback) return true;
-  // It may measure the free run's error anew.
+  // The call may measure the error of the simulation again.
   const IdentifiedModel model = model_to_keep_(free);
   IdentificationProgress progress;
   progress.model = &model;
@@ -57,7 +57,7 @@ bool Progress::GoOn(const Vector& free, double cost, double largest_gap) {
                                 options_.max_num_iterations /
                                 progress.iteration;
   }
-  // Ranks go on together or not at all.
+  // Ranks continue together or not at all.
   interrupted_ = !CommunicatorOrSingle(options_.communicator)
                       .AllTrue(!interrupted_ && options_.callback(progress));
   return !interrupted_;

@@ -1,4 +1,4 @@
-// What the outside hears of a fit while it runs.
+// Progress of a running fit, as reported to the caller.
 
 #ifndef PINODE_PROBLEM_PROGRESS_H_
 #define PINODE_PROBLEM_PROGRESS_H_
@@ -14,29 +14,30 @@
 
 namespace pinode {
 
-// Seconds since `begin`.
+// Returns the seconds since `begin`.
 double SecondsSince(std::chrono::steady_clock::time_point begin);
 
 // Writes the summary's history and asks the caller whether to go on.
 class Progress {
  public:
-  // What the fit would be kept as at these free parameters; asked for where
-  // there is somebody to tell.
+  // Returns the model that the fit would keep at these free parameters. Called
+  // only if there is a callback to inform.
   using ModelToKeep = std::function<IdentifiedModel(const Vector& free)>;
 
-  // `options` and `summary` must outlive this object.
+  // Keeps references to `options` and `summary`, which must outlive this
+  // object.
   Progress(const IdentificationOptions& options, ModelToKeep model_to_keep,
            FitSummary* summary);
 
   void BeginStage(int stage, int num_stages, Eigen::Index segment_samples);
   void set_free_run_error(double error) { free_run_error_ = error; }
 
-  // Notes an iteration (its number, cost, norms and radius filled in) and calls
-  // GoOn.
+  // Records an iteration (its number, cost, norms and radius filled in) and
+  // calls GoOn.
   bool Note(IterationRecord iteration, const Vector& free);
-  // Tells the caller where the fit is; false where it is to stop.
+  // Reports the state of the fit to the caller; false if the fit is to stop.
   bool GoOn(const Vector& free, double cost, double largest_gap);
-  // Whether it was told to.
+  // True if the caller stopped the fit.
   bool interrupted() const { return interrupted_; }
 
  private:

@@ -1,4 +1,5 @@
-// The instants of a record at which its run looks at the inputs.
+// Integration grid of a record: the instants at which a run evaluates the
+// inputs.
 
 #ifndef PINODE_PROBLEM_RECORD_GRID_H_
 #define PINODE_PROBLEM_RECORD_GRID_H_
@@ -10,14 +11,15 @@
 
 namespace pinode {
 
-// How the record is integrated with these dynamics: exactly where they are
-// linear, and by exponential steps where it has some and they suit, unless it
-// asks for Runge-Kutta or for a number of its steps.
+// Returns the integrator of the record for these dynamics. Linear dynamics are
+// integrated exactly. Exponential steps are used where the dynamics allow them
+// and they suit, unless the record asks for Runge-Kutta or for a number of its
+// steps.
 Integrator IntegratorOf(const StructuralDynamics& dynamics,
                         const IdentificationRecord& record);
 
-// The record's own grid, or that of another excitation (the same samples) in
-// its place.
+// Return the record's own grid, or the grid of another excitation with the same
+// samples.
 IntegrationGrid GridOf(const StructuralDynamics& dynamics,
                        const IdentificationRecord& record);
 IntegrationGrid GridOf(const StructuralDynamics& dynamics,

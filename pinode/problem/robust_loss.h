@@ -1,4 +1,4 @@
-// Losses that grow slower than the square.
+// Losses that grow more slowly than the square.
 
 #ifndef PINODE_PROBLEM_ROBUST_LOSS_H_
 #define PINODE_PROBLEM_ROBUST_LOSS_H_
@@ -7,14 +7,14 @@ namespace pinode {
 
 enum class RobustLoss { kNone, kHuber, kCauchy };
 
-// rho(s) and its derivative for s = (r / sigma)^2, with b = scale^2:
+// Computes rho(s) and its derivative for s = (r / sigma)^2, with b = scale^2:
 //
 //   none     s
 //   Huber    s for s <= b, else 2 sqrt(b s) - b
 //   Cauchy   b log(1 + s / b)
 //
-// As in ceres/loss_function.h, whose losses are of whole residual blocks; these
-// are of single samples. All have rho' s <= rho.
+// As in ceres/loss_function.h, but for single samples instead of whole residual
+// blocks. All have rho' s <= rho.
 void EvaluateRobustLoss(RobustLoss loss, double scale, double s, double* rho,
                         double* slope);
 

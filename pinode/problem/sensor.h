@@ -1,4 +1,4 @@
-// Sensors that are not ideal: unknown gain, offset and delay.
+// Sensors with unknown gain, offset and delay.
 
 #ifndef PINODE_PROBLEM_SENSOR_H_
 #define PINODE_PROBLEM_SENSOR_H_
@@ -11,8 +11,8 @@
 
 namespace pinode {
 
-// Turns what ideal sensors would show over consecutive samples into what the
-// record's sensors show, gain * y(t - delay) + offset, in place.
+// Turns values of ideal sensors over consecutive samples into values of the
+// record's sensors, gain * y(t - delay) + offset, in place.
 //
 //   prediction  channels * samples values, channels fastest
 //   rows        their derivatives; where with_parameters, the last columns are
