@@ -15,46 +15,45 @@
 
 namespace pinode {
 
-// The residuals of a segment that starts in state s at sample `first` and ends
-// in phi(s, theta) at sample `last`, s_next being the start of the one behind
-// it,
+// Residuals of a segment that starts in state s at sample `first` and ends in
+// phi(s, theta) at sample `last`. s_next is the start of the next segment,
 //
 //   (prediction - measured) / sigma     channels x samples, samples
 //                                       first ... last - 1, channels fastest
 //   (phi(s, theta) - s_next) / gap_sigma     num_states
 //
 // Parameter blocks: s (num_states), s_next (num_states), and the free
-// parameters in the order of ParameterLayout. The last segment of a record has
-// residuals at `last` too, no gap, and no block for a next start: s and the
-// free parameters alone.
+// parameters in the order of ParameterLayout. The last segment of a record also
+// has residuals at `last`. It has no gap and no block for a next start: its
+// blocks are s and the free parameters.
 //
-// All that a problem's blocks of segments say together, with multipliers left
-// out, is what TrajectoryCost says in one block without the starts; this is the
-// plain way, for problems in which the starts are to be seen. A record's first
-// start is a constant block where it is known (SetParameterBlockConstant).
-// Residuals of samples that are missing, not fitted or outside of what a
-// delayed sensor sees are zero.
+// TrajectoryCost expresses all segments of a problem, without multipliers, in
+// one block without the starts. This class is for problems in which the starts
+// are visible. If a record's first start is known, make its block constant
+// (SetParameterBlockConstant). Residuals are zero for samples that are missing,
+// not fitted or outside the range of a delayed sensor.
 //
-// Objects do not share what they write: Ceres may evaluate as many at once as
-// it has threads. Each belongs to the ceres::Problem that it is added to.
+// Objects share no writable memory: Ceres may evaluate as many at once as it
+// has threads. Each belongs to the ceres::Problem that it is added to.
 class SegmentCost final : public ceres::CostFunction {
  public:
   struct Options {
-    // Standard deviations of the channels; empty: as given in the problem, or
-    // 5 % of the channel's spread.
+    // Standard deviations of the channels. Empty: as given in the problem, or 5
+    // % of the channel's spread.
     Vector sigmas;
-    // Of the gaps, one per state; empty: 1e-3 of each state's size as it can
-    // be guessed from the record.
+    // Standard deviations of the gaps, one per state. Empty: 1e-3 of each
+    // state's size as guessed from the record.
     Vector gap_sigmas;
-    // Both give the derivatives of the discrete steps; Jets through
+    // Both methods give the derivatives of the discrete steps. Jets through
     // Runge-Kutta take many times as long.
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
   };
 
-  // `problem` must outlive the object; `record` is an index into its records.
-  // nullptr, with a sentence in *error, where the problem, the samples (0 <=
-  // first < last < num_samples) or the options are not valid, or where the
-  // record has a filter, which needs its whole history, and this is a part.
+  // Keeps a reference to `problem`, which must outlive the object; `record` is
+  // an index into its records. Returns nullptr, with a sentence in *error, if
+  // the problem, the samples (0 <= first < last < num_samples) or the options
+  // are not valid. The same if the record has a filter and this is only a part
+  // of it, because a filter needs the whole history.
   static std::unique_ptr<SegmentCost> Create(
       const IdentificationProblem& problem, int record, Eigen::Index first,
       Eigen::Index last, const Options& options, std::string* error);

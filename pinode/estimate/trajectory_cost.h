@@ -1,4 +1,4 @@
-// The trajectories of a problem as one residual block of a ceres::Problem.
+// Trajectories of a problem as one residual block of a ceres::Problem.
 
 #ifndef PINODE_ESTIMATE_TRAJECTORY_COST_H_
 #define PINODE_ESTIMATE_TRAJECTORY_COST_H_
@@ -17,7 +17,7 @@
 
 namespace pinode {
 
-// The trajectories of all training records, segments' starts projected out
+// Trajectories of all training records, with the segments' starts projected out
 // (MultipleShooting), as num_free + 1 residuals: see CondensedCost.
 //
 // The one parameter block are the free parameters, in the order of layout(),
@@ -27,20 +27,20 @@ namespace pinode {
 // MakeModalCost.
 // Without a Jacobian only |r|^2 is right: no numeric differences of r.
 //
-// Evaluations of one object must come one at a time, as Ceres does; with
-// Options::num_threads it uses threads within each. Like other cost functions
-// it belongs to the ceres::Problem that it is added to.
+// Evaluations of one object must come one at a time, as Ceres does. With
+// Options::num_threads each evaluation uses threads. Like other cost functions
+// the object belongs to the ceres::Problem that it is added to.
 class TrajectoryCost final : public ceres::CostFunction {
  public:
   struct Options {
-    // Length of the segments in samples; 0: each record in one piece.
-    // Multiple shooting reaches solutions that a long free run does not lead
-    // to; gaps between segments are then held, not closed: `gap_firmness` times
-    // as firmly as the data hold the starts.
+    // Length of the segments in samples; 0: each record in one piece. Multiple
+    // shooting reaches solutions that a long simulation misses. Gaps between
+    // segments are then held, not closed: `gap_firmness` times as firmly as the
+    // data hold the starts.
     Eigen::Index segment_samples = 0;
     double gap_firmness = 1e4;
-    // Standard deviation of each channel, per training record; empty: as
-    // given in the problem, or 5 % of the channel's spread.
+    // Standard deviation of each channel, per training record. Empty: as given
+    // in the problem, or 5 % of the channel's spread.
     std::vector<Vector> sigmas;
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
     RobustLoss loss = RobustLoss::kNone;
@@ -48,10 +48,10 @@ class TrajectoryCost final : public ceres::CostFunction {
     int num_threads = 1;
   };
 
-  // Of the training records of `problem`, which is copied. Starts begin from a
-  // smoother on the problem's initial values. nullptr, with a sentence in
-  // *error, where problem or options are not valid or no finite trajectory is
-  // found there.
+  // Creates the cost of the training records of `problem`, which is copied.
+  // Starts begin from a smoother on the problem's initial values. Returns
+  // nullptr, with a sentence in *error, if problem or options are not valid or
+  // no finite trajectory is found there.
   static std::unique_ptr<TrajectoryCost> Create(IdentificationProblem problem,
                                                 const Options& options,
                                                 std::string* error);
@@ -61,7 +61,7 @@ class TrajectoryCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  // What the parameter block holds, and its values in the problem.
+  // Layout of the parameter block, and its values in the problem.
   const ParameterLayout& layout() const;
   Vector InitialValues() const;
 

@@ -1,4 +1,4 @@
-// What a problem can tell before it is solved.
+// Assessment of a problem before it is solved.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_ASSESSMENT_H_
 #define PINODE_ESTIMATE_CERTAINTY_ASSESSMENT_H_
@@ -14,7 +14,7 @@
 
 namespace pinode {
 
-// What a free named parameter is expected to be found within.
+// Expected standard deviation of a free named parameter.
 struct ExpectedDeviation {
   std::string name;
   std::string unit;
@@ -25,39 +25,40 @@ struct ExpectedDeviation {
 struct ProblemAssessment {
   int num_free = 0;
   Eigen::Index num_residuals = 0;
-  int num_starts = 0;  // unknown states at record starts
-  // Expected standard deviation of each free named parameter from the
-  // Gauss-Newton Hessian at the initial values, with the noise given or 5 % of
-  // a channel's spread; noise of the excitation included where it can be fitted
-  // (CanFitWithInputNoise) and the model runs freely. Infinite where the data
-  // do not determine it. Empty where there are only measured modes whose errors
-  // are not known.
+  int num_starts = 0;  // number of unknown states at record starts
+  // Expected standard deviation of each free named parameter, from the
+  // Gauss-Newton Hessian at the initial values. The noise is as given, or 5 %
+  // of a channel's spread. Noise of the excitation is included if it can be
+  // fitted (CanFitWithInputNoise) and the model runs freely. Infinite if the
+  // data do not determine the parameter. Empty if there are only measured modes
+  // with unknown errors.
   std::vector<ExpectedDeviation> expected;
-  // Directions of named parameters along which the cost does not change: data,
-  // priors, and what keeps curves and unknown forces smooth.
+  // Directions of named parameters along which the cost does not change. The
+  // cost includes the data, the priors, and the smoothness of curves and
+  // unknown forces.
   std::vector<std::string> undetermined;
-  // What a user should hear of the records, one sentence each
-  // (TimeScaleRemarks, SignRemarks).
+  // Remarks on the records for the user, one sentence each (TimeScaleRemarks,
+  // SignRemarks).
   std::vector<std::string> remarks;
 };
 
 // Linearises `problem` at its initial values, on states that the smoother finds
-// there. False, with a sentence, where problem or options are not valid or no
-// finite trajectory is found.
+// there. Returns false, with a sentence in *error, if problem or options are
+// not valid or there is no finite trajectory.
 [[nodiscard]] bool AssessProblem(const IdentificationProblem& problem,
                                  const IdentificationOptions& options,
                                  ProblemAssessment* assessment,
                                  std::string* error);
 
-// First precisions of what keeps curves and unknown forces smooth, one per
-// decay group, as the fit has them: what no data reach follows from its
-// neighbours. Networks' weights are left to the data.
+// Returns the initial smoothness precisions of curves and unknown forces, one
+// per decay group, as in the fit. Parts that no data reach follow their
+// neighbours. Weights of networks are left to the data.
 Vector SmoothnessPrecisions(const ParameterLayout& layout,
                             const EvidenceTuning& tuning);
 
-// Of all free named parameters; infinite where a direction of `null_space`
-// (num_free x count) has a tenth or more of one. `covariance`: num_free x
-// num_free.
+// Returns the deviations of all free named parameters. A deviation is infinite
+// if a direction of `null_space` (num_free x count) contains a tenth or more of
+// its parameter. `covariance`: num_free x num_free.
 std::vector<ExpectedDeviation> ExpectedDeviations(const ParameterLayout& layout,
                                                   const Matrix& covariance,
                                                   const Matrix& null_space);

@@ -1,4 +1,4 @@
-// How sure the identified parameters are.
+// Covariance of the identified parameters.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_COVARIANCE_H_
 #define PINODE_ESTIMATE_CERTAINTY_COVARIANCE_H_
@@ -13,10 +13,10 @@
 namespace pinode {
 
 struct CovarianceEstimate {
-  // Of all free parameters, num_free x num_free.
+  // Covariance of all free parameters, num_free x num_free.
   Matrix covariance;
-  // "plain", "sandwich", "inflated", "input noise"; from FitWithInputNoise
-  // "errors in variables".
+  // Method: "plain", "sandwich", "inflated" or "input noise"; "errors in
+  // variables" from FitWithInputNoise.
   std::string method;
   // Half-width of the 95 % interval in standard deviations.
   double quantile = 1.96;
@@ -25,7 +25,8 @@ struct CovarianceEstimate {
   Matrix null_space;
 };
 
-// At the solution `free` of `objective`, which is linearised there.
+// Estimates the covariance at the solution `free` of `objective`, which is
+// linearised there.
 //
 //   plain         H^-1, H the Gauss-Newton Hessian with priors and decay
 //   sandwich      H^-1 (sum_b g_b g_b' + P) H^-1 over blocks of consecutive
@@ -41,14 +42,14 @@ struct CovarianceEstimate {
 //                 place of the sandwich where an unknown force has more knots
 //                 than there are blocks
 //
-// In each but the first, ambient records have the products of the scores of
-// their lines in the middle, in place of their information, where their spectra
-// are not those of the model. kAuto takes input noise where a training record
-// has a noisy input, sandwich or inflated where a Ljung-Box test finds
+// If the spectra of ambient records differ from the model's, the middle of all
+// but the plain method has the products of the scores of their lines in place
+// of their information. kAuto takes input noise if a training record has a
+// noisy input. It takes sandwich or inflated if a Ljung-Box test finds
 // autocorrelation, else plain (or a sandwich of ambient records alone). The
-// test is of residuals at a draw from the posterior, which are white where the
-// noise is, however much of it the fit has followed. Returns false where the
-// Hessian is not finite.
+// test uses residuals at a draw from the posterior. These are white if the
+// noise is white, however much of the noise the fit has followed. Returns false
+// if the Hessian is not finite.
 [[nodiscard]] bool EstimateCovariance(const IdentificationProblem& problem,
                                       const ParameterLayout& layout,
                                       IdentificationOptions::Covariance choice,
@@ -57,30 +58,31 @@ struct CovarianceEstimate {
                                       Objective* objective,
                                       CovarianceEstimate* estimate);
 
-// What is nothing of a problem's information beside its largest: that of
-// ambient records is a difference of sums over many lines.
+// Returns the relative size below which a problem's information counts as
+// rounding error. The information of ambient records is a difference of sums
+// over many lines.
 double InformationRounding(const IdentificationProblem& problem);
 
-// A root R of the inverse of an information matrix (n x n, symmetric), so that
-// R R' is the covariance, n x n, and the unit vectors (scaled by each
-// parameter's own information) along which there is none within `rounding` of
-// the largest and for each of the n, which R gives a very large variance. False
-// where the matrix is not finite.
+// Inverts an information matrix (n x n, symmetric). *inverse_root is R, n x n,
+// with the covariance R R'. The columns of *null_space are unit vectors (scaled
+// by each parameter's own information) without information: within `rounding`
+// of the largest and for each of the n. R gives them a very large variance.
+// Returns false if the matrix is not finite.
 [[nodiscard]] bool InvertInformation(const Matrix& information,
                                      Matrix* inverse_root, Matrix* null_space,
                                      double rounding = 1e-13);
 
-// L of H + e I = L L' with the least e of 1e-10, 1e-9, ..., 1 that makes it
-// positive definite; H (n x n, symmetric) is an information matrix scaled to a
-// unit diagonal. Starts of trajectories that diverge leave rounding behind
-// which can make H indefinite; along directions below e nothing is determined,
-// and L^-1 gives them a large variance. False, with *lower untouched, where H
-// is not finite or no such e is enough.
+// Finds L with H + e I = L L' for the least e of 1e-10, 1e-9, ..., 1 that makes
+// it positive definite. H (n x n, symmetric) is an information matrix scaled to
+// a unit diagonal. Rounding in starts of diverging trajectories can make H
+// indefinite. Directions below e are not determined, and L^-1 gives them a
+// large variance. Returns false, with *lower untouched, if H is not finite or
+// no such e is enough.
 [[nodiscard]] bool FactorizeInformation(const Matrix& information,
                                         Matrix* lower);
 
-// H^-1 g by FactorizeInformation of H (n x n, symmetric, any units), scaled to
-// a unit diagonal; empty where there is none.
+// Returns H^-1 g by FactorizeInformation of H (n x n, symmetric, any units),
+// scaled to a unit diagonal. Empty if there is no factor.
 Vector SolveInformation(const Matrix& information, const Vector& right);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// The cost around a fit, with unknowns that the fit did not have.
+// The cost around a fit, including unknowns that the fit did not have.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_FITTED_COST_H_
 #define PINODE_ESTIMATE_CERTAINTY_FITTED_COST_H_
@@ -15,25 +15,27 @@
 namespace pinode {
 
 struct FittedCost {
-  // At the model's parameters, in one segment a record.
+  // Linearised cost at the model's parameters, with one segment per record.
   CondensedSystem system;
-  // By how much the samples are fewer than they look, at least 1: the mean
-  // autocorrelation time of the residuals. What a lacking term leaves over has
-  // a memory, and what no candidate explains as well.
+  // Factor between the number of samples and their effective number, at least
+  // 1: the mean autocorrelation time of the residuals. The residuals of a
+  // missing term are correlated in time, unless a candidate explains them as
+  // well.
   double memory = 1.0;
 };
 
-// Sets noise, decays, scales and one segment a record in *objective, a cost of
-// `problem`, to what a fit has come to. `model` and `scores` as below.
+// Sets noise, decays, scales and one segment per record in *objective, a cost
+// of `problem`, to the values of a fit. `model` and `scores` as below.
 [[nodiscard]] bool PlaceAtFit(const IdentificationProblem& problem,
                               const ParameterLayout& layout,
                               const IdentifiedModel& model,
                               const std::vector<RecordScore>& scores,
                               Objective* objective);
 
-// `model`: parameters of `problem`, whatever they were fitted in, and the noise
-// of each record. `scores`: the free runs of that fit, in the problem's order.
-// False where they, or the cost, are not finite.
+// Linearises the cost of `problem` at a fit. `model`: parameters of `problem`,
+// whichever problem they were fitted in, and the noise of each record.
+// `scores`: the simulations of that fit, in the problem's order. Returns false
+// if they, or the cost, are not finite.
 [[nodiscard]] bool LinearizeAtFit(const IdentificationProblem& problem,
                                   const ParameterLayout& layout,
                                   const IdentifiedModel& model,

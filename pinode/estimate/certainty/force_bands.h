@@ -1,4 +1,4 @@
-// Forces that nobody measured: their histories and how sure they are.
+// Unknown forces: their histories and uncertainties.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_FORCE_BANDS_H_
 #define PINODE_ESTIMATE_CERTAINTY_FORCE_BANDS_H_
@@ -14,23 +14,23 @@
 
 namespace pinode {
 
-// Precisions for the bands of forces with a smoothness of its own for each
-// neighbourhood of knots. The evidence takes each second difference as known to
-// be about as large as it came out, and many as none at all: a band from that
-// is far too narrow where a force strikes, between the samples above all. So
-// there every variance is the mean of those within `tuning.pooled_samples`
-// samples. `decays`: per decay group of the layout, as is what comes back.
+// Returns precisions for the bands of forces with separate smoothness for each
+// neighbourhood of knots. The evidence takes each second difference to be about
+// as large as estimated, and many to be zero. Bands from that are far too
+// narrow where a force strikes, above all between the samples. Therefore each
+// variance becomes the mean of those within `tuning.pooled_samples` samples.
+// `decays` and the result: one per decay group of the layout.
 Vector BandDecays(const IdentificationProblem& problem,
                   const ParameterLayout& layout, const Vector& decays,
                   const ForceBandTuning& tuning);
 
-// Unknown forces in the dynamics' order, then networks of time, an entry per
-// output, with bands of `quantile` standard deviations,
+// Returns unknown forces in the dynamics' order, then networks of time, one
+// entry per output, with bands of `quantile` standard deviations,
 //
 //   sigma(t)^2 = g(t)' covariance g(t),   g = d force / d parameters.
 //
-// `covariance` of all free parameters; empty: there is none, and sigma is
-// infinite. `parameters`: all of the problem's.
+// `covariance`: of all free parameters; if it is empty, sigma is infinite.
+// `parameters`: all of the problem's.
 std::vector<ForceEstimate> EstimateForces(const IdentificationProblem& problem,
                                           const ParameterLayout& layout,
                                           const Vector& parameters,

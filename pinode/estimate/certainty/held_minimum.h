@@ -1,4 +1,4 @@
-// The least cost with one unknown held.
+// Minimum of the cost with one unknown held constant.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_HELD_MINIMUM_H_
 #define PINODE_ESTIMATE_CERTAINTY_HELD_MINIMUM_H_
@@ -14,37 +14,38 @@
 namespace pinode {
 
 struct HeldMinimum {
-  Vector free;             // num_free, with the held one as it was given
-  CondensedSystem system;  // there
+  Vector free;             // num_free, with the held parameter as given
+  CondensedSystem system;  // at `free`
   int linearizations = 0;
   bool converged = false;
 };
 
 struct HeldOptions {
-  int held = -1;  // -1: none is
-  // The minimum is found where the cost would fall by less (absolute), or so
-  // many iterations are done.
+  int held = -1;  // -1: no parameter is held
+  // The minimum is found when the cost would fall by less than this (absolute),
+  // or after `max_iterations`.
   double tolerance = 0.0;
   int max_iterations = 50;
-  // Asked after each, and may be empty.
+  // Called after each iteration; may be empty.
   std::function<bool()> stop;
 };
 
-// Walks to minima of an objective; keeps what one walk says for the next.
+// Finds minima of an objective. Reuses the information of one search in the
+// next.
 class HeldMinimizer {
  public:
-  // Both must outlive the object.
+  // Keeps references to all arguments, which must outlive the object.
   HeldMinimizer(const IdentificationProblem& problem,
                 const ParameterLayout& layout, Objective* objective);
 
-  // From `start`, within the bounds, over all free parameters but the held one:
-  // Gauss-Newton steps with active sets while they do what they promise, or
-  // else Levenberg-Marquardt by Ceres, with steps that bend where the fit's do.
-  // False where the cost cannot be had at `start`.
+  // Minimises from `start`, within the bounds, over all free parameters but the
+  // held one. Uses Gauss-Newton steps with active sets while they keep their
+  // promises, else Levenberg-Marquardt by Ceres, with steps that bend where the
+  // fit's do. Returns false if the cost cannot be evaluated at `start`.
   [[nodiscard]] bool Minimize(const Vector& start, const HeldOptions& options,
                               HeldMinimum* minimum);
 
-  // Of the trust region at the end of the last walk, where steps bend.
+  // Radius of the trust region at the end of the last search, if steps bend.
   double radius() const { return radius_; }
   void set_radius(double radius) { radius_ = radius; }
 

@@ -1,4 +1,4 @@
-// How much noise the sensors of a hold-out record have.
+// Noise of the sensors in a hold-out record.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_HOLDOUT_NOISE_H_
 #define PINODE_ESTIMATE_CERTAINTY_HOLDOUT_NOISE_H_
@@ -12,33 +12,34 @@
 
 namespace pinode {
 
-// A sensor may be noisier in one record than in another: where amplifiers have
-// ranges, where noise grows with the motion. What the samples of a channel have
-// beyond the frequencies of the motion says so without the model,
+// Estimates the noise of a hold-out record's sensors. A sensor may be noisier
+// in one record than in another: amplifiers have ranges, and noise may grow
+// with the motion. The samples' content beyond the frequencies of the motion
+// gives the noise without the model,
 //
 //   w = mean square of the samples' differences of eighth order / C(16, 8),
 //
-// which is the variance of white noise, while next to nothing is left of what
-// is below a third of the sampling rate. So the variance of a sensor's noise
-// in a hold-out is that of the training record, which has what the model cannot
-// do in it, plus the difference of their w; where
+// which is the variance of white noise. Frequencies below a third of the
+// sampling rate contribute almost nothing. The variance of a sensor's noise in
+// a hold-out is then that of the training record, which includes the model's
+// error, plus the difference of their w. This is used if
 //
-//   - the hold-out's noise is not given, and the sensor was fitted in training,
-//   - of both records' predictions w is less than a twentieth of that of what
-//     was measured: there is no motion at these frequencies,
-//   - the two w differ by more than two standard deviations of the difference.
+// - the hold-out's noise is not given, and the sensor was fitted in training,
+// - w of both records' predictions is less than a twentieth of that of the
+//   measurements: there is no motion at these frequencies,
+// - the two w differ by more than two standard deviations of the difference.
 //
-// Elsewhere the noise of the training record is all that is known. It is for
-// bands alone: no start and no choice may know a hold-out.
+// Otherwise the noise of the training record is used. The result is for bands
+// alone: no start and no choice may depend on a hold-out.
 //
-// `sigmas`: of all records, a number a channel, as NoiseOfAllRecords has them;
-// `scores`: free runs of all records. Returns those of `record`.
+// `sigmas`: of all records, one number per channel, as from NoiseOfAllRecords.
+// `scores`: simulations of all records. Returns the sigmas of `record`.
 Vector HoldoutNoise(const IdentificationProblem& problem, int record,
                     const std::vector<Vector>& sigmas,
                     const std::vector<RecordScore>& scores);
 
-// What HoldoutNoise has found, in a sentence: `own` of `record` beside the
-// noise of training. Nothing where they are the same.
+// Returns a sentence on the result of HoldoutNoise: `own` of `record` compared
+// with the noise of training. Empty if they are the same.
 std::string HoldoutNoiseRemark(const IdentificationRecord& record,
                                const Vector& training, const Vector& own);
 

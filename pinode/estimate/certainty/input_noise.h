@@ -1,4 +1,4 @@
-// What an error of a measured excitation does to a prediction.
+// Effect of an error of a measured excitation on a prediction.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_INPUT_NOISE_H_
 #define PINODE_ESTIMATE_CERTAINTY_INPUT_NOISE_H_
@@ -11,14 +11,14 @@
 
 namespace pinode {
 
-// The trajectory of one record linearised in its states x_i and in errors e_i
-// of its input samples:
+// Trajectory of one record, linearised in its states x_i and in errors e_i of
+// its input samples:
 //
 //   x_{i+1} = transition_i x_i + left_i e_i + right_i e_{i+1}
 //   y_i     = by_state_i x_i + by_input_i e_i
 //
-// Sensor gains count, delays do not. The error is taken to be interpolated
-// linearly (held for a held input).
+// Sensor gains are included, delays are not. The error is interpolated linearly
+// (held for a held input).
 struct LinearizedRecord {
   struct Sample {
     Matrix by_state;  // channels x num_states
@@ -30,16 +30,17 @@ struct LinearizedRecord {
   std::vector<Sample> samples;
 };
 
-// `inputs`: which of the dynamics' inputs have errors. `states` is the
-// trajectory, num_states x samples; `parameters` all of the problem's.
+// Linearises the trajectory of a record. `inputs`: indices of the dynamics'
+// inputs that have errors. `states`: the trajectory, num_states x samples.
+// `parameters`: all of the problem's.
 LinearizedRecord LinearizeRecord(const IdentificationProblem& problem,
                                  const ParameterLayout& layout, int record,
                                  const std::vector<int>& inputs,
                                  const Vector& parameters,
                                  const Matrix& states);
 
-// Backward (adjoint) run: for every input sample i and every column p of
-// `weights`,
+// Computes by a backward (adjoint) run, for every input sample i and every
+// column p of `weights`,
 //
 //   v(p, i) = sum_j weights(j, p) d y_j / d e_i,
 //

@@ -1,4 +1,4 @@
-// The likelihood of residuals that hold the image of noise on the excitation.
+// Likelihood of residuals that contain the response to noise on the excitation.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_INPUT_NOISE_FILTER_H_
 #define PINODE_ESTIMATE_CERTAINTY_INPUT_NOISE_FILTER_H_
@@ -23,18 +23,19 @@ namespace pinode {
 // ch. 9 and 10).
 class InputNoiseFilter {
  public:
-  // `record` must outlive this object. input_sigmas: one per input of it;
-  // start_sigmas: num_states, zero where the start is known; noise: channels x
-  // samples, positive, NaN where there is no residual.
+  // Keeps a reference to `record`, which must outlive this object.
+  // input_sigmas: one per input of the record. start_sigmas: num_states, zero
+  // where the start is known. noise: channels x samples, positive, NaN where
+  // there is no residual.
   InputNoiseFilter(const LinearizedRecord& record, const Vector& input_sigmas,
                    const Vector& start_sigmas, const Matrix& noise);
 
-  // B' Sigma^-1 B for any columns B, (channels * samples) x columns, channels
-  // fastest. Rows without a residual do not count.
+  // Returns B' Sigma^-1 B for any columns B, (channels * samples) x columns,
+  // channels fastest. Rows without a residual do not count.
   Matrix Information(const Matrix& columns) const;
 
-  // Given q: the most likely e, inputs x samples; and per channel the mean
-  // square that is expected of v, over the samples that have a residual.
+  // Computes from q the most likely e, inputs x samples; and per channel the
+  // expected mean square of v, over the samples that have a residual.
   void Smooth(const Vector& residuals, Matrix* errors,
               Vector* noise_mean_square) const;
 
@@ -46,9 +47,9 @@ class InputNoiseFilter {
     Eigen::LLT<Matrix> innovation;  // rows x rows
     Matrix gain;                    // size x rows
   };
-  // F of [x; e]_{i+1} = F [x; e]_i + ...: the errors are forgotten.
+  // F of [x; e]_{i+1} = F [x; e]_i + ...; the new e does not depend on the old.
   Matrix Transition(Eigen::Index sample) const;
-  // Rows of `columns` of one sample that have a residual.
+  // Returns the rows of `columns` for one sample that have a residual.
   static Matrix Rows(const Update& update, Eigen::Index first,
                      const Matrix& columns);
 

@@ -1,4 +1,5 @@
-// Fits in which the excitation is unknown within its noise.
+// Fits in which the excitation is unknown within its noise (errors in
+// variables).
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_INPUT_NOISE_FIT_H_
 #define PINODE_ESTIMATE_CERTAINTY_INPUT_NOISE_FIT_H_
@@ -15,7 +16,7 @@
 
 namespace pinode {
 
-// What a fit has found, and what the one below makes of it.
+// State of a fit, before and after FitWithInputNoise.
 struct InputNoiseFit {
   Vector free;
   std::vector<Vector> sigmas;        // of the sensors, per training record
@@ -27,17 +28,17 @@ struct InputNoiseFit {
 
 using InputNoiseCallback = std::function<bool(const Vector& free, double cost)>;
 
-// Whether FitWithInputNoise is for this problem: a training record has a noisy
-// input, all their inputs are held or linear between samples, no filter is in
-// the way, and the loss is the plain one.
+// True if FitWithInputNoise applies to this problem: a training record has a
+// noisy input, all inputs of such records are held or linear between samples,
+// there is no filter, and the loss is the plain one.
 bool CanFitWithInputNoise(const IdentificationProblem& problem,
                           RobustLoss loss);
 
-// Errors in variables. Least squares takes the measured excitation for the true
-// one; its noise then is in the residuals, filtered to the structure's
-// frequencies, and with it in the parameters. Here the errors e of the
-// excitation's samples are unknowns beside the parameters and the starts, with
-// their known deviation sigma_u:
+// Fits errors in variables. Least squares takes the measured excitation for the
+// true one. Its noise then enters the residuals, filtered to the structure's
+// frequencies, and with them the parameters. Here the errors e of the
+// excitation's samples are unknowns, together with the parameters and the
+// starts. Their deviation sigma_u is known:
 //
 //   min over theta, s, e of
 //     1/2 sum (y - yhat(theta, s, u + e))^2 / sigma^2 + 1/2 sum e^2 / sigma_u^2
@@ -45,14 +46,14 @@ bool CanFitWithInputNoise(const IdentificationProblem& problem,
 //
 // (W. A. Fuller, Measurement Error Models, Wiley, 1987), by Gauss-Newton from
 // the least-squares fit in *fit. Errors and starts are eliminated by a Kalman
-// filter along each record's trajectory, so that the cost is linear in its
-// length. The deviations sigma of the sensors that are not given are estimated
-// by expectation maximisation. The covariance is the inverse of the information
-// that is left to theta.
+// filter along each record's trajectory, so that the work is linear in its
+// length. Sensor deviations sigma that are not given are estimated by
+// expectation maximisation. The covariance is the inverse of the information
+// that remains for theta.
 //
-// `go_on` is told parameters and cost after each iteration and ends the fit by
-// returning false. False, with *fit as it was, where it does so or the
-// iteration does not converge; *error then says why.
+// `go_on` is called with parameters and cost after each iteration and ends the
+// fit by returning false. Returns false, with *fit unchanged and the reason in
+// *error, if `go_on` ends the fit or the iteration does not converge.
 [[nodiscard]] bool FitWithInputNoise(const IdentificationProblem& problem,
                                      const ParameterLayout& layout,
                                      const MultipleShooting::Options& options,
@@ -60,9 +61,9 @@ bool CanFitWithInputNoise(const IdentificationProblem& problem,
                                      const InputNoiseCallback& go_on,
                                      InputNoiseFit* fit, std::string* error);
 
-// The covariance that the fit above would have if it ended at *fit's parameters
-// and noise levels, into fit->covariance. False where the trajectory is not
-// finite.
+// Computes the covariance of FitWithInputNoise as if it ended at *fit's
+// parameters and noise levels, into fit->covariance. Returns false if the
+// trajectory is not finite.
 [[nodiscard]] bool InputNoiseCovariance(
     const IdentificationProblem& problem, const ParameterLayout& layout,
     const MultipleShooting::Options& options, const Vector& decays,

@@ -1,4 +1,4 @@
-// Words for what the data do not determine.
+// Text for directions that the data do not determine.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_NULL_SPACE_H_
 #define PINODE_ESTIMATE_CERTAINTY_NULL_SPACE_H_
@@ -11,18 +11,18 @@
 
 namespace pinode {
 
-// One sentence fragment per direction in which named parameters take part by
-// more than a tenth, such as "k1 - 0.98 k2", largest parts first. `directions`:
-// num_free x count, unit columns.
+// Returns one sentence fragment per direction, such as "k1 - 0.98 k2", of the
+// named parameters that take part by more than a tenth, largest parts first.
+// `directions`: num_free x count, unit columns.
 std::vector<std::string> DescribeNullSpace(const ParameterLayout& layout,
                                            const Matrix& directions);
 
-// `directions` and, as unit vectors, the groups whose factor the data leave
-// with a standard deviation of more than ten times what is there: rounding
-// alone, or noise, holds these, though not by so little that the numbers show
-// it. A factor that is itself ten times as large as its deviation is known,
-// whatever there was. `free`: the free parameters' values, by which the data
-// were linearised; `covariance`: num_free x num_free.
+// Returns `directions` and, as unit vectors, the groups whose factor has a
+// standard deviation of more than ten times its present size. Only rounding or
+// noise holds these, though the numbers do not show it. A factor that is itself
+// ten times as large as its deviation is determined, whatever its present size.
+// `free`: values of the free parameters at which the data were linearised.
+// `covariance`: num_free x num_free.
 Matrix WithUnseenGroups(const IdentificationProblem& problem,
                         const ParameterLayout& layout, const Vector& free,
                         const Matrix& covariance, const Matrix& directions);

@@ -1,4 +1,4 @@
-// How far a measurement may be from its prediction.
+// Uncertainty bands of predicted measurements.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_PREDICTION_BAND_H_
 #define PINODE_ESTIMATE_CERTAINTY_PREDICTION_BAND_H_
@@ -10,23 +10,26 @@
 
 namespace pinode {
 
-// Standard deviations of what the channels of a record read, channels x
-// samples, about the free run `score`: that of the noise (`sigmas`, one a
-// channel), that of the parameters (`covariance` of all free ones, by the
-// linearised run) and, where the start is free, that of the start given the
-// parameters, as the samples before score.first_scored_sample (of a training
-// record, all) determine it. Gaussian; what the model cannot do is in it as far
-// as it counts as noise.
+// Returns standard deviations of the measured values of a record's channels
+// about the simulation `score`, channels x samples. They combine:
 //
-// Empty where the run is not finite, or there are more than some ten million
-// derivatives to be found.
+// - the noise (`sigmas`, one per channel);
+// - the parameters (`covariance` of all free ones, by the linearised run);
+// - for a free start, the start given the parameters, as determined by the
+//   samples before score.first_scored_sample (in a training record, by all).
+//
+// The bands are Gaussian. Errors of the model are included as far as they count
+// as noise.
+//
+// Empty if the run is not finite, or if more than some ten million derivatives
+// would be needed.
 Matrix PredictionDeviations(const IdentificationProblem& problem, int record,
                             const Vector& parameters, const Matrix& covariance,
                             const Vector& sigmas, const RecordScore& score,
                             int num_threads);
 
-// Of the scored samples of a channel that were measured, the share within
-// `quantile` deviations of the prediction; NaN where there are none.
+// Returns the share of a channel's scored and measured samples within
+// `quantile` deviations of the prediction; NaN if there are none.
 double BandCoverage(const IdentificationRecord& record,
                     const RecordScore& score, int channel, double quantile);
 

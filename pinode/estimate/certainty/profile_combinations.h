@@ -1,4 +1,4 @@
-// Words for what the data hold on to along a profile.
+// Text for combinations that stay constant along a profile.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_PROFILE_COMBINATIONS_H_
 #define PINODE_ESTIMATE_CERTAINTY_PROFILE_COMBINATIONS_H_
@@ -10,10 +10,11 @@
 
 namespace pinode {
 
-// `values`: parameters x points of a profile along row `along`, at points where
-// the cost is the same. Of each other parameter that follows it, the product or
-// the sum that stays: "a * b", "a / b", "a * b^2", "a + 0.5 b"; of those with
-// which nothing simple stays, nothing. Rows that hardly move do not follow.
+// Describes the combinations that stay constant along a profile. `values`:
+// parameters x points of a profile along row `along`, at points of equal cost.
+// For each other parameter that follows it, returns the constant product or
+// sum: "a * b", "a / b", "a * b^2", "a + 0.5 b". Parameters without a simple
+// combination are left out. Rows that hardly move do not follow.
 std::vector<std::string> DescribeCombinations(
     const std::vector<std::string>& names, const Matrix& values, int along);
 

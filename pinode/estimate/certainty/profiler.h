@@ -1,4 +1,4 @@
-// One parameter's profile: a walk along the minima of the cost.
+// Profile of one parameter: a walk along the minima of the cost.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_PROFILER_H_
 #define PINODE_ESTIMATE_CERTAINTY_PROFILER_H_
@@ -18,8 +18,8 @@
 
 namespace pinode {
 
-// Where all profiles of a fit begin: its minimum, solved for better than a fit
-// ends, which is where its own tolerances say.
+// Common origin of all profiles of a fit: its minimum, solved more accurately
+// than the fit's own tolerances ask.
 struct ProfileOrigin {
   Vector free;  // num_free
   CondensedSystem system;
@@ -28,25 +28,27 @@ struct ProfileOrigin {
   double radius = 0.0;  // HeldMinimizer::radius there
 };
 
-// Holds everything that the fit has come to; one for each thread.
+// Holds the state of the fit; one object per thread.
 class Profiler {
  public:
-  // `layout` and `stop` (see ProfileOptions) are kept by reference.
+  // Keeps references to `layout` and `stop` (see ProfileOptions).
   Profiler(const IdentificationProblem& problem, const ParameterLayout& layout,
            const IdentificationOptions& options,
            const std::function<bool()>& stop);
 
-  // False where the cost cannot be had at the fit.
+  // Sets the objective to the fit. Returns false if the cost cannot be
+  // evaluated there.
   [[nodiscard]] bool Place(const IdentificationProblem& problem,
                            const IdentifiedModel& model,
                            const std::vector<RecordScore>& scores);
 
-  // `fit`: the free parameters there. False where it was stopped, or there is
-  // no cost.
+  // Finds the minimum. `fit`: the free parameters of the fit. Returns false if
+  // it was stopped, or there is no cost.
   [[nodiscard]] bool FindOrigin(const Vector& fit, ProfileOrigin* origin);
 
-  // Of column j, with the linear deviation (0: none is known) and half-width
-  // in deviations of the summary. False where it was stopped.
+  // Computes the profile of column j, with the linear deviation (0: unknown)
+  // and half-width in deviations of the summary. Returns false if it was
+  // stopped.
   [[nodiscard]] bool Run(const ProfileOrigin& origin, int j, double sigma,
                          double quantile, ParameterProfile* profile);
 
@@ -57,10 +59,10 @@ class Profiler {
     Vector free;
   };
 
-  // As HeldMinimizer does, from `start`; counts, and says what did not
-  // converge.
+  // Minimises as HeldMinimizer does, from `start`. Counts linearisations, and
+  // records failures to converge.
   bool Minimize(const Vector& start, int held, HeldMinimum* minimum);
-  // Square root of the likelihood ratio.
+  // Returns the square root of the likelihood ratio.
   double RootOf(double cost) const;
   double Size() const;
   bool IsFar(double value) const;

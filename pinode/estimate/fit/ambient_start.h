@@ -1,4 +1,4 @@
-// Start of the fit of ambient records.
+// Initial model for the fit of ambient records.
 
 #ifndef PINODE_ESTIMATE_FIT_AMBIENT_START_H_
 #define PINODE_ESTIMATE_FIT_AMBIENT_START_H_
@@ -11,15 +11,16 @@
 
 namespace pinode {
 
-// The likelihood of a spectrum has narrow peaks: where a frequency is off by
-// more than a few bandwidths nothing draws it to its place. So the modes of the
-// records, which need no model (pinode/modal), are fitted first.
+// Finds an initial model from the modes of ambient records. The likelihood of a
+// spectrum has narrow peaks: a frequency that is wrong by more than a few
+// bandwidths is not drawn to its place. Therefore the modes of the records,
+// which need no model (pinode/modal), are fitted first.
 //
 // `fit` fits them: a problem of measured modes alone, from its own values.
 //
-// False, with *model untouched, where that is not how to begin: there is no
-// ambient record, or something else as well that the fit can begin with; or the
-// modes and the model have nothing in common.
+// Returns false, with *model untouched, if this start does not apply: there is
+// no ambient record, the fit can begin with other data as well, or the modes
+// and the model have nothing in common.
 using FitOfModes = std::function<void(
     const IdentificationProblem& problem, const IdentificationOptions& options,
     FitSummary* summary, IdentifiedModel* model)>;

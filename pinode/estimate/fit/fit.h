@@ -1,4 +1,4 @@
-// One start's way through all stages.
+// Fit from one start through all stages.
 
 #ifndef PINODE_ESTIMATE_FIT_FIT_H_
 #define PINODE_ESTIMATE_FIT_FIT_H_
@@ -18,33 +18,33 @@
 
 namespace pinode {
 
-// Goes through the stages of stage_schedule.h, each a Stage, and keeps what
-// predicts best: a stage that makes the error to be expected worse is undone.
-// Networks are annealed in the last one (annealing.h); after it errors of the
-// excitation become unknowns where they can (input_noise_fit.h).
+// Runs the stages of stage_schedule.h, each a Stage, and keeps the state with
+// the best prediction. A stage that increases the expected error is undone.
+// Networks are annealed in the last stage (annealing.h). After it, errors of
+// the excitation become unknowns if possible (input_noise_fit.h).
 class Fit {
  public:
-  // `problem` must outlive this object.
+  // Keeps a reference to `problem`, which must outlive this object.
   Fit(const IdentificationProblem& problem,
       const IdentificationOptions& options);
   Fit(const Fit&) = delete;
   Fit& operator=(const Fit&) = delete;
 
-  // Runs all stages from the values given, all of the problem's; noise and
-  // decays from `initial` (may be nullptr), which says too where a fit that was
-  // cut off goes on. False, with the summary's message, where nothing finite
-  // came out.
+  // Runs all stages from `parameters`, all of the problem's. Noise and decays
+  // come from `initial` (may be nullptr), which also says where an interrupted
+  // fit continues. Returns false, with the summary's message, if there is no
+  // finite result.
   [[nodiscard]] bool Run(const Vector& parameters,
                          const IdentifiedModel* initial);
 
-  // Iterations, stages and counts; the outcome is somebody else's to report.
+  // Iterations, stages and counts; the results are reported by others.
   const FitSummary& summary() const { return summary_; }
   const FitState& best() const { return best_; }
-  // The stage in which it ended, from 1.
+  // Stage in which the fit ended, from 1.
   int stage() const { return stage_; }
   bool converged() const { return converged_; }
   bool interrupted() const { return progress_.interrupted(); }
-  // Set where the fit ended with the excitation's errors as unknowns.
+  // Set if the fit ended with the excitation's errors as unknowns.
   const std::optional<InputNoiseFit>& input_noise() const {
     return input_noise_;
   }
@@ -53,17 +53,18 @@ class Fit {
   const MultipleShooting::Options& shooting_options() const {
     return shooting_options_;
   }
-  // All parameters with the free ones as in best().
+  // Returns all parameters, with the free ones as in best().
   Vector BestParameters() const;
 
  private:
-  // What a fit goes on with, without starts: these values, or, while annealed
-  // networks have not caught up, what the stages before have found.
+  // Returns the model with which a fit can continue, without starts. It has
+  // these values or, while annealed networks have not caught up, those of the
+  // stages before.
   IdentifiedModel ModelToKeep(const Vector& free);
-  // Below the misfit that networks are allowed, the simpler one counts as the
-  // better.
+  // Compares the expected errors. Below the misfit allowed for networks, the
+  // simpler state is the better one.
   bool IsWorseThanBest(const FitState& state) const;
-  // Noise, decays and trajectories before the first stage.
+  // Sets noise, decays and trajectories before the first stage.
   [[nodiscard]] bool Prepare(const Vector& parameters,
                              Eigen::Index segment_samples,
                              const IdentifiedModel* initial);
@@ -83,7 +84,7 @@ class Fit {
   Annealing annealing_;
   Reweighting reweighting_;
 
-  Vector first_free_;  // as the run began
+  Vector first_free_;  // at the beginning of the run
   FitState current_;
   FitState best_;
   std::optional<InputNoiseFit> input_noise_;

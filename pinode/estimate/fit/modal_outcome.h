@@ -1,4 +1,4 @@
-// What a fit says of measured modes, and they of it.
+// Results of a fit for measured modes.
 
 #ifndef PINODE_ESTIMATE_FIT_MODAL_OUTCOME_H_
 #define PINODE_ESTIMATE_FIT_MODAL_OUTCOME_H_
@@ -12,14 +12,14 @@
 
 namespace pinode {
 
-// Notes modes and modal costs of the models before and after, and which modes
-// the fit did not use. `parameters`: all of the layout, after the fit; `modes`:
-// its cost.
+// Records modes and modal costs of the initial and the fitted model, and the
+// modes that the fit did not use. `parameters`: all of the layout, after the
+// fit. `modes`: the modal cost of the fit.
 //
-// Where modes are all that is fitted, what is left over of them scales
-// `covariance` (and `known` says whether there is one): always where they have
-// no standard deviations, and where they have, if the rest is larger than
-// chance (1 %) would make it. They say what the measurement left open, and the
+// If only modes are fitted, their residuals scale `covariance` (`known` tells
+// if there is one). They always do so without standard deviations. With
+// standard deviations they do so if the residuals are larger than chance (1 %)
+// would make them. The intervals then cover errors of the measurement; the
 // model's own errors come on top (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
 void ReportModes(const IdentificationProblem& problem,
                  const ParameterLayout& layout, const Vector& parameters,

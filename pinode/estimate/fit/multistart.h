@@ -1,4 +1,4 @@
-// Several starts, of which the best stands.
+// Fits from several starts, of which the best is kept.
 
 #ifndef PINODE_ESTIMATE_FIT_MULTISTART_H_
 #define PINODE_ESTIMATE_FIT_MULTISTART_H_
@@ -11,19 +11,18 @@
 
 namespace pinode {
 
-// Values of all parameters to start from: free named ones drawn between their
-// bounds and within their priors (where both ends are finite), networks with
-// other seeds.
+// Returns values of all parameters to start from. Free named ones are drawn
+// between their bounds and within their priors (if both ends are finite).
+// Networks get other seeds.
 Vector DrawStart(const IdentificationProblem& problem,
                  const ParameterLayout& layout, const MultistartTuning& tuning,
                  uint64_t seed);
 
 // Runs a fit from `initial` (nullptr: from the problem's own values, with
-// pulses where the scan finds them), then from starts that are drawn, and
-// returns the one with the least error to be expected, or, where there are
-// modes alone, the least cost. *summary is that of the best,
-// and says how many starts have come to the same cost. nullptr, with a
-// message in *summary, where none came to an end.
+// pulses from the scan), then from drawn starts. Returns the fit with the
+// smallest expected error or, with modes alone, the smallest cost. *summary is
+// that of the best fit, and counts the starts that reached the same cost.
+// Returns nullptr, with a message in *summary, if no start finished.
 std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const IdentifiedModel* initial,

@@ -1,4 +1,4 @@
-// What a fit has come to, as a summary and a model.
+// Results of a fit, as a summary and a model.
 
 #ifndef PINODE_ESTIMATE_FIT_OUTCOME_H_
 #define PINODE_ESTIMATE_FIT_OUTCOME_H_
@@ -11,10 +11,10 @@
 
 namespace pinode {
 
-// Covariance at the fit's best point; scores of every record, run freely from
-// its start, and of every mode, each beside those of the model before; the
-// parameters' intervals and the forces' bands. Leaves alone what the fit's own
-// summary holds already: iterations, stages, gaps.
+// Reports the covariance at the fit's best point, the parameters' intervals and
+// the forces' bands. Scores every record, simulated from its start, and every
+// mode, each compared with the initial model. Leaves the fields that the fit's
+// own summary already holds: iterations, stages, gaps.
 void ReportOutcome(const IdentificationProblem& problem,
                    const IdentificationOptions& options, Fit* fit,
                    FitSummary* summary, IdentifiedModel* model);

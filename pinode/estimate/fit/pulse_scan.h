@@ -1,4 +1,4 @@
-// Where a pulse of unknown time is looked for first.
+// Scan for the initial time of a pulse.
 
 #ifndef PINODE_ESTIMATE_FIT_PULSE_SCAN_H_
 #define PINODE_ESTIMATE_FIT_PULSE_SCAN_H_
@@ -8,15 +8,15 @@
 
 namespace pinode {
 
-// A search by derivatives finds a pulse only from a start that meets it: the
-// misfit has a minimum at every period of the response, and none at all where
-// the pulse lies behind it. Each half-sine pulse whose start is free is
-// therefore tried every seventh of its duration, over the bounds of the start
-// as far as the training records go, with five durations around the given one
-// where that is free, each with the amplitude that suits best. What fits the
-// training records best, or what is given where nothing does better, replaces
-// *parameters (all of the problem's). Several pulses are looked for one after
-// the other.
+// Replaces *parameters (all of the problem's) by the pulses that fit the
+// training records best, or keeps the given values if nothing is better. A
+// search by derivatives finds a pulse only from a start that overlaps it. The
+// misfit has a minimum at every period of the response, and none if the pulse
+// lies after it. Therefore each half-sine pulse with a free start is tried
+// every seventh of its duration, over the bounds of the start as far as the
+// training records go. If the duration is free, five durations around the given
+// one are tried. Each trial has the amplitude that fits best. Several pulses
+// are found one after the other.
 void ScanPulses(const IdentificationProblem& problem, Vector* parameters);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// Between the rounds of a fit: what the data are worth, and what the weights.
+// Weights of the data and of the networks, updated between the rounds of a fit.
 
 #ifndef PINODE_ESTIMATE_FIT_REWEIGHTING_H_
 #define PINODE_ESTIMATE_FIT_REWEIGHTING_H_
@@ -10,26 +10,26 @@
 
 namespace pinode {
 
-// Measures the evidence once, and moves decays (evidence.h) and noise levels
+// Measures the evidence once, and updates decays (evidence.h) and noise levels
 // (noise_levels.h) by it.
 class Reweighting {
  public:
-  // All must outlive this object.
+  // Keeps references to all arguments, which must outlive this object.
   Reweighting(const FitContext& context, FitLog* log, Annealing* annealing)
       : context_(context), log_(log), noise_(context), annealing_(annealing) {}
 
   struct Outcome {
     bool noise_is_quiet = false;
-    // Neither noise nor the number of well-determined parameters moves any
-    // more.
+    // True if neither the noise nor the number of well-determined parameters
+    // changes any more.
     bool is_quiet = false;
-    // Relative change of that number.
+    // Relative change of the number of well-determined parameters.
     double evidence_change = 0.0;
   };
 
-  // At state->free; sets the objective's weights too. The noise grows only
-  // where the fit has `converged`. Where the Hessian cannot be had nothing
-  // changes, and nothing is quiet that was not before.
+  // Updates at state->free, and sets the objective's weights too. The noise
+  // grows only if the fit has `converged`. Without a Hessian nothing changes,
+  // and the result is quiet only if it was quiet before.
   Outcome Update(bool converged, FitState* state);
 
   const NoiseLevels& noise() const { return noise_; }

@@ -1,4 +1,4 @@
-// One stage of a fit: segments of one length.
+// One stage of a fit, with segments of one length.
 
 #ifndef PINODE_ESTIMATE_FIT_STAGE_H_
 #define PINODE_ESTIMATE_FIT_STAGE_H_
@@ -11,14 +11,14 @@
 
 namespace pinode {
 
-// Solves in rounds, between which noise levels and decays are re-estimated:
+// Solves in rounds. Noise levels and decays are estimated again between them:
 //
 //   several segments   an augmented Lagrangian (gap_penalty.h) closes the gaps
 //   single segments    until noise and evidence are quiet, then to the
 //                      tolerance that the user asked for
 class Stage {
  public:
-  // All must outlive this object.
+  // Keeps references to all arguments, which must outlive this object.
   Stage(const FitContext& context, FitLog* log, Solver* solver,
         Reweighting* reweighting, Progress* progress)
       : context_(context),
@@ -27,10 +27,10 @@ class Stage {
         reweighting_(reweighting),
         progress_(progress) {}
 
-  // From and to *state, with segments of about `samples` samples; 0: one a
-  // record. *settled: it has converged, and what is between its rounds with it.
-  // Fills *record but for whether it is rolled back. False, with the summary's
-  // message, where no finite trajectory leaves from here.
+  // Updates *state with segments of about `samples` samples; 0: one per record.
+  // *settled: the solve has converged, and so have noise and decays. Fills
+  // *record, except for its flag of a rollback. Returns false, with the
+  // summary's message, if no finite trajectory starts from here.
   [[nodiscard]] bool Run(Eigen::Index samples, bool last, FitState* state,
                          StageRecord* record, bool* settled);
 

@@ -1,4 +1,4 @@
-// The second learning of a network.
+// Second learning of a network.
 
 #ifndef PINODE_ESTIMATE_OBJECTIVE_ANNEALING_H_
 #define PINODE_ESTIMATE_OBJECTIVE_ANNEALING_H_
@@ -10,49 +10,49 @@
 
 namespace pinode {
 
-// A network whose decay the evidence chooses is learned twice. First at the
-// smallest noise, which finds a good fit soon, but one of the many that bring
-// in all inputs. Then it is drawn anew, close to a linear map, and the noise
-// comes down from a share of each channel's spread step by step: the evidence
-// grants what the data ask for most before the rest, and inputs that are not
-// needed stay out.
+// Anneals networks. A network whose decay the evidence chooses is learned
+// twice. The first learning, at the smallest noise, soon finds a good fit, but
+// one of the many that use all inputs. Then the network is drawn again, close
+// to a linear map, and the noise decreases step by step from a share of each
+// channel's spread. The evidence first grants what the data require most, and
+// unneeded inputs stay out.
 //
-// It comes down to what the first fit has left over without a memory. The rest
-// may be there to be learned, and is what the noise does not exceed afterwards.
+// The noise decreases to the uncorrelated part of the first fit's residuals.
+// The rest may be learnable; afterwards the noise does not exceed it.
 class Annealing {
  public:
-  // `context` must outlive this object.
+  // Keeps a reference to `context`, which must outlive this object.
   explicit Annealing(const FitContext& context) : context_(context) {}
 
-  // Sets the decays that annealed networks begin with. False, with nothing
-  // changed, where there is none.
+  // Sets the initial decays of annealed networks. Returns false, with nothing
+  // changed, if there is no such network.
   bool SetFirstDecays(Vector* decays) const;
 
-  // What the first fit leaves over, per training record: the levels that it
-  // would estimate, and its residuals weighted by them (see
-  // MultipleShooting::WeightedResiduals; none where they cannot be had).
-  // Without a first fit noise comes down as far as it may.
+  // Residuals of the first fit, per training record: the levels that it would
+  // estimate, and its residuals weighted by them (see
+  // MultipleShooting::WeightedResiduals; empty if not available). Without a
+  // first fit the noise decreases to its lower limit.
   struct LeftOver {
     std::vector<Vector> sigmas;
     std::vector<Matrix> residuals;
   };
 
-  // Draws the networks anew from `first_free`, as the run began, and raises the
-  // noise. `left_over`: nullptr where there was no first fit.
+  // Draws the networks again from `first_free`, the values at the beginning of
+  // the run, and raises the noise. `left_over`: nullptr without a first fit.
   void Begin(const Vector& first_free, const LeftOver* left_over,
              FitState* state);
   bool HasBegun() const { return !targets_.empty(); }
 
-  // What a level `sigma` of training record t, channel c, is to be moved to
-  // where the residuals want `wanted`; `floor`: no level is below.
+  // Returns the new value of level `sigma` of training record t, channel c, if
+  // the residuals ask for `wanted`. `floor`: lower limit of all levels.
   double Limit(size_t t, int c, double floor, double sigma, double wanted);
 
  private:
   void Redraw(const Vector& first_free, Vector* free) const;
 
   const FitContext& context_;
-  // What noise comes down to, infinity once it has been there, and what it does
-  // not exceed afterwards, per training record.
+  // Targets of the decreasing noise, infinity once it has reached them, and its
+  // upper limits afterwards, per training record.
   std::vector<Vector> targets_;
   std::vector<Vector> ceilings_;
 };

@@ -1,4 +1,4 @@
-// Where a fit's steps bend, and by what.
+// Conditions under which a fit's steps bend, and the bend itself.
 
 #ifndef PINODE_ESTIMATE_OBJECTIVE_BENDING_H_
 #define PINODE_ESTIMATE_OBJECTIVE_BENDING_H_
@@ -11,18 +11,18 @@
 
 namespace pinode {
 
-// Whether there are networks, and not of time alone: the hidden units of those
-// hardly move, and a fit is nearly a linear one.
+// True if there are networks of the state. Networks of time alone do not count:
+// their hidden units hardly move, and such a fit is nearly linear.
 bool HasNetworksOfState(const IdentificationProblem& problem,
                         const ParameterLayout& layout);
 
-// Valleys of networks bend. Where unknowns have bounds Ceres searches along
-// straight lines.
+// True if steps bend, as valleys of networks do. With bounds Ceres searches
+// along straight lines.
 bool BendsSteps(const IdentificationProblem& problem,
                 const ParameterLayout& layout);
 
-// Of the trajectories, whose rows are kept, by the unknowns of `bounded`. Both
-// must outlive it.
+// Returns the bend of the trajectories, whose rows are kept, by the unknowns of
+// `bounded`. Both must outlive it.
 BentCost::Bend BendOf(Objective* objective, const BoundedCost* bounded);
 
 }  // namespace pinode

@@ -1,4 +1,5 @@
-// How much the data determine, and the precisions that this grants.
+// Evidence: the number of parameters that the data determine, and the decay
+// precisions that follow.
 
 #ifndef PINODE_ESTIMATE_OBJECTIVE_EVIDENCE_H_
 #define PINODE_ESTIMATE_OBJECTIVE_EVIDENCE_H_
@@ -10,7 +11,8 @@
 
 namespace pinode {
 
-// At a point of the fit with Gauss-Newton Hessian H, priors and decay in it.
+// Evidence at a point of the fit, with Gauss-Newton Hessian H including priors
+// and decay.
 struct Evidence {
   // R^-1, H = R'R; upper triangular.
   Matrix inverse_root;
@@ -23,20 +25,22 @@ struct Evidence {
   Vector squares;
 };
 
-// `decays`: alpha per decay group. False where H has no root.
+// Measures the evidence. `decays`: alpha per decay group. Returns false if H
+// has no root.
 [[nodiscard]] bool MeasureEvidence(const ParameterLayout& layout,
                                    const Matrix& hessian, const Vector& decays,
                                    const Vector& free, Evidence* evidence);
 
-// The decays that a fit begins with: given ones, those of `initial` (may be
+// Returns the initial decays of a fit: given ones, those of `initial` (may be
 // nullptr), or the first guess of `tuning`.
 Vector FirstDecays(const ParameterLayout& layout, const EvidenceTuning& tuning,
                    const IdentifiedModel* initial);
 
-// alpha_g <- gamma_g / squares_g, where it is not given and within the limits
-// of `tuning`: MacKay's rule (Neural Computation 4 (1992) 415-447) with the
-// Gauss-Newton Hessian (F. D. Foresee and M. T. Hagan, ICNN 1997), per group.
-// For combinations of parameters it holds as CombinationPrior says.
+// Updates alpha_g <- gamma_g / squares_g, where it is not given, within the
+// limits of `tuning`. This is MacKay's rule (Neural Computation 4 (1992)
+// 415-447) with the Gauss-Newton Hessian (F. D. Foresee and M. T. Hagan, ICNN
+// 1997), per group. For combinations of parameters it applies as in
+// CombinationPrior.
 void UpdateDecays(const ParameterLayout& layout, const EvidenceTuning& tuning,
                   const Evidence& evidence, Vector* decays);
 

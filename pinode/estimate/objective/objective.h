@@ -1,4 +1,4 @@
-// All that a fit minimises.
+// Total cost that a fit minimises.
 
 #ifndef PINODE_ESTIMATE_OBJECTIVE_OBJECTIVE_H_
 #define PINODE_ESTIMATE_OBJECTIVE_OBJECTIVE_H_
@@ -19,24 +19,25 @@
 
 namespace pinode {
 
-// How the trajectories of an identification are shot.
+// Returns the shooting options of an identification.
 MultipleShooting::Options ShootingOptions(const IdentificationOptions& options);
 
-// The sum of a problem's trajectories, priors, measured modes and ambient
-// records. Each part is
-// set by itself: noise levels and segments in shooting(), decays in priors().
+// Sum of a problem's trajectories, priors, measured modes and ambient records.
+// Each part is set separately: noise levels and segments in shooting(), decays
+// in priors().
 class Objective final : public CostPart {
  public:
-  // `problem` (valid) and `layout` must outlive this object.
+  // Keeps references to `problem` (valid) and `layout`, which must outlive this
+  // object.
   Objective(const IdentificationProblem& problem, const ParameterLayout& layout,
             const MultipleShooting::Options& options);
 
   MultipleShooting& shooting() { return shooting_; }
   const MultipleShooting& shooting() const { return shooting_; }
   PriorCost& priors() { return priors_; }
-  // nullptr: no mode was measured.
+  // Cost of the measured modes; nullptr: no mode was measured.
   ModalCost* modes() { return modes_.get(); }
-  // One per ambient record.
+  // Costs of the ambient records, one each.
   const std::vector<std::unique_ptr<AmbientCost>>& ambient() const {
     return ambient_;
   }
@@ -44,7 +45,7 @@ class Objective final : public CostPart {
   [[nodiscard]] bool Evaluate(const Vector& free, double* cost) override;
   [[nodiscard]] bool Linearize(const Vector& free,
                                CondensedSystem* system) override;
-  // Of the first part that has failed.
+  // Failure of the first part that has failed.
   std::string Failure() const override;
 
   // Hessian of modes and ambient records at the last Linearize, num_free x

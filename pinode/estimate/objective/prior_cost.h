@@ -1,4 +1,4 @@
-// What is known of the free parameters before the data are seen.
+// Prior knowledge of the free parameters.
 
 #ifndef PINODE_ESTIMATE_OBJECTIVE_PRIOR_COST_H_
 #define PINODE_ESTIMATE_OBJECTIVE_PRIOR_COST_H_
@@ -18,17 +18,18 @@ namespace pinode {
 //   1/2 sum_j (theta_j - mean_j)^2 / tau_j^2
 //     + 1/2 sum over decay rows of alpha_group (weights' theta)^2,
 //
-// a residual each, linear in the free parameters, which are the one parameter
-// block.
+// one residual each, linear in the free parameters, which are the single
+// parameter block.
 class PriorCost final : public ceres::CostFunction, public CostPart {
  public:
-  // No decay: every alpha is zero. `layout` must outlive this object.
+  // Starts without decay: every alpha is zero. Keeps a reference to `layout`,
+  // which must outlive this object.
   explicit PriorCost(const ParameterLayout& layout);
 
-  // alpha, one per decay group of the layout, not negative.
+  // Sets alpha, one per decay group of the layout, not negative.
   void SetDecays(const Vector& decays);
 
-  // 0 where there is no prior at all: Ceres then needs no such block.
+  // Number of priors. 0: there is no prior, and Ceres needs no such block.
   int num_priors() const { return num_residuals(); }
 
   bool Evaluate(double const* const* parameters, double* residuals,

@@ -1,4 +1,4 @@
-// The minimum of a quadratic model within bounds.
+// Minimum of a quadratic model within bounds.
 
 #ifndef PINODE_ESTIMATE_SOLVER_BOUNDED_STEP_H_
 #define PINODE_ESTIMATE_SOLVER_BOUNDED_STEP_H_
@@ -7,11 +7,12 @@
 
 namespace pinode {
 
-// d that minimises g'd + d'Hd / 2 with lower <= d <= upper, where the bounds
-// (infinite: none) enclose zero. H (symmetric, positive semidefinite) may be
-// singular by rounding: it gets a relative shift of its diagonal then. A primal
-// active-set method (J. Nocedal and S. J. Wright, Numerical Optimization, 2006,
-// section 16.5), from d = 0. False where a number is not finite.
+// Finds d that minimises g'd + d'Hd / 2 with lower <= d <= upper, where the
+// bounds (infinite: none) enclose zero. H (symmetric, positive semidefinite)
+// may be singular by rounding: its diagonal then gets a relative shift. Uses a
+// primal active-set method (J. Nocedal and S. J. Wright, Numerical
+// Optimization, 2006, section 16.5), from d = 0. Returns false if a number is
+// not finite.
 [[nodiscard]] bool BoundedStep(const Matrix& hessian, const Vector& gradient,
                                const Vector& lower, const Vector& upper,
                                Vector* step);

@@ -16,19 +16,20 @@ namespace pinode {
 //
 //   r = [R^-T g; sqrt(2 f - |R^-T g|^2)],   J = [R; 0],
 //
-// so that |r|^2 / 2 = f, J'r = g and J'J = H: Levenberg-Marquardt takes the
-// steps that it would take on the thousands of residuals behind H, and its
-// linear algebra no longer grows with the records. Without a Jacobian only
-// |r|^2 is what it would be with one: no numeric differences of r.
+// so that |r|^2 / 2 = f, J'r = g and J'J = H. Levenberg-Marquardt takes the
+// same steps as on the thousands of residuals behind H, and its linear algebra
+// does not grow with the records. Without a Jacobian only |r|^2 is right: r
+// cannot be differentiated numerically.
 //
-// R wants H to be positive definite up to rounding. The trajectories alone may
-// leave directions in which H is nothing but rounding, a network's above all;
-// with the priors they are not: our own solve hands in the whole Objective.
+// R requires H to be positive definite up to rounding. The trajectories alone
+// may leave directions in which H is pure rounding error, above all for a
+// network. With the priors they do not: the library's own solve uses the whole
+// Objective.
 //
 // Evaluations of one object must come one at a time, as Ceres does.
 class CondensedCost final : public ceres::CostFunction {
  public:
-  // `part` must outlive this object.
+  // Keeps a reference to `part`, which must outlive this object.
   CondensedCost(CostPart* part, int num_free);
 
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -48,8 +49,8 @@ class CondensedCost final : public ceres::CostFunction {
   mutable int failed_evaluations_ = 0;
 };
 
-// Ceres' solver for such a block: up to a hundred unknowns the more accurate
-// one, which takes no time to speak of there.
+// Returns Ceres' solver for such a block. Up to a hundred unknowns it is the
+// more accurate one, whose time is negligible there.
 ceres::LinearSolverType DenseSolverFor(int num_free);
 
 }  // namespace pinode

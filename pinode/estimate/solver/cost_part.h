@@ -1,4 +1,4 @@
-// What the cost of a fit is a sum of.
+// Parts of which the cost of a fit is the sum.
 
 #ifndef PINODE_ESTIMATE_SOLVER_COST_PART_H_
 #define PINODE_ESTIMATE_SOLVER_COST_PART_H_
@@ -17,7 +17,7 @@ struct CondensedSystem {
   Vector gradient;  // num_free
   Matrix hessian;   // num_free x num_free, both triangles
 
-  // Those of a sum of costs.
+  // Adds the terms of another cost.
   void Add(const CondensedSystem& other) {
     cost += other.cost;
     gradient += other.gradient;
@@ -25,20 +25,22 @@ struct CondensedSystem {
   }
 };
 
-// One part: trajectories (MultipleShooting), priors (PriorCost), measured modes
-// (ModalCost). What needs all of them, as the evidence and the covariance do,
-// sums them up (Objective).
+// One part of the cost: trajectories (MultipleShooting), priors (PriorCost),
+// measured modes (ModalCost). Objective sums the parts for the evidence and the
+// covariance.
 class CostPart {
  public:
   virtual ~CostPart() = default;
 
-  // The cost at `free`, the free parameters in the order of ParameterLayout.
-  // False where it is not finite or cannot be had, see Failure().
+  // Computes the cost at `free`, the free parameters in the order of
+  // ParameterLayout. Returns false if it is not finite or not available, see
+  // Failure().
   [[nodiscard]] virtual bool Evaluate(const Vector& free, double* cost) = 0;
-  // The same, and its derivatives.
+  // Computes the cost and its derivatives.
   [[nodiscard]] virtual bool Linearize(const Vector& free,
                                        CondensedSystem* system) = 0;
-  // Why the last evaluation failed, a sentence; empty: it did not.
+  // Reason for the failure of the last evaluation, a sentence; empty: no
+  // failure.
   virtual std::string Failure() const = 0;
 };
 

@@ -1,4 +1,4 @@
-// Systems of equations of information matrices.
+// Linear systems of information matrices.
 
 #ifndef PINODE_ESTIMATE_SOLVER_INFORMATION_SOLVER_H_
 #define PINODE_ESTIMATE_SOLVER_INFORMATION_SOLVER_H_
@@ -19,7 +19,7 @@ class InformationSolver {
       : scale_(ScaleOf(information)),
         scaled_(Scaled(information, scale_)),
         factor_(scaled_) {}
-  // False where rounding has made it indefinite.
+  // False if rounding has made the matrix indefinite.
   bool ok() const { return factor_.info() == Eigen::Success; }
   Matrix Solve(const Matrix& right) const {
     return scale_.asDiagonal() *
@@ -45,7 +45,7 @@ class InformationSolver {
 
   const Vector scale_;
   Matrix scaled_;
-  // In its place: both together would be large.
+  // Factored in place: two copies would be large.
   Eigen::LLT<Eigen::Ref<Matrix>> factor_;
 };
 

@@ -7,15 +7,16 @@
 
 namespace pinode {
 
-// R (upper triangular) with R'R = H up to a relative diagonal shift no larger
-// than needed to make H numerically positive definite. False where H is not
-// finite or further from positive semidefinite than rounding makes it.
+// Finds R (upper triangular) with R'R = H up to a relative diagonal shift no
+// larger than needed to make H numerically positive definite. Returns false if
+// H is not finite or further from positive semidefinite than rounding explains.
 bool SquareRoot(const Matrix& hessian, Matrix* root);
 
-// The same, or the root of the nearest matrix without negative eigenvalues:
-// what the starts of segments of an unstable model take away may be all but all
-// there is, and rounding leaves directions, and diagonals, below zero. False
-// where H is not finite or has nothing positive.
+// Finds the same, or the root of the nearest matrix without negative
+// eigenvalues. Eliminating the starts of an unstable model's segments may
+// remove almost all information. Rounding then leaves directions, and
+// diagonals, below zero. Returns false if H is not finite or has no positive
+// part.
 bool NearestSquareRoot(const Matrix& hessian, Matrix* root);
 
 }  // namespace pinode

@@ -1,4 +1,5 @@
-// Where a fit begins: states from the records before anything is identified.
+// Initial states of a fit, estimated from the records before the
+// identification.
 
 #ifndef PINODE_ESTIMATE_START_INITIAL_STATES_H_
 #define PINODE_ESTIMATE_START_INITIAL_STATES_H_
@@ -11,27 +12,28 @@
 
 namespace pinode {
 
-// Circular frequencies of the linear model before the identification,
-// ascending, without zeros.
+// Returns the circular frequencies of the initial linear model, ascending,
+// without zeros.
 std::vector<double> ModelFrequencies(const IdentificationProblem& problem);
 
-// First guess of the states' scales (num_states) from what a record's channels
-// show and the model's lowest frequency.
+// Returns a first guess of the states' scales (num_states) from a record's
+// channels and the model's lowest frequency.
 Vector GuessStateScales(const IdentificationProblem& problem,
                         const IdentificationRecord& record);
 
-// RMS of each state over a trajectory (num_states x samples), never below a
-// thousandth of the largest of its kind (displacements, velocities, internal).
+// Returns the RMS of each state over a trajectory (num_states x samples), at
+// least a thousandth of the largest of its kind (displacements, velocities,
+// internal).
 Vector StateScales(const IdentificationProblem& problem, const Matrix& states);
-// The same from the states' mean squares.
+// Returns the same from the states' mean squares.
 Vector StateScalesOf(const IdentificationProblem& problem,
                      const Vector& mean_squares);
 
-// Trajectories of every training record by the iterated
-// Rauch-Tung-Striebel smoother inside `shooting` (whose sigmas are set), on the
-// model with the parameters `free` and segments of `segment_samples` joined
-// softly: accelerations alone suffice. False where no finite trajectory is
-// found.
+// Estimates trajectories of every training record by the iterated
+// Rauch-Tung-Striebel smoother inside `shooting` (whose sigmas are set). It
+// uses the model with the parameters `free` and segments of `segment_samples`
+// joined softly; accelerations alone suffice. Returns false if no finite
+// trajectory is found.
 [[nodiscard]] bool InitialTrajectories(const IdentificationProblem& problem,
                                        Eigen::Index segment_samples,
                                        const Vector& free,

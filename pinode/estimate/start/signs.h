@@ -1,4 +1,4 @@
-// Which way round sensors and load cells are mounted.
+// Polarity of sensors and load cells.
 
 #ifndef PINODE_ESTIMATE_START_SIGNS_H_
 #define PINODE_ESTIMATE_START_SIGNS_H_
@@ -11,36 +11,38 @@
 
 namespace pinode {
 
-// Before a fit signs are read off from the model's own response to the measured
-// excitation: its matrices at the initial values, every mode damped to 0.15 of
-// critical, without elements and networks, from rest. Response and record are
-// compared by their phase: with the spectra Y and P of what was measured and of
-// the response, both over the mean,
+// Signs are read before a fit from the model's own response to the measured
+// excitation. The response uses the matrices at the initial values, with every
+// mode damped to 0.15 of critical, without elements and networks, from rest.
+// Response and record are compared by phase. With the spectra Y and P of the
+// measurement and of the response, both without their means,
 //
 //   agreement = sum_f w_f cos(phase of Y_f - phase of P_f) / sum_f w_f,
 //   w_f = sqrt(|Y_f| |P_f|),
 //
-// from -1 to 1. Between a resonance of the structure and the model's the two go
-// against each other, elsewhere along. The correlation in time, weighted by
-// |Y_f| |P_f|, sees little but the resonances, and is chance where one of them
-// is off by more than its half-power width.
+// from -1 to 1. Between a resonance of the structure and that of the model the
+// two have opposite phases, elsewhere the same. The correlation in time,
+// weighted by |Y_f| |P_f|, is dominated by the resonances. It is random if one
+// of them is wrong by more than its half-power width.
 
 // Gives the free gains of sensors and the free scales of forces in *parameters
 // (all of the problem's) the sign that the training records show; their sizes
-// stay. Those have one to be found that can be of either sign by their bounds
-// and have no prior. Scales come first, by least squares over all channels
-// whose gain has a known sign, then each gain by its channel's agreement with
-// the response. Where the agreement is below 0.25 in size the sign stays as it
-// is.
+// stay. A sign is unknown if the bounds allow both signs and there is no prior.
+// Scales come first, by least squares over all channels whose gain has a known
+// sign. Then each gain follows its channel's agreement with the response. If
+// the agreement is below 0.25 in size, the sign stays.
 void FindSigns(const IdentificationProblem& problem, Vector* parameters);
 
-// What a user should hear of signs, a sentence each, `parameters` being those
-// found (or those that a fit would begin with): gains and scales whose sign is
-// not that of the initial value, delays that were found alike at all sensors
-// (within a tenth, half a sample or more), and channels of known sign that
-// clearly go against the response (an agreement below -0.4), as a sensor does
-// that is mounted upside down. Forces of prescribed motions are left out: what
-// a device resists with is not this model's to say.
+// Returns remarks on signs for the user, one sentence each. `parameters` are
+// those found (or those that a fit would begin with). The remarks cover:
+//
+// - gains and scales whose sign is not that of the initial value;
+// - delays found equal at all sensors (within a tenth, half a sample or more);
+// - channels of known sign that clearly oppose the response (an agreement below
+//   -0.4), as a sensor that is mounted upside down.
+//
+// Forces of prescribed motions are left out: this model does not determine the
+// resistance of a device.
 std::vector<std::string> SignRemarks(const IdentificationProblem& problem,
                                      const Vector& parameters);
 
