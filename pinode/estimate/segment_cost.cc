@@ -60,7 +60,8 @@ bool ArePositive(const Vector& values, Eigen::Index count) {
          (values.array() > 0.0).all();
 }
 
-// At most: of all samples, and of the gap behind them.
+// Returns the maximum number: residuals of all samples, and of the gap after
+// them.
 Eigen::Index NumResiduals(Eigen::Index intervals, Eigen::Index channels,
                           Eigen::Index states) {
   return (intervals + 1) * channels + states;

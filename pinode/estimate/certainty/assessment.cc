@@ -22,7 +22,7 @@ namespace pinode {
 
 namespace {
 
-// Unknowns and what is there to determine them.
+// Counts the unknowns, and the residuals that determine them.
 void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
            const ModalCost* modes, ProblemAssessment* assessment) {
   for (const IdentificationRecord& record : problem.records) {
@@ -113,8 +113,8 @@ bool AssessProblem(const IdentificationProblem& problem,
     return InitialTrajectories(problem, samples, point.free,
                                options.tuning.stages, &shooting, &trajectories);
   };
-  // Linear dynamics need no segments to stay near the record, and are solved
-  // for at once in one piece.
+  // Linear dynamics need no segments to stay near the record, and are solved in
+  // one piece at once.
   if (!(problem.dynamics->IsLinear() && find_trajectories(0)) &&
       !find_trajectories(segment_samples)) {
     return fail();
@@ -124,9 +124,8 @@ bool AssessProblem(const IdentificationProblem& problem,
         problem, layout, IdentificationOptions::Covariance::kPlain, point.free,
         sigmas, &objective, &point.covariance);
   };
-  // What the data tell about a trajectory in one piece. Where the record does
-  // not run so before the fit, segments that are held together nearly as
-  // firmly.
+  // Information in a trajectory in one piece. If the record does not run so
+  // before the fit, segments are held together nearly as firmly.
   if (!SetSegmentsAlong(0, trajectories, &shooting)) return fail();
   if (!plain()) {
     if (!SetSegmentsAlong(segment_samples, trajectories, &shooting))

@@ -16,15 +16,16 @@
 namespace pinode {
 namespace {
 
-// An autocorrelation this many standard deviations beyond white noise is taken
-// seriously: about one false alarm in a thousand channels.
+// Significant autocorrelation, in standard deviations of white noise: about one
+// false alarm in a thousand channels.
 constexpr double kAutocorrelated = 3.5;
 constexpr int kLags = 20;
 
 // Random sign vectors per channel for the trace of the induced noise.
 constexpr int kProbes = 6;
 
-// Samples of a block for each record, by residuals, channels x samples.
+// Returns the samples per block for each record, from residuals, channels x
+// samples.
 std::vector<Eigen::Index> BlockLengths(const std::vector<Matrix>& residuals) {
   std::vector<Eigen::Index> lengths;
   for (const Matrix& record : residuals) {
@@ -32,7 +33,8 @@ std::vector<Eigen::Index> BlockLengths(const std::vector<Matrix>& residuals) {
     for (int c = 0; c < record.rows(); ++c) {
       time = std::max(time, AutocorrelationTime(record.row(c)));
     }
-    // Blocks long against the memory of the residuals, but enough of them.
+    // Blocks are long compared with the memory of the residuals, but numerous
+    // enough.
     const Eigen::Index samples = record.cols();
     lengths.push_back(std::clamp<Eigen::Index>(
         static_cast<Eigen::Index>(std::ceil(8.0 * time)), 5,
@@ -41,7 +43,7 @@ std::vector<Eigen::Index> BlockLengths(const std::vector<Matrix>& residuals) {
   return lengths;
 }
 
-// Sum of g g' over blocks of consecutive samples, g = sum_i J_i' r_i being a
+// Sums g g' over blocks of consecutive samples, g = sum_i J_i' r_i being a
 // block's score. The samples of each record come in their order.
 class BlockScores {
  public:
@@ -54,7 +56,7 @@ class BlockScores {
     }
   }
 
-  // As MultipleShooting::Visitor has them.
+  // Adds residuals as MultipleShooting::Visitor provides them.
   void Add(size_t record, Eigen::Index first, const Matrix& residuals,
            const Matrix& jacobian) {
     const Eigen::Index count = residuals.cols();
@@ -95,8 +97,8 @@ bool AnyAutocorrelated(const std::vector<Matrix>& residuals) {
   return false;
 }
 
-// Whether chance alone would not make the spectra of an ambient record differ
-// as they do from those of the model.
+// True if the spectra of an ambient record differ from the model's by more than
+// chance allows.
 bool AnyMisfit(const Vector& free, const Objective& objective) {
   return std::any_of(objective.ambient().begin(), objective.ambient().end(),
                      [&free](const auto& record) {
@@ -107,8 +109,8 @@ bool AnyMisfit(const Vector& free, const Objective& objective) {
                      });
 }
 
-// In the middle scores of lines in place of the ambient records' information:
-// what that adds.
+// Returns the change of the middle matrix when scores of lines replace the
+// information of ambient records.
 Matrix ScoresForInformation(const Objective& objective, Eigen::Index size) {
   Matrix change = Matrix::Zero(size, size);
   for (const auto& record : objective.ambient()) {
@@ -117,19 +119,20 @@ Matrix ScoresForInformation(const Objective& objective, Eigen::Index size) {
   return change;
 }
 
-// From the inverse Hessian, with what stands in its place in the middle.
+// Makes the covariance from the inverse Hessian and the given middle matrix.
 bool MakeSandwich(const Matrix& middle, CovarianceEstimate* estimate) {
   const Matrix inverse = estimate->covariance;
   estimate->covariance = inverse * middle * inverse;
   return estimate->covariance.allFinite();
 }
 
-// A step from the mode of the posterior to a draw from it. Residuals at the
-// draw stand for those at the mode: with a model that can be true and white
-// noise the latter have the covariance I - J H^-1 J' (weighted), since a fit
-// with many parameters follows some of the noise, and what it leaves is not
-// white. Moved by J H^(-1/2) z, z of unit covariance, they are white again, and
-// autocorrelation is a matter of the model. `inverse_root` is any root of H^-1.
+// Returns a step from the mode of the posterior to a draw from it. Residuals at
+// the draw replace those at the mode in tests. With a right model and white
+// noise, the residuals at the mode have the covariance I - J H^-1 J'
+// (weighted): a fit with many parameters follows some of the noise, and the
+// rest is not white. Moved by J H^(-1/2) z, z of unit covariance, they are
+// white again, and autocorrelation is due to the model. `inverse_root` is any
+// root of H^-1.
 Vector StepToADraw(const Matrix& inverse_root) {
   std::mt19937_64 random(2021);
   Vector z(inverse_root.cols());
@@ -137,7 +140,8 @@ Vector StepToADraw(const Matrix& inverse_root) {
   return inverse_root * z;
 }
 
-// kProbes columns per channel: random signs in its samples, zeros elsewhere.
+// Returns kProbes columns per channel: random signs in its samples, zeros
+// elsewhere.
 Matrix ProbeColumns(int nc, Eigen::Index samples) {
   Matrix probes = Matrix::Zero(nc * samples, nc * kProbes);
   std::mt19937_64 random(12345);
@@ -151,8 +155,8 @@ Matrix ProbeColumns(int nc, Eigen::Index samples) {
   return probes;
 }
 
-// The filter is symmetric but for its ends: the adjoint of "predict, then
-// filter" filters the weights.
+// Filters the weights. The filter is symmetric but for its ends, so that this
+// is the adjoint of "predict, then filter".
 void FilterWeights(const ZeroPhaseFilter& filter, int nc, Matrix* weights) {
   const Eigen::Index samples = weights->rows() / nc;
   for (int c = 0; c < nc; ++c) {
@@ -167,7 +171,7 @@ void FilterWeights(const ZeroPhaseFilter& filter, int nc, Matrix* weights) {
   }
 }
 
-// Rows of one channel.
+// Returns the rows of one channel.
 Matrix ChannelRows(const Matrix& jacobian, int nc, int c) {
   const Eigen::Index samples = jacobian.rows() / nc;
   Matrix rows(samples, jacobian.cols());
@@ -176,7 +180,7 @@ Matrix ChannelRows(const Matrix& jacobian, int nc, int c) {
   return rows;
 }
 
-// sum_c rho_c s_c J_c' J_c + sum_i sigma_u^2 v_i v_i' of one record, added to
+// Adds sum_c rho_c s_c J_c' J_c + sum_i sigma_u^2 v_i v_i' of one record to
 // *middle.
 void AddRecordInputNoise(const IdentificationRecord& data,
                          const LinearizedRecord& linearized,
@@ -206,7 +210,7 @@ void AddRecordInputNoise(const IdentificationRecord& data,
   }
   for (int c = 0; c < nc; ++c) {
     const double total = residuals.row(c).squaredNorm();
-    // Never nothing: the split itself is estimated.
+    // The share is never zero, because the split itself is estimated.
     const double share =
         total > 0.0 ? std::clamp(1.0 - induced[c] / total, 0.02, 1.0) : 1.0;
     const double scale_to_one =
@@ -216,7 +220,7 @@ void AddRecordInputNoise(const IdentificationRecord& data,
   }
 }
 
-// The same of all training records.
+// Adds the same for all training records.
 bool AddInputNoise(const IdentificationProblem& problem,
                    const ParameterLayout& layout, const Vector& free,
                    const std::vector<Vector>& sigmas,
@@ -240,7 +244,7 @@ bool AddInputNoise(const IdentificationProblem& problem,
   return true;
 }
 
-// sum_c tau_c J_c' J_c, tau_c by the residuals `drawn`.
+// Adds sum_c tau_c J_c' J_c, with tau_c from the residuals `drawn`.
 bool AddInflated(const Vector& free, const std::vector<Matrix>& drawn,
                  MultipleShooting* shooting, Matrix* middle) {
   std::vector<Vector> roots;
@@ -260,11 +264,11 @@ bool AddInflated(const Vector& free, const std::vector<Matrix>& drawn,
       });
 }
 
-// What the residuals say of the parameters' covariance.
+// Collects the residuals' information on the parameters' covariance.
 class Scores {
  public:
-  // `step`: by which residuals are moved to a draw. Where each sample's
-  // derivatives are looked at, all that asks for them is found in one pass.
+  // Computes the residuals after a move by `step` to a draw. All quantities
+  // that need each sample's derivatives are found in one pass.
   [[nodiscard]] bool Compute(const Vector& free, const Vector& step,
                              MultipleShooting* shooting) {
     by_modes_ = shooting->sweep().IsByModes() &&
@@ -296,7 +300,7 @@ class Scores {
   // Residuals at a draw from the posterior.
   const std::vector<Matrix>& drawn() const { return drawn_; }
 
-  // The sum of g g' over blocks, and their number. Ends drawn().
+  // Sums g g' over blocks, and counts these. Ends drawn().
   [[nodiscard]] bool Sum(const Vector& free, MultipleShooting* shooting,
                          Matrix* products, double* count) {
     if (by_modes_) {
@@ -370,7 +374,7 @@ double InformationRounding(const IdentificationProblem& problem) {
 bool InvertInformation(const Matrix& information, Matrix* inverse_root,
                        Matrix* null_space, double rounding) {
   const int n = static_cast<int>(information.rows());
-  // Unit diagonal: what is small then is small in every unit.
+  // Scaling to a unit diagonal makes small entries small in every unit.
   Vector scale(n);
   for (int i = 0; i < n; ++i) {
     scale[i] = information(i, i) > 0.0 ? std::sqrt(information(i, i)) : 1.0;
@@ -425,7 +429,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   };
   if (shooting.train_records().empty()) return of_lines_alone();
 
-  // The priors' share of the Hessian is theirs in the middle as well.
+  // The priors have the same share in the middle matrix as in the Hessian.
   Scores scores;
   if (!scores.Compute(free, StepToADraw(inverse_root), &shooting)) return false;
   const bool noisy_input = HasNoisyInput(problem, shooting.train_records());
@@ -440,7 +444,8 @@ bool EstimateCovariance(const IdentificationProblem& problem,
     }
   } else if (automatic && layout.HasForceDecay()) {
     // More knots than blocks: scores of blocks cannot say how well each is
-    // known. Noise with a memory counts as one sample per autocorrelation time.
+    // known. Autocorrelated noise counts as one sample per autocorrelation
+    // time.
     estimate->method = "inflated";
     if (!AddInflated(free, scores.drawn(), &shooting, &middle)) return false;
   } else {

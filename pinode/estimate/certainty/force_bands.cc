@@ -20,7 +20,7 @@ int FirstTrainRecord(const IdentificationProblem& problem) {
       records.begin());
 }
 
-// The record in which an unknown force acts.
+// Returns the record in which an unknown force acts.
 int RecordOf(const IdentificationProblem& problem,
              const UnknownForceTerm& term) {
   if (term.input < 0) return FirstTrainRecord(problem);
@@ -32,7 +32,7 @@ int RecordOf(const IdentificationProblem& problem,
   return FirstTrainRecord(problem);
 }
 
-// A force of time alone: its value and its derivatives by the parameters from
+// Value of a force of time alone, and its derivatives by the parameters from
 // index `first` on.
 struct ForceAt {
   double value = 0.0;
@@ -40,7 +40,7 @@ struct ForceAt {
   Vector derivatives;
 };
 
-// `covariance` of all free parameters; empty: there is none.
+// Estimates one force. `covariance` of all free parameters; empty: unknown.
 ForceEstimate EstimateForce(const std::string& name,
                             const IdentificationProblem& problem,
                             const ParameterLayout& layout, int record,

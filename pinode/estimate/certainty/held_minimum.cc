@@ -16,12 +16,12 @@
 namespace pinode {
 namespace {
 
-// Where steps are straight, the first is that of Gauss and Newton. Where they
-// bend the first walk is cautious, and the next ones begin as the last ended.
+// Initial radii. Straight steps begin with a Gauss-Newton step. With bent steps
+// the first search is cautious, and the next ones begin with the last radius.
 constexpr double kStraightRadius = 1e8;
 constexpr double kBentRadius = 1e3;
 
-// Counts what a solve asks of a cost.
+// Counts the evaluations of a cost by a solve.
 class CountedCost final : public CostPart {
  public:
   explicit CountedCost(CostPart* part) : part_(part) {}
@@ -58,7 +58,7 @@ class WalkCallback final : public ceres::IterationCallback {
   double* radius_;
 };
 
-// `function_tolerance`: a share of the cost.
+// Runs Ceres. `function_tolerance`: a share of the cost.
 void Solve(const BoundedCost& bounded, CostPart* part,
            const HeldOptions& held_options, double function_tolerance,
            double* radius, Vector* scaled, bool* converged) {
@@ -96,8 +96,8 @@ void Solve(const BoundedCost& bounded, CostPart* part,
   *converged = summary.termination_type == ceres::CONVERGENCE;
 }
 
-// Steps of the quadratic model from `minimum`, which has been linearised, while
-// they bring a fair part of what they promise. Levenberg-Marquardt cuts its
+// Takes steps of the quadratic model from `minimum`, which has been linearised,
+// while they achieve a fair part of their promise. Levenberg-Marquardt cuts its
 // steps at bounds and then creeps along them.
 void StepWithinBounds(const ParameterLayout& layout, const HeldOptions& options,
                       CostPart* cost, HeldMinimum* minimum) {
@@ -134,7 +134,7 @@ HeldMinimizer::HeldMinimizer(const IdentificationProblem& problem,
       bends_(BendsSteps(problem, layout)),
       radius_(kBentRadius) {}
 
-// What is left for Ceres.
+// Finishes the search with Ceres.
 bool HeldMinimizer::FinishByCeres(const HeldOptions& options, CostPart* cost,
                                   HeldMinimum* minimum) {
   BoundedCost bounded(layout_, minimum->free, cost);

@@ -10,13 +10,13 @@
 namespace pinode {
 namespace {
 
-// Of what was measured at the highest frequencies, the prediction's share from
-// which on it counts as motion.
+// Share of the prediction in the measured content at the highest frequencies,
+// from which on it counts as motion.
 constexpr double kMostMotion = 0.05;
-// Standard deviations by which noise has to differ.
+// Smallest significant difference of noise, in standard deviations.
 constexpr double kLeastDeviations = 2.0;
 
-// What a channel has at the highest frequencies, and whether that is noise.
+// Content of a channel at the highest frequencies, and a flag that it is noise.
 struct Floor {
   DifferencedVariance measured;
   bool is_noise = false;
@@ -64,7 +64,7 @@ Vector HoldoutNoise(const IdentificationProblem& problem, int record,
         !(std::abs(more) > kLeastDeviations * deviation)) {
       continue;
     }
-    // What is noise for certain stays, if training had less of it.
+    // The measured noise is a lower limit if training had less.
     own[c] = std::sqrt(std::max(here.measured.value, own[c] * own[c] + more));
   }
   return own;

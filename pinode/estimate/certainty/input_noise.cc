@@ -14,7 +14,8 @@ namespace pinode {
 
 namespace {
 
-// Sensors' gains, one per channel of a record; ideal ones have 1.
+// Returns the sensors' gains, one per channel of a record; ideal sensors have
+// 1.
 Vector GainsOf(const IdentificationRecord& record,
                const ParameterLayout& layout, const Vector& parameters) {
   Vector gains = Vector::Ones(static_cast<int>(record.channels.size()));
@@ -54,7 +55,7 @@ class RecordLinearizer {
     }
   }
 
-  // What the sensors see at sample `i`.
+  // Linearises the observations at sample `i`.
   void LinearizeSample(Eigen::Index i, LinearizedRecord::Sample* sample) {
     const auto& linearized = step_.LinearizeAt(
         prepared_, grid_.time(i), grid_.AtSample(i), states_.col(i).data());
@@ -69,7 +70,7 @@ class RecordLinearizer {
     sample->by_input = gains_.asDiagonal() * sample->by_input;
   }
 
-  // The way from sample `i` to the next one.
+  // Linearises the interval from sample `i` to the next one.
   void LinearizeInterval(Eigen::Index i, LinearizedRecord::Sample* sample) {
     const int ns = dynamics_.num_states();
     sample->transition = Matrix::Identity(ns, ns);
@@ -94,7 +95,7 @@ class RecordLinearizer {
  private:
   int Input(int j) const { return inputs_[static_cast<size_t>(j)]; }
 
-  // The inputs `nominal` with noisy input `j` changed by `change`.
+  // Returns the inputs `nominal` with noisy input `j` changed by `change`.
   const double* Changed(const double* nominal, int j, double change) {
     std::copy(nominal, nominal + values_.size(), values_.begin());
     values_[static_cast<size_t>(Input(j))] += change;
@@ -110,8 +111,8 @@ class RecordLinearizer {
     return y;
   }
 
-  // State at the end of an interval when the sample at its left (or right) end
-  // is changed.
+  // Returns the state at the end of an interval when the sample at its left (or
+  // right) end is changed.
   Vector IntervalEnd(Eigen::Index i, int j, bool left, double change) {
     Vector state = states_.col(i);
     for (int s = 0; s < grid_.substeps(); ++s) {

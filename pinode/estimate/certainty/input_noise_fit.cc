@@ -20,16 +20,16 @@ namespace {
 
 constexpr int kMaxIterations = 50;
 
-// Converged: the step in standard deviations of the parameters, and the change
-// of the sensors' noise levels.
+// Limits of convergence: the step in standard deviations of the parameters, and
+// the change of the sensors' noise levels.
 constexpr double kSmallestStep = 1e-4;
 constexpr double kSmallestNoiseChange = 1e-4;
 
-// A free start is unknown within so many times the RMS of each state: the weak
-// prior that multiple shooting gives it.
+// Range of a free start in multiples of the RMS of each state: the weak prior
+// of multiple shooting.
 constexpr double kStartScales = 100.0;
 
-// No noise estimate goes below this share of the channel's residual.
+// Smallest noise estimate as a share of the channel's residual.
 constexpr double kLeastNoise = 1e-6;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
@@ -73,10 +73,12 @@ class Fitter {
            std::string* error);
 
  private:
-  // Multiple shooting, one segment a record, under the corrected excitation.
+  // Sets up multiple shooting, one segment per record, under the corrected
+  // excitation.
   void Correct(const Point& point);
   bool Cost(const Point& point, double* cost);
-  // What the data say of the parameters, and what the priors add.
+  // Normal equations of the data for the parameters, and the terms of the
+  // priors.
   struct Equations {
     Matrix data;
     Vector right;
@@ -84,22 +86,25 @@ class Fitter {
     Vector prior_gradient;
     double num_residuals = 0.0;
   };
-  // Of one record, whose errors and start are eliminated by the filter.
+  // Linearisation of one record, whose errors and start are eliminated by the
+  // filter.
   struct Eliminated {
     LinearizedRecord linearized;
     std::unique_ptr<InputNoiseFilter> filter;
     Vector pseudo_residuals;
     Matrix jacobian;
   };
-  // `residuals` and `jacobian` weighted, as WeightedResiduals has them.
+  // Adds a record. `residuals` and `jacobian` are weighted, as from
+  // WeightedResiduals.
   void AddRecord(size_t t, const Vector& parameters, const Matrix& residuals,
                  Matrix jacobian, Equations* equations,
                  Eliminated* eliminated) const;
   [[nodiscard]] bool StepWithinBounds(const Matrix& hessian,
                                       const Vector& right, Vector* delta) const;
-  // Gauss-Newton: where the linearised problem at point_ has its minimum.
+  // Takes a Gauss-Newton step to the minimum of the problem linearised at
+  // point_.
   bool Propose(Point* proposed, double* step);
-  // The response to the errors, weighted, channels fastest.
+  // Returns the response to the errors, weighted, channels fastest.
   Vector Response(const LinearizedRecord& record, const Matrix& errors,
                   const Vector& sigmas) const;
 
@@ -117,7 +122,7 @@ class Fitter {
   std::vector<Matrix> trajectories_;
   IdentificationProblem corrected_;
   std::unique_ptr<Objective> objective_;
-  // Of the last proposal.
+  // Covariance and noise levels of the last proposal.
   CovarianceEstimate covariance_;
   std::vector<Vector> next_sigmas_;
 };
@@ -205,9 +210,8 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
   eliminated->filter = std::make_unique<InputNoiseFilter>(
       linearized, Vector(record.input_sigma(inputs_[t])), start_sigmas, noise);
 
-  // y - yhat as the response to all of the errors: weighted residuals are of
-  // the opposite sign, and hold the errors that have been corrected for no
-  // more.
+  // y - yhat is the response to all of the errors. The weighted residuals have
+  // the opposite sign, and no longer contain the corrected errors.
   const Vector flat = Eigen::Map<const Vector>(residuals.data(), nc * samples);
   Matrix columns(nc * samples, n + 1);
   columns.leftCols(n) = jacobian;
@@ -227,7 +231,7 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
 bool Fitter::StepWithinBounds(const Matrix& hessian, const Vector& right,
                               Vector* delta) const {
   const int n = layout_.num_free();
-  // At a bound, parameters that would leave it stay.
+  // Parameters at a bound stay there if they would leave it.
   std::vector<int> moving;
   for (int j = 0; j < n; ++j) {
     const double value = point_.free[j];

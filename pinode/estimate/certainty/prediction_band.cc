@@ -13,18 +13,18 @@
 namespace pinode {
 namespace {
 
-// Numbers of derivatives that are looked at, at most.
+// Largest number of derivatives that are computed.
 constexpr double kMostNumbers = 3e7;
-// A start is moved by this share of its state's RMS.
+// Change of a start as a share of its state's RMS.
 constexpr double kStartStep = 1e-4;
 
-// row * covariance * row' of each row.
+// Returns row * covariance * row' of each row.
 Vector RowVariances(const Matrix& rows, const Matrix& covariance) {
   return (rows * covariance).cwiseProduct(rows).rowwise().sum();
 }
 
-// The part of the free parameters in the prediction's variances over those of
-// the noise, channels x samples; empty where the run is not finite.
+// Returns the parameters' part of the prediction's variances over those of the
+// noise, channels x samples; empty if the run is not finite.
 Matrix ParameterVariances(const IdentificationProblem& problem, int record,
                           const Vector& parameters, const Matrix& covariance,
                           const Vector& sigmas, const RecordScore& score,
@@ -44,7 +44,7 @@ Matrix ParameterVariances(const IdentificationProblem& problem, int record,
   }
   alone.modal = ModalData();
   const ParameterLayout layout(alone);
-  // A start that is known follows nothing, so nothing is linearised before.
+  // A known start depends on no parameter, so nothing is linearised before it.
   MultipleShooting::Options options;
   options.num_threads = num_threads;
   MultipleShooting shooting(alone, layout, options);
@@ -67,8 +67,9 @@ Matrix ParameterVariances(const IdentificationProblem& problem, int record,
   return variances;
 }
 
-// The same by the start, in units of `scales`; one-sided differences, whose
-// error is a share kStartStep of what the run is not linear in its start.
+// Returns the derivatives by the start, in units of `scales`. They are
+// one-sided differences, whose error is a share kStartStep of the run's
+// nonlinearity in its start.
 Matrix StartRows(const IdentificationProblem& problem, int record,
                  const Vector& parameters, const Vector& sigmas,
                  const Vector& scales, const RecordScore& score) {
@@ -87,8 +88,8 @@ Matrix StartRows(const IdentificationProblem& problem, int record,
   return rows;
 }
 
-// Covariance of the start in units of its scales, which are its prior's
-// deviations, by the samples that it was found from.
+// Returns the covariance of the start in units of its scales, which are its
+// prior's deviations, from the samples that determine the start.
 Matrix StartCovariance(const IdentificationRecord& data, const Matrix& rows,
                        const RecordScore& score) {
   const int nc = static_cast<int>(data.channels.size());

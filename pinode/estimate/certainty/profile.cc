@@ -31,7 +31,7 @@ const ParameterEstimate* FindEstimate(const FitSummary& summary,
   return nullptr;
 }
 
-// The columns to be profiled.
+// Finds the columns to be profiled.
 bool FindColumns(const ParameterLayout& layout,
                  const std::vector<std::string>& names,
                  std::vector<int>* columns, std::string* error) {
@@ -55,7 +55,7 @@ bool FindColumns(const ParameterLayout& layout,
   return !columns->empty();
 }
 
-// What the fit says of a parameter; sigma is 0 where it has none.
+// The fit's linear interval of a parameter; sigma is 0 if there is none.
 struct LinearInterval {
   double sigma = 0.0;
   double quantile = 0.0;
@@ -78,7 +78,7 @@ LinearInterval LinearIntervalOf(const FitSummary& summary,
   return interval;
 }
 
-// nullptr where there is none around this value.
+// Returns the known profile around this value; nullptr if there is none.
 const ParameterProfile* FindKnown(const std::vector<ParameterProfile>& known,
                                   const std::string& name, double value,
                                   double sigma) {

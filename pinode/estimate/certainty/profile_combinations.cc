@@ -7,8 +7,8 @@
 namespace pinode {
 namespace {
 
-// A straight line through points, and how far they are from it as a share of
-// their own spread.
+// Straight line through points, and their distance from it as a share of their
+// own spread.
 struct Line {
   double slope = 0.0;
   double misfit = 1.0;
@@ -37,8 +37,8 @@ std::string PowerText(const std::string& name, double power) {
   return name + text;
 }
 
-// "a * b^2" where log b against log a has a slope that is a simple power; empty
-// otherwise.
+// Returns "a * b^2" if log b against log a has a slope that is a simple power;
+// empty otherwise.
 std::string ProductText(const std::string& along, const std::string& other,
                         double slope, bool only_first_power) {
   constexpr double kTolerance = 0.02;
@@ -73,8 +73,8 @@ std::vector<std::string> DescribeCombinations(
     const std::string& other = names[static_cast<size_t>(j)];
     std::string text;
     const Line sum = FitLine(a, b);
-    // Where both change their sign together, a product or quotient may stay,
-    // but no power of one.
+    // If both change their sign together, a product or quotient may stay
+    // constant, but no other power.
     if (HasOneSign(a.cwiseProduct(b))) {
       const Line power = FitLine(a.cwiseAbs().array().log().matrix(),
                                  b.cwiseAbs().array().log().matrix());

@@ -12,37 +12,36 @@
 namespace pinode {
 namespace {
 
-// chi^2 with one degree of freedom.
+// Quantiles of chi^2 with one degree of freedom.
 constexpr double kChi95 = 3.841458820694124;
 constexpr double kChi99 = 6.634896601021213;
-// Thresholds are met with points not farther away than this share of their
-// square root.
+// Largest distance of points from a threshold, as a share of its square root.
 constexpr double kNear = 0.1;
-// Of the likelihood ratio, how well each point is solved for.
+// Tolerance of each point's minimum, as a share of the likelihood ratio.
 constexpr double kRatioTolerance = 1e-3;
-// A ratio that is less than this far away from the estimate is none.
+// Ratios below this are zero at this distance from the estimate.
 constexpr double kFlat = 1e-2;
 constexpr double kFlatTenth = 0.1;
 constexpr int kMostPoints = 20;  // to one side
 constexpr int kMostJumps = 6;
 constexpr double kMostPower = 5.0;  // of a product along the way
 constexpr int kMostIterations = 50;
-// All profiles begin where this walk ends. A fit with networks ends as soon as
-// nobody can see the rest, which is far from a minimum.
+// Iterations of the search for the origin of all profiles. A fit with networks
+// ends when the remaining error is invisible, far from a minimum.
 constexpr int kMostFirstIterations = 200;
-// Starts are looked for twice where they cost more than this multiple of the
-// last minimum.
+// Multiple of the last minimum's cost above which starts are searched twice.
 constexpr double kStrayCost = 2.0;
-// From where the root of the ratio is larger than this multiple of the last
-// threshold's no minimum is looked for, while steps can be shortened.
+// Multiple of the last threshold's root above which no minimum is searched,
+// while steps can be shortened.
 constexpr double kHopeless = 10.0;
-// A way to one side ends where the parameter has moved by so many times its
-// value, or its size.
+// Longest walk to one side, in multiples of the parameter's value or of its
+// size.
 constexpr double kFar = 100.0;
 
-// d free / d (free[held]) along the minima, by the Hessian at one of them.
+// Returns d free / d (free[held]) along the minima, by the Hessian at one of
+// them.
 Vector PathDirection(const CondensedSystem& system, int held) {
-  // The held one has a row of its own, which the others do not see.
+  // The held parameter has a row of its own, decoupled from the others.
   Matrix hessian = system.hessian;
   Vector right = -hessian.col(held);
   right[held] = 0.0;
@@ -64,8 +63,8 @@ MultipleShooting::Options OneThread(const IdentificationOptions& options) {
   return one;
 }
 
-// A factor whose sign alone is determined: the cost is the same from a tenth of
-// the estimate to ten times it.
+// True for a factor of which only the sign is determined: the cost is the same
+// from a tenth of the estimate to ten times it.
 bool IsFlatScale(const ParameterProfile& profile) {
   bool small = false;
   bool large = false;
@@ -125,7 +124,7 @@ bool Profiler::Run(const ProfileOrigin& origin, int j, double sigma,
   origin_ = &origin;
   profile_ = profile;
   profile_->unsettled = !origin.converged;
-  // What a profile is does not depend on which came before it.
+  // A profile does not depend on the profiles before it.
   minimizer_.set_radius(origin.radius);
   const double variance = origin.variances[j];
   memory_ = sigma > 0.0 && variance > 0.0 ? sigma * sigma / variance : 1.0;
@@ -155,14 +154,14 @@ bool Profiler::Minimize(const Vector& start, int held, HeldMinimum* minimum) {
   return !(stop_ && stop_());
 }
 
-// Square root of the likelihood ratio.
+// Returns the square root of the likelihood ratio.
 double Profiler::RootOf(double cost) const {
   return std::sqrt(std::max(0.0, 2.0 * (cost - center_.cost) / memory_));
 }
 
-// A size of the parameter: its linear deviation, where the data give it one
-// that is not rounding, or else its value, or the deviation that it would
-// have if all others were known.
+// Returns a size of the parameter: its linear deviation, if the data give one
+// above rounding. Otherwise its value, or the deviation that it would have if
+// all others were known.
 double Profiler::Size() const {
   constexpr double kRounding = 1e5;
   const double curvature = origin_->system.hessian(j_, j_);
@@ -178,16 +177,15 @@ bool Profiler::IsFar(double value) const {
          kFar * std::max(std::abs(center_.value), Size());
 }
 
-// Whether the cost is the same still at ten times the estimate, or a tenth of
-// it.
+// True if the cost is unchanged at ten times the estimate, or at a tenth of it.
 bool Profiler::IsFlatFor(double root, double value) const {
   const double times = value / center_.value;
   return root * root < kFlat && times > 0.0 &&
          (times <= kFlatTenth || times >= 1.0 / kFlatTenth);
 }
 
-// From a minimum towards that at another value, along the valley or straight,
-// whichever looks better; how good it looks.
+// Predicts the minimum at another value from a known one, along the valley or
+// straight, whichever looks better. Returns the predicted cost.
 double Profiler::Guess(const Point& from, const CondensedSystem& system,
                        double value, Vector* best) {
   const Vector direction = PathDirection(system, j_);
@@ -205,7 +203,8 @@ double Profiler::Guess(const Point& from, const CondensedSystem& system,
   return least;
 }
 
-// A valley in which products and quotients stay is straight in logarithms.
+// A valley in which products and quotients are constant is straight in
+// logarithms.
 Vector Profiler::AlongProducts(const Point& from, const Vector& direction,
                                double value) const {
   Vector start = from.free + (value - from.value) * direction;
@@ -219,7 +218,7 @@ Vector Profiler::AlongProducts(const Point& from, const Vector& direction,
   return start;
 }
 
-// Appends the points on one side, outwards. False where it was stopped.
+// Appends the points on one side, outwards. Returns false if it was stopped.
 bool Profiler::Walk(double side, std::vector<Point>* path) {
   const Parameter& parameter = layout_.free_parameter(j_);
   const double bound = side < 0.0 ? parameter.lower : parameter.upper;
@@ -248,8 +247,8 @@ bool Profiler::Walk(double side, std::vector<Point>* path) {
                         Minimize(start, j_, &minimum);
     if (stop_ && stop_()) return false;
     const double new_root = solved ? RootOf(minimum.system.cost) : kInfinity;
-    // Far too much at once: a wall, or a valley that is bent. Shorter steps
-    // will tell.
+    // The cost rises far too much at once: a wall, or a bent valley. Shorter
+    // steps distinguish them.
     if (new_root > 2.0 * aims[1] && jumps < kMostJumps) {
       ++jumps;
       longest = 0.25 * way;
@@ -268,7 +267,7 @@ bool Profiler::Walk(double side, std::vector<Point>* path) {
   return Refine(side, path);
 }
 
-// Points nearer to the thresholds, where steps have passed over them.
+// Adds points near the thresholds if steps have passed over them.
 bool Profiler::Refine(double side, std::vector<Point>* path) {
   for (const double threshold :
        {profile_->threshold95, profile_->threshold99}) {
@@ -278,7 +277,7 @@ bool Profiler::Refine(double side, std::vector<Point>* path) {
                 [side](const Point& a, const Point& b) {
                   return side * a.value < side * b.value;
                 });
-      // The first beyond, and the one before it on this side.
+      // First point beyond, and the one before it on this side.
       size_t k = 0;
       const auto is_here = [&](const Point& point) {
         return side * (point.value - center_.value) > 0.0;
@@ -311,7 +310,8 @@ void Profiler::ClampToBounds(Vector* free) const {
   }
 }
 
-// The value at which the root comes to `aim` on one side of the estimate.
+// Returns the value at which the root reaches `aim` on one side of the
+// estimate.
 double Profiler::EndOf(double side, double aim,
                        const std::vector<Point>& path) const {
   double value = center_.value;
@@ -368,7 +368,8 @@ void Profiler::Conclude(const std::vector<Point>& path) {
   }
 }
 
-// Along the points that the data do not tell from the estimate.
+// Names the combinations that are constant along points that the data do not
+// distinguish from the estimate.
 void Profiler::NameCombinations(const std::vector<Point>& path) {
   std::vector<std::string> names;
   std::vector<int> columns;

@@ -11,15 +11,15 @@
 namespace pinode {
 namespace {
 
-// Modes and model agree where a shape's MAC and the logarithm of the ratio of
-// frequencies are within these.
+// Limits within which a mode agrees with the model: its shape's MAC, and the
+// logarithm of the ratio of frequencies.
 constexpr double kSmallestMac = 0.7;
 constexpr double kLargestRatio = 0.5;
-// Smallest deviations of what is only a start, as fractions.
+// Smallest deviations of a start, as fractions.
 constexpr double kFrequencySigma = 0.003;
 constexpr double kShapeSigma = 0.05;
-// A start asks for no more of a record: samples, and cycles of the lowest mode
-// that the model has.
+// Limits of the samples that a start uses of a record: their number, and cycles
+// of the model's lowest mode.
 constexpr double kSamplesOfStart = 65536.0;
 constexpr double kCyclesOfStart = 1000.0;
 
@@ -35,14 +35,14 @@ int DerivativeOfQuantity(Quantity quantity) {
   }
 }
 
-// Turned by the angle that leaves the least in the imaginary parts.
+// Turns the shape by the angle that leaves the least in the imaginary parts.
 Vector RealShape(const Eigen::VectorXcd& shape) {
   const std::complex<double> square = shape.transpose() * shape;
   return (std::polar(1.0, -0.5 * std::arg(square)) * shape).real();
 }
 
-// Samples of a record, the first of them and how many: those of all parts of
-// that length, one after the other, of which most are there.
+// Stretch of a record: its first sample and length. Among all consecutive parts
+// of that length it has the fewest missing samples.
 struct Stretch {
   Eigen::Index first = 0;
   Eigen::Index size = 0;
@@ -69,7 +69,7 @@ Stretch StretchForStart(const AmbientRecord& record,
   return best;
 }
 
-// What one record says, at the DOFs that a channel alone measures.
+// Adds the modes of one record, at the DOFs that a single channel measures.
 void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
               int num_threads, ModalData* modal) {
   ResponseRecord response;
@@ -126,8 +126,8 @@ void AddModes(const IdentificationProblem& problem, const AmbientRecord& record,
   }
 }
 
-// The dynamics as a record sees them, what follows something being as it is at
-// first: one record does not tell it from what does not.
+// Returns the dynamics for a record. Groups that follow a covariate have their
+// initial values: one record does not distinguish them from constant groups.
 std::shared_ptr<const StructuralDynamics> SeenBy(
     const AmbientRecord& record, const StructuralDynamics& dynamics) {
   std::vector<std::string> names = dynamics.CovariateParameters();
@@ -144,7 +144,7 @@ std::shared_ptr<const StructuralDynamics> SeenBy(
       })));
 }
 
-// Those that the model has as well.
+// Returns the modes that the model has as well.
 ModalData KnownToModel(const IdentificationProblem& problem,
                        const ModalData& modal) {
   ModalData kept;
@@ -179,7 +179,7 @@ bool StartFromAmbientModes(const IdentificationProblem& problem,
   }
   ModalData modal;
   AddModes(problem, problem.ambient.front(), options.num_threads, &modal);
-  // Without a copy of the records.
+  // Leaves out the records, to avoid a copy.
   IdentificationProblem modes_alone;
   modes_alone.dynamics = SeenBy(problem.ambient.front(), *problem.dynamics);
   modes_alone.sensors = problem.sensors;

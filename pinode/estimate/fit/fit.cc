@@ -73,7 +73,7 @@ bool Fit::Prepare(const Vector& parameters, Eigen::Index segment_samples,
   current_.free = layout_.Free(parameters);
   first_free_ = initial == nullptr ? current_.free
                                    : layout_.Free(layout_.InitialValues());
-  // With networks a fit that was cut off has to measure its noise anew.
+  // With networks an interrupted fit has to measure its noise again.
   const IdentifiedModel* known =
       context_.HasNetworks() && initial != nullptr && initial->resume_stage > 0
           ? nullptr
@@ -98,7 +98,7 @@ void Fit::BeginAnnealing() {
   if (summary_.stages.empty()) {
     annealing_.Begin(first_free_, nullptr, &current_);
   } else {
-    // Decays found on the way are of no use.
+    // Decays of intermediate steps are discarded.
     const Vector decays = current_.decays;
     // Noise grows tenfold at most at once.
     for (int i = 0; i < context_.tuning().annealing.measuring_rounds; ++i) {
@@ -122,8 +122,9 @@ bool Fit::RunStage(Eigen::Index samples, bool last) {
   Stage stage(context_, &log_, &solver_, &reweighting_, &progress_);
   if (!stage.Run(samples, last, &current_, &record, &settled)) return false;
   if (last) converged_ = settled;
-  // Where no run stays finite, what the segments gave stands. One that is so
-  // many times what was measured does not: the record ended before the numbers.
+  // If no simulation stays finite, the result of the segments is kept. A
+  // simulation so many times larger than the measurement has diverged: the
+  // record ended before it overflowed.
   constexpr double kBlownUp = 1e6;
   const bool blown_up = last && !summary_.stages.empty() &&
                         !context_.HasNetworks() &&
@@ -143,9 +144,9 @@ bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
   const std::vector<Eigen::Index> lengths =
       StageLengths(context_.problem, options_, networks);
   const int num_stages = static_cast<int>(lengths.size());
-  // A fit that was cut off goes on in its stage. With networks it begins at the
-  // first one, from what was learned, since annealing needs to know what the
-  // first fit leaves over. The results of an earlier fit are not drawn anew.
+  // An interrupted fit continues in its stage. With networks it begins at the
+  // first stage, from the learned weights, since annealing needs the residuals
+  // of the first fit. The results of an earlier fit are not drawn again.
   const bool cut_off = initial != nullptr && initial->resume_stage > 0;
   const bool anneal = networks && (initial == nullptr || cut_off);
   const int first =
@@ -166,7 +167,8 @@ bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
     const FitState before = current_;
     if (last && anneal) BeginAnnealing();
     if (!RunStage(samples, last)) {
-      // The whole record may not run freely: what the segments gave stands.
+      // The whole record may not run freely: the result of the segments is
+      // kept.
       if (summary_.stages.empty()) return false;
       VLOG(1) << "stage " << s << " abandoned: " << summary_.message;
       current_ = before;

@@ -13,10 +13,10 @@
 namespace pinode {
 namespace {
 
-// What is left of the modes may be chance where it is at least as probable.
+// Probability above which the remaining error of the modes may be chance.
 constexpr double kLeastModalProbability = 0.01;
 
-// Measured modes beside those of the models before and after.
+// Compares measured modes with those of the initial and the fitted model.
 void ScoreModes(const IdentificationProblem& problem,
                 const Vector& prior_parameters, const Vector& parameters,
                 FitSummary* summary) {
@@ -50,7 +50,7 @@ void ScoreModes(const IdentificationProblem& problem,
   }
 }
 
-// Empty: all are used.
+// Returns a text on unused modes; empty: all are used.
 std::string ModesLeftOut(const std::vector<ModeScore>& modes) {
   std::vector<std::string> names;
   for (const ModeScore& mode : modes) {
@@ -62,15 +62,16 @@ std::string ModesLeftOut(const std::vector<ModeScore>& modes) {
          "frequency and is not another measured mode's.";
 }
 
-// Half the sum of squares of the modal residuals; infinite where there are
-// none to be had.
+// Returns half the sum of squares of the modal residuals; infinite if they
+// cannot be evaluated.
 double ModalCostAt(const Vector& parameters, const ParameterLayout& layout,
                    ModalCost* modes) {
   double cost = 0.0;
   return modes->Evaluate(layout.Free(parameters), &cost) ? cost : kInfinity;
 }
 
-// Residuals of modes more than what a fit to them alone determines.
+// Returns the number of modal residuals beyond those that a fit to modes alone
+// uses up.
 double ResidualsLeft(const ModalCost& modal, double effective_parameters,
                      const CovarianceEstimate& covariance) {
   const double determined =
@@ -78,9 +79,10 @@ double ResidualsLeft(const ModalCost& modal, double effective_parameters,
   return modal.num_residuals() - modal.num_eliminated() - determined;
 }
 
-// What is left over says how large the errors of modes are, as it does for
-// channels: so many times the variances that they were given, while priors stay
-// what they are. H^-1 (s H_modes + H_priors) H^-1, with H the sum of the two.
+// Scales the covariance to the residuals. As for channels, the remaining error
+// gives the size of the modes' errors, as a multiple `left` of their given
+// variances. Priors keep their variances. H^-1 (s H_modes + H_priors) H^-1,
+// with H the sum of the two.
 bool ScaleToResiduals(const Vector& free, double left, ModalCost* modes,
                       CovarianceEstimate* covariance) {
   CondensedSystem system;
@@ -92,8 +94,8 @@ bool ScaleToResiduals(const Vector& free, double left, ModalCost* modes,
   return covariance->covariance.allFinite();
 }
 
-// Of a fit to modes alone. Where nothing is left there is no covariance without
-// standard deviations of theirs.
+// Judges a fit to modes alone. Without residual degrees of freedom there is no
+// covariance unless standard deviations are given.
 void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
                 CovarianceEstimate* covariance, FitSummary* summary) {
   const double cost = summary->final_modal_cost;
@@ -103,8 +105,8 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
   if (modes->data().form == ModalForm::kMac &&
       std::any_of(measured.begin(), measured.end(),
                   [](const MeasuredMode& mode) { return mode.HasShape(); })) {
-    // What a MAC lacks of one is the square of a shape's error, and of no sign:
-    // intervals from the curvature of a sum of such squared held the truth in 0
+    // One minus a MAC is the square of a shape's error and has no sign.
+    // Intervals from the curvature of a sum of such squared held the truth in 0
     // of 48.
     *known = false;
     summary->remarks.push_back(
@@ -116,7 +118,7 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
     *known = left >= 0.5 && ScaleToResiduals(free, left, modes, covariance);
     return;
   }
-  // A weight says nothing of the size of a residual.
+  // A weight does not give the size of a residual.
   if (!modes->data().HasSigmasOfAll()) return;
   if (left < 0.5 ||
       ChiSquareProbability(2.0 * cost, left) >= kLeastModalProbability) {

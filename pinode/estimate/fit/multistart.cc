@@ -20,7 +20,7 @@
 namespace pinode {
 namespace {
 
-// What a start has come to.
+// Result of one start.
 struct StartResult {
   bool done = false;
   double cost = 0.0;
@@ -29,8 +29,8 @@ struct StartResult {
   Vector stiffness;  // of the free stiffness groups
 };
 
-// What a group may be of its nominal size where nobody has given bounds: from
-// 1 / factor to factor; 1: the group is not drawn.
+// Range of a group without given bounds, relative to its nominal size: from 1 /
+// factor to factor. 1: the group is not drawn.
 double LargestFactor(MatrixGroup::Target target) {
   switch (target) {
     case MatrixGroup::Target::kStiffness:
@@ -54,7 +54,7 @@ const GroupTerm* FindGroup(const StructuralDynamics& dynamics,
   return nullptr;
 }
 
-// Indices of their parameters.
+// Returns the indices of the groups' parameters.
 std::vector<int> FreeStiffnessGroups(const IdentificationProblem& problem,
                                      const ParameterLayout& layout) {
   std::vector<int> groups;
@@ -70,7 +70,7 @@ std::vector<int> FreeStiffnessGroups(const IdentificationProblem& problem,
   return groups;
 }
 
-// What a training record has at most of fitted channels.
+// Returns the largest number of fitted channels in a training record.
 Eigen::Index MostChannels(const IdentificationProblem& problem) {
   Eigen::Index most = 0;
   for (const IdentificationRecord& record : problem.records) {
@@ -98,7 +98,7 @@ int NumStarts(const IdentificationProblem& problem,
              : 1;
 }
 
-// By what predicts, or, without records, by the cost.
+// Compares the expected errors or, without records, the costs.
 bool IsBetter(const IdentificationProblem& problem, const StartResult& one,
               const StartResult& other) {
   return problem.num_train_records() == 0
@@ -172,7 +172,7 @@ class Starts {
     result.cost = state.cost;
     result.expected_error = state.ExpectedError();
     result.stiffness = fit.BestParameters()(groups_);
-    // Of single parameters, as the user has given them.
+    // Cost of the priors of single parameters, as given by the user.
     result.done = PriorCost(layout_).Evaluate(state.free, &result.prior_cost);
     return result;
   }
@@ -181,8 +181,8 @@ class Starts {
     return NumStarts(problem_, options_, initial_, groups_.size());
   }
   const std::vector<int>& groups() const { return groups_; }
-  // Of the stiffness groups where `fit` ended, by the curvature of its cost;
-  // infinite where that is flat.
+  // Returns the deviations of the stiffness groups at the end of `fit`, from
+  // the curvature of its cost; infinite where that is flat.
   Vector DeviationsAt(Fit* fit) const {
     constexpr double kFlat = 1e-12;
     const auto size = static_cast<Eigen::Index>(groups_.size());
@@ -204,8 +204,8 @@ class Starts {
     }
     return deviations;
   }
-  // "k1 0.1 (0.2 here)" of the first group in which they are further apart than
-  // the deviations of one of them allow.
+  // Returns "k1 0.1 (0.2 here)" for the first group whose values differ by more
+  // than the deviations of either allow.
   std::string Difference(const Vector& here, const Vector& there,
                          const Vector& deviations) const {
     constexpr double kFar = 0.05;
@@ -222,7 +222,8 @@ class Starts {
     return "";
   }
 
-  // nullptr, with a message in *outcome, where nothing finite came out.
+  // Runs one start; nullptr, with a message in *outcome, if there is no finite
+  // result.
   std::unique_ptr<Fit> Run(int start, Communicator* communicator,
                            FitSummary* outcome) const {
     Vector parameters = layout_.InitialValues();
@@ -249,15 +250,15 @@ class Starts {
   const std::vector<int> groups_;
 };
 
-// Whether `other` describes what was measured nearly as well as `best`, and
-// priors do not tell them apart.
+// True if `other` describes the measurements nearly as well as `best`, and
+// priors do not distinguish them.
 bool IsAsGood(const IdentificationProblem& problem, const StartResult& best,
               const StartResult& other) {
-  // A tenth can be much by chance, but not by what a model lacks: of four
-  // storeys seen by their roof alone, with damping of another form, wrong
-  // solutions were better by 3 %.
+  // A difference of a tenth is large for chance, but not for a model's error.
+  // For four storeys measured at their roof alone, with damping of another
+  // form, wrong solutions were better by 3 %.
   constexpr double kNearlyAsGood = 1.1;
-  // Half a chi^2 of 6 more, of priors and of modes with standard deviations.
+  // Half a chi^2 of 6, for priors and for modes with standard deviations.
   constexpr double kSameCost = 3.0;
   if (other.prior_cost > best.prior_cost + kSameCost) return false;
   return problem.num_train_records() > 0
@@ -265,7 +266,7 @@ bool IsAsGood(const IdentificationProblem& problem, const StartResult& best,
              : other.cost <= best.cost + kSameCost;
 }
 
-// What another minimum that is nearly as good differs in.
+// Describes the difference of another minimum that is nearly as good.
 std::string OtherSolution(const IdentificationProblem& problem,
                           const Starts& starts,
                           const std::vector<StartResult>& results, Fit* fit) {
@@ -287,8 +288,8 @@ std::string OtherSolution(const IdentificationProblem& problem,
   return "";
 }
 
-// The ranks run the starts side by side, each for itself. False where one does
-// not answer.
+// Runs the starts on the ranks in parallel. Returns false if a rank does not
+// answer.
 bool RunApart(const Starts& starts, Communicator* ranks,
               std::vector<StartResult>* results) {
   constexpr int kNumbers = 4;
@@ -333,7 +334,7 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
       return nullptr;
     }
     num_starts = static_cast<int>(results.size());
-    // The best one is run again, by all of them, who have its fit then.
+    // All ranks run the best start again, so that each has its fit.
     int at = 0;
     for (size_t s = 0; s < results.size(); ++s) {
       const StartResult& chosen = results[static_cast<size_t>(at)];

@@ -32,7 +32,7 @@
 namespace pinode {
 namespace {
 
-// What the estimate says about one parameter.
+// Makes the estimate of one parameter.
 ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
                                double sigma, double quantile) {
   ParameterEstimate estimate;
@@ -50,12 +50,12 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
   return estimate;
 }
 
-// At the fit's best point: what is known of the parameters, and from which
-// starts the training records run. Of a fit that was stopped nothing is known,
-// and nobody waits for it to be computed.
+// Certainty at the fit's best point: covariance of the parameters, and the
+// starts of the training records. It is not computed for a fit that was
+// stopped.
 struct Certainty {
-  // Whether the covariance stands for intervals; and, where it does not,
-  // whether it is at least the curvature of a minimum.
+  // True if the covariance gives intervals; and, if it does not, true if it is
+  // at least the curvature of a minimum.
   bool known = false;
   bool is_curved = false;
   CovarianceEstimate covariance;
@@ -68,7 +68,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   const FitSummary& summary = fit->summary();
   Objective& objective = fit->objective();
   MultipleShooting& shooting = objective.shooting();
-  // The objective at the solution: single where that runs.
+  // The objective at the solution, in single segments if that runs.
   shooting.SetSigmas(best.sigmas);
   objective.priors().SetDecays(best.decays);
   Certainty certainty;
@@ -98,7 +98,7 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   return certainty;
 }
 
-// Free runs of all records, by the model before and after.
+// Scores the simulations of all records, by the initial and the fitted model.
 void ScoreRecords(const IdentificationProblem& problem,
                   const IdentificationOptions& options,
                   const Vector& prior_parameters,
@@ -134,11 +134,11 @@ void ScoreRecords(const IdentificationProblem& problem,
   }
 }
 
-// A sentence for each sensor of a training record whose residuals are mostly a
-// constant, and no offset is looked for.
+// Returns a sentence for each sensor of a training record whose residuals are
+// mostly constant, if its offset is not free.
 std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
                                        const FitSummary& summary) {
-  // Of the residuals' and of the record's RMS.
+  // Shares of the residuals' RMS and of the record's RMS.
   constexpr double kMostly = 0.7;
   constexpr double kSome = 0.02;
   std::vector<std::string> remarks;
@@ -168,13 +168,13 @@ std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
   return remarks;
 }
 
-// Nobody asks the other ranks for what is channels x samples.
+// True on the rank that keeps histories, channels x samples.
 bool KeepsHistories(const IdentificationOptions& options) {
   return CommunicatorOrSingle(options.communicator).rank() == 0;
 }
 
-// What measurements have to be expected about the predictions, and how many of
-// them are there.
+// Sets the bands of measurements about the predictions, and counts the
+// measurements within them.
 void BandPredictions(const IdentificationProblem& problem,
                      const IdentificationOptions& options,
                      const Certainty& certainty, const IdentifiedModel& model,
@@ -194,7 +194,7 @@ void BandPredictions(const IdentificationProblem& problem,
     for (size_t c = 0; c < score.channels.size(); ++c) {
       const MeasuredChannel& channel = problem.records[r].channels[c];
       score.channels[c].sigma = sigmas[static_cast<int>(c)];
-      // What is assumed of other sensors says nothing about measurements.
+      // Noise that is assumed for other sensors gives no band.
       TrainedSensor sensor;
       if (!(channel.sigma > 0.0) &&
           !FindTrainedSensor(problem, channel, &sensor)) {
@@ -210,7 +210,8 @@ void BandPredictions(const IdentificationProblem& problem,
   }
 }
 
-// Least damping ratio of the modes of the matrices; NaN where no mode has one.
+// Returns the least damping ratio of the matrices' modes; NaN if no mode has
+// one.
 double LeastDampingOf(const StructuralDynamics& dynamics,
                       const Vector& parameters) {
   const StructuralModel model =
@@ -229,8 +230,8 @@ double LeastDampingOf(const StructuralDynamics& dynamics,
   return std::isfinite(least) ? least : kNaN;
 }
 
-// The same at the reference of what follows something, or, with ambient records
-// alone, as they see it.
+// Returns the same at the reference of the covariates or, with ambient records
+// alone, at the covariates of these.
 double LeastDamping(const IdentificationProblem& problem,
                     const Vector& parameters) {
   if (problem.num_train_records() > 0 || problem.ambient.empty()) {
@@ -245,8 +246,7 @@ double LeastDamping(const IdentificationProblem& problem,
   return std::isfinite(least) ? least : kNaN;
 }
 
-// Whether somebody who knows the structure has said how far free dampings may
-// go down.
+// True if free dampings have given lower bounds.
 bool DampingsAreBounded(const StructuralDynamics& dynamics) {
   const auto& groups = dynamics.groups();
   return std::none_of(groups.begin(), groups.end(), [](const GroupTerm& term) {
@@ -255,8 +255,8 @@ bool DampingsAreBounded(const StructuralDynamics& dynamics) {
   });
 }
 
-// What the record does not tell of the groups because nobody measured the
-// loads; empty: it tells of all.
+// Describes the groups that the record does not determine because the loads are
+// unknown; empty: it determines all.
 std::string WhatLoadsHide(const AmbientScore& score) {
   std::vector<std::string> hidden;
   for (size_t g = 0; g < score.groups.size(); ++g) {
@@ -339,7 +339,7 @@ void ReportOutcome(const IdentificationProblem& problem,
   summary->learns_force = HasNetworksOfState(problem, layout);
 
   Certainty certainty = MeasureCertainty(problem, options, fit);
-  // Intervals are those of a minimum.
+  // Intervals exist only at a minimum.
   if (summary->termination == Termination::kNoConvergence ||
       summary->termination == Termination::kInterrupted) {
     certainty.known = false;
@@ -359,7 +359,7 @@ void ReportOutcome(const IdentificationProblem& problem,
                 &certainty.known, &certainty.covariance, summary);
   }
   BandPredictions(problem, options, certainty, *model, summary);
-  // The noise of hold-outs needed those of all records.
+  // The noise of hold-outs needed the predictions of all records.
   for (RecordScore& score : summary->records) {
     if (!KeepsHistories(options)) score.prediction.resize(0, 0);
   }

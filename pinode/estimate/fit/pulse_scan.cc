@@ -12,15 +12,15 @@
 namespace pinode {
 namespace {
 
-// Positions of one duration.
+// Largest number of positions for one duration.
 constexpr int kMostStarts = 400;
 
-// From one position to the next. Coarser, a pulse that is too short but well
-// placed looks better than one as long as the true one, and the fit stays
+// Distance of two positions. If it is larger, a pulse that is too short but
+// well placed looks better than one of the true length, and the fit stays
 // there.
 constexpr double kStepInDurations = 0.15;
 
-// Integration steps in a pulse: enough to find it.
+// Integration steps in a pulse, enough to find it.
 constexpr double kStepsPerPulse = 8.0;
 
 class Scanner {
@@ -50,8 +50,8 @@ class Scanner {
         durations.push_back(value);
       }
     }
-    // A response that is small against the structure's own says little about
-    // the amplitude of a nonlinear one, but enough for where it lies.
+    // A small response gives a poor amplitude of a nonlinear one, but a good
+    // position.
     double unit = amplitude.value;
     if (unit == 0.0 && amplitude.free) unit = UnitAmplitude(term);
 
@@ -92,7 +92,8 @@ class Scanner {
   }
 
  private:
-  // Training records in which the force acts, and the time they cover.
+  // Selects the training records in which the force acts, and the time they
+  // cover.
   void SelectRecords(const UnknownForceTerm& term) {
     records_.clear();
     for (size_t r = 0; r < problem_.records.size(); ++r) {
@@ -110,8 +111,8 @@ class Scanner {
     }
   }
 
-  // A force that moves the structure about as the sensors say; any would do
-  // for a linear one.
+  // Returns an amplitude that moves the structure about as much as the sensors
+  // show. For a linear structure any would do.
   double UnitAmplitude(const UnknownForceTerm& term) const {
     return (problem_.dynamics->model().mass * term.outputs).norm();
   }
@@ -147,9 +148,9 @@ class Scanner {
     return true;
   }
 
-  // By how much the pulse lowers the sum of squares, channels in units of their
-  // noise or spread. With `scaled` it is multiplied by the best *factor, as if
-  // the response were linear in it.
+  // Returns the decrease of the sum of squares by the pulse, channels in units
+  // of their noise or spread. With `scaled` the pulse is multiplied by the best
+  // *factor, as if the response were linear in it.
   double Gain(const Vector& parameters, bool scaled, double* factor) {
     std::vector<Matrix> predictions;
     if (!Predict(parameters, &predictions)) return 0.0;
@@ -201,7 +202,7 @@ void ScanPulses(const IdentificationProblem& problem, Vector* parameters) {
       continue;
     }
     pulses.push_back(static_cast<int>(j));
-    // Those that are still to be found are no disturbance.
+    // Pulses that are still to be found must not disturb.
     const int offset =
         dynamics.block_offset(dynamics.unknown_force_block(pulses.back()));
     (*parameters)[offset + 2] = 0.0;

@@ -13,8 +13,8 @@ Reweighting::Outcome Reweighting::Update(bool converged, FitState* state) {
   const EvidenceTuning& tuning = context_.tuning().evidence;
   Outcome outcome;
   outcome.noise_is_quiet = noise_is_quiet_;
-  // A force acts on some channels directly and can follow their noise: what it
-  // has used up of each channel must be counted for that channel.
+  // A force acts on some channels directly and can follow their noise: its
+  // used-up share must be counted per channel.
   const bool by_channel = !context_.problem.dynamics->unknown_forces().empty();
   CondensedSystem system;
   WeightedRows rows;

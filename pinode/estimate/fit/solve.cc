@@ -39,7 +39,7 @@ void SetBounds(const BoundedCost& cost, double* scaled,
   }
 }
 
-// `bends`: whether steps do.
+// Returns Ceres' options. `bends`: true if steps bend.
 ceres::Solver::Options SolverOptions(const FitContext& context, bool bends,
                                      double function_tolerance, double radius) {
   const SolveTuning& tuning = context.tuning().solve;
@@ -96,7 +96,7 @@ class Solver::Callback final : public ceres::IterationCallback {
     const Vector free =
         bounded_.Unscaled(bent_ == nullptr ? scaled_ : bent_->PointOf(scaled_));
     if (!solver_.progress_->Note(record, free)) {
-      // Of what is aborted Ceres gives back the point where it began.
+      // After an abort Ceres would return its starting point.
       is_stopped_ = true;
       return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     }
@@ -112,7 +112,7 @@ class Solver::Callback final : public ceres::IterationCallback {
                : ceres::SOLVER_CONTINUE;
   }
 
-  // Whether the caller wanted an end.
+  // True if the caller asked for an end.
   bool is_stopped() const { return is_stopped_; }
 
  private:
@@ -242,7 +242,7 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
                (ceres_summary.termination_type == ceres::CONVERGENCE ||
                 ceres_summary.termination_type == ceres::USER_SUCCESS);
   CondensedSystem system;
-  // Whoever stopped it does not wait for derivatives.
+  // A stopped fit needs no derivatives.
   if (!(callback.is_stopped() ? objective.Evaluate(state->free, &system.cost)
                               : objective.Linearize(state->free, &system))) {
     log_->SetMessage(objective.Failure());
@@ -260,9 +260,9 @@ bool Solver::Solve(const Limits& limits, FitState* state, bool* converged) {
 
 bool Solver::Polish(FitState* state) {
   constexpr int kMostSteps = 2;
-  // Of the cost: what is less than this cannot be seen.
+  // Smallest visible change, as a share of the cost.
   constexpr double kLeastPromise = 1e-12;
-  // Keeps what nothing determines where it is.
+  // Damping that keeps undetermined directions in place.
   constexpr double kDamping = 1e-6;
   Objective& objective = context_.objective;
   const auto fail = [&]() {

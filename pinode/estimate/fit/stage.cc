@@ -30,11 +30,11 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
     bool converged = false;
     if (!solver_->Solve(limits, state, &converged)) return false;
     if (progress_->interrupted()) break;
-    // A firmer hand makes the cost grow, but not like this: the trajectories
-    // fly apart, and no further round brings them together.
+    // A firmer penalty makes the cost grow, but not as much as this: the
+    // trajectories diverge, and no further round reunites them.
     if (round == 0) first_cost = std::max(1.0, state->cost);
     if (!(state->cost <= solve.diverged * first_cost)) break;
-    // The multipliers belong to the noise levels at hand: close gaps first.
+    // The multipliers belong to the present noise levels: close gaps first.
     if (shooting.LargestGap() < gaps.closed && (converged || !last)) {
       *settled = converged;
       break;
@@ -58,8 +58,8 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
   const bool networks = context_.HasNetworks();
   const double residual = networks ? solve.smallest_residual : 0.0;
   const double asked = context_.options.function_tolerance;
-  // The first rounds are for noise levels and decay to find their place, and
-  // end early; the last one runs to the tolerance asked for.
+  // In the first rounds noise levels and decay settle, and they end early. The
+  // last round runs to the tolerance asked for.
   bool fine = false;
   int evidence_rounds = 0;
   bool quiet = false;  // noise and decay, as of the last round
@@ -71,10 +71,10 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
     int iterations =
         fine ? context_.options.max_num_iterations : solve.round_iterations;
     if (networks) {
-      // The cost is a negative logarithm of likelihood. Networks have valleys
-      // without end; what changes it by less than this cannot be seen. Nor may
-      // the rounds before end any sooner: a network that lies on a plateau
-      // would stay there while the noise comes down.
+      // The cost is a negative log-likelihood. Valleys of networks do not end,
+      // and smaller changes of the cost are invisible. The rounds before must
+      // not end sooner either: a network on a plateau would stay there while
+      // the noise decreases.
       tolerance = std::clamp(solve.smallest_change / state->cost, asked,
                              solve.most_network_tolerance);
       iterations =
@@ -105,7 +105,7 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
         continue;
       }
     }
-    // Idle inputs go on fading long after that matters.
+    // Idle inputs continue to fade long after they matter.
     evidence_rounds += outcome.noise_is_quiet ? 1 : 0;
     if (fine && converged) {
       *settled = true;

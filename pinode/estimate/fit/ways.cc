@@ -42,8 +42,8 @@ bool HasFreeNetworks(const StructuralDynamics& dynamics) {
       [](const NetworkTerm& term) { return AnyFree(term.weights); });
 }
 
-// A law that does nothing, in place of one whose coefficients are all zero and
-// stay so: what it is made of need not be worked out.
+// A law without force. It replaces a law whose coefficients are all zero and
+// stay so, to save its evaluation.
 class NoForce final : public Law {
  public:
   explicit NoForce(const Law& law)
@@ -75,7 +75,8 @@ class NoForce final : public Law {
   int num_features_, num_parameters_, num_outputs_;
 };
 
-// Laws are linear in what has the dimension of a force, or is a coefficient.
+// True if the law has no force: laws are linear in parameters that are
+// coefficients or have the dimension of a force.
 bool IsWithoutForce(const LawTerm& term) {
   const Vector values = term.parameters.Values();
   if (term.type == "library") return values.isZero(0.0);
@@ -94,7 +95,8 @@ bool IsWithoutForce(const LawTerm& term) {
   return true;
 }
 
-// nullptr where a term cannot be had without its free parameters.
+// Returns nullptr if a term cannot be removed together with its free
+// parameters.
 std::shared_ptr<const StructuralDynamics> LinearDynamicsOf(
     const StructuralDynamics& dynamics) {
   auto linear =
@@ -124,14 +126,14 @@ std::shared_ptr<const StructuralDynamics> LinearDynamicsOf(
   return linear;
 }
 
-// One way, ended before its time where it has done more than so much work.
+// One route, ended early after a given amount of work.
 class Way {
  public:
   Way(const IdentificationProblem& problem,
       const IdentificationOptions& options, int64_t most_work)
       : fit_(std::make_unique<Fit>(problem, WithLimit(options, most_work))) {}
 
-  // False where nothing finite came out, or the work was too much.
+  // Returns false without a finite result, or after too much work.
   bool Run(const Vector& parameters, const IdentifiedModel* initial) {
     finite_ = fit_->Run(parameters, initial);
     ok_ = finite_ && !exhausted_;
@@ -143,8 +145,8 @@ class Way {
   int64_t Work() const { return fit_->objective().shooting().sweep().work(); }
   bool interrupted() const { return fit_->interrupted() && !exhausted_; }
   Fit& fit() { return *fit_; }
-  // nullptr where nothing finite came out; *outcome is the fit's summary but
-  // for what it says of ways.
+  // Returns the fit; nullptr without a finite result. *outcome is the fit's
+  // summary, except for its entries on routes.
   std::unique_ptr<Fit> Take(FitSummary* outcome) {
     const double linear_error = outcome->linear_error;
     std::string way = std::move(outcome->way);
@@ -153,9 +155,9 @@ class Way {
     outcome->linear_error = linear_error;
     return finite_ ? std::move(fit_) : nullptr;
   }
-  // As RecordScore::nrmse of the training records together.
+  // RecordScore::nrmse of the training records together.
   double error() const { return ok_ ? fit_->best().free_run_error : kInfinity; }
-  // The same of one that was left off.
+  // The same for a route that was abandoned.
   double best_error() const { return fit_->best().free_run_error; }
   double expected_error() const {
     return ok_ ? fit_->best().ExpectedError() : kInfinity;
@@ -180,8 +182,8 @@ class Way {
   std::unique_ptr<Fit> fit_;
 };
 
-// The least share of noise in what is left over of any fitted channel of the
-// training records.
+// Returns the least share of noise in the residuals of any fitted channel of
+// the training records.
 double LeastNoiseShare(const IdentificationProblem& problem, const Fit& fit) {
   double least = 1.0;
   size_t t = 0;
@@ -195,7 +197,7 @@ double LeastNoiseShare(const IdentificationProblem& problem, const Fit& fit) {
     if (!score.finite) return 0.0;
     for (size_t c = 0; c < record.channels.size(); ++c) {
       const double share = score.channels[c].noise_share;
-      // Nothing at all is left over of a channel without one.
+      // A channel without a share has no residual at all.
       if (record.channels[c].fit && std::isfinite(share)) {
         least = std::min(least, share);
       }
@@ -210,12 +212,12 @@ std::string Percent(double error) {
   return text;
 }
 
-// What is left over of a good fit is noise for this share at least, or next to
-// nothing: another minimum could not be much better.
+// Limits of a good fit: noise makes up at least this share of its residuals, or
+// these are almost zero. Another minimum could not be much better.
 constexpr double kNoise = 0.8;
 constexpr double kNothing = 0.01;
 
-// Whether nothing is to be gained from another way.
+// True if another route cannot improve the result.
 bool LeavesOnlyNoise(const IdentificationProblem& problem, Way* way) {
   return way->ok() && way->fit().converged() &&
          (way->error() < kNothing ||
@@ -227,7 +229,7 @@ constexpr char kStages[] = "stages of multiple shooting";
 constexpr char kInOrder[] = "linear terms first, then all on whole records";
 constexpr char kByStages[] = "all terms at once by stages of multiple shooting";
 
-// Which of two ways stands, and what is said of it.
+// Returns the better of two routes, and describes the choice.
 std::unique_ptr<Fit> Better(Way* one, const std::string& one_name, Way* other,
                             const std::string& other_name,
                             FitSummary* outcome) {
@@ -245,17 +247,17 @@ std::unique_ptr<Fit> Better(Way* one, const std::string& one_name, Way* other,
   return best->Take(outcome);
 }
 
-// Terms in order, then, if need be, all at once.
+// Fits terms in order, then, if needed, all at once.
 std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
                              const IdentificationProblem& linear,
                              const IdentificationOptions& options,
                              const Vector& parameters, FitSummary* outcome) {
-  // A way that has done so many times the work of another is left off.
+  // Multiple of the other route's work after which a route is abandoned.
   constexpr int64_t kMostWork = 3;
-  // A linear model with an error of less than this is somewhere near.
+  // Error below which a linear model is near the solution.
   constexpr double kNear = 0.7;
-  // What follows it on whole records has not got lost until it has done so many
-  // times its work.
+  // Multiple of the linear model's work that the following fit on whole records
+  // may take before it counts as lost.
   constexpr int64_t kMostWorkOfAll = 10;
 
   IdentificationOptions single = options;
@@ -285,7 +287,7 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
   staged.Run(parameters, nullptr);
   if (ordered.exhausted() && !staged.interrupted() &&
       !(staged.error() < ordered.best_error())) {
-    // It was on the better way after all.
+    // The abandoned route was the better one after all.
     Way longer(problem, single, 0);
     longer.Run(ordered.fit().BestParameters(), nullptr);
     return Better(&longer, kInOrder, &staged, kByStages, outcome);
@@ -299,8 +301,8 @@ std::unique_ptr<Fit> RunLaws(const IdentificationProblem& problem,
   return Better(&ordered, kInOrder, &staged, kByStages, outcome);
 }
 
-// Nothing but groups: on whole records, where an iteration costs least, and by
-// the stages only if that leaves over what a linear model might explain.
+// Fits groups only: on whole records, where an iteration costs least. Then by
+// the stages if the residuals contain more that a linear model might explain.
 std::unique_ptr<Fit> RunLinear(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const Vector& parameters, FitSummary* outcome) {
@@ -322,20 +324,20 @@ std::unique_ptr<Fit> RunLinear(const IdentificationProblem& problem,
   return Better(&whole, kWholeRecords, &staged, kStages, outcome);
 }
 
-// Training, and again from the linear part where that is better.
+// Trains networks, and again from the linear part if that is better.
 std::unique_ptr<Fit> RunNetworks(const IdentificationProblem& problem,
                                  const IdentificationProblem& linear,
                                  const IdentificationOptions& options,
                                  const Vector& parameters,
                                  FitSummary* outcome) {
-  // An error of the training records at which something may have gone wrong.
+  // Error of the training records above which the result is poor.
   constexpr double kPoor = 0.5;
 
   Way staged(problem, options, 0);
   staged.Run(parameters, nullptr);
   if (staged.interrupted() || staged.error() < kPoor)
     return staged.Take(outcome);
-  // Checkpoints are of the whole problem.
+  // Checkpoints are for the whole problem only.
   IdentificationOptions quiet = options;
   quiet.callback = [&options](const IdentificationProgress& progress) {
     IdentificationProgress without_model = progress;

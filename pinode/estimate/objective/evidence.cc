@@ -15,7 +15,7 @@ bool MeasureEvidence(const ParameterLayout& layout, const Matrix& hessian,
   evidence->inverse_root =
       root.triangularView<Eigen::Upper>().solve(Matrix::Identity(n, n));
   const Matrix& inverse_root = evidence->inverse_root;
-  // Diagonal of H^-1: how well the data and the priors determine each entry.
+  // Diagonal of H^-1: uncertainty of each entry from data and priors.
   const Vector variance = inverse_root.rowwise().squaredNorm();
   evidence->effective = n;
   evidence->determined = Vector::Zero(decays.size());

@@ -14,26 +14,28 @@
 namespace pinode {
 namespace {
 
-// Frequencies that differ by less than this (relative, in w^2) are the same:
+// Frequencies that differ by less than this (relative, in w^2) count as equal:
 // shapes carry the rounding of the matrices divided by it.
 constexpr double kSameFrequency = 1e-8;
-// What couples two modes is zero below this share of what acts on either.
+// Coupling of two modes that counts as zero, as a share of the matrix's effect
+// on either.
 constexpr double kUncoupled = 1e-8;
 
-// (2 pi f)^2.
+// Returns (2 pi f)^2.
 double MeasuredEigenvalue(const MeasuredMode& mode) {
   const double w = kTwoPi * mode.frequency;
   return w * w;
 }
 
-// Of 1 - w^2 / (2 pi f)^2, to first order 2 (f - f_model) / f.
+// Returns the weight of 1 - w^2 / (2 pi f)^2, to first order 2 (f - f_model) /
+// f.
 double EigenvalueWeight(const MeasuredMode& mode) {
   return mode.frequency_sigma > 0.0
              ? 0.5 * mode.frequency / mode.frequency_sigma
              : mode.frequency_weight;
 }
 
-// Entries other than `largest`, in order.
+// Returns the entries other than `largest`, in order.
 template <typename Rows>
 Matrix WithoutRow(const Rows& rows, int largest) {
   Matrix rest(rows.rows() - 1, rows.cols());
@@ -49,8 +51,8 @@ struct ModeSlopes {
   Matrix shape;
 };
 
-// By the factor of one matrix in K or M. False, with a sentence, where there is
-// no derivative.
+// Differentiates a mode by the factor of one matrix in K or M. Returns false,
+// with a sentence, if there is no derivative.
 bool DifferentiateMode(const UndampedModes& modes, int j,
                        const std::vector<int>& dofs, const Matrix& matrix,
                        bool on_mass, int column, ModeSlopes* slopes,
@@ -88,16 +90,16 @@ bool DifferentiateMode(const UndampedModes& modes, int j,
   return true;
 }
 
-// Of x over its entry `largest`, without that one.
+// Returns the derivatives of x over its entry `largest`, without that entry.
 Matrix RatioSlopes(const Vector& x, const Matrix& slopes, int largest) {
   const Vector scaled = x / x[largest];
   return WithoutRow((slopes - scaled * slopes.row(largest)) / x[largest],
                     largest);
 }
 
-// W (1 - c) / c of the model's shape x and the measured y of unit norm. With
-// the tangent of the angle between them 1 / c = sqrt(1 + t^2); 1 - c itself
-// would be lost in rounding.
+// Returns W (1 - c) / c of the model's shape x and the measured y of unit norm.
+// It uses the tangent t of the angle between them, 1 / c = sqrt(1 + t^2),
+// because 1 - c itself would be lost in rounding.
 double MacResidual(const MeasuredMode& mode, const Vector& y, const Vector& x,
                    const Matrix& shape_slopes, RowVector* slopes) {
   const double along = y.dot(x);
@@ -110,10 +112,11 @@ double MacResidual(const MeasuredMode& mode, const Vector& y, const Vector& x,
   return mode.shape_weight * tangent_square / (1.0 + secant);
 }
 
-// The entries of a shape over its largest one, given the frequency. With S the
-// covariance of these ratios and c that with the frequency of deviation s, they
-// have, for an error s of the frequency, the mean *by_frequency = c / s and the
-// covariance S - c c' / s^2 = L L' around it; L^-1 is returned.
+// Returns L^-1 of the entries of a shape over its largest one, given the
+// frequency. S is the covariance of these ratios, c that with the frequency, s
+// the frequency's deviation. For an error s of the frequency the ratios have
+// the mean *by_frequency = c / s and the covariance S - c c' / s^2 = L L'
+// around it.
 Matrix RatioWeights(const MeasuredMode& mode, Eigen::Index largest,
                     Vector* by_frequency) {
   const Eigen::Index count = mode.shape.size();

@@ -79,8 +79,7 @@ double NoiseLevels::ShareLeft(const Evidence& evidence) const {
   double used = evidence.effective;
   const Matrix& others = context_.objective.other_information();
   if (others.size() > 0) {
-    // The part of modes and ambient records, which the channels need not pay
-    // for.
+    // Part of modes and ambient records, which the channels do not pay for.
     used -= (evidence.inverse_root.transpose() * others * evidence.inverse_root)
                 .trace();
   }
@@ -90,7 +89,7 @@ double NoiseLevels::ShareLeft(const Evidence& evidence) const {
       if (!record.channels[c].fit) continue;
       samples += static_cast<double>(Measured(t, static_cast<int>(c)).count);
     }
-    // Closed gaps leave the first start alone.
+    // Closed gaps leave only the first start free.
     if (record.start == IdentificationRecord::Start::kFree) {
       used += context_.problem.dynamics->num_states();
     }

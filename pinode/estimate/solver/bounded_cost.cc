@@ -8,8 +8,8 @@
 namespace pinode {
 namespace {
 
-// Ceres divides each column of the Jacobian by one more than its norm. Columns
-// far longer than one are all the same to it.
+// Norm of a scaled column. Ceres divides each column of the Jacobian by one
+// plus its norm, so that columns far longer than one are treated alike.
 constexpr double kColumnNorm = 1048576.0;
 
 }  // namespace

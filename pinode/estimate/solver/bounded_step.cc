@@ -10,10 +10,10 @@
 namespace pinode {
 namespace {
 
-// Where an unknown is held: at its lower bound, nowhere, at its upper one.
+// Bound at which an unknown is held: its lower one, none, its upper one.
 enum class Held { kLower, kNot, kUpper };
 
-// In units in which the Hessian's diagonal is about one.
+// Active set, in units in which the Hessian's diagonal is about one.
 class ActiveSet {
  public:
   ActiveSet(Matrix hessian, Vector gradient, Vector lower, Vector upper)
@@ -30,8 +30,8 @@ class ActiveSet {
   }
 
   bool Solve() {
-    // Every turn changes one unknown's place; more turns than this would be a
-    // circle, in which rounding alone decides.
+    // Every turn changes the place of one unknown. More turns than this would
+    // be a cycle caused by rounding.
     const Eigen::Index most = 10 * gradient_.size() + 10;
     for (Eigen::Index turn = 0; turn < most; ++turn) {
       Vector target;
@@ -47,7 +47,7 @@ class ActiveSet {
  private:
   Held& At(Eigen::Index j) { return held_[static_cast<size_t>(j)]; }
 
-  // Where the unknowns that are not held want to be, given the others.
+  // Finds the minimum over the free unknowns, given the others.
   bool FreeMinimum(Vector* target) {
     std::vector<Eigen::Index> free;
     Vector held = step_;
@@ -73,7 +73,7 @@ class ActiveSet {
     return false;
   }
 
-  // True where a bound came first.
+  // Moves towards the target; true if a bound came first.
   bool MoveTowards(const Vector& target) {
     double share = 1.0;
     Eigen::Index first = -1;
@@ -94,7 +94,8 @@ class ActiveSet {
     return true;
   }
 
-  // Lets go of the one that is held most against the slope; false: of none.
+  // Releases the unknown that is held most against the slope; false if there is
+  // none.
   bool Release() {
     const Vector slope = gradient_ + hessian_ * step_;
     const double rounding =
@@ -130,7 +131,7 @@ bool BoundedStep(const Matrix& hessian, const Vector& gradient,
   const Eigen::Index n = gradient.size();
   *step = Vector::Zero(n);
   if (!hessian.allFinite() || !gradient.allFinite()) return false;
-  // By powers of two, which round nothing: bounds stay what they are.
+  // Scales by powers of two, which are exact: bounds keep their values.
   Vector scale(n);
   for (Eigen::Index j = 0; j < n; ++j) {
     scale[j] = hessian(j, j) > 0.0
@@ -138,7 +139,7 @@ bool BoundedStep(const Matrix& hessian, const Vector& gradient,
                    : 1.0;
   }
   Matrix scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
-  // What has no effect stays where it is.
+  // Unknowns without effect stay in place.
   for (Eigen::Index j = 0; j < n; ++j) {
     if (!(hessian(j, j) > 0.0)) scaled(j, j) = 1.0;
   }

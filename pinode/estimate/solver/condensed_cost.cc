@@ -24,7 +24,7 @@ bool CondensedCost::EvaluateWithJacobian(const Vector& free, double* residuals,
   root_.transpose().triangularView<Eigen::Lower>().solveInPlace(projected);
   Eigen::Map<Vector> r(residuals, n + 1);
   r.head(n) = projected;
-  // Rounding, or a shifted root, must not turn into a negative rest.
+  // Rounding, or a shifted root, must not give a negative remainder.
   r[n] = std::sqrt(std::max(0.0, 2.0 * system_.cost - projected.squaredNorm()));
   Eigen::Map<
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>

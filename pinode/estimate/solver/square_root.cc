@@ -13,8 +13,8 @@ Vector UnitDiagonalScale(const Matrix& hessian) {
       [](double d) { return d > 0.0 ? std::sqrt(d) : 1.0; });
 }
 
-// Of the nearest matrix without negative eigenvalues; false where there is none
-// but zero.
+// Finds the root of the nearest matrix without negative eigenvalues; false if
+// that is zero.
 bool RootOfNearest(const Matrix& matrix, Matrix* root) {
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(matrix);
   if (solver.info() != Eigen::Success) return false;
@@ -37,8 +37,8 @@ bool RootOfNearest(const Matrix& matrix, Matrix* root) {
 bool SquareRoot(const Matrix& hessian, Matrix* root) {
   if (!hessian.allFinite()) return false;
   const Eigen::Index n = hessian.rows();
-  // Unit diagonal first: then one small shift suits all units. A parameter
-  // without effect keeps a zero row.
+  // Scales to a unit diagonal first: then one small shift suits all units. A
+  // parameter without effect keeps a zero row.
   const Vector scale = UnitDiagonalScale(hessian);
   const Vector inverse = scale.cwiseInverse();
   for (double shift = 1e-15; shift < 1e-3; shift *= 10.0) {

@@ -20,13 +20,13 @@ namespace {
 
 // Share of a hold-out record from which its start is smoothed.
 constexpr double kStartShare = 0.05;
-// Of a steady state: change over a period, of the states' RMS, and how often
-// one is run.
+// Limits of a steady state: change over a period, relative to the states' RMS,
+// and number of periods that are run.
 constexpr double kSteadyChange = 1e-9;
 constexpr int kMostPeriods = 200;
 
-// The record's beginning as a training record of its own. The excitation goes
-// on for as long as it shows in the samples before: it is known.
+// Returns the record's beginning as a training record. The excitation continues
+// as long as it affects the samples before: it is known.
 IdentificationRecord Beginning(const IdentificationRecord& data,
                                Eigen::Index samples) {
   IdentificationRecord beginning = data;
@@ -45,7 +45,7 @@ IdentificationRecord Beginning(const IdentificationRecord& data,
   return beginning;
 }
 
-// From the first `samples` alone.
+// Returns the start smoothed from the first `samples` alone.
 Vector SmoothedStart(const IdentificationProblem& problem, int record,
                      const Vector& parameters, const Vector& sigmas,
                      Eigen::Index samples) {
@@ -155,7 +155,7 @@ bool FindSteadyState(const IdentificationProblem& problem, int record,
     const double size = change.cwiseQuotient(scales).norm() /
                         std::sqrt(static_cast<double>(ns));
     if (size < kSteadyChange) return true;
-    // A step of Newton's that made it worse is taken back.
+    // A Newton step that made it worse is undone.
     const bool better = size < smallest;
     if (!better) {
       *start = after_smallest;

@@ -13,8 +13,8 @@
 namespace pinode {
 namespace {
 
-// Typical circular frequency of the motion: from the channels where both a
-// quantity and its derivative are measured, else the model's lowest.
+// Returns the typical circular frequency of the motion: from channels that
+// measure a quantity and its derivative, else the model's lowest.
 double TypicalFrequency(const IdentificationProblem& problem, double x,
                         double v, double a) {
   if (x > 0.0 && v > 0.0) return v / x;
@@ -24,9 +24,9 @@ double TypicalFrequency(const IdentificationProblem& problem, double x,
   return frequencies.empty() ? 1.0 : frequencies.front();
 }
 
-// What the internal states come to in a quarter of a cycle at the velocities
-// `scales`, by their own laws from zero: units and size as they have them. The
-// largest displacement where a law does not say.
+// Returns the size of the internal states after a quarter of a cycle at the
+// velocities `scales`, by their own laws from zero, in their units. If a law
+// gives none, returns the largest displacement.
 Vector InternalScales(const StructuralDynamics& dynamics, const Vector& scales,
                       double omega) {
   const int n = dynamics.num_dofs();
@@ -159,7 +159,7 @@ bool InitialTrajectories(const IdentificationProblem& problem,
     scales.push_back(
         GuessStateScales(problem, problem.records[static_cast<size_t>(r)]));
   }
-  // Two passes: the second knows the scales of the unmeasured states.
+  // Two passes: the second uses the scales of the unmeasured states.
   for (int pass = 0; pass < 2; ++pass) {
     if (pass == 0) {
       SetSegmentsAtRest(segment_samples, shooting);
@@ -176,7 +176,7 @@ bool InitialTrajectories(const IdentificationProblem& problem,
     for (size_t r = 0; r < scales.size(); ++r) {
       scales[r] = StateScalesOf(problem, trajectories->records[r].mean_squares);
     }
-    // Scales do nothing to trajectories whose starts are all given.
+    // Scales do not affect trajectories whose starts are all given.
     if (pass == 0 && !HasFreeStarts(*shooting)) {
       shooting->SetStateScales(scales);
       break;

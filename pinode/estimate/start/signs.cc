@@ -19,13 +19,13 @@ namespace pinode {
 namespace {
 
 constexpr double kDampingRatio = 0.15;
-// From which agreement on a sign is believed; and a sensor is called wrong that
-// somebody says to know.
+// Limits of the agreement: a sign is accepted beyond the first. A given sign
+// counts as wrong below the second.
 constexpr double kClearSign = 0.25;
 constexpr double kWrongSign = -0.4;
-// Of the mean amplitude: what is less at a frequency is not told from nothing.
+// Share of the mean amplitude below which an amplitude counts as zero.
 constexpr double kSmallAmplitude = 1e-2;
-// A sign shows in so many samples, or in none.
+// Number of samples that suffice for a sign.
 constexpr Eigen::Index kMostSamples = 1 << 17;
 
 bool HasOpenSign(const Parameter& parameter) {
@@ -33,8 +33,9 @@ bool HasOpenSign(const Parameter& parameter) {
          parameter.upper > 0.0;
 }
 
-// Of deviations from the mean, for an offset says nothing of a sign, without
-// the frequency zero. Zeros behind the samples make its length a power of two.
+// Returns the spectrum of deviations from the mean without the zero frequency,
+// since an offset does not show a sign. Zeros after the samples make its length
+// a power of two.
 Eigen::VectorXcd Spectrum(const Vector& deviations) {
   Eigen::Index size = 2;
   while (size < deviations.size()) size *= 2;
@@ -46,7 +47,7 @@ Eigen::VectorXcd Spectrum(const Vector& deviations) {
   return spectrum.segment(1, size / 2);
 }
 
-// Sums of the agreement, over frequencies and channels.
+// Sums the agreement over frequencies and channels.
 struct Agreement {
   double product = 0.0;
   double weight = 0.0;
@@ -59,21 +60,21 @@ struct Agreement {
       weight += w;
     }
   }
-  // NaN where nothing moves.
+  // Returns the agreement; NaN without motion.
   double Value() const { return product / weight; }
 };
 
-// What is shown of one channel of a training record, as spectra.
+// Measurement and responses of one channel of a training record, as spectra.
 struct SeenChannel {
   int record = -1;
   int channel = -1;
   Eigen::VectorXcd measured;
-  // Frequencies x (1 + open scales): by the ground and the known forces, then
-  // by those of each open scale at scale 1.
+  // Responses, frequencies x (1 + open scales): to the ground and the known
+  // forces, then to those of each open scale at scale 1.
   Eigen::MatrixXcd responses;
 };
 
-// The damped response at the values given, and what the records say to it.
+// Damped responses at the given values, compared with the records.
 class Responses {
  public:
   Responses(const IdentificationProblem& problem, Vector parameters)
@@ -93,7 +94,7 @@ class Responses {
 
   bool AnySignOpen() const { return has_open_gains_ || !open_scales_.empty(); }
 
-  // False where the damped model has no finite response.
+  // Computes the responses; false if the damped model has no finite response.
   bool Run() {
     StructuralModel model = dynamics_.CorrectedModel(dynamics_.Parameters());
     Matrix damped;
@@ -120,8 +121,8 @@ class Responses {
     return !seen_.empty();
   }
 
-  // The scales' signs by least squares over the channels of known sign, each
-  // frequency in units of what was measured there.
+  // Finds the scales' signs by least squares over the channels of known sign,
+  // each frequency in units of its measured amplitude.
   void FindScales() {
     if (open_scales_.empty()) return;
     const auto count = static_cast<Eigen::Index>(open_scales_.size());
@@ -163,15 +164,16 @@ class Responses {
     }
   }
 
-  // Of the channels of one name with the response, by the signs at hand.
+  // Returns the agreement of the channels of one name with the response, by the
+  // present signs.
   double AgreementOfChannel(const std::string& name) const {
     return AgreementOf([&](const MeasuredChannel& channel) {
       return channel.observation.name == name;
     });
   }
 
-  // Names of the channels seen, in their order, and whether the gain of each is
-  // still to be found.
+  // Returns the names of the channels in their order, each with the index of
+  // its gain if its sign is still unknown.
   std::vector<std::pair<std::string, int>> Channels() const {
     std::vector<std::pair<std::string, int>> channels;
     for (const SeenChannel& seen : seen_) {
@@ -216,9 +218,9 @@ class Responses {
                                     parameter.lower, parameter.upper);
   }
 
-  // The excitation of a record with its forces at the values of their scales.
-  // `open` >= 0: the forces of that open scale alone, at scale 1; -1: all that
-  // is not an open scale's.
+  // Returns the excitation of a record with its forces at the values of their
+  // scales. `open` >= 0: the forces of that open scale alone, at scale 1. -1:
+  // all other forces.
   Excitation ExcitationBy(const IdentificationRecord& record, int open) const {
     const Matrix& given = record.excitation->samples();
     Matrix samples =
@@ -244,12 +246,12 @@ class Responses {
                       record.excitation->periodic());
   }
 
-  // The first of the samples that are looked at: of a long record those where
-  // the channels move most.
+  // Returns the first of the samples in use. In a long record these are the
+  // samples with the most motion.
   Eigen::Index FirstSample(const IdentificationRecord& record) const {
     const Eigen::Index samples = record.num_samples();
     if (samples <= kMostSamples) return 0;
-    // Squares of half a window at a time, each channel in its own unit.
+    // Sums squares over half a window at a time, each channel in its own unit.
     constexpr Eigen::Index kHalf = kMostSamples / 2;
     Vector squares = Vector::Zero(samples / kHalf);
     for (const MeasuredChannel& channel : record.channels) {
@@ -294,13 +296,13 @@ class Responses {
     return true;
   }
 
-  // histories: from sample `first` on.
+  // Adds a channel. `histories`: from sample `first` on.
   void See(int record, int channel, Eigen::Index first,
            const std::vector<Matrix>& histories) {
     SeenChannel seen;
     seen.record = record;
     seen.channel = channel;
-    // What a device resists with is not the linear model's to say.
+    // The linear model does not determine the resistance of a device.
     if (ChannelOf(seen).observation.quantity == Quantity::kForce) return;
     const Vector values =
         ChannelOf(seen).values.segment(first, histories[0].rows());
@@ -326,7 +328,7 @@ class Responses {
     seen_.push_back(std::move(seen));
   }
 
-  // Calls visit(seen, responses to the open scales, what is left to them) for
+  // Calls visit(seen, responses to the open scales, the remainder for them) for
   // the fitted channels whose gain has a known sign.
   template <typename Visit>
   void ForKnownSigns(const Visit& visit) const {
@@ -342,7 +344,7 @@ class Responses {
     }
   }
 
-  // Over all channels that `wanted` says yes to.
+  // Returns the agreement over all channels for which `wanted` returns true.
   template <typename Wanted>
   double AgreementOf(const Wanted& wanted) const {
     Vector factors =
@@ -355,7 +357,7 @@ class Responses {
     for (const SeenChannel& seen : seen_) {
       const MeasuredChannel& channel = ChannelOf(seen);
       if (!wanted(channel)) continue;
-      // The gain that is asked for takes no part.
+      // The gain in question takes no part.
       const double gain = HasOpenGain(channel.gain) ? 1.0 : GainOf(channel);
       agreement.Add(seen.measured, gain * (seen.responses * factors));
     }
@@ -377,8 +379,8 @@ std::string Value(double value, const std::string& unit) {
 
 bool HasTurned(double initial, double value) { return initial * value < 0.0; }
 
-// Of delays that were found alike at all sensors of the fit: then it is the
-// excitation that has another clock. Empty: they are not.
+// Returns a remark if delays were found equal at all sensors of the fit: the
+// clock of the excitation then differs. Empty: they were not.
 std::string DelayRemark(const IdentificationProblem& problem,
                         const Vector& parameters) {
   constexpr double kClear = 0.5;  // samples

@@ -11,13 +11,13 @@ namespace pinode {
 namespace {
 
 constexpr double kNothingSwings = 0.01;  // periods of the fastest mode
-// Of the slowest one: a whole record, and from sample to sample. Where more
-// than matrices is at work, that many times further off.
+// Limits in periods of the slowest mode: of a whole record, and of the sampling
+// step. With terms other than groups the limits are wider by the factor below.
 constexpr double kShort = 0.1;
 constexpr double kSparse = 2.0;
 constexpr double kOtherTerms = 10.0;
-// Periods of the slowest mode that a record made to see it has, at least, and
-// from one sample to the next, at most.
+// Periods of the slowest mode: at least in a record made to measure it, and at
+// most between two samples.
 constexpr double kLikely = 5.0;
 constexpr double kLikelyApart = 0.4;
 
@@ -46,8 +46,8 @@ bool AreMatricesToBeFound(const StructuralDynamics& dynamics) {
   });
 }
 
-// Frequencies of the elastic modes in cycles per model time, ascending; empty
-// where one has a negative stiffness, or there are none.
+// Returns the frequencies of the elastic modes in cycles per model time,
+// ascending. Empty if one has a negative stiffness, or there are none.
 std::vector<double> ElasticFrequencies(const StructuralModel& model) {
   UndampedModes modes;
   std::string unused;
@@ -73,8 +73,8 @@ std::string TimeUnitOf(const IdentificationProblem& problem,
                                               : record.description.time_unit;
 }
 
-// The unit that a time of `periods` is likely to be in, with `wanted` or more
-// periods in the next larger ones, or that or fewer in the next smaller ones.
+// Returns the likely unit of a time of `periods`: the next larger one with at
+// least `wanted` periods, or the next smaller one with at most that.
 std::string LikelyUnit(const std::string& unit, double periods, double wanted) {
   const TimeUnit* const end = std::end(kUnits);
   const TimeUnit* const read =
@@ -126,7 +126,7 @@ bool IsTimeScalePossible(const IdentificationProblem& problem,
   const StructuralDynamics& dynamics = *problem.dynamics;
   if (HasOtherTerms(dynamics) || !AreMatricesToBeFound(dynamics)) return true;
   const StructuralModel model = dynamics.HeldModel(dynamics.Parameters());
-  // No mode is faster than the fastest, nor is a DOF with all others held.
+  // No DOF with all others held has a higher frequency than the fastest mode.
   const double least =
       std::sqrt(std::max(0.0, (model.stiffness.diagonal().array() /
                                model.mass.diagonal().array())
