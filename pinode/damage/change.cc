@@ -14,7 +14,7 @@
 namespace pinode {
 namespace {
 
-// P(Z < z).
+// Returns P(Z < z).
 double NormalProbability(double z) {
   return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
@@ -40,7 +40,7 @@ bool IsGroupState(const GroupState& state, Eigen::Index size,
   return true;
 }
 
-// The healthy value of each group, its covariance, and the variance between
+// Baseline value of each group, its covariance, and the variance between
 // records.
 struct Pool {
   Vector values;
@@ -48,10 +48,10 @@ struct Pool {
   Vector between;
 };
 
-// Whether the weighted mean is far from all that it is a mean of. Weights of
-// groups that are strongly correlated are negative, and where records differ in
-// other ways than one by one they lead away from the values (R. W. Peelle's
-// pertinent puzzle, 1987).
+// True if the weighted mean is far from all its values. Weights of strongly
+// correlated groups are negative. If records differ in more than single groups,
+// these weights lead away from the values (R. W. Peelle's pertinent puzzle,
+// 1987).
 bool IsOutside(const Pool& pool, const std::vector<GroupState>& healthy) {
   for (Eigen::Index j = 0; j < pool.values.size(); ++j) {
     double least = healthy[0].values[j];
@@ -68,7 +68,7 @@ bool IsOutside(const Pool& pool, const std::vector<GroupState>& healthy) {
   return false;
 }
 
-// The mean without weights.
+// Pools the values by their unweighted mean.
 void PoolEqually(const std::vector<GroupState>& healthy, Pool* pool) {
   const double count = static_cast<double>(healthy.size());
   pool->values.setZero();
@@ -85,7 +85,7 @@ Pool PoolHealthy(const std::vector<GroupState>& healthy) {
   const int count = static_cast<int>(healthy.size());
   Pool pool;
   pool.between = Vector::Zero(size);
-  // Moments: what the values scatter beyond their own variances.
+  // Moments: scatter of the values beyond their own variances.
   if (count > 1) {
     for (int j = 0; j < size; ++j) {
       double weights = 0.0;
@@ -121,7 +121,8 @@ Pool PoolHealthy(const std::vector<GroupState>& healthy) {
   return pool;
 }
 
-// Scores of single changes beside those in `found`, and their correlation.
+// Scores of single changes in addition to those in `found`, and their
+// correlation.
 class Scores {
  public:
   Scores(const Matrix& information, const Vector& right,
@@ -154,8 +155,8 @@ class Scores {
   int Group(int index) const { return rest_[static_cast<size_t>(index)]; }
   double z(int index) const { return z_[index]; }
 
-  // P(max |z| >= value) where none of the rest has changed; Student's t of
-  // `degrees` in place of normal scores.
+  // Returns P(max |z| >= value) if none of the rest has changed; with Student's
+  // t of `degrees` in place of normal scores.
   double Exceedance(double value, double degrees, int draws) const {
     const Matrix root =
         Eigen::SelfAdjointEigenSolver<Matrix>(correlation_).operatorSqrt();
@@ -171,7 +172,7 @@ class Scores {
       if (std::isfinite(degrees)) size /= std::sqrt(chi2(random) / degrees);
       count += size >= value;
     }
-    // Never nothing: a share of no draws is not a rate of zero.
+    // The rate is never zero, because the number of draws is finite.
     return (count + 1.0) / (draws + 1.0);
   }
 
@@ -181,8 +182,8 @@ class Scores {
   Vector z_;
 };
 
-// What changes of the groups in `support`, and no others, gain in twice the
-// log-likelihood.
+// Returns the gain in twice the log-likelihood by changes of the groups in
+// `support` alone.
 double Gain(const Matrix& information, const Vector& right,
             const std::vector<int>& support) {
   if (support.empty()) return 0.0;
@@ -211,7 +212,7 @@ std::vector<RivalChange> Rivals(const Matrix& information, const Vector& right,
   return rivals;
 }
 
-// Both sides beside each other.
+// Both sides of the comparison.
 struct Comparison {
   Pool pool;
   Vector healthy_value;  // what a change is a fraction of
@@ -319,9 +320,9 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
   estimate->has_between_records = healthy.size() > 1;
   estimate->between_records =
       pool.between.cwiseSqrt().cwiseQuotient(healthy_value);
-  // The variance between records comes from few of them: the degrees of freedom
-  // of its sum with what is known (F. E. Satterthwaite, Biometrics Bull. 2
-  // (1946) 110-114), of the group where it matters most.
+  // The variance between records comes from few of them. Degrees of freedom of
+  // its sum with the known covariance (F. E. Satterthwaite, Biometrics Bull. 2
+  // (1946) 110-114), for the group with the fewest.
   double degrees = std::numeric_limits<double>::infinity();
   for (int j = 0; j < size; ++j) {
     const double between = estimate->between_records[j];
@@ -335,7 +336,7 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
 
   std::vector<int> found;
   Vector p_values = Vector::Ones(size);
-  // A group may enter, leave and enter again: not for ever.
+  // A group may enter, leave and enter again; the limit ends such cycles.
   const Eigen::Index max_rounds = 3 * size;
   for (Eigen::Index round = 0;
        round < max_rounds && static_cast<Eigen::Index>(found.size()) < size;
@@ -348,7 +349,7 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
     p_values[group] = p;
     if (p > options.false_alarm_rate) break;
     found.push_back(group);
-    // Those that the newcomer explains leave again, the least needed first.
+    // Groups that the newcomer explains leave again, the least needed first.
     for (bool any = true; any && found.size() > 1;) {
       any = false;
       double worst = 1.0;

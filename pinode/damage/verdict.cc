@@ -11,26 +11,29 @@ namespace pinode {
 namespace {
 
 constexpr double kConfidence = 0.95;
-// A sentence with more names is read by nobody; the table has them all.
+// Largest number of names in a sentence; the table has them all.
 constexpr size_t kMostNames = 4;
-// Of the largest nonlinear force: less may be what its form leaves over.
+// Share of the largest nonlinear force below which a force may be due to the
+// form of that one.
 constexpr double kMinorForce = 0.25;
-// Of the restoring force; nobody calls a structure nonlinear for less.
+// Share of the restoring force below which a structure does not count as
+// nonlinear.
 constexpr double kLeastForce = 0.01;
 
-// Healthy records of a structure differ by less. A clock that is half a sample
-// off misses 14 times as much, damage where no group is 13 times, a gap that is
-// looked for as smooth forces 37 times, all else that was looked for and found
-// 0.3 to 0.8 times.
+// Ratio of the unexplained motion to that of the baselines, which differ by
+// less. Measured ratios: a clock that is half a sample off 14, damage where
+// there is no group 13, a gap sought as smooth forces 37, all changes that were
+// sought and found 0.3 to 0.8.
 constexpr double kMostMissed = 3.0;
-// Too little for anything but small changes to stand in for it.
+// Unexplained motion so small that it can cause only small changes.
 constexpr double kLittleMissed = 0.02;
-// What the gap leaves is half of what groups alone do, and 1.7 times its part
-// of the restoring force; where clocks are off 0.9 and 3 or more.
+// Limits for a nonlinear force. A gap leaves half of the motion that groups
+// alone leave, and 1.7 times its share of the restoring force. Wrong clocks
+// leave 0.9 and 3 or more.
 constexpr double kMostOfGroups = 0.7;
 constexpr double kMostOfForce = 2.5;
 
-// Each once: several terms may describe one place. The first few.
+// Joins the first few texts, each once: several terms may describe one place.
 std::string Join(const std::vector<std::string>& texts) {
   std::vector<std::string> different;
   for (const std::string& text : texts) {
@@ -56,10 +59,10 @@ std::string Percent(double fraction) {
   return FormatNumber(100.0 * fraction, 3) + " %";
 }
 
-// P(Z > z).
+// Returns P(Z > z).
 double UpperTail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
 
-// The probability of a change, in the direction that it has, beyond the
+// Returns the probability of a change, in its estimated direction, beyond the
 // threshold.
 double ProbabilityBeyond(const ChangeSubject& subject,
                          const GroupChange& change, double threshold) {
@@ -140,17 +143,17 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
   return reasons;
 }
 
-// What was found, in words, by what it means.
+// Findings in words, by their meaning.
 struct Findings {
   std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
       unsure, unexplained;
   bool has_large_loss = false;  // among `damaged`
-  // Rivals of another kind, and of the same.
+  // Rivals of another kind, and of the same kind.
   std::vector<std::string> ambiguous, instead;
   std::string missed;  // empty: nothing is
 };
 
-// A change with a rival of another kind does not count.
+// Adds rivals: a change with a rival of another kind does not count.
 void AddRivals(const std::vector<ChangeSubject>& subjects,
                const ChangeEstimate& estimate, std::vector<Reason>* reasons,
                Findings* findings) {
@@ -169,7 +172,7 @@ void AddRivals(const std::vector<ChangeSubject>& subjects,
   }
 }
 
-// Of a subject that counts as changed.
+// Adds a subject that counts as changed.
 void AddChange(const ChangeSubject& subject, const GroupChange& change,
                const ChangeOptions& options, double largest_force,
                Findings* findings) {
@@ -188,7 +191,7 @@ void AddChange(const ChangeSubject& subject, const GroupChange& change,
   }
 }
 
-// Large ones first.
+// Returns the subjects by size, large ones first.
 std::vector<size_t> BySize(const std::vector<ChangeSubject>& subjects,
                            const ChangeEstimate& estimate) {
   std::vector<size_t> order(subjects.size());
@@ -237,7 +240,7 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
   }
 }
 
-// The verdict and its first sentence.
+// Decides the verdict and its first sentence.
 void Decide(const Findings& findings, const ChangeOptions& options,
             Judgement* judgement) {
   const std::string threshold = Percent(options.threshold);
@@ -294,9 +297,9 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
         "and one healthy record does not show how much records differ: " +
         Join(findings.formal) + ".";
   }
-  // A nonlinear force of another form than those tried for it leaves something
-  // for all others to explain; which of them do it best is of no interest. Nor
-  // is what else stands in for what was not looked for.
+  // A nonlinear force of another form than those tried leaves an error that
+  // other subjects seem to explain. Which of them do it best is of no interest.
+  // The same holds for side effects of causes that were not examined.
   if (judgement->verdict != DamageVerdict::kNonlinear &&
       findings.missed.empty()) {
     if (!findings.ambiguous.empty()) {

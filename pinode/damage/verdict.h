@@ -1,4 +1,4 @@
-// From changes to what is said about a structure.
+// Verdict on a structure from its changes.
 
 #ifndef PINODE_DAMAGE_VERDICT_H_
 #define PINODE_DAMAGE_VERDICT_H_
@@ -19,57 +19,59 @@ enum class DamageVerdict {
   kCannotTell
 };
 
-// "no_damage", "damage", "nonlinear", "other_change", "cannot_tell".
+// Returns "no_damage", "damage", "nonlinear", "other_change" or "cannot_tell".
 const char* DamageVerdictName(DamageVerdict verdict);
 
 enum class ChangeKind { kStiffness, kDamping, kMass, kNonlinear };
 
-// "stiffness", "damping", "mass", "nonlinear".
+// Returns "stiffness", "damping", "mass" or "nonlinear".
 const char* ChangeKindName(ChangeKind kind);
 ChangeKind KindOf(MatrixGroup::Target target);
 
-// What may have changed: an entry of a ChangeEstimate.
+// Subject of a possible change: an entry of a ChangeEstimate.
 struct ChangeSubject {
   std::string name;  // of the parameter
   ChangeKind kind = ChangeKind::kStiffness;
-  // Where, for kMass and kNonlinear that are no groups of the user's.
+  // Place of kMass and kNonlinear, if they are no groups of the user's.
   std::string place;
   std::string dof;  // kNonlinear: "u1", or "u1-u2" of a force between two
-  // kNonlinear: RMS of its force as a fraction of the restoring force's.
+  // RMS of the force as a fraction of the restoring force's; kNonlinear only.
   double force_share = 0.0;
 };
 
-// Why a change counts, or does not.
+// Reason for which a change counts, or does not.
 enum class Reason {
   kNone,
-  // Beyond the threshold with 95 % probability.
+  // Loss beyond the threshold with 95 % probability.
   kBeyondThreshold,
-  // Significant against the differences between healthy records.
+  // Significant compared with the differences between baselines.
   kBetweenRecords,
-  // Significant by the intervals alone, which do not know how much healthy
-  // records differ: formally, no more.
+  // Significant by the intervals alone: with one baseline the normal scatter is
+  // unknown.
   kFormal,
-  // A loss beyond the threshold is neither shown nor ruled out.
+  // Loss beyond the threshold neither shown nor ruled out.
   kUndetermined,
-  // Something of another kind explains it nearly as well.
+  // Change of another kind explains the data nearly as well.
   kAmbiguous,
-  // Far more than it is missed of the motion: it may stand in for something
-  // else.
+  // Much more motion is unexplained than in the baselines: the change may be a
+  // side effect of another cause.
   kUnexplained,
 };
 
-// What a model misses of the motion of records and is no noise, as fractions.
+// Unexplained motion of a model, without noise, as fractions.
 struct MissedMotion {
-  double healthy = 0.0;  // by healthy records
-  double groups = 0.0;   // of the new ones, with groups alone
-  double last = 0.0;     // with all that was found; 0: cannot be told
+  double healthy = 0.0;  // of the baselines
+  double groups = 0.0;   // of the new records, with groups alone
+  double last = 0.0;     // with all found changes; 0: unknown
 
-  // Much more than of healthy records: of what has changed in the structure, in
-  // its loads or in its sensors a part is nothing that was looked for.
+  // True if much more is unexplained than in the baselines: part of the change
+  // in the structure, its loads or its sensors is of a kind that was not
+  // examined.
   bool IsMore() const;
-  // A nonlinear force of this part of the restoring force is still one where it
-  // explains much of what groups alone miss, and is not small beside what is
-  // left, which its form may leave.
+  // True if a nonlinear force with this share of the restoring force is
+  // confirmed. It must explain much of the motion that groups alone leave, and
+  // must not be small compared with the remaining unexplained motion, which may
+  // be due to its form.
   bool LeavesForce(double force_share) const;
 };
 
@@ -79,19 +81,19 @@ struct Judgement {
   std::string sentence;
 };
 
-// One subject for each entry of the estimate.
+// Judges the changes, with one subject for each entry of the estimate.
 //
 //   nonlinear     a nonlinear force has appeared, beyond the threshold or
 //                 against the differences between records, and of at least 1 %
 //                 of the restoring force
-//   damage        else as much of a loss of stiffness
-//   other_change  else as much of damping, mass, a gain of stiffness, or a
-//                 smaller nonlinear force
+//   damage        otherwise, a loss of stiffness by the same criteria
+//   other_change  otherwise, a change of damping or mass, a gain of stiffness,
+//                 or a smaller nonlinear force
 //   cannot_tell   none of these, but one of them with a rival of another kind,
 //                 or a stiffness group that may have lost more than the
 //                 threshold with more than 5 % probability; or, whatever was
-//                 found, what is missed of the motion is more
-//   no_damage     none, and none may
+//                 found, more motion is unexplained
+//   no_damage     none, and none is possible
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,
                       const ChangeOptions& options,

@@ -10,13 +10,13 @@
 namespace pinode {
 namespace {
 
-// Of columns and a right-hand side of length 1.
+// Tolerances for columns and a right-hand side of length 1.
 constexpr double kOptimalityTolerance = 1e-12;
 constexpr double kRankTolerance = 1e-13;
-// What an entry may violate that cannot be made to enter.
+// Accepted violation of an entry that cannot be made to enter.
 constexpr double kRoundingTolerance = 1e-9;
 
-// The problem in units in which b and all columns have length 1.
+// Problem in units in which b and all columns have length 1.
 struct Faces {
   Matrix A;
   Vector b;
@@ -25,18 +25,18 @@ struct Faces {
 
   Vector z;
   std::vector<int> active;
-  // Of active entries that must not cross zero; 0: may.
+  // Sides of active entries that must not cross zero; 0: may cross.
   std::vector<int> side;
 
-  // Step of the active entries to the solution of their face, or, where their
-  // columns depend on each other, along which the residual does not change and
-  // the penalty does not grow (*dependent).
+  // Returns the step of the active entries to the solution of their face. If
+  // their columns depend on each other (*dependent), returns a step along which
+  // the residual does not change and the penalty does not grow.
   Vector Direction(bool* dependent) const;
-  // Takes the step, or that part of it after which an entry reaches zero; true
-  // if there was one. It leaves the active set.
+  // Takes the step, or the part of it after which an entry reaches zero and
+  // leaves the active set; true if there was such an entry.
   bool Step(const Vector& direction, bool dependent);
   Vector Gradient() const { return A.transpose() * (b - A * z); }
-  // By how much entry j, at zero, violates its optimality condition.
+  // Returns the violation of its optimality condition by entry j, at zero.
   double Violation(int j, double gradient) const {
     const int sign = signs[static_cast<size_t>(j)];
     return (sign == 0 ? std::abs(gradient) : sign * gradient) - penalty[j];
@@ -78,9 +78,9 @@ Vector Faces::Direction(bool* dependent) const {
 bool Faces::Step(const Vector& direction, bool dependent) {
   double length = dependent ? std::numeric_limits<double>::infinity() : 1.0;
   int leaving = -1;
-  // Along a dependence the entries that may cross zero leave there too: any
-  // way to get rid of one of the columns will do. If the direction meets none,
-  // the opposite one, along which the penalty is then the same, does.
+  // Along a dependence the entries that may cross zero leave there too: any one
+  // of the columns may be removed. If the direction meets none, the opposite
+  // direction, with the same penalty, does.
   for (const double sense : {1.0, -1.0}) {
     for (size_t i = 0; i < active.size(); ++i) {
       const int j = active[i];
@@ -160,7 +160,7 @@ ActiveSetSolution SolveActiveSet(const Matrix& A, const Vector& b,
   }
 
   const int most_faces = 20 * count + 100;
-  // Entries that left as soon as they had entered: their violation is rounding.
+  // Entries that left immediately after entering: their violation is rounding.
   std::vector<bool> blocked(static_cast<size_t>(count), false);
   int entered = -1;
   while (true) {

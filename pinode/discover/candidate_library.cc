@@ -11,7 +11,7 @@
 namespace pinode {
 namespace {
 
-// "a^2*b" of the features' names and their exponents.
+// Returns "a^2*b" from the features' names and their exponents.
 std::string Monomial(const std::vector<std::string>& names,
                      const std::vector<int>& exponents) {
   std::vector<std::string> factors;
@@ -25,7 +25,7 @@ std::string Monomial(const std::vector<std::string>& names,
 }
 
 // Appends the monomials of `degree` in the names from `first` on, the earlier
-// names' exponents being given. False once there are more than allowed.
+// names' exponents being given. Returns false if there are more than allowed.
 bool AppendMonomials(const std::vector<std::string>& names, bool products,
                      int degree, size_t first, std::vector<int>* exponents,
                      std::vector<std::string>* texts) {

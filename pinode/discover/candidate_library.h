@@ -1,4 +1,4 @@
-// The candidates among which discovery looks for the terms of an equation.
+// Candidate functions from which discovery selects the terms of an equation.
 
 #ifndef PINODE_DISCOVER_CANDIDATE_LIBRARY_H_
 #define PINODE_DISCOVER_CANDIDATE_LIBRARY_H_
@@ -21,9 +21,9 @@ class CandidateLibrary {
  public:
   static constexpr int kMaxCandidates = 2000;
 
-  // False, with *library untouched, for an unknown feature, a feature or a
-  // candidate twice, an expression that cannot be read (with its column), no
-  // candidate at all, or more than kMaxCandidates.
+  // Creates a library. Returns false, with *library untouched, for an unknown
+  // feature, a feature or candidate given twice, an expression that cannot be
+  // read (with its column), no candidate at all, or more than kMaxCandidates.
   [[nodiscard]] static bool Create(
       const std::vector<std::string>& feature_names,
       const CandidateLibraryOptions& options, CandidateLibrary* library,
@@ -33,24 +33,25 @@ class CandidateLibrary {
   const std::vector<std::string>& feature_names() const {
     return feature_names_;
   }
-  // Each candidate's text.
+  // Returns the text of each candidate.
   std::vector<std::string> Names() const;
   const LibraryFunction& function(int candidate) const {
     return functions_[static_cast<size_t>(candidate)];
   }
 
-  // Of a monomial its total degree, of the constant 0, else kNotAMonomial.
+  // Total degree of a monomial, 0 of the constant, else kNotAMonomial.
   int degree(int candidate) const {
     return degrees_[static_cast<size_t>(candidate)];
   }
 
-  // theta (samples x size()) at `features` (samples x features). False if an
-  // entry of theta is not finite; *error names candidate and sample.
+  // Computes theta (samples x size()) at `features` (samples x features).
+  // Returns false if an entry of theta is not finite; *error names candidate
+  // and sample.
   [[nodiscard]] bool Evaluate(const Matrix& features, Matrix* theta,
                               std::string* error) const;
 
-  // At one sample: values (size()) and jacobian (size() x features), both set
-  // to the right size.
+  // Computes values (size()) and jacobian (size() x features) at one sample;
+  // sets both to the right size.
   void Linearize(const Vector& features, Vector* values,
                  Matrix* jacobian) const;
 

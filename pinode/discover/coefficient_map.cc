@@ -11,7 +11,7 @@
 namespace pinode {
 namespace {
 
-// Two values for one unknown differ by more than rounding.
+// True if two values for one unknown differ by more than rounding.
 bool Differ(double a, double b) {
   return std::abs(a - b) > 1e-12 * std::max(std::abs(a), std::abs(b));
 }
@@ -82,7 +82,7 @@ bool CoefficientMap::Create(
     return true;
   };
 
-  // Equalities first: the other conditions then speak of whole groups.
+  // Equalities come first: the other conditions then apply to whole groups.
   for (const CoefficientConstraint& constraint : constraints) {
     if (constraint.kind != CoefficientConstraint::Kind::kEqual) continue;
     const size_t members = constraint.coefficients.size();

@@ -35,10 +35,10 @@ std::vector<std::string> NamesOf(const std::vector<Feature>& features,
   return names;
 }
 
-// RMS of what moves the DOFs of one output (a column of NetworkTerm::outputs),
-// in its unit. cause: accelerations or forces, DOFs x samples.
+// Returns the RMS of the accelerations or forces on the DOFs of one output (a
+// column of NetworkTerm::outputs), in its unit. `cause`: DOFs x samples.
 double ScaleOf(const Vector& output, const Matrix& cause) {
-  // Of a pair, the DOF that moves less says what matters.
+  // The DOF of a pair that moves less determines the scale.
   double scale = std::numeric_limits<double>::infinity();
   for (Eigen::Index dof = 0; dof < output.size(); ++dof) {
     if (output[dof] == 0.0) continue;
@@ -48,7 +48,7 @@ double ScaleOf(const Vector& output, const Matrix& cause) {
   return scale;
 }
 
-// The equations of network j.
+// Finds the equations of network j.
 bool FindEquationsOf(const StructuralDynamics& dynamics, size_t j,
                      const DiscoveryOptions& options,
                      const NetworkOutputs& data,
@@ -126,7 +126,7 @@ bool CheckOptions(const StructuralDynamics& dynamics,
   return true;
 }
 
-// What the records alone cannot answer.
+// Checks that records alone suffice for the options.
 bool CheckForRecords(const StructuralDynamics& dynamics,
                      const DiscoveryOptions& options, std::string* error) {
   if (dynamics.num_internal() > 0) {

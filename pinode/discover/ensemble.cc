@@ -13,17 +13,17 @@
 namespace pinode {
 namespace {
 
-// Of bags drawn with replacement: the variance of what is fitted to them is
-// twice that of a fit to as many independent samples.
+// Evidence of a bag drawn with replacement: the variance of its fit is twice
+// that of a fit to as many independent samples.
 constexpr double kBagEvidence = 0.5;
 
-// Uniform in [0, count); std::uniform_int_distribution gives different numbers
-// with every standard library.
+// Draws uniformly in [0, count). std::uniform_int_distribution gives different
+// numbers with every standard library.
 int Draw(int count, std::mt19937_64* engine) {
   return static_cast<int>((*engine)() % static_cast<uint64_t>(count));
 }
 
-// Linear between the order statistics; `values` sorted, not empty.
+// Interpolates between the order statistics; `values` sorted, not empty.
 double Percentile(const std::vector<double>& values, double fraction) {
   const double place = fraction * static_cast<double>(values.size() - 1);
   const auto below = static_cast<size_t>(place);
@@ -37,17 +37,18 @@ struct Bag {
   Vector free;
 };
 
-// Which rank has a bag.
+// Returns the rank of a bag.
 int RankOfBag(size_t bag, size_t count, int ranks) {
   return static_cast<int>(bag * static_cast<size_t>(ranks) / count);
 }
 
-// Makes known to all ranks what each has learned from its bags, `count`
-// unknowns each.
+// Distributes each rank's results for its bags to all ranks, `count` unknowns
+// each.
 bool ExchangeBags(Eigen::Index count, Communicator* ranks,
                   std::vector<Bag>* bags) {
   if (ranks->size() == 1) return true;
-  // Offered or not, then coefficients; the bags of a rank follow each other.
+  // Rows: offered or not, then coefficients. The bags of a rank are
+  // consecutive.
   Matrix numbers(2 * count, static_cast<Eigen::Index>(bags->size()));
   std::vector<int64_t> sizes(static_cast<size_t>(ranks->size()), 0);
   for (size_t b = 0; b < bags->size(); ++b) {

@@ -1,4 +1,4 @@
-// Ensembles: how often a term is found again.
+// Ensembles: the frequency with which a term is found again.
 
 #ifndef PINODE_DISCOVER_ENSEMBLE_H_
 #define PINODE_DISCOVER_ENSEMBLE_H_
@@ -19,26 +19,27 @@
 
 namespace pinode {
 
-// A sparse regression: free unknowns from a condensed problem, 0 where a term
-// is not in the model. Columns that are all 0 are not offered. Called from
+// A sparse regression: returns free unknowns of a condensed problem, 0 for a
+// term outside the model. Columns that are all 0 are not offered. Called from
 // several threads at a time.
 using SparseLearner =
     std::function<Vector(const LeastSquaresSystem&, const CoefficientMap&)>;
 
-// Options must be valid.
+// Returns a learner by STLSQ. Options must be valid.
 SparseLearner StlsqLearner(const StlsqOptions& options);
 
-// The support that BIC chooses on the LASSO's path (penalty_weights and
-// criterion are ignored), fitted without penalty. independent_fraction: how
-// many of the residuals are independent, Selection::num_independent over their
-// number. In BIC they count half of that: a bag strays from the truth as far
-// as its samples do, and once more as far from these, for what it draws twice.
+// Returns a learner that fits, without penalty, the support chosen by BIC on
+// the LASSO's path (penalty_weights and criterion are ignored).
+// independent_fraction: fraction of independent residuals,
+// Selection::num_independent over their number. In BIC they count half of that.
+// A bag deviates from the truth as much as its samples do, and by as much again
+// from these, because it draws some twice.
 SparseLearner LassoLearner(const LassoOptions& lasso,
                            const SelectionOptions& selection,
                            double independent_fraction = 1.0);
 
-// The same, but of the supports the one with the fewest terms that lose at most
-// `tolerance`, an RMS of residuals, against all candidates (SelectByLoss).
+// Returns the same, but chooses the support with the fewest terms that lose at
+// most `tolerance`, an RMS of residuals, against all candidates (SelectByLoss).
 SparseLearner LassoLearnerWithin(double tolerance, const LassoOptions& lasso,
                                  const SelectionOptions& selection,
                                  double independent_fraction = 1.0);
@@ -46,18 +47,18 @@ SparseLearner LassoLearnerWithin(double tolerance, const LassoOptions& lasso,
 struct EnsembleOptions {
   int num_bags = 100;
   // Data bagging: each bag draws, with replacement, as many time blocks as
-  // there are. Blocks, not samples, because neighbouring samples say the same
+  // there are. It draws blocks because neighbouring samples are correlated
   // (Kunsch 1989).
   int num_blocks = 20;
-  // Library bagging: the fraction of the free candidates that each bag is
-  // offered, drawn without replacement; 1: all.
+  // Library bagging: fraction of the free candidates that each bag is offered,
+  // drawn without replacement; 1: all.
   double library_fraction = 1.0;
-  // Terms included at least so often make up the support.
+  // Smallest inclusion probability of the terms in the support.
   double inclusion_threshold = 0.6;
   uint64_t seed = 1;
   int num_threads = 1;
-  // Ranks that share the bags, each of which calls RunEnsemble with the same
-  // problem; nullptr: a single process.
+  // Ranks that share the bags; each calls RunEnsemble with the same problem.
+  // nullptr: a single process.
   Communicator* communicator = nullptr;
 
   // On failure *error names the option and the violated constraint.
@@ -65,29 +66,28 @@ struct EnsembleOptions {
 };
 
 struct Ensemble {
-  // One an entry of the coefficients: the bags that were offered it, and the
-  // fraction of these that included it (0 where there were none, 1 for given
-  // ones).
+  // Per coefficient: the number of bags that were offered it, and the fraction
+  // of these that included it (0 without such bags, 1 for given ones).
   std::vector<int> num_offered;
   Vector inclusion_probability;
-  // Over the bags that included it: median and the percentiles 2.5 and 97.5; 0
-  // where there were none. How far the coefficient moves with the data; not a
-  // confidence interval, for which see the refit.
+  // Median and percentiles 2.5 and 97.5 over the bags that included the
+  // coefficient; 0 without such bags. They show the variation with the data and
+  // are not a confidence interval; the refit gives that.
   Vector median;
   Vector lower;
   Vector upper;
   // Coefficients, not given, with inclusion_probability >= inclusion_threshold,
-  // and the fit of these to all samples, without penalty.
+  // and their fit to all samples, without penalty.
   std::vector<int> support;
   Vector coefficients;
 };
 
-// Ensemble SINDy (U. Fasel, J. N. Kutz, B. W. Brunton, S. L. Brunton,
-// Proceedings of the Royal Society A 478 (2022) 20210904; bagging: L. Breiman
-// 1996): runs `learner` on many bags of time blocks and candidates.
-// Coefficients bound by an equality are offered together. The same seed gives
-// the same bags with any number of threads and ranks. False for an invalid
-// problem or option, or where a rank does not answer.
+// Runs `learner` on many bags of time blocks and candidates: ensemble SINDy (U.
+// Fasel, J. N. Kutz, B. W. Brunton, S. L. Brunton, Proceedings of the Royal
+// Society A 478 (2022) 20210904; bagging: L. Breiman 1996). Coefficients bound
+// by an equality are offered together. The same seed gives the same bags with
+// any number of threads and ranks. Returns false for an invalid problem or
+// option, or if a rank does not answer.
 [[nodiscard]] bool RunEnsemble(const RegressionProblem& problem,
                                const SparseLearner& learner,
                                const EnsembleOptions& options,

@@ -1,4 +1,4 @@
-// What an equation says along the samples that it was regressed on.
+// Values of an equation along its regression samples.
 
 #ifndef PINODE_DISCOVER_EQUATION_VALUES_H_
 #define PINODE_DISCOVER_EQUATION_VALUES_H_
@@ -12,14 +12,15 @@
 namespace pinode {
 
 struct EquationValues {
-  // sum_k xi_k f_k(q), one value a sample.
+  // Values of sum_k xi_k f_k(q), one per sample.
   Vector sum;
-  // By feature: the sum of the terms that depend on it; empty where none does.
+  // Sum of the terms that depend on a feature, per feature; empty if there is
+  // no such term.
   std::vector<Vector> parts;
 };
 
-// `equation` at the rows of its sample_features. False, with *error, where one
-// of its bases is no function of its features.
+// Evaluates `equation` at the rows of its sample_features. Returns false, with
+// *error, if one of its bases is no function of its features.
 [[nodiscard]] bool EvaluateAtSamples(const DiscoveredEquation& equation,
                                      EquationValues* values,
                                      std::string* error);

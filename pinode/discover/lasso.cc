@@ -15,16 +15,16 @@
 namespace pinode {
 namespace {
 
-// In units in which b and all columns have length 1.
+// Tolerance in units in which b and all columns have length 1.
 constexpr double kEntryTolerance = 1e-10;
-// What an optimal solution without polish may lack, relative to the penalty.
+// Accepted violation of the conditions without polish, relative to the penalty.
 constexpr double kSubgradientTolerance = 1e-5;
-// Starts anew at one lambda; each is followed by a whole minimisation.
+// Largest number of restarts at one lambda; each runs a whole minimisation.
 constexpr int kMaxRestarts = 30;
 
-// Residuals [b - A z; sqrt(penalty) p; sqrt(penalty) q] of the columns of `A`,
-// with z = p q, or z = sign p^2 where the sign is fixed. Parameters: p (and q)
-// of each column in turn.
+// Cost with residuals [b - A z; sqrt(penalty) p; sqrt(penalty) q] of the
+// columns of `A`, with z = p q, or z = sign p^2 where the sign is fixed.
+// Parameters: p (and q) of each column in turn.
 class ProductCost : public ceres::CostFunction {
  public:
   ProductCost(Matrix A, Vector b, Vector penalty, std::vector<int> signs)
@@ -91,7 +91,7 @@ class ProductCost : public ceres::CostFunction {
   std::vector<int> signs_;
 };
 
-// One path. Everything here is scaled: z_j = |A_j| g_j / |b|.
+// Solver of one path. All quantities are scaled: z_j = |A_j| g_j / |b|.
 class PathSolver {
  public:
   PathSolver(const LeastSquaresSystem& system, const CoefficientMap& map,
@@ -102,19 +102,20 @@ class PathSolver {
  private:
   double LambdaMax() const;
   LassoSolution SolveAt(double lambda);
-  // z from z_, which has its signs, by Levenberg-Marquardt on `working`.
+  // Minimises over z from z_, which has its signs, by Levenberg-Marquardt on
+  // `working`.
   void Minimize(const std::vector<int>& working, const Vector& penalty,
                 LassoSolution* solution);
-  // Gives each column at 0 that violates its condition a value; they and the
-  // columns not at 0 are returned. *num_entered: how many did.
+  // Gives each column at 0 that violates its condition a value. Returns these
+  // and the columns not at 0. *num_entered: number of the former.
   std::vector<int> Enter(const Vector& penalty, int* num_entered);
   Vector Gradient() const { return A_.transpose() * (b_ - A_ * z_); }
-  // Towards the column's permitted sides.
+  // Returns the gradient towards the column's permitted sides.
   double Pull(int j, double gradient) const {
     const int sign = map_.signs()[static_cast<size_t>(j)];
     return sign == 0 ? std::abs(gradient) : sign * gradient;
   }
-  // Fills all but the counters.
+  // Fills all members but the counters.
   void Report(const Vector& penalty, LassoSolution* solution) const;
 
   const LeastSquaresSystem& system_;
@@ -178,7 +179,7 @@ std::vector<int> PathSolver::Enter(const Vector& penalty, int* num_entered) {
     if (z_[j] == 0.0 && usable_[static_cast<size_t>(j)]) {
       const double violation = Pull(j, gradient[j]) - penalty[j];
       if (violation > kEntryTolerance) {
-        // Where this column alone would have its minimum.
+        // Minimum for this column alone.
         z_[j] = gradient[j] > 0.0 ? violation : -violation;
         ++*num_entered;
       }
@@ -232,8 +233,8 @@ LassoSolution PathSolver::SolveAt(double lambda) {
   LassoSolution solution;
   solution.lambda = lambda;
   const Vector penalty = lambda / size_ * weights_;
-  // Columns that are about to leave tend to zero only in the limit. They leave
-  // for good where zero is optimal for them by themselves.
+  // Columns that are about to leave tend to zero only in the limit. They are
+  // removed if zero is optimal for each by itself.
   const auto drop = [&]() {
     const Vector gradient = Gradient();
     for (int j = 0; j < static_cast<int>(z_.size()); ++j) {

@@ -14,7 +14,7 @@
 namespace pinode {
 
 struct LassoOptions {
-  // The path's lambdas, descending and positive. Empty: num_lambdas of them in
+  // Lambdas of the path, descending and positive. Empty: num_lambdas of them in
   // equal ratios from lambda_max, where the first coefficient enters, down to
   // smallest_ratio * lambda_max.
   std::vector<double> lambdas;
@@ -22,21 +22,21 @@ struct LassoOptions {
   double smallest_ratio = 1e-4;
 
   // Penalty of each coefficient (positive, given ones ignored): lambda w_j
-  // |xi_j|. Empty: its column's Euclidean norm, in units of the output's sigma,
-  // so that neither the candidates' units nor those of the output matter. Ones:
-  // the LASSO as it stands.
+  // |xi_j|. Empty: its column's Euclidean norm, in units of the output's sigma.
+  // The result then depends neither on the candidates' units nor on the
+  // output's. Ones: the original LASSO.
   Vector penalty_weights;
 
-  // The path ends behind the first solution with more free coefficients; 0:
-  // never.
+  // Largest number of free coefficients: the path ends after the first solution
+  // with more. 0: no limit.
   int max_support = 0;
 
-  // Whether the solution of Levenberg-Marquardt, which finds support and signs,
+  // True: the solution of Levenberg-Marquardt, which finds support and signs,
   // is replaced by that of the linear system that these imply, see
-  // active_set.h. Without, what accuracy there is comes from the two members
-  // below.
+  // active_set.h. Without it, the two members below determine the accuracy.
   bool polish = true;
-  // Of Levenberg-Marquardt at each lambda; relative change of the cost.
+  // Limits of Levenberg-Marquardt at each lambda: iterations, and relative
+  // change of the cost.
   int max_num_iterations = 200;
   double function_tolerance = 1e-6;
 
@@ -44,26 +44,27 @@ struct LassoOptions {
   [[nodiscard]] bool IsValid(int num_coefficients, std::string* error) const;
 };
 
-// The solution at one lambda.
+// Solution at one lambda.
 struct LassoSolution {
   double lambda = 0.0;
-  // 1/2 |y - Theta xi|^2 + lambda sum_j w_j |xi_j|, without the penalty of
-  // given coefficients; residuals in units of sigma.
+  // Objective 1/2 |y - Theta xi|^2 + lambda sum_j w_j |xi_j|, without the
+  // penalty of given coefficients; residuals in units of sigma.
   double objective = 0.0;
-  // The objective is at most this much above its minimum: the difference to a
-  // feasible point of the dual problem, which is the residual scaled back until
-  // |Theta_j' r| <= lambda w_j everywhere (Kim, Koh, Lustig, Boyd, Gorinevsky
-  // 2007).
+  // Upper bound of the objective's distance from its minimum. It is the
+  // difference to a feasible point of the dual problem: the residual scaled
+  // back until |Theta_j' r| <= lambda w_j for all j (Kim, Koh, Lustig, Boyd,
+  // Gorinevsky 2007).
   double duality_gap = 0.0;
-  // Of all candidates, in their own units; exactly 0 outside the support and
-  // the given ones.
+  // Coefficients of all candidates, in their own units; exactly 0 outside the
+  // support and the given ones.
   Vector coefficients;
-  // The coefficients, not given, that the optimality conditions allow to differ
+  // Coefficients, not given, that the optimality conditions allow to differ
   // from zero: Theta_j'r = lambda w_j sign(xi_j).
   std::vector<int> support;
-  // The optimality conditions hold.
+  // True if the optimality conditions hold.
   bool converged = false;
-  // Levenberg-Marquardt iterations, and linear systems solved by the polish.
+  // Numbers of Levenberg-Marquardt iterations, and of linear systems solved by
+  // the polish.
   int num_iterations = 0;
   int num_faces = 0;
 };
@@ -80,13 +81,13 @@ struct LassoPath {
 //
 // (R. Tibshirani, "Regression shrinkage and selection via the lasso", JRSS B 58
 // (1996) 267) under the problem's constraints, for each lambda, beginning at
-// the solution before.
+// the previous solution.
 //
 // With xi = p q (elementwise) the problem is smooth,
 //
 //   min  1/2 |y - Theta (p q)|^2 + lambda/2 sum_j w_j (p_j^2 + q_j^2),
 //
-// has the same minimum, and no local minimum besides (P. D. Hoff, "Lasso,
+// has the same minimum, and no other local minimum (P. D. Hoff, "Lasso,
 // fractional norm and structured sparse estimation using a Hadamard product
 // parametrization", Computational Statistics and Data Analysis 115 (2017) 186):
 // Ceres solves it by Levenberg-Marquardt, in columns of length 1. A coefficient
@@ -103,7 +104,7 @@ struct LassoPath {
                                   const LassoOptions& options, LassoPath* path,
                                   std::string* error);
 
-// The same for a condensed problem; the options must be valid.
+// Solves the same for a condensed problem; the options must be valid.
 LassoPath SolveLassoPath(const LeastSquaresSystem& system,
                          const CoefficientMap& map,
                          const LassoOptions& options);

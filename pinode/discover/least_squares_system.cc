@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// `rows` holds [A b]; num_residuals is left to the caller.
+// Triangularises `rows`, which holds [A b]; the caller sets num_residuals.
 LeastSquaresSystem Triangularize(const Matrix& rows) {
   const Eigen::Index free = rows.cols() - 1;
   LeastSquaresSystem system;
@@ -44,7 +44,7 @@ LeastSquaresSystem Condense(const RegressionProblem& problem,
   int coefficient = 0;
   for (const RegressionOutput& output : problem.outputs) {
     const int candidates = static_cast<int>(output.candidates.size());
-    // Only the columns that this output knows take part in its QR.
+    // Only the columns of this output take part in its QR.
     std::vector<int> local(static_cast<size_t>(free), -1);
     std::vector<int> columns;
     for (int j = 0; j < candidates; ++j) {

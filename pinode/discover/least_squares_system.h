@@ -1,4 +1,4 @@
-// A regression reduced to what least squares needs of it.
+// A regression condensed for least squares.
 
 #ifndef PINODE_DISCOVER_LEAST_SQUARES_SYSTEM_H_
 #define PINODE_DISCOVER_LEAST_SQUARES_SYSTEM_H_
@@ -11,8 +11,7 @@
 
 namespace pinode {
 
-// The residuals of a regression in its free unknowns g, turned by orthogonal
-// transformations (QR) into
+// Residuals of a regression in its free unknowns g, transformed by QR into
 //
 //   |y - Theta xi(g)|^2 = |b - A g|^2 + rest     (residuals in units of sigma)
 //
@@ -23,7 +22,7 @@ struct LeastSquaresSystem {
   Matrix A;  // rows x free unknowns, rows <= free unknowns
   Vector b;
   double rest = 0.0;
-  // Samples times outputs behind it.
+  // Number of residuals: samples times outputs.
   Eigen::Index num_residuals = 0;
 
   int num_free() const { return static_cast<int>(A.cols()); }
@@ -32,22 +31,23 @@ struct LeastSquaresSystem {
   }
 };
 
-// The samples of `block`; the problem must be valid and `map` its own.
+// Condenses the samples of `block`. The problem must be valid and `map` its
+// own.
 LeastSquaresSystem Condense(const RegressionProblem& problem,
                             const CoefficientMap& map, const TimeBlock& block);
-// All samples.
+// Condenses all samples.
 LeastSquaresSystem Condense(const RegressionProblem& problem,
                             const CoefficientMap& map);
 
-// The systems together, systems[i] counted multiplicities[i] times (0: left
-// out). At least one must count.
+// Combines the systems, with systems[i] counted multiplicities[i] times (0:
+// left out). At least one must count.
 LeastSquaresSystem Combine(const std::vector<LeastSquaresSystem>& systems,
                            const std::vector<int>& multiplicities);
 
-// The least-squares solution on the unknowns in `support`, the others being 0,
-// under the map's signs (Lawson and Hanson, "Solving Least Squares Problems",
-// 1974, chapter 23). Unknowns whose columns depend on each other share their
-// part in no particular way. ridge: adds ridge * sum_i (|A_i| g_i)^2.
+// Returns the least-squares solution on the unknowns in `support`, the others
+// being 0, under the map's signs (Lawson and Hanson, "Solving Least Squares
+// Problems", 1974, chapter 23). If columns depend on each other, the split
+// between their unknowns is arbitrary. ridge: adds ridge * sum_i (|A_i| g_i)^2.
 Vector FitSupport(const LeastSquaresSystem& system, const CoefficientMap& map,
                   const std::vector<int>& support, double ridge = 0.0);
 

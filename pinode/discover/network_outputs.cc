@@ -14,7 +14,7 @@
 namespace pinode {
 namespace {
 
-// Of network j along the samples, samples x outputs.
+// Evaluates network j along the samples, samples x outputs.
 Matrix EvaluateNetwork(const StructuralDynamics& dynamics, size_t j,
                        const Vector& parameters,
                        const TrajectorySamples& samples) {
@@ -36,7 +36,7 @@ Matrix EvaluateNetwork(const StructuralDynamics& dynamics, size_t j,
   return outputs;
 }
 
-// The model without networks: they are 0 where all their weights are.
+// Prepares the model without networks: they are 0 if all their weights are.
 bool PrepareWithoutNetworks(const StructuralDynamics& dynamics,
                             const Vector& parameters,
                             StructuralDynamics::Prepared* prepared,
@@ -71,7 +71,7 @@ void AppendColumns(const Matrix& more, Matrix* all) {
   all->rightCols(more.cols()) = more;
 }
 
-// What the accelerations of smoothed records have beyond those of a model.
+// Differences between accelerations of smoothed records and those of a model.
 class MissingAccelerations {
  public:
   MissingAccelerations(const StructuralDynamics& dynamics,
@@ -122,7 +122,7 @@ class MissingAccelerations {
   Matrix variance_;
 };
 
-// missing = sum_j B_j y_j for y, by least squares.
+// Solves missing = sum_j B_j y_j for y, by least squares.
 bool SolveForOutputs(const StructuralDynamics& dynamics,
                      const StructuralDynamics::Prepared& prepared,
                      const MissingAccelerations& missing,

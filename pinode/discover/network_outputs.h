@@ -1,4 +1,4 @@
-// What the networks of a model stand for, along samples of the records.
+// Outputs of a model's networks along samples of the records.
 
 #ifndef PINODE_DISCOVER_NETWORK_OUTPUTS_H_
 #define PINODE_DISCOVER_NETWORK_OUTPUTS_H_
@@ -13,32 +13,33 @@
 
 namespace pinode {
 
-// All networks at common samples, each in its output's unit.
+// Outputs of all networks at common samples, each in its own unit.
 struct NetworkOutputs {
   TrajectorySamples samples;
-  std::vector<Matrix> outputs;  // samples x outputs, of each network
-  // RMS of the outputs' standard deviation, of each network one an output.
+  std::vector<Matrix> outputs;  // samples x outputs, per network
+  // RMS of the outputs' standard deviation: per network, one value per output.
   std::vector<Vector> uncertainty;
-  Matrix mass;  // of the model that they belong to, DOFs x DOFs
+  Matrix mass;  // of their model, DOFs x DOFs
 };
 
-// What trained networks say along the free runs of the training records. False
-// for a run that is not finite.
+// Computes the outputs of trained networks along the simulations of the
+// training records. Returns false for a run that is not finite.
 [[nodiscard]] bool OutputsOfTrainedNetworks(
     const IdentificationProblem& problem, const IdentifiedModel& model,
     NetworkOutputs* result, std::string* error);
 
-// What networks would have to supply by the smoothed training records (Lai et
-// al. (2021), eqs. (8) and (9)): with accelerations a of SmoothRecord and those
-// of the model without networks, its parameters at their initial values,
+// Computes the outputs that networks must supply to match the smoothed training
+// records (Lai et al. (2021), eqs. (8) and (9)). With accelerations a of
+// SmoothRecord and those of the model without networks, its parameters at their
+// initial values,
 //
 //   a - a_model(h, u) = sum_j B_j y_j,
 //
-// B_j being the network's map to accelerations, solved by least squares for
-// all y_j at once. Samples of which the records know little are left out
-// (WellKnownSamples). *begin: what a refit may begin with, its noise levels and
-// free starts those of the smoothed records. False for a DOF that the records
-// do not show, and outputs that accelerations do not tell apart.
+// where B_j is the network's map to accelerations, solved by least squares for
+// all y_j at once. Samples with a large uncertainty are left out
+// (WellKnownSamples). *begin: initial model of a refit, with noise levels and
+// free starts of the smoothed records. Returns false for a DOF that the records
+// do not determine, and for outputs that accelerations do not distinguish.
 [[nodiscard]] bool OutputsFromRecords(const IdentificationProblem& problem,
                                       NetworkOutputs* result,
                                       IdentifiedModel* begin,

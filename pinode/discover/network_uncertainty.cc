@@ -14,7 +14,7 @@
 namespace pinode {
 namespace {
 
-// The samples of the records among those of every Runge-Kutta step.
+// Samples of the records among those of every Runge-Kutta step.
 struct RecordNodes {
   std::vector<Eigen::Index> columns;  // in the samples
   std::vector<Matrix> trajectories;   // num_states x samples, a training record
@@ -38,7 +38,8 @@ RecordNodes NodesOf(const TrajectorySamples& samples) {
   return nodes;
 }
 
-// Noise levels of the training records. False where the model has none.
+// Returns the noise levels of the training records; false if the model has
+// none.
 bool NoiseLevels(const IdentificationProblem& problem,
                  const IdentifiedModel& model, std::vector<Vector>* sigmas) {
   for (size_t r = 0; r < problem.records.size(); ++r) {
@@ -55,13 +56,14 @@ bool NoiseLevels(const IdentificationProblem& problem,
   return true;
 }
 
-// H = D L L' D of the free parameters.
+// Information matrix H = D L L' D of the free parameters.
 struct Information {
   Vector scale;  // the diagonal of D
   Matrix lower;
 };
 
-// False where the model does not tell, or H is not finite.
+// Computes the information; false if the model has no noise levels, or H is not
+// finite.
 bool InformationAt(const IdentificationProblem& problem,
                    const IdentifiedModel& model, const ParameterLayout& layout,
                    const std::vector<Matrix>& trajectories,
@@ -83,8 +85,8 @@ bool InformationAt(const IdentificationProblem& problem,
       !system.hessian.allFinite()) {
     return false;
   }
-  // Directions in which nothing is determined would make up any uncertainty,
-  // also where the output does not change along them.
+  // Undetermined directions would produce any uncertainty, also if the output
+  // does not change along them.
   information->scale = system.hessian.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Vector& scale = information->scale;
   const Matrix hessian = scale.cwiseInverse().asDiagonal() * system.hessian *
@@ -92,7 +94,8 @@ bool InformationAt(const IdentificationProblem& problem,
   return FactorizeInformation(hessian, &information->lower);
 }
 
-// Of the outputs of network j at the samples in `columns`.
+// Returns the standard deviations of the outputs of network j at the samples in
+// `columns`.
 Matrix OutputSigma(const IdentificationProblem& problem,
                    const IdentifiedModel& model, const ParameterLayout& layout,
                    const Information& information,

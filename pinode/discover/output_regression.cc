@@ -56,7 +56,7 @@ class OutputRegression {
   const RegressionOutput& output() const { return problem_.outputs[0]; }
   double num_samples() const { return static_cast<double>(output().y.size()); }
 
-  // Columns of Theta, and their degrees.
+  // Adds columns of Theta, and their degrees.
   bool AddCandidates(bool without_slope, std::string* error) {
     const DiscoveryOptions::Output* own = options_.Find(equation_.output);
     const std::vector<std::string>& features = equation_.feature_names;
@@ -138,12 +138,14 @@ class OutputRegression {
     }
   }
 
-  // Nothing can be asked of what is regressed beyond its own uncertainty.
+  // Returns the tolerance. It is not below the uncertainty of the regressed
+  // values.
   double Tolerance() const {
     return std::max(options_.tolerance, std::min(equation_.uncertainty, 0.5));
   }
 
-  // The fewest terms that lose less than the tolerance against all candidates.
+  // Returns the fewest terms that lose less than the tolerance against all
+  // candidates.
   const SelectionEntry& Choose(const Selection& selection) const {
     const LeastSquaresSystem system = Condense(problem_, map_);
     std::vector<int> all(static_cast<size_t>(map_.num_free()));
@@ -157,7 +159,8 @@ class OutputRegression {
           std::max(0.0, entry.sum_of_squares - least) / num_samples());
       if (lost <= Tolerance()) return entry;
     }
-    // None reaches it where a support is too large for every path.
+    // No entry reaches the tolerance if its support is too large for every
+    // path.
     return selection.best();
   }
 
@@ -190,7 +193,8 @@ class OutputRegression {
                      });
   }
 
-  // What is fitted to each bag: the same share of the whole as in the choice.
+  // Returns the learner for each bag: it fits the same share of the whole as in
+  // the choice.
   SparseLearner Learner(const Selection& selection) const {
     if (options_.solver == DiscoveryOptions::Solver::kStlsq) {
       const double output_rms = std::max(equation_.output_rms, 1e-300);

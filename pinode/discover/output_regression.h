@@ -11,7 +11,7 @@
 
 namespace pinode {
 
-// Regresses `y` (one value a sample, in the output's unit) on candidates made
+// Regresses `y` (one value per sample, in the output's unit) on candidates made
 // of `features` (samples x features, as equation->feature_names),
 //
 //   y = Theta(q) xi   (Lai et al. (2021), eq. (7)),
@@ -20,17 +20,17 @@ namespace pinode {
 //
 //   sqrt((SSR - SSR_min) / samples) <= tolerance * scale,
 //
-// SSR_min being that of all candidates together, and the tolerance that of the
-// options or the equation's uncertainty where that is more (at most one half).
-// Supports are proposed by the solver's path and what lies below it
-// (SelectSupport); coefficients are those of FitRobustly.
+// where SSR_min is that of all candidates together. The tolerance is that of
+// the options, or the equation's uncertainty if that is larger (at most one
+// half). Supports are proposed by the solver's path and by elimination from it
+// (SelectSupport). Coefficients are those of FitRobustly.
 //
-// `equation` comes with names, scale and uncertainty; what is regressed,
-// candidates, Pareto curve and terms are added. record_starts: first sample of
-// each record. without_slope: leaves out candidates that are features as they
-// stand (see DiscoverFromNetworks). False for a candidate that cannot be
-// evaluated, none that is left, or conditions on what is no candidate; *error
-// names the network and the output.
+// On entry `equation` has names, scale and uncertainty. The function adds
+// regressed values, candidates, Pareto curve and terms. record_starts: first
+// sample of each record. without_slope: leaves out candidates that are plain
+// features (see DiscoverFromNetworks). Returns false for a candidate that
+// cannot be evaluated, if no candidate is left, or for constraints on unknown
+// candidates; *error names the network and the output.
 [[nodiscard]] bool RegressOutput(const DiscoveryOptions& options,
                                  const Matrix& features,
                                  const std::vector<Eigen::Index>& record_starts,

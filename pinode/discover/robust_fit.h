@@ -1,4 +1,4 @@
-// Coefficients that a few bad samples do not move.
+// Robust coefficients, insensitive to a few bad samples.
 
 #ifndef PINODE_DISCOVER_ROBUST_FIT_H_
 #define PINODE_DISCOVER_ROBUST_FIT_H_
@@ -10,7 +10,7 @@
 
 namespace pinode {
 
-// The coefficients of the terms in entry.support by Huber's M-estimator
+// Returns the coefficients of the terms in entry.support by Huber's M-estimator
 // (P. J. Huber, Annals of Mathematical Statistics 35 (1964) 73),
 //
 //   min sum_i rho(r_i),  r = y - Theta xi,
@@ -19,8 +19,8 @@ namespace pinode {
 // by reweighted least squares from entry.coefficients, with c = 1.345 robust
 // standard deviations of the residuals (1.4826 times their median), under the
 // conditions of `map`. A network is most wrong where the trajectories pass
-// once, at their largest displacements, and least squares would follow it there
-// most of all. `problem`: of one output, valid, `map` its own.
+// once, at their largest displacements. Least squares would follow it most
+// closely there. `problem`: of one output, valid, `map` its own.
 Vector FitRobustly(const RegressionProblem& problem, const CoefficientMap& map,
                    const SelectionEntry& entry);
 

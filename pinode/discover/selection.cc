@@ -12,7 +12,7 @@
 namespace pinode {
 namespace {
 
-// Differences of BIC below this are no evidence.
+// Differences of BIC below this are not significant.
 constexpr double kBicMargin = 2.0;
 
 // A support of free unknowns and its fit.
@@ -29,12 +29,12 @@ class Selector {
   Selector(LeastSquaresSystem system, const CoefficientMap& map,
            const SelectionOptions& options)
       : system_(std::move(system)), map_(map), options_(options) {
-    // Residuals of the model that has nothing but what is given.
+    // Residuals of the model with given terms only.
     floor_ = options.noise_floor * options.noise_floor *
              (system_.b.squaredNorm() + system_.rest);
   }
 
-  // blocks: together the samples of the system.
+  // Sets the held-back blocks; together they are the samples of the system.
   void SetBlocks(std::vector<LeastSquaresSystem> blocks) {
     blocks_ = std::move(blocks);
     for (size_t k = 0; k < blocks_.size(); ++k) {
@@ -45,9 +45,10 @@ class Selector {
   }
   void SetNumIndependent(double num) { num_independent_ = num; }
 
-  // Fits those that are new.
+  // Fits a support that is new.
   void Add(const std::vector<int>& support);
-  // The supports that are left when the terms of fits()[from] leave one by one.
+  // Adds the supports that remain when the terms of fits()[from] leave one by
+  // one.
   void Eliminate(int from);
   // Orders the fits and returns the place of the chosen one.
   int Choose();
@@ -57,8 +58,8 @@ class Selector {
   }
   const Fit& Closest() const;
   const std::vector<Fit>& fits() const { return fits_; }
-  // Of block errors to those of the fit where they are least: mean and standard
-  // error of the difference.
+  // Compares block errors with those of the best fit: mean and standard error
+  // of the difference.
   void Excess(const Fit& fit, double* mean, double* error) const;
 
  private:
@@ -189,7 +190,7 @@ int Selector::Choose() {
   return chosen;
 }
 
-// Residuals of each output and record, in units of sigma.
+// Returns the residuals of each output and record, in units of sigma.
 std::vector<std::vector<Vector>> Residuals(const RegressionProblem& problem,
                                            const Vector& coefficients) {
   std::vector<Eigen::Index> starts = problem.record_starts;
@@ -341,8 +342,8 @@ bool SelectSupport(const RegressionProblem& problem,
 
 namespace {
 
-// Adds what backward elimination from the best of `supports` leaves; returns
-// the place of the best of all.
+// Adds the supports of backward elimination from the best of `supports`;
+// returns the place of the best of all.
 int ChooseByBic(const std::vector<std::vector<int>>& supports,
                 double num_independent, const SelectionOptions& options,
                 Selector* selector) {

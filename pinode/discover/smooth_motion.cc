@@ -15,10 +15,12 @@
 namespace pinode {
 namespace {
 
-// Of each channel's RMS: noise-free records leave rounding, not nothing.
+// Smallest noise as a share of each channel's RMS: records without noise
+// contain rounding errors.
 constexpr double kSmallestNoise = 1e-6;
 constexpr int kFewestSamples = 8;
-// Natural logarithms, in units of the displacement's RMS and the step.
+// Limits as natural logarithms, in units of the displacement's RMS and the
+// step.
 constexpr double kLowestIntensity = -45.0;
 constexpr double kHighestIntensity = 5.0;
 
@@ -44,7 +46,7 @@ double RmsOfFinite(const Vector& values) {
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
 }
 
-// Channels in units of the displacement's RMS and the step: the state is
+// Kalman filter in units of the displacement's RMS and the step. The state is
 // (x, x' step, x'' step^2, ...), of which each sample shows some entries.
 class Filter {
  public:
@@ -60,15 +62,15 @@ class Filter {
                    Factorial(order - 1 - j));
       }
     }
-    // Nothing is known of the first state but its order of magnitude.
+    // Only the order of magnitude of the first state is known.
     first_ = Square::Zero(order, order);
     for (int i = 0; i < order; ++i) first_(i, i) = 100.0;
   }
 
   Eigen::Index num_samples() const { return channels_[0].values.size(); }
 
-  // Negative log-likelihood, but for a constant. With `smoothed` also mean and
-  // variance of the first three entries at each sample.
+  // Returns the negative log-likelihood, but for a constant. With `smoothed`
+  // also gives mean and variance of the first three entries at each sample.
   double Run(double intensity, const std::vector<double>& noise,
              Matrix* means = nullptr, Matrix* variances = nullptr) const {
     const Eigen::Index n = num_samples();
@@ -171,7 +173,7 @@ class Likelihood final : public ceres::FirstOrderFunction {
     return std::isfinite(*cost);
   }
 
-  // Noise per channel from the parameters, inside its limits.
+  // Returns the noise per channel from the parameters, inside its limits.
   std::vector<double> Noise(const std::vector<double>& parameters) const {
     std::vector<double> noise = noise_;
     for (size_t k = 0; k < estimated_.size(); ++k) {
@@ -190,7 +192,7 @@ class Likelihood final : public ceres::FirstOrderFunction {
   static double LowestNoise() { return std::log(kSmallestNoise); }
 
   double Cost(const std::vector<double>& parameters) const {
-    // Outside of the limits a slope leads back.
+    // Outside the limits a slope leads back.
     double outside =
         std::abs(parameters[0] - std::clamp(parameters[0], kLowestIntensity,
                                             kHighestIntensity));
@@ -208,7 +210,8 @@ class Likelihood final : public ceres::FirstOrderFunction {
   std::vector<size_t> estimated_;
 };
 
-// RMS of the largest displacement channel that has enough values; 0: none has.
+// Returns the RMS of the largest displacement channel with enough values; 0:
+// there is none.
 double DisplacementUnit(const std::vector<MotionChannel>& channels) {
   double unit = 0.0;
   for (const MotionChannel& channel : channels) {
@@ -223,8 +226,8 @@ double DisplacementUnit(const std::vector<MotionChannel>& channels) {
   return unit;
 }
 
-// The likelihood may have more than one maximum: noise, or motion. The best
-// point of a coarse grid says in which to begin.
+// Returns a start of the search. The likelihood may have more than one maximum
+// (noise, or motion). The best point of a coarse grid is near the highest.
 std::vector<double> StartOfSearch(const Likelihood& likelihood) {
   std::vector<double> start(static_cast<size_t>(likelihood.NumParameters()));
   double start_cost = std::numeric_limits<double>::infinity();

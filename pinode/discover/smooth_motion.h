@@ -10,11 +10,11 @@
 
 namespace pinode {
 
-// A record of one DOF's displacement (derivative 0), velocity (1) or
-// acceleration (2), all of the same motion.
+// Record of one DOF's displacement (derivative 0), velocity (1) or acceleration
+// (2). All channels show the same motion.
 struct MotionChannel {
   int derivative = 0;
-  Vector values;       // one a sample; NaN where missing
+  Vector values;       // one per sample; NaN where missing
   double sigma = 0.0;  // of the noise; 0: estimate it
 };
 
@@ -22,21 +22,21 @@ struct SmoothedMotion {
   Matrix motion;  // 3 x samples: displacement, velocity, acceleration
   Matrix sigma;   // their standard deviations given all records
   std::vector<double> noise;  // of each channel, as given or estimated
-  // Which derivative of the displacement is taken for a Wiener process.
+  // Order of the derivative of the displacement that is a Wiener process.
   int order = 0;
 };
 
-// Smooths without a model of the structure: the second or the third derivative
-// of the displacement is a Wiener process, which makes the estimate a smoothing
-// spline of degree 5 or 7 through all channels at once (G. Wahba, JRSS B 40
-// (1978) 364). Order, intensity of the process and noise levels are those of
-// the greatest likelihood; means and variances come from the Kalman filter and
-// the smoother of Rauch, Tung and Striebel (1965).
+// Smooths motion without a model of the structure. The second or the third
+// derivative of the displacement is a Wiener process, which makes the estimate
+// a smoothing spline of degree 5 or 7 through all channels at once (G. Wahba,
+// JRSS B 40 (1978) 364). Order, intensity of the process and noise levels are
+// those of the greatest likelihood; means and variances come from the Kalman
+// filter and the smoother of Rauch, Tung and Striebel (1965).
 //
-// `step`: time between samples, all channels having the same, at least eight.
-// False without a displacement channel of at least eight values that are not
-// all equal: what only velocities or accelerations show, leaves the
-// displacement open.
+// `step`: time between samples. All channels have the same number of samples,
+// at least eight. Returns false without a displacement channel of at least
+// eight values that are not all equal: velocities and accelerations alone do
+// not determine the displacement.
 [[nodiscard]] bool SmoothMotion(double step,
                                 const std::vector<MotionChannel>& channels,
                                 SmoothedMotion* result, std::string* error);

@@ -33,7 +33,8 @@ bool ShowsAlone(const MeasuredChannel& channel, int dof) {
          weights[dof] != 0.0 && (weights.array() != 0.0).count() == 1;
 }
 
-// A channel that shows `dof` alone as a record of that DOF's own motion.
+// Returns a channel that measures `dof` alone as a record of that DOF's own
+// motion.
 MotionChannel MotionOf(const IdentificationProblem& problem,
                        const IdentificationRecord& record,
                        const MeasuredChannel& channel, int dof) {
@@ -44,7 +45,7 @@ MotionChannel MotionOf(const IdentificationProblem& problem,
   motion.derivative = DerivativeOf(channel.observation.quantity);
   motion.values = channel.values / gain;
   motion.sigma = channel.sigma / std::abs(gain * weight);
-  // Absolute ones less the ground's own motion.
+  // Subtracts the ground's own motion from absolute channels.
   const ObservationMap map(dynamics, {channel.observation});
   const Vector rest = Vector::Zero(dynamics.num_states());
   for (Eigen::Index i = 0; i < motion.values.size(); ++i) {

@@ -12,7 +12,7 @@
 namespace pinode {
 
 struct SmoothedRecord {
-  // Displacements and velocities, and their rates: 2 DOFs x samples.
+  // States (displacements and velocities) and their rates: 2 DOFs x samples.
   Matrix states;
   Matrix rates;
   // Standard deviations of the accelerations, DOFs x samples.
@@ -21,18 +21,18 @@ struct SmoothedRecord {
   Vector noise;
 };
 
-// Smooths each DOF (SmoothMotion) from the fitted channels that show it alone,
-// absolute accelerations and displacements less the ground's own. Channels that
-// show several DOFs, or are not fitted, take no part; their noise is as given,
-// or 5 % of their spread. False for a DOF without a displacement channel of its
-// own; *error names the record and the DOF.
+// Smooths each DOF (SmoothMotion) from the fitted channels that measure it
+// alone; absolute accelerations and displacements are used less the ground's
+// own. Channels of several DOFs, or that are not fitted, take no part. Their
+// noise is as given, or 5 % of their spread. Returns false for a DOF without a
+// displacement channel of its own; *error names the record and the DOF.
 [[nodiscard]] bool SmoothRecord(const IdentificationProblem& problem,
                                 const IdentificationRecord& record,
                                 SmoothedRecord* result, std::string* error);
 
-// The samples (columns of `sigma`) at which no DOF's standard deviation is more
-// than twice its median: not those at the ends of a record, where a smoother
-// knows little.
+// Returns the samples (columns of `sigma`) at which no DOF's standard deviation
+// exceeds twice its median. This excludes the ends of a record, where a
+// smoother is uncertain.
 std::vector<Eigen::Index> WellKnownSamples(const Matrix& sigma);
 
 }  // namespace pinode

@@ -10,23 +10,24 @@
 namespace pinode {
 namespace {
 
-// What a column may have left, of its square, beside those taken.
+// Largest remainder of a dependent column, as a share of its square, after
+// projection on those taken.
 constexpr double kDependent = 1e-9;
-// Changes that gain less than this part of the price are rounding: what has
-// just come in for more than the price would go and come for ever.
+// Share of the price below which a gain is rounding. Otherwise an entry that
+// has just come in for slightly more than its price would go and come for ever.
 constexpr double kRounding = 1e-9;
-// Entries that are held in by force, those that gain most.
+// Number of entries that are held in by force: those that gain most.
 constexpr int kMaxForced = 50;
 
-// One entry for another; -1: none.
+// Exchange of one entry for another; -1: none.
 struct Change {
   int out = -1;
   int in = -1;
   double gain = 0.0;  // in 2 f + prices of the entries
 };
 
-// The minimum over the entries of a support, of a cost that is scaled to a unit
-// diagonal, and what 2 f would be after one more, one fewer, or both.
+// Minimum over the entries of a support, of a cost that is scaled to a unit
+// diagonal, with the values of 2 f after one more entry, one fewer, or both.
 class Face {
  public:
   Face(const QuadraticCost& scaled, std::vector<int> support)
@@ -57,13 +58,13 @@ class Face {
   // 2 f at the minimum, less the constant.
   double twice_cost() const { return twice_cost_; }
 
-  // What 2 f rises by without the a-th entry.
+  // Returns the increase of 2 f without the a-th entry.
   double Loss(Eigen::Index a) const {
     return solution_[a] * solution_[a] / inverse_diagonal_[a];
   }
 
-  // What 2 f falls by with entry j, after the a-th has gone (-1: none has), and
-  // its value. 0 where it depends on those taken.
+  // Returns the decrease of 2 f with entry j, after the a-th has gone (-1:
+  // none), and its value. 0 if it depends on those taken.
   double Gain(int j, Eigen::Index a, double* value) const {
     double slope = slopes_[j];
     double curvature = curvatures_[j];
@@ -90,8 +91,8 @@ class Face {
   double twice_cost_ = 0.0;
 };
 
-// Length of each unknown for which the Hessian has a unit diagonal; 0 where the
-// cost does not depend on it.
+// Returns the scale of each unknown for which the Hessian has a unit diagonal;
+// 0 where the cost does not depend on it.
 Vector Scales(const QuadraticCost& cost) {
   Vector scales = Vector::Zero(cost.gradient.size());
   for (Eigen::Index j = 0; j < scales.size(); ++j) {
@@ -123,7 +124,7 @@ class Descent {
 
   std::vector<int> Run(const std::vector<int>& start) const {
     Face best = Descend(start, -1, -1);
-    // What is there may hide what is missing.
+    // Entries of the start may hide missing ones.
     Keep(Descend({}, -1, -1), &best);
     while (ImproveByForce(&best)) {
     }
@@ -140,7 +141,8 @@ class Descent {
     for (int j : face.support()) criterion += options_.prices[j];
     return criterion;
   }
-  // Entries that came in with a value that is allowed may have lost it since.
+  // True if all entries still have an allowed value: later entries may have
+  // changed it.
   bool IsAllowed(const Face& face) const {
     for (size_t a = 0; a < face.support().size(); ++a) {
       const int j = face.support()[a];
@@ -156,8 +158,8 @@ class Descent {
     return true;
   }
 
-  // One out, else one in, else one for another, as long as that lowers the
-  // criterion. `banned` stays out, `locked` in; -1: none.
+  // Removes one entry, else adds one, else exchanges one, as long as that
+  // lowers the criterion. `banned` stays out, `locked` in; -1: none.
   Face Descend(const std::vector<int>& start, int banned, int locked) const {
     std::vector<bool> taken(static_cast<size_t>(Count()), false);
     for (int j : start) taken[static_cast<size_t>(j)] = true;
@@ -183,9 +185,9 @@ class Descent {
     return face;
   }
 
-  // One entry is held out, or in, against the criterion while the others find
-  // their places around it, and is then let go: where two do the work of one,
-  // or one that of two, the first of the changes between them is a loss.
+  // Holds one entry out, or in, against the criterion while the others are
+  // chosen around it, and then releases it. If two entries do the work of one,
+  // or one that of two, the first change between them is a loss.
   bool ImproveByForce(Face* best) const {
     const Face origin = *best;
     std::vector<bool> taken(static_cast<size_t>(Count()), false);
@@ -258,7 +260,7 @@ class Descent {
     return best;
   }
 
-  // Of a value in units of the scaled cost.
+  // True if an entry may have this value, in units of the scaled cost.
   bool Allowed(int j, double value) const {
     return scales_[j] * std::abs(value) >= options_.smallest[j] &&
            options_.signs[static_cast<size_t>(j)] * value >= 0.0;

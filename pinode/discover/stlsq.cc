@@ -43,7 +43,7 @@ StlsqSolution SolveStlsq(const LeastSquaresSystem& system,
   CHECK_EQ(system.num_free(), map.num_free());
   const int count = map.num_free();
   const double size = std::sqrt(system.b.squaredNorm() + system.rest);
-  // What an unknown of 1 amounts to in units of the threshold.
+  // Size of an unknown of 1 in units of the threshold.
   Vector unit = Vector::Zero(count);
   if (options.scaled) {
     if (size > 0.0) unit = system.A.colwise().norm().transpose() / size;

@@ -28,7 +28,7 @@ Vector StartOfRun(const IdentificationProblem& problem,
   return state;
 }
 
-// Runs records one after the other and keeps what it passes.
+// Runs records one after the other and stores the samples.
 class Sampler {
  public:
   Sampler(const StructuralDynamics& dynamics,

@@ -1,4 +1,4 @@
-// States, rates and inputs along records, and what features see of them.
+// States, rates and inputs along records, and values of features there.
 
 #ifndef PINODE_DISCOVER_TRAJECTORY_SAMPLES_H_
 #define PINODE_DISCOVER_TRAJECTORY_SAMPLES_H_
@@ -26,16 +26,16 @@ struct TrajectorySamples {
   Eigen::Index num_samples() const { return times.size(); }
 };
 
-// The free runs of the training records at every Runge-Kutta step, from
-// model.starts (where they are of the right size, else from where FreeRunStart
-// says). False if a run is not finite; *error names the record and the time.
+// Samples the simulations of the training records at every Runge-Kutta step,
+// from model.starts (if they have the right size, else from FreeRunStart).
+// Returns false if a run is not finite; *error names the record and the time.
 [[nodiscard]] bool SampleTrajectories(const IdentificationProblem& problem,
                                       const IdentifiedModel& model,
                                       TrajectorySamples* samples,
                                       std::string* error);
 
-// What `features` see, samples x features. The DOFs are the first of the
-// states, and as many velocities follow.
+// Returns the values of `features`, samples x features. The states begin with
+// the displacements of the DOFs, followed by as many velocities.
 Matrix FeatureValues(const std::vector<Feature>& features, int num_dofs,
                      const TrajectorySamples& samples);
 

@@ -20,7 +20,7 @@ bool IsHeldAtBound(const Parameter& parameter, double value, double slope);
                             const CondensedSystem& system, int held,
                             Vector* step, double* promise);
 
-// How far from a minimum within the bounds a point is, free of units.
+// Distance of a point from a minimum within the bounds, free of units.
 struct Optimality {
   // Largest cosine of the angle between the residuals and a column of their
   // Jacobian, of unknowns that are not held at a bound: zero at a minimum.

@@ -173,7 +173,7 @@ class Responses {
   }
 
   // Returns the names of the channels in their order, each with the index of
-  // its gain if its sign is still unknown.
+  // its gain.
   std::vector<std::pair<std::string, int>> Channels() const {
     std::vector<std::pair<std::string, int>> channels;
     for (const SeenChannel& seen : seen_) {
