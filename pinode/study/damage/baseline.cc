@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// -1: not among them.
+// Returns the position of a name; -1 if it is missing.
 Eigen::Index PositionOf(const std::string& name,
                         const std::vector<std::string>& names) {
   const auto position = std::find(names.begin(), names.end(), name);

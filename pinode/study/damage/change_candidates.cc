@@ -58,7 +58,7 @@ std::vector<Feature> FeaturesAt(int from, int to) {
   return {Feature::Deformation(from, to), Feature::DeformationRate(from, to)};
 }
 
-// Deformation, then its rate, as functions are written.
+// Returns the names of the deformation and its rate as functions write them.
 std::vector<std::string> FeatureNames(const StructuralModel& model, int from,
                                       int to) {
   std::vector<std::string> names;
@@ -137,7 +137,7 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     const Motion motion = MotionAt(summary, size, place.from, place.to);
     const std::vector<std::string> names =
         FeatureNames(corrected, place.from, place.to);
-    // What couples the two, or, where nothing does, what holds the one.
+    // Stiffness that couples the two; if there is none, that holds the one.
     double stiffness = place.from < 0
                            ? corrected.stiffness.row(place.to).sum()
                            : -corrected.stiffness(place.from, place.to);

@@ -1,4 +1,4 @@
-// Other kinds of change than those of groups, as terms of a problem.
+// Changes of other kinds than those of groups, as terms of a problem.
 
 #ifndef PINODE_STUDY_DAMAGE_CHANGE_CANDIDATES_H_
 #define PINODE_STUDY_DAMAGE_CHANGE_CANDIDATES_H_
@@ -27,25 +27,28 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     const IdentificationProblem& problem, const DamageSearch& search,
     const FitSummary& summary, const IdentifiedModel& model);
 
-// The deformation of a candidate's place, then its rate: what its function may
-// look at.
+// Returns the features of a candidate's function: the deformation of its place,
+// then the rate.
 std::vector<Feature> FeaturesOf(const ChangeCandidate& candidate);
 
-// Standard deviation of the prior of a candidate's unknown around zero.
+// Returns the standard deviation of the prior of a candidate's unknown around
+// zero.
 double PriorOf(const ChangeCandidate& candidate);
 
-// `problem` with these candidates as further unknowns that begin at zero, each
-// with a prior of deviation 1 in its unit, which says no more than that it is
-// not many times what is there, and keeps what the data cannot see from running
-// away. False where a name is taken, or a candidate is none of this problem's.
+// Extends `problem` by these candidates as unknowns that begin at zero. Each
+// has a prior of deviation 1 in its unit. The prior only says that a change is
+// not many times its unit, and keeps undetermined candidates from growing.
+// Returns false if a name is taken, or if a candidate does not belong to this
+// problem.
 [[nodiscard]] bool AddCandidates(const IdentificationProblem& problem,
                                  const std::vector<ChangeCandidate>& candidates,
                                  IdentificationProblem* extended,
                                  std::string* error);
 
-// RMS of the candidates' forces at each place together as a fraction of the
-// RMS of the whole restoring force there, K x and theirs at DOF `to`, on the
-// trajectories of `summary`, a fit that had them; into their subjects.
+// Sets the force shares of the candidates' subjects: the RMS of the candidates'
+// forces at each place together, as a fraction of the RMS of the whole
+// restoring force there, K x and theirs at DOF `to`. The trajectories are those
+// of `summary`, a fit with these candidates.
 void SetForceShares(const IdentificationProblem& extended,
                     const FitSummary& summary, const IdentifiedModel& model,
                     std::vector<ChangeCandidate>* candidates);

@@ -8,14 +8,15 @@
 namespace pinode {
 namespace {
 
-// The node of "node.direction", as finite-element programs name DOFs; the whole
-// name where it is none of these.
+// Returns the node of "node.direction", the names of DOFs in finite-element
+// programs; the whole name if it has another form.
 std::string NodeOf(const std::string& dof) {
   const size_t dot = dof.rfind('.');
   return dot == std::string::npos || dot == 0 ? dof : dof.substr(0, dot);
 }
 
-// Whether a DOF "node.direction" turns: 4, 5, 6, or a name with r in front.
+// True if a DOF "node.direction" is a rotation: 4, 5, 6, or a name with r in
+// front.
 bool IsRotation(const std::string& dof) {
   const size_t dot = dof.rfind('.');
   if (dot == std::string::npos || dot + 1 >= dof.size()) return false;
@@ -24,7 +25,8 @@ bool IsRotation(const std::string& dof) {
   return c == 'r' || (dof.size() == dot + 2 && c >= '4' && c <= '6');
 }
 
-// The two ends of the only spring in a group's matrix; false for any other.
+// Finds the two ends of the only spring in a group's matrix; false for any
+// other matrix.
 bool IsSpring(const Matrix& matrix, int* from, int* to) {
   std::vector<int> ends;
   for (int j = 0; j < matrix.rows(); ++j) {

@@ -15,13 +15,13 @@
 namespace pinode {
 
 struct DamageSearch {
-  // A mass may have been added to these DOFs together, the translations of one
-  // node.
+  // Place of a possible added mass: these DOFs together, the translations of
+  // one node.
   struct MassPlace {
     std::string name;
     std::vector<int> dofs;
   };
-  // A nonlinear force may have appeared between these two, of which `to` is a
+  // Place of a possible nonlinear force between these two, of which `to` is a
   // DOF.
   struct SpringPlace {
     std::string name;
@@ -31,7 +31,7 @@ struct DamageSearch {
   std::vector<MassPlace> masses;
   std::vector<SpringPlace> springs;
 
-  // DOFs that `model` has. On failure *error names the place.
+  // Checks that `model` has the DOFs. On failure *error names the place.
   [[nodiscard]] bool IsValid(const StructuralModel& model,
                              std::string* error) const;
 };
@@ -56,15 +56,15 @@ struct ChangeCandidate {
 DamageSearch::MassPlace PlaceOfMass(const StructuralModel& model,
                                     const std::string& node);
 
-// Masses where a fitted channel measures one DOF.
+// Returns masses at DOFs that a fitted channel measures alone.
 std::vector<DamageSearch::MassPlace> MeasuredMasses(
     const IdentificationProblem& problem);
 
-// Springs where a free stiffness group is one spring.
+// Returns springs at free stiffness groups that are one spring.
 std::vector<DamageSearch::SpringPlace> GroupSprings(
     const StructuralDynamics& dynamics);
 
-// Both of these: what can be looked for with the sensors and groups there are.
+// Returns both: all places that the present sensors and groups allow.
 DamageSearch LookEverywhere(const IdentificationProblem& problem);
 
 }  // namespace pinode

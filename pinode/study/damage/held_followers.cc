@@ -22,7 +22,8 @@ bool AllKnow(const std::vector<Baseline>& baselines, const std::string& name) {
                      });
 }
 
-// Those of `names` that all baselines know; of a curve all knots or none.
+// Returns those of `names` that all baselines determine; all knots of a curve
+// or none.
 std::vector<std::string> KnownByAll(const std::vector<Baseline>& baselines,
                                     const StructuralDynamics& dynamics,
                                     const std::vector<std::string>& names) {
@@ -45,7 +46,7 @@ std::vector<std::string> KnownByAll(const std::vector<Baseline>& baselines,
   return known;
 }
 
-// The row of a follower among a baseline's groups and followers.
+// Returns the row of a follower among a baseline's groups and followers.
 Eigen::Index RowOf(const Baseline& baseline, const std::string& follower) {
   const auto at =
       std::find(baseline.followers.begin(), baseline.followers.end(), follower);
@@ -129,8 +130,8 @@ bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
   }
   const Matrix slopes =
       -root * (root.transpose() * cost.system.hessian(others, held));
-  // A row for each of these; columns are in the order of the layout, which
-  // names_ have as well.
+  // One row for each of these. Columns are in the order of the layout, which is
+  // also the order of names_.
   std::vector<std::pair<std::string, double>> wanted;
   for (const std::string& group : groups) wanted.emplace_back(group, 1.0);
   for (const ChangeCandidate& candidate : candidates) {

@@ -1,4 +1,4 @@
-// New records that do not tell how a structure follows a covariate.
+// New records that do not determine how a structure follows a covariate.
 
 #ifndef PINODE_STUDY_DAMAGE_HELD_FOLLOWERS_H_
 #define PINODE_STUDY_DAMAGE_HELD_FOLLOWERS_H_
@@ -16,44 +16,44 @@
 
 namespace pinode {
 
-// The parameters by which groups of `problem` follow covariates, free and
-// without a prior of their own, that its records are not asked for (it has
-// ambient records or modes alone, each at one value of a covariate) and all
-// baselines tell: what they say of them, weighed by their variances.
+// Returns values of followers to hold: the parameters by which groups of
+// `problem` follow covariates, free and without a prior of their own, that all
+// baselines determine. The new records do not determine them, because these are
+// ambient records or modes alone, each at one value of a covariate. The values
+// are the baselines' means, weighted by their variances.
 std::map<std::string, double> FollowersToHold(
     const std::vector<Baseline>& baselines,
     const IdentificationProblem& problem);
 
-// A comparison of groups that were found with followers s held at s0. A healthy
-// state knows them itself: it is compared as what it would have been with s0 in
-// their place,
+// Comparison of groups that were found with followers s held at s0. Each
+// baseline has its own s and is compared as if it had s0,
 //
 //   g - G (s - s0),   G = dg_new / ds = -H_gg^-1 H_gs,
 //
-// g_new being what the new records say of the groups, and H the Hessian of
-// their cost. What is uncertain about s is then where it belongs: not there at
-// the temperatures where the healthy records were made, and growing from there.
+// where g_new are the groups as found from the new records, and H is the
+// Hessian of their cost. The uncertainty of s then enters correctly: it is zero
+// at the temperatures of the baselines and grows with the distance from them.
 class HeldFollowers {
  public:
-  // Those that `problem` has fixed and all baselines have free.
+  // Finds the followers that `problem` has fixed and all baselines have free.
   HeldFollowers(const std::vector<Baseline>& baselines,
                 const IdentificationProblem& problem);
 
   bool empty() const { return names_.empty(); }
-  // Rows of a state behind its groups (StateNear with these as well).
+  // Names of the rows of a state after its groups (StateNear with these as
+  // well).
   const std::vector<std::string>& names() const { return names_; }
 
-  // G for a fit of the new records: rows for groups, then `candidates` in their
-  // units. False, with *error, where the cost is not finite.
+  // Finds G for a fit of the new records: rows for groups, then `candidates` in
+  // their units. Returns false, with *error, if the cost is not finite.
   [[nodiscard]] bool FindSlopes(const FitOfRecords& fit,
                                 const std::vector<std::string>& groups,
                                 const std::vector<ChangeCandidate>& candidates,
                                 int num_threads, std::string* error);
-  // At the slopes found last: from groups, followers and candidates to groups
-  // and candidates as they are compared.
+  // Returns the groups and candidates to be compared from groups, followers and
+  // candidates, at the slopes found last.
   GroupState Compared(const GroupState& healthy, size_t num_groups) const;
-  // The state of a baseline's groups and of all of its followers, of these
-  // alone.
+  // Returns the state of a baseline's groups and these followers.
   GroupState StateOf(const Baseline& baseline) const;
 
  private:

@@ -1,4 +1,5 @@
-// Groups and other kinds of change together, near a fit that may lack these.
+// Groups and other kinds of change together, near a fit that may lack the
+// latter.
 
 #ifndef PINODE_STUDY_DAMAGE_WIDE_STATE_H_
 #define PINODE_STUDY_DAMAGE_WIDE_STATE_H_
@@ -14,7 +15,7 @@
 
 namespace pinode {
 
-// A fit of records.
+// Fit of records.
 struct FitOfRecords {
   std::string name;  // for messages
   IdentificationProblem problem;
@@ -22,37 +23,39 @@ struct FitOfRecords {
   IdentifiedModel model;
 };
 
-// The entries of `state` behind the groups in the unit of their candidates.
+// Scales the entries of `state` after the groups to the units of their
+// candidates.
 void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
                   GroupState* state);
 
-// The problem of `fit` with those candidates that are no unknowns of it yet,
-// and where the fit has come to in it. False, with *error, where the fit is
-// none of its problem, or a candidate cannot be a term of it.
+// Adds to the problem of `fit` the candidates that are not yet its unknowns,
+// and sets *at to the fit's values in it. Returns false, with *error, if the
+// fit does not belong to its problem, or a candidate cannot be a term of it.
 [[nodiscard]] bool WithCandidates(
     const FitOfRecords& fit, const std::vector<ChangeCandidate>& candidates,
     IdentificationProblem* extended, IdentifiedModel* at, std::string* error);
 
-// `groups` (or other parameters) and candidates as one Gauss-Newton step from
-// `fit` leaves them. With H and g the Hessian and gradient of the cost with the
+// Computes `groups` (or other parameters) and candidates after one Gauss-Newton
+// step from `fit`. With H and g the Hessian and gradient of the cost with the
 // candidates as unknowns,
 //
 //   theta = theta_fit - H^-1 g,   cov(theta) = H^-1
 //
-// (residuals with a memory count as the fewer samples that they are, see
-// FittedCost). Groups as in Baseline, candidates in their units. False, with
-// *error, where the fit is none of its problem, a candidate cannot be a term of
-// it, or the cost is not finite.
+// (autocorrelated residuals count as fewer samples, see FittedCost). Groups as
+// in Baseline, candidates in their units. Returns false, with *error, if the
+// fit does not belong to its problem, a candidate cannot be a term of it, or
+// the cost is not finite.
 [[nodiscard]] bool StateNear(const FitOfRecords& fit,
                              const std::vector<std::string>& groups,
                              const std::vector<ChangeCandidate>& candidates,
                              int num_threads, GroupState* state,
                              std::string* error);
 
-// log(1 + alpha) in place of alpha of groups and masses. Where the ground
-// shakes a structure, all of them times the same factor is the same structure;
-// that direction is then the same on both sides, whatever has changed between
-// them. What is nearly gone in one of the states stays as it is in all of them.
+// Replaces alpha of groups and masses by log(1 + alpha). If the ground shakes a
+// structure, multiplying all of them by the same factor gives an equivalent
+// structure. In logarithms that direction is the same on both sides, whatever
+// has changed between them. Entries that are nearly zero in one of the states
+// keep alpha in all of them.
 void ToLogarithms(size_t num_groups,
                   const std::vector<ChangeCandidate>& candidates,
                   std::vector<GroupState>* states);

@@ -1,4 +1,4 @@
-// Where the DOFs of a model are in a geometry.
+// Places of a model's DOFs in a geometry.
 
 #ifndef PINODE_STUDY_PICTURE_DOF_PLACES_H_
 #define PINODE_STUDY_PICTURE_DOF_PLACES_H_
@@ -20,17 +20,17 @@ class DofPlaces {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   };
 
-  // `placed` outlives it.
+  // Keeps a reference to `placed`, which must outlive the object.
   explicit DofPlaces(const PlacedGeometry& placed);
 
-  // As the geometry says; else of "node.direction" and "node:x" as they are
-  // called; along the node's own directions, where it has such. None of
-  // rotations, and where nobody says.
+  // Returns the places of a DOF: as the geometry says; else from names
+  // "node.direction" and "node:x", along the node's own directions if it has
+  // such. Empty for rotations and unknown places.
   std::vector<Place> Of(const std::string& dof) const;
 
-  // Adds an arrow at each node that `weights`, of DOFs, have a part at; where
-  // DOFs move several nodes, as of a floor, at the first of them. One that is
-  // there is not added again. False where no place is known.
+  // Adds an arrow at each node of the DOFs in `weights`, unless it exists. If
+  // DOFs move several nodes, as of a floor, the arrow is at the first. Returns
+  // false if no place is known.
   [[nodiscard]] bool AddArrows(
       const std::string& name, const std::map<std::string, double>& weights,
       std::vector<StructurePicture::Arrow>* arrows) const;

@@ -16,18 +16,18 @@
 namespace pinode {
 namespace {
 
-// What one entry of a shape says of a node: its motion along `direction`.
+// Motion of a node along `direction`, from one entry of a shape.
 struct EntryAtNode {
   Eigen::Index entry = 0;
   Eigen::Vector3d direction;
 };
 
-// Entries by node; of a sum over DOFs of several nodes there are none.
+// Returns the entries by node; sums over DOFs of several nodes have none.
 std::map<int, std::vector<EntryAtNode>> EntriesByNode(
     const DofPlaces& dof_places, const std::vector<PlaceOfShape>& places) {
   std::map<int, std::vector<EntryAtNode>> by_node;
   for (size_t p = 0; p < places.size(); ++p) {
-    // Of each node that moves with the DOFs; how many of these it has.
+    // Number of these DOFs at each node that moves with them.
     std::map<int, std::pair<Eigen::Vector3d, size_t>> at_nodes;
     for (const auto& [dof, weight] : places[p].dofs) {
       std::set<int> once;
@@ -49,7 +49,7 @@ std::map<int, std::vector<EntryAtNode>> EntriesByNode(
   return by_node;
 }
 
-// The least motion with these components.
+// Returns the smallest motion with these components.
 Eigen::Vector3d MotionOf(const std::vector<EntryAtNode>& entries,
                          const Vector& values) {
   Matrix directions(static_cast<Eigen::Index>(entries.size()), 3);

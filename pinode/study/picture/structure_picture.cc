@@ -19,7 +19,7 @@
 namespace pinode {
 namespace {
 
-// Of a mode that has no part in what is drawn.
+// Share of a mode below which it does not move the picture.
 constexpr double kSmallestPart = 1e-6;
 
 class PictureMaker {

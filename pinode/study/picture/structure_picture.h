@@ -1,5 +1,4 @@
-// A structure as it is drawn: where it is, what changed, what moves, where it
-// was measured.
+// Picture of a structure: its geometry, changes, modes and sensors.
 
 #ifndef PINODE_STUDY_PICTURE_STRUCTURE_PICTURE_H_
 #define PINODE_STUDY_PICTURE_STRUCTURE_PICTURE_H_
@@ -26,39 +25,40 @@ struct ReducedStructure;
 // DOFs and groups.
 struct PlacedGeometry {
   StructureGeometry geometry;
-  // Nodes and directions of DOFs that are not called "node.direction"; several,
-  // as of a floor, move together. Names are those of the geometry.
+  // Nodes and directions of DOFs that are not called "node.direction". Several
+  // nodes, as of a floor, move together. Names are those of the geometry.
   struct Place {
     std::string node;
     int direction = 1;  // 1 to 3: along x, y, z
     double sign = 1.0;
   };
   std::map<std::string, std::vector<Place>> dofs;
-  // Element sets of groups; a group without an entry has the set of its name.
+  // Element sets of groups. A group without an entry has the set of its name.
   std::map<std::string, std::vector<std::string>> groups;
 };
 
 struct StructurePicture {
   StructureGeometry geometry;
 
-  // A group with elements to colour.
+  // Group with elements to colour.
   struct Group {
     std::string name;
     std::vector<int> elements;
     bool is_mass = false;
-    // Fraction of what was there, and its 95 % interval; NaN: not known.
+    // Change as a fraction of the previous value, and its 95 % interval; NaN:
+    // not known.
     double change = 0.0;
     double lower95 = 0.0, upper95 = 0.0;
-    // P(loss > threshold); NaN where no change was asked for.
+    // Probability P(loss > threshold); NaN without a damage analysis.
     double probability = 0.0;
     bool changed = false;  // found to have
   };
   std::vector<Group> groups;
-  // Whether changes are since a baseline; else against the model.
+  // True: changes are relative to a baseline; else to the model.
   bool since_baseline = false;
   double threshold = 0.0;  // of the probability
 
-  // At a node, along a unit vector.
+  // Arrow at a node, along a unit vector.
   struct Arrow {
     std::string name;
     int node = 0;
@@ -66,54 +66,58 @@ struct StructurePicture {
   };
   std::vector<Arrow> sensors;
   std::vector<Arrow> forces;          // measured ones
-  std::vector<Arrow> unknown_forces;  // that nobody measured
+  std::vector<Arrow> unknown_forces;  // not measured
 
   struct Mode {
     double frequency_hz = 0.0;
-    Matrix shape;  // nodes x 3, the largest entry being one
+    Matrix shape;  // nodes x 3, the largest entry is one
   };
   std::vector<Mode> modes;
 
-  // What cannot be drawn, one sentence each.
+  // Parts that cannot be drawn, one sentence each.
   std::vector<std::string> notes;
 };
 
+// Makes the picture with at most `num_modes` modes that move a node.
 // `structure`: the finite-element model of which the problem's is a reduction,
-// or nullptr; `model`: what was found (nullptr: the problem as it is) with
-// `summary` of the fit; `damage`: what changed since a baseline, or nullptr. At
-// most `num_modes` modes that move a node.
+// or nullptr. `model`: the result (nullptr: the problem's initial values) with
+// `summary` of the fit. `damage`: changes since a baseline, or nullptr.
 StructurePicture MakeStructurePicture(
     const PlacedGeometry& placed, const IdentificationProblem& problem,
     const ReducedStructure* structure, const FitSummary* summary,
     const IdentifiedModel* model, const DamageResult* damage, int num_modes);
 
-// Modes that were found from records alone, without groups: `sensors` as they
-// were, `places` of the shapes' entries as ResolveDofs leaves both. What the
-// places at a node leave open of its motion is drawn as the least that agrees
-// with them; nodes without any are at rest. Shapes are turned to be as real as
-// they can be.
+// Makes the picture of modes identified from records alone, without groups.
+// `sensors` are as they were, `places` of the shapes' entries as returned by
+// ResolveDofs. If the places at a node do not determine its motion, the
+// smallest motion that agrees with them is drawn; nodes without places are at
+// rest. Shapes are rotated to be as real as possible.
 StructurePicture MakeModesPicture(const PlacedGeometry& placed,
                                   const std::vector<PlaceOfShape>& sensors,
                                   const std::vector<PlaceOfShape>& places,
                                   const MergedModes& merged);
 
-// Shapes at the nodes of a geometry, as MakeModesPicture draws them: of each
-// mode nodes x 3, complex, in the scale of its entries. Empty where a place is
+// Returns shapes at the nodes of a geometry, as MakeModesPicture draws them:
+// per mode nodes x 3, complex, in the scale of its entries. Empty if a place is
 // at no node.
 std::vector<Eigen::MatrixXcd> MotionsOfNodes(
     const PlacedGeometry& placed, const std::vector<PlaceOfShape>& places,
     const MergedModes& merged);
 
-// Of each element the group that it is shown as, -1 where it is of none: one of
-// stiffness over one of mass, but what has changed over what has not.
+// Returns for each element the group that it is shown as, -1 if it is in no
+// group. A group of stiffness precedes one of mass, but a changed one precedes
+// an unchanged one.
 std::vector<int> ShownGroups(const StructurePicture& picture);
 
-// The picture as an unstructured grid of VTK (.vtu, ASCII XML), which ParaView
-// and others read: cells with `group` (an index, -1 for none), `change`,
-// `probability`, `changed`, and `known` where there is a change, of the groups
-// that are shown (ShownGroups), and `change_<index>` of those that share
-// elements with what is shown in their place; points with the mode shapes,
-// `mode_1` and so on.
+// Returns the picture as an unstructured grid of VTK (.vtu, ASCII XML), which
+// ParaView and other programs read.
+//
+// - Cells have `group` (an index, -1 for none), `change`, `probability`,
+//   `changed`, and `known` if there is a change, of the shown groups
+//   (ShownGroups).
+// - Cells also have `change_<index>` of groups that share elements with a shown
+//   group.
+// - Points have the mode shapes, `mode_1` and so on.
 std::string FormatVtu(const StructurePicture& picture);
 
 }  // namespace pinode

@@ -16,7 +16,7 @@ class VtuText {
   void Open(const std::string& tag) { text_ += "<" + tag + ">\n"; }
   void Close(const std::string& tag) { text_ += "</" + tag + ">\n"; }
 
-  // `values` of `components` each.
+  // Adds an array of `values` with `components` each.
   template <typename Values>
   void Array(const std::string& type, const std::string& name, int components,
              const Values& values) {
@@ -52,7 +52,7 @@ void AddCells(const StructureGeometry& geometry, VtuText* text) {
   std::vector<int> connectivity, offsets, types;
   for (const StructureGeometry::Element& element : geometry.elements) {
     std::vector<int> nodes = element.nodes;
-    // The triangle below a wedge goes the other way round in VTK.
+    // VTK orders the triangle below a wedge in the opposite sense.
     if (element.shape == ElementShape::kWedge) {
       nodes = {nodes[0], nodes[2], nodes[1], nodes[3], nodes[5], nodes[4]};
     }
@@ -67,8 +67,8 @@ void AddCells(const StructureGeometry& geometry, VtuText* text) {
   text->Close("Cells");
 }
 
-// Changes of one group, where elements are of others too: what is shown of
-// these may be another's.
+// Adds the changes of one group whose elements are shared: those may show
+// another group's change.
 void AddHiddenChanges(const StructurePicture& picture,
                       const std::vector<int>& shown, VtuText* text) {
   for (size_t g = 0; g < picture.groups.size(); ++g) {
@@ -89,8 +89,8 @@ void AddHiddenChanges(const StructurePicture& picture,
 void AddCellData(const StructurePicture& picture, VtuText* text) {
   const std::vector<int> group = ShownGroups(picture);
   const size_t count = group.size();
-  // Readers of ASCII files take no "nan": what is not known is zero, and
-  // `known` says so.
+  // Readers of ASCII files do not accept "nan": unknown values are zero, and
+  // marked by `known`.
   std::vector<int> changed(count, 0), known(count, 0);
   std::vector<double> change(count, 0.0), probability(count, 0.0);
   for (size_t e = 0; e < count; ++e) {
@@ -120,7 +120,7 @@ std::string FormatVtu(const StructurePicture& picture) {
   text.Add("<?xml version=\"1.0\"?>\n<!-- groups:");
   for (size_t g = 0; g < picture.groups.size(); ++g) {
     std::string name = picture.groups[g].name;
-    // Not allowed in a comment; the second time for "---".
+    // XML comments must not contain "--"; the second pass is for "---".
     for (int i = 0; i < 2; ++i) ReplaceAll("--", "- -", &name);
     text.Add(" " + std::to_string(g) + " " + name);
   }

@@ -109,7 +109,7 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
     hash->Add(term.outputs);
     for (const Vector* scale :
          {&architecture.input_scale, &architecture.output_scale}) {
-      // None are ones, and are read back as such.
+      // An empty scale means ones, and is read back as ones.
       if (scale->size() > 0 && (scale->array() != 1.0).any()) {
         hash->Add(Matrix(*scale));
       }
@@ -128,7 +128,7 @@ void Add(const IdentificationRecord& record, Hash* hash) {
   if (record.integrator.has_value()) {
     hash->Add(IntegratorName(*record.integrator));
   }
-  // Those that were chosen are chosen again, and refined at the fit.
+  // Chosen steps are chosen again, and refined at the fit.
   if (record.exponential_steps > 0 && !record.substeps_chosen) {
     hash->Add(static_cast<std::int64_t>(record.exponential_steps));
   }

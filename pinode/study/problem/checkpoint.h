@@ -1,4 +1,4 @@
-// A fit on its way, and by what its problem is known again.
+// State of a running fit, and the hash by which its problem is recognised.
 
 #ifndef PINODE_STUDY_PROBLEM_CHECKPOINT_H_
 #define PINODE_STUDY_PROBLEM_CHECKPOINT_H_
@@ -16,24 +16,23 @@ namespace pinode {
 struct Checkpoint {
   int iteration = 0;
   double cost = 0.0;
-  // What Identify takes as its `initial`. Of a fit that was still running it
-  // has no starts.
+  // Argument `initial` of Identify. A fit that was still running has no starts.
   IdentifiedModel model;
-  // Those that are done, of a fit that has ended.
+  // Finished profiles, if the fit has ended.
   std::vector<ParameterProfile> profiles;
-  // Where terms are chosen: what was by then. `model` is of the problem without
-  // what it has left out.
+  // Choice of terms so far. `model` belongs to the problem without the terms
+  // that it has left out.
   ModelChoice choice;
 };
 
-// 16 hexadecimal digits that stand for a problem: matrices, named unknowns,
-// networks' sizes, records and their numbers, but neither its description nor
-// the options of a fit, which may be changed between a fit and its
-// continuation.
+// Returns 16 hexadecimal digits that identify a problem: matrices, named
+// unknowns, networks' sizes, records and their numbers. The description and the
+// options of a fit are not included, so that they may change between a fit and
+// its continuation.
 std::string ProblemHash(const IdentificationProblem& problem);
 
-// By what results of the problem are known: ProblemDescription::known_as, else
-// its hash.
+// Returns the identity by which results of the problem are recognised:
+// ProblemDescription::known_as, else its hash.
 std::string ProblemIdentity(const IdentificationProblem& problem);
 
 }  // namespace pinode

@@ -5,7 +5,8 @@
 namespace pinode {
 namespace {
 
-// Offset of the network's block: blocks are groups, laws and networks.
+// Returns the offset of the network's block: blocks are groups, laws and
+// networks.
 int NetworkOffset(const StructuralDynamics& dynamics, size_t network) {
   const size_t first = dynamics.blocks().size() - dynamics.networks().size();
   return dynamics.block_offset(static_cast<int>(first + network));

@@ -1,4 +1,4 @@
-// Networks that are linear, as matrices.
+// Linear networks as matrices.
 
 #ifndef PINODE_STUDY_PROBLEM_FOLDED_MATRICES_H_
 #define PINODE_STUDY_PROBLEM_FOLDED_MATRICES_H_

@@ -18,29 +18,30 @@
 
 namespace pinode {
 
-// A free unknown alpha that begins at 0: the model's `target` plus alpha times
-// `matrix` (num_dofs x num_dofs).
+// Makes a free unknown alpha that begins at 0: the model's `target` plus alpha
+// times `matrix` (num_dofs x num_dofs).
 GroupTerm MakeFreeGroup(const std::string& name, MatrixGroup::Target target,
                         const Matrix& matrix);
 
-// `values`, one a sample, of a sensor that measures `quantity` times `weights`
-// (one per DOF), in the model's units.
+// Makes the channel of a sensor that measures `quantity` times `weights` (one
+// per DOF). `values`: one per sample, in the model's units.
 MeasuredChannel MakeMeasuredChannel(const std::string& name, Quantity quantity,
                                     const Vector& weights,
                                     const Vector& values);
 
-// One such channel per DOF from the columns of `values` (samples x DOFs), named
-// "<prefix>1", "<prefix>2", ...
+// Makes one such channel per DOF from the columns of `values` (samples x DOFs),
+// named "<prefix>1", "<prefix>2", ...
 std::vector<MeasuredChannel> MakeChannels(const std::string& prefix,
                                           Quantity quantity,
                                           const Matrix& values);
 
-// An acceleration of the ground in each direction of `model`, ground_<name>.
+// Returns an acceleration of the ground in each direction of `model`,
+// ground_<name>.
 std::vector<InputSpec> GroundMotion(const StructuralModel& model);
 
-// The structure `model` with these inputs and terms, and no records yet. False,
-// with *error and *problem untouched, where the model is not valid, or where an
-// input or a term does not fit it.
+// Makes a problem of the structure `model` with these inputs and terms, without
+// records. Returns false, with *error and *problem untouched, if the model is
+// not valid, or if an input or a term does not fit it.
 [[nodiscard]] bool MakeProblem(const StructuralModel& model,
                                const std::vector<InputSpec>& inputs,
                                const StructureTerms& terms,
@@ -48,9 +49,9 @@ std::vector<InputSpec> GroundMotion(const StructuralModel& model);
                                std::string* error);
 
 // Adds a training record that begins at rest, with one row of `inputs` per
-// input of the model and one column a sample, `step` apart. False, with *error
-// and *problem untouched, where sizes or numbers are wrong; that the channels
-// fit is checked by PrepareProblem.
+// input of the model and one column per sample, `step` apart. Returns false,
+// with *error and *problem untouched, if sizes or numbers are wrong.
+// PrepareProblem checks that the channels fit.
 [[nodiscard]] bool AddRecord(const std::string& name, double step,
                              const Matrix& inputs, Interpolation interpolation,
                              const std::vector<MeasuredChannel>& channels,

@@ -13,10 +13,11 @@
 namespace pinode {
 namespace {
 
-// Of what the lowest mode does not move, but others may.
+// Share of the largest motion that is assumed where the lowest mode does not
+// move: other modes may.
 constexpr double kLeastShare = 0.1;
 
-// How large the motion of the training records is.
+// Sizes of the motion in the training records.
 struct MotionSizes {
   double displacement = 0.0;
   double velocity = 0.0;
@@ -26,7 +27,7 @@ struct MotionSizes {
   double acceleration() const { return velocity * velocity / displacement; }
 };
 
-// RMS over the training records of what `size` says of each.
+// Returns the RMS of `size` over the training records.
 template <typename Size>
 double OverRecords(const IdentificationProblem& problem, const Size& size) {
   double sum = 0.0;
@@ -65,10 +66,10 @@ MotionSizes SizesOf(const IdentificationProblem& problem) {
   return sizes;
 }
 
-// The lowest mode that deforms the model, its largest entry one; ones where the
-// matrices have none.
+// Returns the lowest mode that deforms the model, its largest entry one; ones
+// if the matrices have none.
 Vector LowestMode(const StructuralModel& model) {
-  // Roots are taken of the mass.
+  // The units avoid extreme numbers in the roots of the mass.
   const double unit = PowerOfTwoBelow(model.mass.diagonal().maxCoeff());
   const double other = PowerOfTwoBelow(model.stiffness.diagonal().maxCoeff());
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(
@@ -95,7 +96,7 @@ double SizeOf(const Feature& feature, const MotionSizes& sizes,
          (feature.OnVelocity() ? sizes.velocity : sizes.displacement);
 }
 
-// Of one result that acts through `output`, one entry a DOF.
+// Returns the size of one result that acts through `output`, one entry per DOF.
 double SizeOf(const NetworkTerm& term, const Vector& output,
               const MotionSizes& sizes, const Matrix& mass) {
   const Vector weights = output.cwiseAbs();
@@ -106,7 +107,7 @@ double SizeOf(const NetworkTerm& term, const Vector& output,
               : 1.0);
 }
 
-// What has no size in these records is not scaled.
+// Replaces sizes that are zero in these records by one.
 Vector OneUnlessPositive(Vector scale) {
   for (double& value : scale) {
     if (!(value > 0.0) || !std::isfinite(value)) value = 1.0;
@@ -133,7 +134,7 @@ void ScaleNetworks(const IdentificationProblem& problem,
     return;
   }
   const MotionSizes sizes = SizesOf(problem);
-  // GuessStateScales has a least value for what does not move.
+  // GuessStateScales has a smallest value for quantities without motion.
   constexpr double kNoMotion = 1e-200;
   if (!(sizes.displacement > kNoMotion) || !(sizes.velocity > kNoMotion)) {
     return;

@@ -1,4 +1,4 @@
-// Scales that make a network's weights numbers without units.
+// Scales that make the weights of a network free of units.
 
 #ifndef PINODE_STUDY_PROBLEM_NETWORK_SCALES_H_
 #define PINODE_STUDY_PROBLEM_NETWORK_SCALES_H_
@@ -8,20 +8,20 @@
 
 namespace pinode {
 
-// Gives every network of *dynamics whose weights are drawn, and whose inputs or
-// outputs have no scales of their own, scales from the problem's training
-// records: how large its inputs are, and the accelerations (or the forces on
-// the masses at hand) of the motion that was measured. First weights, weight
-// decay and steps then mean the same whatever the units. Sizes are those of
-// GuessStateScales; a displacement or a deformation is the larger the more the
-// model's lowest mode moves there.
+// Sets scales of networks from the problem's training records. This applies to
+// every network of *dynamics whose weights are drawn, and whose inputs or
+// outputs have no scales of their own. The scales are the sizes of its inputs,
+// and of the accelerations (or of the forces on the present masses) in the
+// measured motion. Initial weights, weight decay and steps then do not depend
+// on the units. Sizes are those of GuessStateScales; a displacement or a
+// deformation is scaled by the motion of the model's lowest mode there.
 //
-// `problem`: its records, with `dynamics` as its own or a copy of it. Without
-// training records, or where nothing in them moves, nothing is set.
+// `problem`: its records, with `dynamics` as its own or a copy of it. Nothing
+// is set without training records, or without motion in them.
 void ScaleNetworks(const IdentificationProblem& problem,
                    StructuralDynamics* dynamics);
 
-// Whether ScaleNetworks would look at any.
+// True if ScaleNetworks would set scales.
 bool HasNetworksToScale(const StructuralDynamics& dynamics);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// The model before an identification, beside the one that it found.
+// Comparison of the initial model with the identified one.
 
 #ifndef PINODE_STUDY_PROBLEM_PRIOR_COMPARISON_H_
 #define PINODE_STUDY_PROBLEM_PRIOR_COMPARISON_H_
@@ -19,16 +19,16 @@ namespace pinode {
 PriorComparison CompareWithPrior(const IdentificationProblem& problem,
                                  const IdentifiedModel& model);
 
-// Free runs of the model before, made when they are asked for: all sensors of
-// all records together may be more than memory holds.
+// Simulations of the initial model, made on request: all sensors of all records
+// together may exceed the memory.
 class PriorRuns {
  public:
-  // Starts that are to be found are weighed by the noise of `model`, where it
-  // has any. Both must outlive the object.
+  // Keeps references to both arguments, which must outlive the object. Unknown
+  // starts are weighted by the noise of `model`, if it has any.
   PriorRuns(const IdentificationProblem& problem, const IdentifiedModel& model);
 
-  // What the record's sensors `channels` show, channels.size() x samples; empty
-  // where the run is not finite or the problem is not valid.
+  // Returns the values of the record's sensors `channels`, channels.size() x
+  // samples; empty if the run is not finite or the problem is not valid.
   Matrix Run(int record, const std::vector<int>& channels);
 
  private:

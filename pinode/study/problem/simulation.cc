@@ -11,7 +11,8 @@
 namespace pinode {
 namespace {
 
-// From where the response is: rest, unless the record knows better.
+// Returns the start of the response: rest, unless the record determines
+// another.
 Vector ResponseStart(const IdentificationProblem& problem, int r,
                      const Vector& parameters, std::string* remark) {
   const IdentificationRecord& record = problem.records[static_cast<size_t>(r)];

@@ -1,5 +1,4 @@
-// The response of a model to the excitations of its records, as sensors would
-// show it.
+// Simulated sensor values of a model under the excitations of its records.
 
 #ifndef PINODE_STUDY_PROBLEM_SIMULATION_H_
 #define PINODE_STUDY_PROBLEM_SIMULATION_H_
@@ -14,8 +13,7 @@
 
 namespace pinode {
 
-// Noise of sensors: Gaussian numbers that are the same with every standard
-// library.
+// Sensor noise: Gaussian numbers that are the same with every standard library.
 class SensorNoise {
  public:
   explicit SensorNoise(std::uint64_t seed) : random_(seed) {}
@@ -29,26 +27,28 @@ class SensorNoise {
 };
 
 struct SimulatedResponse {
-  // Whether all of it is; where not, the sample from which on it is not.
+  // True if all of the response is finite. If not, the first sample that is
+  // not.
   bool finite = false;
   Eigen::Index first_not_finite = 0;
-  // What the sensors show without noise: channels x samples, in the units of
-  // the record's file.
+  // Sensor values without noise: channels x samples, in the units of the
+  // record's file.
   Matrix sensors;
   Matrix states;  // num_states x samples, in the model's units
-  // Where it begins at rest for want of something better; else empty.
+  // Remark if the response begins at rest because no other start is known; else
+  // empty.
   std::string remark;
 };
 
-// The standard deviation of a channel's noise, as the case gives it, in per
-// cent of that of `values`, which are in the units of its file; 0 where either
+// Returns the standard deviation of a channel's noise, as the case gives it, in
+// per cent of that of `values`, which are in the units of its file; 0 if either
 // is 0.
 double OwnNoisePercent(const MeasuredChannel& channel, const Vector& values);
 
-// The response to the excitation of a record from its known start, else from
-// the steady state where the excitation is periodic and from rest where not.
-// `parameters`: all of the problem's (ParameterLayout). The problem is valid
-// but that nothing need be free or measured.
+// Computes the response to the excitation of a record. It begins at the known
+// start, else at the steady state if the excitation is periodic, else at rest.
+// `parameters`: all of the problem's (ParameterLayout). The problem must be
+// valid, except that it may have no free parameters or measurements.
 SimulatedResponse SimulateRecord(const IdentificationProblem& problem,
                                  int record, const Vector& parameters);
 

@@ -22,15 +22,15 @@ namespace {
 constexpr double kLargestPhase = 0.35;  // step * max|lambda|
 constexpr double kSigmaShare = 0.1;
 constexpr double kRmsShare = 1e-4;
-// A free run that six halvings do not bring to its limit is chaotic, or grows
-// without bound: the step is not what it lacks.
+// Largest refinement. A simulation that six halvings do not bring to its limit
+// is chaotic, or grows without bound. Smaller steps do not help then.
 constexpr int kLargestRefinement = 64;
-// States from which on a product of state size costs more than all else of a
-// step.
+// Number of states from which on a product of state size dominates the cost of
+// a step.
 constexpr int kManyStates = 16;
 
-// The state at the first sample, as far as a free run needs one. False where
-// the record does not say.
+// Finds the state at the first sample, as far as a simulation needs one.
+// Returns false if the record does not determine it.
 bool FindStart(const StructuralDynamics& dynamics,
                const IdentificationRecord& record, Vector* start) {
   const int n = dynamics.num_dofs();
@@ -40,7 +40,8 @@ bool FindStart(const StructuralDynamics& dynamics,
     *start = record.known_start;
     return true;
   }
-  // y(0) = [W_x 0; 0 W_v] [x; v] over the channels that see the state itself.
+  // Solves y(0) = [W_x 0; 0 W_v] [x; v] over the channels that measure the
+  // state itself.
   std::vector<RowVector> rows;
   std::vector<double> values;
   for (const MeasuredChannel& channel : record.channels) {
@@ -56,7 +57,7 @@ bool FindStart(const StructuralDynamics& dynamics,
     rows.push_back(row);
     values.push_back(channel.values[0]);
   }
-  // What the excitation does does not depend on the start.
+  // The response to the excitation does not depend on the start.
   const bool excited = !record.excitation->samples().isZero(0.0);
   if (static_cast<int>(rows.size()) < 2 * n) return excited;
   Matrix map(static_cast<Eigen::Index>(rows.size()), 2 * n);
@@ -71,10 +72,10 @@ bool FindStart(const StructuralDynamics& dynamics,
   return true;
 }
 
-// The free run of the model as it is, with a given number of steps.
+// Simulation of the initial model with a given number of steps.
 class Prior {
  public:
-  // False where there is no start.
+  // Prepares the simulation; false without a start.
   bool Init(const StructuralDynamics& dynamics,
             const StructuralDynamics::Prepared& prepared,
             const IdentificationRecord& record) {
@@ -89,7 +90,7 @@ class Prior {
     return FindStart(dynamics, record, &start_);
   }
 
-  // Channels x samples; false where the run does not stay finite.
+  // Simulates, channels x samples; false if the run does not stay finite.
   bool Run(int substeps, Matrix* channels,
            Integrator integrator = Integrator::kRungeKutta) const {
     Trajectory trajectory;
@@ -114,8 +115,8 @@ double RowRms(const RowVector& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-// Fills in the channel whose change is largest against its limit. Returns
-// whether all are within their limits.
+// Finds the channel whose change is largest relative to its limit. Returns true
+// if all are within their limits.
 bool CompareChannels(const IdentificationRecord& record, const Matrix& coarse,
                      const Matrix& fine, SubstepChoice* choice) {
   double worst = -1.0;
@@ -206,8 +207,8 @@ bool ChooseSubsteps(const StructuralDynamics& dynamics,
     substeps *= 2;
   }
   if (accurate && substeps > 1) {
-    // The error falls with the fourth power: fewer steps than the last doubling
-    // gave may do.
+    // The error falls with the fourth power: fewer steps than after the last
+    // doubling may do.
     const double ratio = choice->error / choice->error_limit;
     const int fewer = static_cast<int>(
         std::ceil(1.02 * substeps * std::sqrt(std::sqrt(ratio))));
@@ -220,7 +221,7 @@ bool ChooseSubsteps(const StructuralDynamics& dynamics,
     }
   }
   if (!accurate) {
-    // No start, or a prior that diverges whatever the step.
+    // No start, or an initial model that diverges with any step.
     choice->error = choice->error_limit = kNaN;
     choice->channel.clear();
     const double needed = std::max(
@@ -266,8 +267,9 @@ bool CheckSubsteps(const StructuralDynamics& dynamics,
 
 namespace {
 
-// A model carries the error of the steps with which it was fitted: where a
-// training record has a number of Runge-Kutta's, no record is run exactly.
+// Makes records follow the training records. A model carries the error of the
+// steps of its fit: if a training record has a number of Runge-Kutta steps, no
+// record is solved exactly.
 void FollowTraining(IdentificationProblem* problem) {
   bool stepped = false;
   for (const IdentificationRecord& record : problem->records) {
@@ -282,8 +284,8 @@ void FollowTraining(IdentificationProblem* problem) {
   }
 }
 
-// Exponential steps a sample, of the prior's free run as ChooseSubsteps has it,
-// at most `most`; 0 where it does not say.
+// Returns the exponential steps per sample for the initial model's simulation
+// as in ChooseSubsteps, at most `most`; 0 if it does not determine them.
 int ChooseExponentialSteps(const StructuralDynamics& dynamics,
                            const IdentificationRecord& record, int most,
                            SubstepChoice* choice) {
@@ -311,9 +313,9 @@ int ChooseExponentialSteps(const StructuralDynamics& dynamics,
   return 0;
 }
 
-// Sets the record's exponential steps, where they are asked for, or where they
-// suit and are worth their while: half as many as Runge-Kutta needs to be
-// stable, or as many where there are many states.
+// Sets the record's exponential steps if they are requested, or if they suit
+// and save work: half as many as Runge-Kutta needs to be stable, or as many if
+// there are many states.
 bool SetExponentialSteps(const StructuralDynamics& dynamics,
                          const IdentificationRecord& ideal,
                          IdentificationRecord* record, SubstepChoice* choice,
@@ -361,9 +363,9 @@ bool SetExponentialSteps(const StructuralDynamics& dynamics,
   return true;
 }
 
-// A model carries the error of its steps: exponential ones are taken in all
-// records or in none, and none is integrated more coarsely than the finest
-// training record.
+// Matches exponential steps. A model carries the error of its steps:
+// exponential ones are taken in all records or in none, and none is integrated
+// more coarsely than the finest training record.
 void MatchExponentialSteps(IdentificationProblem* problem) {
   double finest = kInfinity;
   bool all = true;
@@ -390,7 +392,8 @@ void MatchExponentialSteps(IdentificationProblem* problem) {
   }
 }
 
-// What Runge-Kutta would take, for the few that linearise step by step.
+// Finds the number of Runge-Kutta steps, for the few functions that linearise
+// step by step.
 bool StepsBesideTheExactSolution(const StructuralDynamics& dynamics,
                                  const IdentificationRecord& record,
                                  SubstepChoice* choice, std::string* error) {

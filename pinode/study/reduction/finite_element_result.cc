@@ -10,7 +10,8 @@
 namespace pinode {
 namespace {
 
-// Rounding of sums must not leave one triangle different from the other.
+// Makes a matrix symmetric: rounding of sums must not make the triangles
+// different.
 SparseMatrix Symmetric(const SparseMatrix& matrix) {
   return SparseMatrix(0.5 * (matrix + SparseMatrix(matrix.transpose())));
 }
@@ -33,7 +34,8 @@ FiniteElementModel UpdatedExport(const ReducedStructure& structure,
                            : term.group.target == MatrixGroup::Target::kDamping
                                ? &updated.damping
                                : &updated.stiffness;
-    // Dampers beside damping that is known for the coordinates alone.
+    // Dampers cannot be added to damping that is known for the coordinates
+    // alone.
     if (target->rows() == 0) continue;
     *target = SparseMatrix(*target + term.alpha.value * matrix);
   }
@@ -60,7 +62,7 @@ std::vector<ElementFactor> ElementFactors(const ReducedStructure& structure,
     for (const ParameterEstimate& candidate : summary.parameters) {
       if (candidate.name == term.alpha.name) estimate = candidate;
     }
-    // What the export has of the set already counts as one.
+    // The set's share in the export already counts as one.
     const auto factor = [&term](double alpha) {
       return (term.present + alpha) / term.present;
     };

@@ -1,4 +1,4 @@
-// What an identification gives back to the finite-element program.
+// Results of an identification for the finite-element program.
 
 #ifndef PINODE_STUDY_REDUCTION_FINITE_ELEMENT_RESULT_H_
 #define PINODE_STUDY_REDUCTION_FINITE_ELEMENT_RESULT_H_
@@ -14,12 +14,12 @@
 
 namespace pinode {
 
-// By what to multiply an element set's property: (present + alpha) / present.
+// Factor for an element set's property: (present + alpha) / present.
 struct ElementFactor {
   std::string group;
   MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
   double factor = 1.0;
-  double sigma = 0.0;  // NaN where it is not known, as the interval
+  double sigma = 0.0;  // NaN if unknown, as the interval
   double lower95 = 0.0;
   double upper95 = 0.0;
   bool free = false;
@@ -32,28 +32,31 @@ struct WholeModes {
   Matrix shapes;        // DOFs x modes; Phi' M Phi = I in the coordinates
 };
 
-// The exported matrices (or Rayleigh's damping of them) with the groups at the
-// values of `dynamics`, in the export's order of DOFs and with its sparsity (a
-// spring between DOFs that the export does not couple adds its entries),
-// exactly symmetric; no damping where it is known for the coordinates alone.
-// Groups that follow time or a covariate are as they were. `dynamics` has the
-// structure's groups.
+// Returns the exported matrices (or their Rayleigh damping) with the groups at
+// the values of `dynamics`, exactly symmetric. They have the export's order of
+// DOFs and its sparsity; a spring between DOFs that the export does not couple
+// adds its entries. There is no damping if it is known for the coordinates
+// alone. Groups that follow time or a covariate are unchanged. `dynamics` has
+// the structure's groups.
 FiniteElementModel UpdatedExport(const ReducedStructure& structure,
                                  const StructuralDynamics& dynamics);
 
-// Of the groups that are element sets, but for those that follow something.
+// Returns the factors of the groups that are element sets, except those that
+// follow time or a covariate.
 std::vector<ElementFactor> ElementFactors(const ReducedStructure& structure,
                                           const StructuralDynamics& dynamics,
                                           const FitSummary& summary);
 
-// T times the undamped modes of the coordinates with the groups at the values
-// of `dynamics`. False, with *error, where ComputeUndampedModes is.
+// Computes T times the undamped modes of the coordinates with the groups at the
+// values of `dynamics`. Returns false, with *error, if ComputeUndampedModes
+// fails.
 [[nodiscard]] bool ModesOfWhole(const ReducedStructure& structure,
                                 const StructuralDynamics& dynamics,
                                 WholeModes* modes, std::string* error);
 
-// Displacements at structure.expanded_dofs along a free run, DOFs x samples, in
-// the model's unit. `states` are those of a dynamics of the coordinates.
+// Returns the displacements at structure.expanded_dofs along a simulation, DOFs
+// x samples, in the model's unit. `states` are those of a dynamics of the
+// coordinates.
 Matrix ExpandedResponse(const ReducedStructure& structure,
                         const Matrix& states);
 

@@ -9,7 +9,7 @@
 namespace pinode {
 namespace {
 
-// `model` with M_b and K_b.
+// Makes `model` with M_b and K_b.
 bool ModelAtBasis(const ReducedStructure& structure, FiniteElementModel* model,
                   std::string* error) {
   *model = structure.exported;
@@ -21,7 +21,7 @@ bool ModelAtBasis(const ReducedStructure& structure, FiniteElementModel* model,
   return model->IsValid(error);
 }
 
-// The basis with a zero row for each DOF that was removed; these ascend.
+// Returns the basis with a zero row for each removed DOF; these are ascending.
 Matrix WithRemovedDofs(const Matrix& basis, const std::vector<int>& removed) {
   const auto num_removed = static_cast<Eigen::Index>(removed.size());
   Matrix expansion = Matrix::Zero(basis.rows() + num_removed, basis.cols());

@@ -1,5 +1,5 @@
-// A finite-element model made small, with what is needed to make it small again
-// elsewhere and to go back to all of its DOFs.
+// A reduced finite-element model, with the data to reduce it again with another
+// basis and to expand results to all of its DOFs.
 
 #ifndef PINODE_STUDY_REDUCTION_REDUCED_STRUCTURE_H_
 #define PINODE_STUDY_REDUCTION_REDUCED_STRUCTURE_H_
@@ -17,76 +17,76 @@
 
 namespace pinode {
 
-// The DOFs x of the whole model follow the coordinates r as x = T r. T is taken
-// from M and K at the basis point,
+// Reduction x = T r of the DOFs x of the whole model to coordinates r. T is
+// computed from M and K at the basis point,
 //
 //   M_b = M + sum_j alpha_j M_j,   K_b = K + sum_j alpha_j K_j
 //
-// with the groups at values alpha (none: the exported matrices), while the
+// with the groups at values alpha (none: the exported matrices). The
 // coordinates' matrices are T' M T and T' K T of the exported ones: groups
-// remain shares of the export wherever the basis is taken. To be filled in the
-// order of the fields, then SetBasisPoint, Reduce and MakeReducedModel.
+// remain shares of the export for every basis. Fill the fields in their order,
+// then call SetBasisPoint, Reduce and MakeReducedModel.
 struct ReducedStructure {
-  // One for each group of the dynamics, in their order.
+  // One group of the dynamics; `groups` has them in the order of the dynamics.
   struct Group {
-    // Over all DOFs of `exported`; 0 x 0 where a group is given for the
-    // coordinates alone and has no such matrix.
+    // Matrix over all DOFs of `exported`; 0 x 0 if the group is given for the
+    // coordinates alone.
     SparseMatrix matrix;
-    // What the coordinates have of it: the same matrix in every basis (one that
-    // is given for them, a spring between two of them), T' A T, or that of a
-    // multiple of M_b or K_b.
+    // Matrix in the coordinates: the same in every basis (given for them, or a
+    // spring between two of them), T' A T, or that of a multiple of M_b or K_b.
     enum class InBasis { kSame, kReduced, kOfMass, kOfStiffness };
     InBasis in_basis = InBasis::kSame;
     double scale = 1.0;  // the multiple
-    // From exports: a change alpha of the group means 1 + alpha times what the
-    // element set contributes, which can be typed into the FE program.
+    // True for exports: a change alpha of the group means 1 + alpha times the
+    // contribution of the element set, which can be entered in the FE program.
     bool is_element_set = false;
     std::string source;  // the export's path
   };
 
-  FiniteElementModel exported;  // as the files have it
+  FiniteElementModel exported;  // as in the files
   std::vector<int> removed_dofs;
-  FiniteElementModel model;  // without these; what is reduced
+  FiniteElementModel model;  // without these; the model to be reduced
 
   ReductionOptions options;
   bool is_reduced = false;  // false: all DOFs of `model` are kept
-  // The basis is to be taken again where the groups are found to be.
+  // True: the basis is computed again at the identified values of the groups.
   bool renew_basis = false;
-  // Of C of the coordinates where the export has none.
+  // Rule for C of the coordinates if the export has none.
   std::optional<DampingRule> damping_rule;
-  // r of all DOFs of `model`, a column per direction of ground motion.
+  // Influence vectors of all DOFs of `model`, a column per direction of ground
+  // motion.
   std::vector<std::string> directions;
   Matrix influence;
-  // Coordinates x directions where it is given and not reduced; else 0 x 0.
+  // Coordinates x directions if it is given and not reduced; else 0 x 0.
   Matrix given_support_mass_coupling;
-  // Positions in `exported` whose responses are wanted.
+  // Positions in `exported` whose responses are output.
   std::vector<int> expanded_dofs;
-  // What the whole model's frequencies are expected to be (Hz).
+  // Expected frequencies of the whole model (Hz).
   std::vector<double> expected_hz;
-  // Special DOFs, rigid-body modes, ...: sentences about `exported` and
-  // `model`.
+  // Notes on `exported` and `model`, one sentence each: special DOFs,
+  // rigid-body modes, ...
   std::vector<std::string> export_notes;
 
   std::vector<Group> groups;
 
-  // By SetBasisPoint: M_b and K_b over all DOFs of `exported`. Damping in
-  // proportion to M and K is in proportion to these.
+  // Set by SetBasisPoint: M_b and K_b over all DOFs of `exported`. Proportional
+  // damping is proportional to these.
   SparseMatrix mass_at_basis, stiffness_at_basis;
-  // The groups' values there; empty: they are the exported ones.
+  // Values of the groups at the basis point; empty: the exported ones.
   std::map<std::string, double> basis_at;
-  // Damping without groups over all DOFs of `exported`: its own, or Rayleigh's
-  // of the two above; 0 x 0 where it is known for the coordinates alone.
+  // Damping without groups over all DOFs of `exported`: its own, or Rayleigh
+  // damping of the two above; 0 x 0 if it is known for the coordinates alone.
   SparseMatrix damping;
 
-  // By Reduce: the basis, the modes and what the reduction costs. Its matrices
+  // Set by Reduce: the basis, the modes and the reduction error. Its matrices
   // are those of `model` in that basis.
   ReducedModel reduced;
-  // T in the order of `exported`, zero rows for what was removed.
+  // T in the order of `exported`, with zero rows for removed DOFs.
   Matrix expansion;
-  std::vector<std::string> notes;  // those of the export and the reduction
+  std::vector<std::string> notes;  // notes of the export and of the reduction
 };
 
-// A value of a group of mass or stiffness at the basis point.
+// Value of a group of mass or stiffness at the basis point.
 struct GroupAtBasis {
   std::string name;
   MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
@@ -94,30 +94,31 @@ struct GroupAtBasis {
   double alpha = 0.0;
 };
 
-// M_b and K_b. False, with *error, where the model is none there, or a matrix
-// is of another size.
+// Computes M_b and K_b. Returns false, with *error, if the model is not valid
+// there, or a matrix has another size.
 [[nodiscard]] bool SetBasisPoint(const std::vector<GroupAtBasis>& groups,
                                  ReducedStructure* structure,
                                  std::string* error);
 
-// T and what follows from it. False, with *error, where ReduceModel is.
+// Computes T and the quantities that follow from it. Returns false, with
+// *error, if ReduceModel fails.
 [[nodiscard]] bool Reduce(ReducedStructure* structure, std::string* error);
 
-// The coordinates with matrices, names, damping and influence vectors; and
-// structure->damping. False, with *error, where the damping rule cannot be
-// followed.
+// Makes the model of the coordinates with matrices, names, damping and
+// influence vectors, and sets structure->damping. Returns false, with *error,
+// if the damping rule cannot be applied.
 [[nodiscard]] bool MakeReducedModel(ReducedStructure* structure,
                                     StructuralModel* model, std::string* error);
 
-// The matrix of a group in the coordinates, which was `before` in another
-// basis. Also sets the matrix over all DOFs of a group in proportion to M_b or
-// K_b.
+// Returns the matrix of a group in the coordinates, which was `before` in
+// another basis. For a group in proportion to M_b or K_b, also sets the matrix
+// over all DOFs.
 Matrix GroupInBasis(const ReducedStructure& structure, const Matrix& before,
                     ReducedStructure::Group* group);
 
-// A spring of stiffness `scale` between two of the coordinates (-1: the ground)
-// over all DOFs; its matrix is 0 x 0 where an end is a coordinate of a mode.
-// Needs no basis yet.
+// Returns a spring of stiffness `scale` between two of the coordinates (-1: the
+// ground) over all DOFs. Its matrix is 0 x 0 if an end is a coordinate of a
+// mode. No basis is needed yet.
 ReducedStructure::Group SpringGroup(const ReducedStructure& structure,
                                     double scale, int from, int to);
 

@@ -21,9 +21,10 @@ namespace pinode {
 namespace {
 
 constexpr double kAssumedShare = 0.05;
-// Of the largest response of a quantity.
+// Rounding error relative to the largest response of a quantity.
 constexpr double kRounding = 1e-9;
-// Numbers of Jacobians, or of channels' matrices, that are at hand at a time.
+// Largest number of entries of Jacobians, or of channels' matrices, in memory
+// at a time.
 constexpr double kMostNumbers = 3e6;
 
 // J'J and RMS of channels, at noise one.
@@ -32,7 +33,7 @@ struct ChannelInformation {
   Vector rms;
 };
 
-// Runs one record once for as many channels as memory has room for.
+// Runs one record, with as many channels at once as memory allows.
 class RecordLinearizer {
  public:
   RecordLinearizer(const IdentificationProblem& problem,
@@ -69,7 +70,7 @@ class RecordLinearizer {
     return true;
   }
 
-  // Of these channels, in their order.
+  // Linearises these channels, in their order.
   [[nodiscard]] bool Run(const std::vector<MeasuredChannel>& channels,
                          ChannelInformation* information, std::string* error) {
     const double columns = problem_.dynamics->num_states() + layout_.num_free();
@@ -112,7 +113,8 @@ class RecordLinearizer {
     const auto count = static_cast<Eigen::Index>(record.channels.size());
     std::vector<Matrix> products;
     for (Eigen::Index c = 0; c < count; ++c) {
-      // Alone: all others say nothing. The histories are summed once.
+      // One channel at a time: all others get an infinite sigma. The histories
+      // are summed once.
       Vector sigmas = Vector::Constant(
           count, count > 1 ? std::numeric_limits<double>::infinity() : 1.0);
       sigmas[c] = 1.0;
@@ -176,13 +178,14 @@ class RecordLinearizer {
   SegmentColumns columns_ = SegmentColumns::kParameters;
 };
 
-// Priors, modes, smoothness: the problem without its records.
+// Computes the information of priors, modes and smoothness: the problem without
+// its records.
 bool KnownInformation(IdentificationProblem problem,
                       const IdentificationOptions& options, Matrix* known,
                       std::string* error) {
   problem.records.clear();
-  // Modes of unknown errors weigh the residuals of a fit and say nothing of the
-  // errors of its result.
+  // Modes with unknown errors weight the residuals of a fit. They do not
+  // determine the errors of its result.
   if (!problem.modal.HasSigmas()) problem.modal = ModalData();
   const ParameterLayout layout(problem);
   Objective objective(problem, layout, MultipleShooting::Options());
@@ -197,7 +200,7 @@ bool KnownInformation(IdentificationProblem problem,
   return true;
 }
 
-// The problem as its validity is asked with these sensors.
+// Checks the validity of the problem with these sensors.
 bool CheckSensors(const IdentificationProblem& problem,
                   const IdentificationOptions& options,
                   const std::vector<CandidateSensor>& candidates,
@@ -238,8 +241,8 @@ bool CheckSensors(const IdentificationProblem& problem,
   return with_sensors.IsValid(error);
 }
 
-// What a sensor shows beside others of its quantity may be rounding: then it
-// shows nothing, and five per cent of it are no noise.
+// Sets values to zero that are rounding compared with others of the quantity:
+// five per cent of them would not be a noise level.
 void LeaveOutRounding(const IdentificationProblem& problem,
                       const std::vector<OwnSensor>& own,
                       const std::vector<CandidateSensor>& candidates,
@@ -264,7 +267,7 @@ void LeaveOutRounding(const IdentificationProblem& problem,
   });
 }
 
-// Median of the noise of own sensors of one quantity; 0 without any.
+// Returns the median noise of own sensors of one quantity; 0 without any.
 double NoiseOfOthers(const IdentificationProblem& problem,
                      const std::vector<OwnSensor>& own,
                      const std::vector<SensorInformation>& known,
@@ -274,7 +277,7 @@ double NoiseOfOthers(const IdentificationProblem& problem,
     const MeasuredChannel& channel =
         problem.records[static_cast<size_t>(own[i].record)]
             .channels[static_cast<size_t>(own[i].channel)];
-    // What a gauge with several weights shows is of another size.
+    // Values of a gauge with several weights have another size.
     if (channel.observation.quantity == quantity && known[i].sigma > 0.0) {
       sigmas.push_back(known[i].sigma);
     }
@@ -286,7 +289,7 @@ double NoiseOfOthers(const IdentificationProblem& problem,
                                 : 0.5 * (sigmas[half - 1] + sigmas[half]);
 }
 
-// Fills the noise of candidates that have none of their own.
+// Sets the noise of candidates that have none of their own.
 void SetNoise(const IdentificationProblem& problem,
               const std::vector<OwnSensor>& own,
               const std::vector<CandidateSensor>& candidates,
@@ -319,7 +322,8 @@ void SetNoise(const IdentificationProblem& problem,
   }
 }
 
-// A sensor that shows nothing tells nothing.
+// Weighs the information by the noise. A sensor with zero values gives no
+// information.
 void WeighByNoise(SensorInformation* sensor) {
   for (Matrix& product : sensor->by_record) {
     if (sensor->sigma > 0.0) {
@@ -330,7 +334,7 @@ void WeighByNoise(SensorInformation* sensor) {
   }
 }
 
-// One training record's part of everything.
+// Linearises one training record.
 bool LinearizeRecord(const IdentificationProblem& problem,
                      const IdentificationOptions& options,
                      const std::vector<OwnSensor>& own,
@@ -458,7 +462,7 @@ Matrix SensorSum::Information() const {
     const int starts = information_->num_starts[r];
     information += sums_[r].bottomRightCorner(num_free_, num_free_);
     if (starts == 0) continue;
-    // In units in which the starts' own information has a unit diagonal.
+    // Scaled so that the starts' own information has a unit diagonal.
     Vector scale(starts);
     for (int i = 0; i < starts; ++i) {
       const double own = sums_[r](i, i);

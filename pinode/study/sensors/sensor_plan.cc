@@ -14,11 +14,12 @@
 namespace pinode {
 namespace {
 
-// A target's deviation that is no knowledge, see WithUnseenGroups.
+// Deviation of a target that counts as unknown, see WithUnseenGroups.
 constexpr double kUnknown = 10.0;
-// Of what all sensors say together: other unknowns are never quite unknown.
+// Ridge relative to the information of all sensors together: other unknowns are
+// never fully unknown.
 constexpr double kRidge = 1e-10;
-// What makes an exchange worth it, in logarithms of deviations.
+// Smallest gain of an exchange, in logarithms of deviations.
 constexpr double kLeastGain = 1e-9;
 constexpr int kMostExchanges = 1000;
 
@@ -28,8 +29,8 @@ struct Target {
   std::string name;
 };
 
-// Whether a parameter is the factor of a group that follows nothing; *target
-// says what it adds to.
+// True if a parameter is the factor of a group that follows no covariate;
+// *target is the matrix to which it adds.
 bool IsPlainGroup(const StructuralDynamics& dynamics, const std::string& name,
                   MatrixGroup::Target* target) {
   for (const GroupTerm& term : dynamics.groups()) {
@@ -40,7 +41,7 @@ bool IsPlainGroup(const StructuralDynamics& dynamics, const std::string& name,
   return false;
 }
 
-// Free named parameters of the dynamics.
+// Returns the free named parameters of the dynamics.
 std::vector<int> NamedFree(const ParameterLayout& layout) {
   std::vector<int> named;
   for (int j = 0; j < layout.num_free_dynamics(); ++j) {
@@ -97,7 +98,7 @@ bool FindTargets(const IdentificationProblem& problem,
   return true;
 }
 
-// The value of a set of sensors by what it tells.
+// Value of a set of sensors by its information.
 class Criterion {
  public:
   Criterion(const PlanningInformation& information, std::vector<Target> targets,
@@ -111,11 +112,13 @@ class Criterion {
       all.Add(sensor);
     }
     const Vector known = all.Information().diagonal();
-    // The others first, so that the last block of the root is the targets'.
+    // The other unknowns come first, so that the last block of the root is the
+    // targets'.
     std::vector<bool> is_target(static_cast<size_t>(num_free), false);
     for (Target& target : targets_) {
       is_target[static_cast<size_t>(target.free)] = true;
-      // What has no size of its own: by what all sensors say.
+      // Scale of a target without a size of its own: from the information of
+      // all sensors.
       if (target.scale == 0.0) {
         target.scale = known[target.free] > 0.0
                            ? 1.0 / std::sqrt(known[target.free])
@@ -138,7 +141,8 @@ class Criterion {
     }
   }
 
-  // *step says what is reached but for the candidate. Less is better.
+  // Returns the criterion; smaller is better. Fills *step except for its
+  // candidate.
   double Evaluate(const SensorSum& sum, SensorPlan::Step* step) const {
     const Matrix whole = sum.Information();
     const auto n = static_cast<Eigen::Index>(order_.size());
@@ -168,7 +172,8 @@ class Criterion {
       step->worst = largest;
       step->worst_name = targets_[static_cast<size_t>(worst)].name;
     }
-    // As long as one target is out of reach the others still tell apart.
+    // The other targets still distinguish sensors if one target is
+    // undetermined.
     return kind_ == SensorPlanOptions::Criterion::kDeterminant
                ? log_typical
                : std::log(largest) + 1e-3 * log_typical;
@@ -188,13 +193,13 @@ class Criterion {
 
 class Planner {
  public:
-  // `fixed`: the sensors that stay.
+  // Plans in addition to `fixed`, the sensors that stay.
   Planner(const std::vector<SensorInformation>& candidates,
           const Criterion& criterion, const SensorSum& fixed)
       : candidates_(candidates), criterion_(criterion), fixed_(fixed) {}
 
-  // The best one beside `chosen`, out of `among` (empty: all); -1: none is
-  // left.
+  // Returns the best sensor in addition to `chosen`, out of `among` (empty:
+  // all); -1: none is left.
   int Best(const std::vector<int>& chosen, const std::vector<int>& among,
            double* value) const {
     const SensorSum present = Sum(chosen);
@@ -226,7 +231,7 @@ class Planner {
     return chosen;
   }
 
-  // Returns the number of exchanges.
+  // Exchanges sensors; returns the number of exchanges.
   int Exchange(std::vector<int>* chosen) const {
     double value = criterion_.Evaluate(Sum(*chosen), nullptr);
     int exchanges = 0;
@@ -282,8 +287,8 @@ SensorSum SumOf(const Criterion& criterion,
   return sum;
 }
 
-// Deviations and null space as pinode_check has them, without the sensors' own
-// parameters unless `with_sensors`.
+// Computes deviations and null space as in pinode_check, without the sensors'
+// own parameters unless `with_sensors`.
 bool Assess(const IdentificationProblem& problem, const ParameterLayout& layout,
             const SensorSum& sum, bool with_sensors,
             std::vector<ExpectedDeviation>* expected,
@@ -305,7 +310,7 @@ bool Assess(const IdentificationProblem& problem, const ParameterLayout& layout,
       WithUnseenGroups(problem, layout, layout.Free(layout.InitialValues()),
                        covariance, directions);
   *expected = ExpectedDeviations(layout, covariance, directions);
-  // Those of sensors, which come last, are no news.
+  // Parameters of sensors, which come last, are left out.
   size_t named = 0;
   for (int j = 0; j < layout.num_free_dynamics(); ++j) {
     if (layout.IsNamed(layout.free()[static_cast<size_t>(j)])) ++named;
@@ -317,7 +322,7 @@ bool Assess(const IdentificationProblem& problem, const ParameterLayout& layout,
   return true;
 }
 
-// The record's first part; false where it is no part.
+// Cuts the record to its first part; false if the duration does not fit.
 bool CutRecord(double duration, IdentificationRecord* record,
                std::string* error) {
   const double step = record->sampling_step();
@@ -376,8 +381,8 @@ bool PlanSensors(const IdentificationProblem& problem,
   std::vector<int> chosen = planner.Greedy(plan_options.num_sensors, {});
   plan->num_exchanges = planner.Exchange(&chosen);
   if (plan_options.criterion == SensorPlanOptions::Criterion::kWorstDeviation) {
-    // Which one is worst changes from step to step and misleads a greedy
-    // choice: the determinant's is another place to begin.
+    // The worst target changes from step to step and misleads a greedy choice.
+    // The plan by the determinant is another starting point.
     const Criterion volume(plan->information, targets, layout.num_free(),
                            SensorPlanOptions::Criterion::kDeterminant);
     std::vector<int> other =
@@ -389,7 +394,7 @@ bool PlanSensors(const IdentificationProblem& problem,
       plan->num_exchanges = exchanges;
     }
   }
-  // The most telling of them first.
+  // Order with the most informative sensor first.
   chosen = planner.Greedy(plan_options.num_sensors, chosen);
   plan->without = planner.StepOf({});
   for (size_t i = 1; i <= chosen.size(); ++i) {
@@ -427,7 +432,7 @@ bool PlanDurations(const IdentificationProblem& problem,
   if (!FindTargets(problem, layout, plan_options.targets, &targets, error)) {
     return false;
   }
-  // Noise as it was: that of the whole records.
+  // Noise stays as that of the whole records.
   std::vector<CandidateSensor> chosen;
   for (const SensorPlan::Step& step : plan.steps) {
     const auto i = static_cast<size_t>(step.candidate);

@@ -1,4 +1,5 @@
-// Where to put sensors: those of many that tell most about chosen unknowns.
+// Sensor placement: the sensors with the most information about chosen
+// unknowns.
 
 #ifndef PINODE_STUDY_SENSORS_SENSOR_PLAN_H_
 #define PINODE_STUDY_SENSORS_SENSOR_PLAN_H_
@@ -16,19 +17,19 @@ namespace pinode {
 
 struct SensorPlanOptions {
   enum class Criterion {
-    // The smallest volume of the targets' confidence region: the largest
+    // Smallest volume of the targets' confidence region: the largest
     // determinant of their information (D-optimal).
     kDeterminant,
-    // The smallest standard deviation of the target that is found worst.
+    // Smallest standard deviation of the least certain target.
     kWorstDeviation,
   };
   int num_sensors = 1;
   Criterion criterion = Criterion::kDeterminant;
-  // Free parameters that are to be found; empty: the groups of stiffness and
-  // mass that follow nothing, without any the other free named parameters. All
-  // other unknowns are unknown too, and are not what the choice is for.
+  // Free parameters to be determined. Empty: the groups of stiffness and mass
+  // that follow no covariate or, without any, the other free named parameters.
+  // All other unknowns are also free, but do not affect the choice otherwise.
   std::vector<std::string> targets;
-  // The problem's own sensors stay, and more are chosen.
+  // True: the problem's own sensors stay, and more are chosen.
   bool keep_own = false;
 };
 
@@ -46,37 +47,37 @@ struct SensorRequest {
 
 struct SensorPlan {
   std::vector<std::string> targets;
-  // What is reached with one sensor more. Deviations are those of groups, and,
-  // of other targets, over |initial value| (or that of the prior). Where
-  // sensors leave a target undetermined it counts as 10, which is no knowledge
-  // at all of a group.
+  // Result with one more sensor. Deviations of groups are absolute, those of
+  // other targets relative to |initial value| (or to the prior's deviation). An
+  // undetermined target counts as 10, which means unknown.
   struct Step {
     int candidate = -1;      // index into the candidates; -1: there is none
     double typical = 0.0;    // geometric mean over the axes of the region
     double worst = 0.0;      // largest standard deviation
-    std::string worst_name;  // and whose it is
+    std::string worst_name;  // name of that target
   };
   Step without;             // before the first: the sensors that stay
-  std::vector<Step> steps;  // the most telling first
-  Step next;                // what one more would bring
+  std::vector<Step> steps;  // the most informative first
+  Step next;                // with one more sensor
   Step own;                 // the problem's own sensors, for comparison
   int num_exchanges = 0;    // after the greedy choice
-  // Of all free named parameters but those of sensors, with the problem's own
-  // sensors, the planned ones, and all candidates at once.
+  // Deviations of all free named parameters except those of sensors, with the
+  // problem's own sensors, the planned ones, and all candidates at once.
   std::vector<ExpectedDeviation> by_own, by_plan, by_all;
-  // What they leave undetermined, as ProblemAssessment has it.
+  // Directions that they do not determine, as in ProblemAssessment.
   std::vector<std::string> undetermined_by_own, undetermined_by_plan;
   PlanningInformation information;
 };
 
-// Chooses one sensor after the other, each the best beside those that are
-// there, and then exchanges chosen for other ones as long as that is better (V.
-// V. Fedorov, Theory of Optimal Experiments, 1972; the best single exchange at
-// a time). A single linearisation (LinearizeSensors); no fit.
+// Plans sensors. Chooses one sensor after the other, each the best in addition
+// to the previous ones. Then exchanges chosen for other sensors as long as that
+// is better (V. V. Fedorov, Theory of Optimal Experiments, 1972; the best
+// single exchange at a time). Uses a single linearisation (LinearizeSensors)
+// and no fit.
 //
-// False, with a sentence, where LinearizeSensors is, where there are fewer
-// candidates than sensors are asked for, or where a target is not a free named
-// parameter of the dynamics.
+// Returns false, with a sentence in *error, if LinearizeSensors fails, if there
+// are fewer candidates than requested sensors, or if a target is not a free
+// named parameter of the dynamics.
 [[nodiscard]] bool PlanSensors(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const std::vector<OwnSensor>& own,
@@ -84,21 +85,22 @@ struct SensorPlan {
                                const SensorPlanOptions& plan_options,
                                SensorPlan* plan, std::string* error);
 
-// A plan for a force at one DOF.
+// Plan for a force at one DOF.
 struct PlannedExcitation {
   std::string dof;
   SensorPlan plan;
 };
 
-// What chosen sensors reach with the first part of each training record alone.
+// Result of chosen sensors with only the first part of each training record.
 struct PlannedDuration {
   double duration = 0.0;  // model time
   SensorPlan::Step reached;
 };
 
-// With the planned sensors (and own ones that stay), of records cut to these
-// durations, in the order given. False, with a sentence, where a duration is
-// longer than a training record or shorter than its second sample.
+// Computes the results of the planned sensors (and own ones that stay) for
+// records cut to these durations, in the order given. Returns false, with a
+// sentence in *error, if a duration is longer than a training record or shorter
+// than its second sample.
 [[nodiscard]] bool PlanDurations(const IdentificationProblem& problem,
                                  const IdentificationOptions& options,
                                  const std::vector<OwnSensor>& own,

@@ -23,8 +23,8 @@ LibrarySpec SpecOf(const DiscoveredEquation& equation) {
     LibrarySpec::Coefficient coefficient;
     coefficient.basis = term.basis;
     Parameter& parameter = coefficient.parameter;
-    // The model before the fit, which scores are compared with, is the one
-    // without the terms.
+    // The initial model, with which scores are compared, is the one without the
+    // terms.
     parameter.value = term.given ? term.coefficient : 0.0;
     parameter.prior_mean = parameter.value;
     parameter.free = !term.given;
@@ -62,8 +62,8 @@ bool ReplaceNetworks(const std::vector<DiscoveredEquation>& equations,
                   error);
 }
 
-// What is said of networks goes with them; curves go on beside what stands for
-// them.
+// Updates the description: remarks on networks go with them, curves are
+// transferred to the replacing terms.
 void Redescribe(const std::vector<DiscoveredEquation>& equations,
                 ProblemDescription* description) {
   description->known_as.clear();
@@ -165,7 +165,7 @@ bool MakeDiscoveredProblem(const IdentificationProblem& problem,
   }
   Redescribe(equations, &result.description);
   std::map<std::string, double> values = ParametersByName(problem, model);
-  // The equations know better than the libraries of an earlier round.
+  // The equations replace the libraries of an earlier round.
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveredTerm& term : equation.terms) {
       values[CoefficientName(equation, term.basis)] = term.coefficient;

@@ -1,4 +1,4 @@
-// Equations in place of networks.
+// Problems with equations in place of networks.
 
 #ifndef PINODE_STUDY_TERMS_DISCOVERED_PROBLEM_H_
 #define PINODE_STUDY_TERMS_DISCOVERED_PROBLEM_H_
@@ -13,32 +13,33 @@
 
 namespace pinode {
 
-// The library that stands for an equation, "<network>_<output>", and the
-// coefficient of one of its terms, "<library>.<basis>".
+// Return the name of the library of an equation, "<network>_<output>", and of
+// the coefficient of one of its terms, "<library>.<basis>".
 std::string LibraryName(const DiscoveredEquation& equation);
 std::string CoefficientName(const DiscoveredEquation& equation,
                             const std::string& basis);
 
-// A basis of a valid equation as a function of its features.
+// Returns a basis of a valid equation as a function of its features.
 LibraryFunction BasisFunction(const DiscoveredEquation& equation,
                               const std::string& basis);
 
-// Whether `equations` can stand for networks of `problem`: features that the
-// model has, by name in feature_names, and bases of them. On failure *error
-// names the equation.
+// Checks that `equations` can replace networks of `problem`: the model has
+// their features, by name in feature_names, and the bases are functions of
+// these. On failure *error names the equation.
 [[nodiscard]] bool AreEquationsOf(
     const IdentificationProblem& problem,
     const std::vector<DiscoveredEquation>& equations, std::string* error);
 
-// `problem` with libraries in place of the networks that `equations` speak of,
-// and of their libraries of an earlier round, and the parameters with which a
-// fit begins: values, noise and starts of `model`, coefficients of the
-// equations. Steps a sample: `substeps` (one a record) where it is not empty,
-// else those that were chosen are chosen again. The problem's own initial
-// values are those that it had, and 0 for coefficients that are not given: the
-// prior model of a fit is the one before discovery, without networks.
+// Makes `problem` with libraries in place of the networks named in `equations`,
+// and of their libraries of an earlier round. *initial has the parameters with
+// which a fit begins: values, noise and starts of `model`, and coefficients of
+// the equations. Steps per sample: `substeps` (one per record) if it is not
+// empty; else chosen steps are chosen again. The problem keeps its own initial
+// values, with 0 for coefficients that are not given: the initial model of a
+// fit is the one before discovery, without networks.
 //
-// False, with *error, where equations, model or steps do not fit the problem.
+// Returns false, with *error, if equations, model or steps do not fit the
+// problem.
 [[nodiscard]] bool MakeDiscoveredProblem(
     const IdentificationProblem& problem, const IdentifiedModel& model,
     const std::vector<DiscoveredEquation>& equations,

@@ -16,7 +16,7 @@ struct Powers {
   double time = 0.0;
 };
 
-// Those of a feature; covariates count as pure numbers.
+// Returns the powers of a feature; covariates count as pure numbers.
 Powers FeaturePowers(const Feature& feature,
                      const std::vector<InputSpec>& inputs) {
   switch (feature.kind) {
@@ -48,7 +48,8 @@ Powers FeaturePowers(const Feature& feature,
   return {};
 }
 
-// p with f(2^powers_i q_i) = 2^p f(q) at several q; false where there is none.
+// Finds p with f(2^powers_i q_i) = 2^p f(q) at several q; false if there is
+// none.
 bool ScalingPower(const LibraryFunction& function,
                   const std::vector<double>& powers, double* power) {
   const size_t size = powers.size();
@@ -57,7 +58,7 @@ bool ScalingPower(const LibraryFunction& function,
   int count = 0;
   for (int trial = 0; trial < 12; ++trial) {
     for (size_t i = 0; i < size; ++i) {
-      // Of either sign, and never 0.
+      // Trial values have either sign and are never 0.
       q[i] = std::sin(1.7 * trial + 0.9 * static_cast<double>(i) + 0.3) +
              (trial % 2 == 0 ? 1.3 : -1.4);
       scaled[i] = q[i] * std::exp2(powers[i]);
@@ -93,7 +94,7 @@ bool Exists(const Feature& feature, const StructuralDynamics& dynamics) {
   return true;
 }
 
-// The functions of `spec`, read with the names of `features`.
+// Reads the functions of `spec` with the names of `features`.
 bool ParseFunctions(const LibrarySpec& spec,
                     const std::vector<std::string>& names,
                     std::vector<LibraryFunction>* functions,
@@ -129,7 +130,7 @@ std::string LibraryCoefficientUnit(const LibraryFunction& function,
   if (ScalingPower(function, force, &function_powers.force) &&
       ScalingPower(function, length, &function_powers.length) &&
       ScalingPower(function, time, &function_powers.time)) {
-    // Rounded: the powers are those of a text such as "x[u1]^1.5".
+    // Powers are rounded, because they come from a text such as "x[u1]^1.5".
     const auto rounded = [](double x) { return std::round(x * 1e6) / 1e6; };
     result.force -= rounded(function_powers.force);
     result.length -= rounded(function_powers.length);
@@ -199,7 +200,7 @@ bool MakeLibraryTerm(const LibrarySpec& spec,
     used.push_back(names[f]);
     result.features.push_back(spec.features[f]);
   }
-  // A constant alone depends on none; a library has at least one input.
+  // A constant alone depends on no feature; a library has at least one input.
   if (used.empty()) {
     used = {names[0]};
     result.features = {spec.features[0]};

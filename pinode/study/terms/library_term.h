@@ -16,21 +16,22 @@
 
 namespace pinode {
 
-// The unit of the coefficient of `function` where the product is an
+// Returns the unit of the coefficient of `function` if the product is an
 // acceleration or a force. Functions that do not scale with their features'
-// units, such as the sine of a displacement, count as pure numbers.
-// `features` are those of the function; `inputs` those of the dynamics.
+// units, such as the sine of a displacement, count as pure numbers. `features`
+// are those of the function; `inputs` those of the dynamics.
 std::string LibraryCoefficientUnit(const LibraryFunction& function,
                                    const std::vector<Feature>& features,
                                    const std::vector<InputSpec>& inputs,
                                    ActsAs acts_as, const UnitSystem& units);
 
-// Where a term acts: "u1", or "u1-u2" (g on u1 and -g on u2), as a column of
-// num_dofs entries. False for what is neither; names may hold a '-' themselves.
+// Reads the output of a term: "u1", or "u1-u2" (g on u1 and -g on u2), as a
+// column of num_dofs entries. Returns false for any other text; names may
+// contain a '-'.
 [[nodiscard]] bool OutputColumn(const StructuralModel& model,
                                 const std::string& text, Vector* column);
 
-// sum_k xi_k f_k(q) at one output, see LibraryLaw.
+// Term sum_k xi_k f_k(q) at one output, see LibraryLaw.
 struct LibrarySpec {
   std::string name;
   std::vector<Feature> features;  // q, at least one
@@ -44,9 +45,9 @@ struct LibrarySpec {
   std::vector<Coefficient> coefficients;  // at least one
 };
 
-// The term of `dynamics` that `spec` asks for, its unknowns named
-// "<name>.<basis>"; features that no function looks at are left out. False for
-// a basis that cannot be read, an output that is none, or no coefficient.
+// Makes the term of `dynamics` specified by `spec`, with unknowns
+// "<name>.<basis>". Features that no function uses are left out. Returns false
+// for a basis that cannot be read, an unknown output, or no coefficient.
 [[nodiscard]] bool MakeLibraryTerm(const LibrarySpec& spec,
                                    const StructuralDynamics& dynamics,
                                    const UnitSystem& units, LawTerm* term,

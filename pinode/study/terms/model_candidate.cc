@@ -48,8 +48,8 @@ bool IsThere(const StructuralDynamics& dynamics,
   return there;
 }
 
-// The library without some of its functions; it still looks at what it looked
-// at. False where none is left.
+// Removes some functions from the library, which keeps its features. Returns
+// false if no function is left.
 bool WithoutFunctions(const std::set<std::string>& names, LawTerm* term) {
   const auto& law = dynamic_cast<const LibraryLaw&>(*term->law);
   std::vector<LibraryFunction> functions;
@@ -92,7 +92,7 @@ std::vector<LawTerm> RemainingLaws(
   return remaining;
 }
 
-// The entries of a state by name, 0 for those that `from` does not have.
+// Returns the entries of a state by name, 0 for those that `from` lacks.
 Vector MapState(const std::vector<std::string>& from, const Vector& state,
                 const std::vector<std::string>& to) {
   std::map<std::string, double> values;
@@ -132,7 +132,7 @@ ModelCandidate ElementCandidate(
   for (size_t k = 0; k < infos.size(); ++k) {
     const std::string& name = element.parameters.parameters[k].name;
     candidate.parameters.push_back(name);
-    // The laws are linear in what has the dimension of a force.
+    // Laws are linear in parameters that have the dimension of a force.
     if (infos[k].force_power != 0.0) candidate.amplitudes.push_back(name);
   }
   return candidate;

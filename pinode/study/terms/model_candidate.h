@@ -1,4 +1,4 @@
-// Terms of a problem that may be left out of it.
+// Optional terms of a problem.
 
 #ifndef PINODE_STUDY_TERMS_MODEL_CANDIDATE_H_
 #define PINODE_STUDY_TERMS_MODEL_CANDIDATE_H_
@@ -13,46 +13,46 @@
 
 namespace pinode {
 
-// A law, or one term of a library.
+// Candidate: a law, or one term of a library.
 struct ModelCandidate {
-  // That of the law, or of the coefficient, "<library>.<basis>".
+  // Name of the law, or of the coefficient, "<library>.<basis>".
   std::string name;
   std::string law;
-  // The unknowns that go with it, and those among them to which its force is
-  // proportional: without any of these, or where they are 0, it does not act.
+  // Unknowns of the candidate, and those among them to which its force is
+  // proportional: without these, or if they are 0, it has no effect.
   std::vector<std::string> parameters;
   std::vector<std::string> amplitudes;
   bool is_library_term = false;
 };
 
-// The function number `function` of a library.
+// Returns the candidate for function number `function` of a library.
 ModelCandidate LibraryCandidate(const LawTerm& library, int function);
 
-// A named element, with its internal states.
+// Returns the candidate for a named element, with its internal states.
 ModelCandidate ElementCandidate(const LawTerm& element,
                                 const std::vector<ElementParameterInfo>& infos);
 
-// Whether these can be candidates of `problem`: terms that it has, with a free
-// amplitude, each one once; training records, by which they are judged; and no
-// unknowns with a decay that the evidence chooses (networks, splines of forces,
-// tables of groups), which would make up for what is left out. On failure
-// *error names the candidate.
+// Checks that these can be candidates of `problem`. It must have each term,
+// once, with a free amplitude, and training records to judge by. It must have
+// no unknowns with a decay that the evidence chooses (networks, splines of
+// forces, tables of groups), which would compensate for removed terms. On
+// failure *error names the candidate.
 [[nodiscard]] bool AreCandidatesOf(
     const IdentificationProblem& problem,
     const std::vector<ModelCandidate>& candidates, std::string* error);
 
-// `problem` without these of its terms: their parameters and internal states
-// are gone, known starts are shorter by these. Steps stay as they are. The
-// problem is known as what it was (ProblemIdentity). False, with *error, where
-// one is not there or the rest makes no problem.
+// Makes `problem` without these terms. Their parameters and internal states are
+// removed, also from known starts. Steps are unchanged. The problem keeps its
+// identity (ProblemIdentity). Returns false, with *error, if a candidate does
+// not exist or the rest is no valid problem.
 [[nodiscard]] bool LeaveOut(const IdentificationProblem& problem,
                             const std::vector<ModelCandidate>& candidates,
                             IdentificationProblem* result, std::string* error);
 
-// `model`, one of `problem`, as the beginning of a fit of `other`, which has
-// the same records and some of the same terms: parameters and states by name,
-// the problem's own initial values and 0 for those that `problem` does not
-// have.
+// Returns `model`, one of `problem`, as the initial model of a fit of `other`,
+// which has the same records and some of the same terms. Parameters and states
+// are matched by name. Parameters that `problem` lacks have their own initial
+// values, such states 0.
 IdentifiedModel ModelOfOther(const IdentificationProblem& problem,
                              const IdentifiedModel& model,
                              const IdentificationProblem& other);

@@ -12,7 +12,7 @@
 namespace pinode {
 namespace {
 
-// Positions of the free parameters by name.
+// Returns the positions of the free parameters by name.
 std::map<std::string, int> FreeEntries(const ParameterLayout& layout) {
   std::map<std::string, int> entries;
   for (const int i : layout.free()) {
@@ -21,8 +21,8 @@ std::map<std::string, int> FreeEntries(const ParameterLayout& layout) {
   return entries;
 }
 
-// What SelectStepwise is asked: entries of the libraries may be left out and
-// count from 0, all others stay and count from where they are.
+// Input of SelectStepwise. Entries of the libraries may be left out and count
+// from 0. All others stay and count from their fitted value.
 struct StepwiseInput {
   StepwiseOptions options;
   Vector from_zero;

@@ -1,4 +1,4 @@
-// The terms that the residuals of trajectories ask for.
+// Terms that the residuals of trajectories ask for.
 
 #ifndef PINODE_STUDY_TERMS_TERM_PROPOSAL_H_
 #define PINODE_STUDY_TERMS_TERM_PROPOSAL_H_
@@ -16,19 +16,21 @@
 
 namespace pinode {
 
-// The entries that SelectStepwise asks for where `around` is the cost near a
-// fit, its samples fewer by `memory`; `from_zero` is the fit's value of each
-// entry that counts from 0, and 0 of those that count from where they are.
+// Returns the entries that SelectStepwise chooses if `around` is the cost near
+// a fit, with `memory` samples per independent one. `from_zero`: the fit's
+// value of each entry that counts from 0, and 0 for entries that count from
+// their fitted value.
 std::vector<int> SupportNearFit(const FittedCost& around, double memory,
                                 const Vector& from_zero,
                                 const StepwiseOptions& options,
                                 const std::vector<int>& start);
 
-// Candidates that are no terms yet with a coefficient of 0.
+// Returns the equations with a coefficient of 0 for candidates that are no
+// terms yet.
 std::vector<DiscoveredEquation> WithAllCandidates(
     std::vector<DiscoveredEquation> equations);
 
-// Where a search for terms begins: a fit with some of them.
+// Start of a search for terms: a fit with some of them.
 struct FittedEquations {
   const IdentificationProblem& problem;  // that has them
   const std::vector<RecordScore>& records;
@@ -37,11 +39,11 @@ struct FittedEquations {
   const std::vector<DiscoveredEquation>& equations;
 };
 
-// The terms that the cost, quadratic near the fit in the coefficients of all
-// candidates, asks for (SelectStepwise, with these prices); new ones with a
-// coefficient of 0. *memory: by how much the samples are fewer than they look.
-// *equations are as they were where the trajectories are not finite. False,
-// with *error, where the candidates do not fit the problem.
+// Proposes the terms chosen by SelectStepwise with these prices, for the cost
+// that is quadratic near the fit in the coefficients of all candidates. New
+// terms have a coefficient of 0. *memory: samples per independent one.
+// *equations are unchanged if the trajectories are not finite. Returns false,
+// with *error, if the candidates do not fit the problem.
 [[nodiscard]] bool ProposeTerms(const FittedEquations& fitted,
                                 const DiscoveryOptions& options,
                                 const TermPrices& prices, int num_threads,

@@ -79,7 +79,7 @@ void TakeOver(const FitSummary& summary,
 bool DropWeakest(const DiscoveryOptions& options, const FitSummary& summary,
                  const TermPrices& prices,
                  std::vector<DiscoveredEquation>* equations) {
-  // Below 1: to be dropped.
+  // Ratio of worth to price; below 1 the term is dropped.
   double weakest = 1.0;
   DiscoveredEquation* from = nullptr;
   size_t index = 0;
@@ -93,8 +93,8 @@ bool DropWeakest(const DiscoveryOptions& options, const FitSummary& summary,
       if (options.prune_fraction > 0.0) {
         worth = term.share / (options.prune_fraction * options.tolerance);
       }
-      // A coefficient at the bound that a sign sets it is no term. A sigma that
-      // is not finite is not evidence against it.
+      // A coefficient at the bound that its sign sets is no term. A sigma that
+      // is not finite is not evidence against the term.
       if (estimate->at_bound && term.sign != 0) worth = 0.0;
       if (estimate->sigma > 0.0) {
         worth = std::min(worth, std::abs(term.coefficient) /
