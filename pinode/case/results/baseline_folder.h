@@ -1,4 +1,4 @@
-// Results of healthy records, to compare a new state with.
+// Reading of baseline results, to compare a new state with.
 
 #ifndef PINODE_CASE_RESULTS_BASELINE_FOLDER_H_
 #define PINODE_CASE_RESULTS_BASELINE_FOLDER_H_
@@ -10,17 +10,20 @@
 
 namespace pinode {
 
-// Reads the result folder of pinode_update for a healthy record of the
-// structure of the case: result.json, covariance.csv and matrices, for the
-// groups whose change is asked for (FreeGroups); and, where the case looks for
-// other kinds of change, model.toml as a problem that is not fitted yet.
+// Reads a result folder of pinode_update as a baseline of the structure of the
+// case. It uses result.json, covariance.csv and matrices, for the groups to be
+// compared (FreeGroups). If the case searches for other kinds of change, it
+// also reads model.toml as a problem that is not fitted yet.
 //
-// Refused, with *error naming file and group: a folder that is not a result,
-// one that is not usable, a group that it lacks or has fixed, one whose matrix
-// differs from that of the case (another structure), and other units. Where the
-// case renews its basis, M and K of the finite-element model are what has to be
-// the same. A model.toml that cannot be read leaves the baseline without its
-// records.
+// The following are refused, with *error naming file and group:
+//
+// - a folder that is not a result, or whose result is not usable;
+// - a group that the result lacks or has fixed;
+// - a group whose matrix differs from that of the case (another structure);
+// - other units.
+//
+// If the case renews its basis, M and K of the finite-element model are
+// compared instead. If model.toml cannot be read, the baseline has no records.
 [[nodiscard]] bool ReadBaseline(const std::string& folder, const Case& c,
                                 Baseline* baseline, std::string* error);
 

@@ -1,4 +1,4 @@
-// What a case says before anything is fitted: what pinode_check tells.
+// Check of a case before it is fitted, as reported by pinode_check.
 
 #ifndef PINODE_CASE_RESULTS_CASE_CHECK_H_
 #define PINODE_CASE_RESULTS_CASE_CHECK_H_
@@ -15,30 +15,31 @@
 namespace pinode {
 
 struct CaseCheck {
-  // With the groups that follow nothing at their initial values and the DOFs of
-  // prescribed motion held; of a finite-element model, its coordinates.
+  // Model with the groups that follow no covariate at their initial values, and
+  // the DOFs of prescribed motion held; of a finite-element model, its
+  // coordinates.
   StructuralModel model;
-  // Its modes in model units; `no_modes` says why there are none.
+  // Modes in model units; `no_modes` is the reason for missing ones.
   ModalProperties modes;
   std::string no_modes;
 
-  // Of each measured mode, whether a fit uses it, and if so the mode of the
-  // model that it is held against. Empty where nothing was measured, or where
-  // the model has no modes to compare.
+  // Per measured mode: true if a fit uses it, and the mode of the model with
+  // which it is compared. Empty if no mode was measured, or if the model has no
+  // modes.
   std::vector<bool> mode_in_use;
   std::vector<ModeMatch> mode_match;
 
-  // What the measurements can tell; `not_assessed` says why that is not known.
-  // Without measurements there is neither.
+  // Assessment of the measurements; `not_assessed` is the reason for a missing
+  // one. Both are empty without measurements.
   bool has_measurements = false;
   ProblemAssessment assessment;
   std::string not_assessed;
 
-  // Whether nothing stands against a fit that could be known before.
+  // True if no obstacle to a fit is known.
   bool ok() const { return not_assessed.empty(); }
 };
 
-// Of a case that ReadCaseForCheck has read.
+// Checks a case that ReadCaseForCheck has read.
 CaseCheck CheckCase(const Case& c);
 
 }  // namespace pinode

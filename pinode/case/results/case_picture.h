@@ -1,4 +1,4 @@
-// The picture of a case's structure, where [geometry] says where it is.
+// Picture of a case's structure, if [geometry] places it.
 
 #ifndef PINODE_CASE_RESULTS_CASE_PICTURE_H_
 #define PINODE_CASE_RESULTS_CASE_PICTURE_H_
@@ -13,13 +13,13 @@
 
 namespace pinode {
 
-// What was found for c.problem, drawn; none where the case has no [geometry].
-// `damage`: what changed since a baseline, or nullptr.
+// Returns the picture of the results for c.problem; none if the case has no
+// [geometry]. `damage`: changes since a baseline, or nullptr.
 std::optional<StructurePicture> PictureOfCase(
     const Case& c, const IdentificationSummary& summary,
     const IdentifiedModel& model, const DamageResult* damage);
 
-// As `folder`/structure.vtu; without a picture nothing is written.
+// Writes `folder`/structure.vtu, if there is a picture.
 [[nodiscard]] bool WriteVtu(const std::optional<StructurePicture>& picture,
                             const std::string& folder, std::string* error);
 

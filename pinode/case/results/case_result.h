@@ -1,4 +1,4 @@
-// What the identification of a case leaves on disk.
+// Result files of the identification of a case.
 
 #ifndef PINODE_CASE_RESULTS_CASE_RESULT_H_
 #define PINODE_CASE_RESULTS_CASE_RESULT_H_
@@ -11,10 +11,10 @@
 
 namespace pinode {
 
-// Writes to folder.working_path() everything that a result folder holds but the
-// report: the files of WriteResultFiles, the model case that continues `c`, and
-// what goes back to a finite-element program. `summary` and `model` are what
-// Identify returned for c.problem, whatever the outcome.
+// Writes to folder.working_path() all files of a result folder but the report:
+// the files of WriteResultFiles, the model case that continues `c`, and the
+// results for a finite-element program. `summary` and `model` are the results
+// of Identify for c.problem, successful or not.
 [[nodiscard]] bool WriteCaseResult(const Case& c,
                                    const IdentificationSummary& summary,
                                    const IdentifiedModel& model,

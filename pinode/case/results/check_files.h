@@ -1,4 +1,4 @@
-// The folder that pinode_check leaves behind on request.
+// Result folder of pinode_check, written on request.
 
 #ifndef PINODE_CASE_RESULTS_CHECK_FILES_H_
 #define PINODE_CASE_RESULTS_CHECK_FILES_H_
@@ -26,20 +26,20 @@ namespace pinode {
 //  "candidates": [...], "free_parameters", "residuals", "start_states",
 //  "expected": [{"name", "unit", "initial", "sigma"}],
 //  "undetermined": [...], "remarks": [...]}
-// Steps are in the model's unit of time; numbers that are not known are null.
+// Steps are in the model's unit of time; unknown numbers are null.
 std::string CheckAsJson(const Case& c, const CaseCheck& check);
 
-// In `folder`: check.json, of the model M.mtx, C.mtx, K.mtx, modes.csv and
-// mode_shapes.mtx (DOFs x modes, mass-normalised), and where the case has them
-// reduction.csv (what a reduction costs), measured_modes.csv and expected.csv
-// (deviations of the parameters).
+// Writes to `folder`: check.json; M.mtx, C.mtx, K.mtx, modes.csv and
+// mode_shapes.mtx (DOFs x modes, mass-normalised) of the model; and, if the
+// case has them, reduction.csv (error of the reduction), measured_modes.csv and
+// expected.csv (deviations of the parameters).
 [[nodiscard]] bool WriteCheckFiles(const Case& c, const CaseCheck& check,
                                    const std::string& folder,
                                    std::string* error);
 
-// Whether a check or a plan, which are soon made again, may take the place of
-// what `folder` holds: not of a fit, a simulation or what else took longer. One
-// sentence in *error.
+// True if a check or a plan, which are quick to repeat, may replace the
+// contents of `folder`: not those of a fit, a simulation or another long
+// computation. One sentence in *error.
 [[nodiscard]] bool MayGiveWayToCheck(const std::string& folder,
                                      std::string* error);
 

@@ -1,4 +1,4 @@
-// A choice among candidates in JSON.
+// Choice among candidate terms in JSON.
 
 #ifndef PINODE_CASE_RESULTS_CHOICE_JSON_H_
 #define PINODE_CASE_RESULTS_CHOICE_JSON_H_
@@ -14,7 +14,8 @@ namespace pinode {
 //  "fitted", "accepted", "deviance", "price", "criterion"}]}
 nlohmann::ordered_json ChoiceToJson(const ModelChoice& choice);
 
-// False, with *choice untouched, where a key is missing or of another type.
+// Reads a choice. Returns false, with *choice untouched, if a key is missing or
+// has another type.
 [[nodiscard]] bool ChoiceFromJson(const nlohmann::ordered_json& json,
                                   ModelChoice* choice);
 

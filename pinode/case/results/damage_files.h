@@ -1,4 +1,4 @@
-// What a comparison with healthy states leaves on disk.
+// Result files of a comparison with baselines.
 
 #ifndef PINODE_CASE_RESULTS_DAMAGE_FILES_H_
 #define PINODE_CASE_RESULTS_DAMAGE_FILES_H_

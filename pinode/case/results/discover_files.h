@@ -1,4 +1,4 @@
-// What a discovery leaves on disk.
+// Result files of a discovery.
 
 #ifndef PINODE_CASE_RESULTS_DISCOVER_FILES_H_
 #define PINODE_CASE_RESULTS_DISCOVER_FILES_H_
@@ -10,12 +10,12 @@
 
 namespace pinode {
 
-// A library function as LaTeX: "x[u1]^3" as x_{\mathrm{u1}}^{3}.
+// Returns a library function as LaTeX: "x[u1]^3" as x_{\mathrm{u1}}^{3}.
 std::string BasisAsLatex(const std::string& basis);
 
-// One equation a block, coefficients with intervals and units.
+// Returns one block per equation, coefficients with intervals and units.
 std::string EquationsAsText(const Discovery& discovery);
-// An align environment.
+// Returns an align environment.
 std::string EquationsAsLatex(const Discovery& discovery);
 // {"schema": "pinode-discover-1", "refitted", the keys of verdict_json.h,
 //  "message",
@@ -29,21 +29,21 @@ std::string EquationsAsLatex(const Discovery& discovery);
 // Numbers that are not known are null.
 std::string DiscoveryAsJson(const Discovery& discovery);
 
-// discover.json, equations.txt and equations.tex in `folder`.
+// Writes discover.json, equations.txt and equations.tex to `folder`.
 [[nodiscard]] bool WriteDiscoverFiles(const Discovery& discovery,
                                       const std::string& folder,
                                       std::string* error);
 
-// A refit on its way: {"schema": "pinode-discover-checkpoint-1", "problem":
-// hash, "equations": [{"network", "output", "terms": [{"basis",
-// "coefficient"}]}]}, written atomically.
+// Writes the state of a running refit atomically: {"schema":
+// "pinode-discover-checkpoint-1", "problem": hash, "equations": [{"network",
+// "output", "terms": [{"basis", "coefficient"}]}]}.
 [[nodiscard]] bool WriteDiscoverCheckpoint(
     const std::string& path, const std::string& problem_hash,
     const std::vector<DiscoveredEquation>& equations, std::string* error);
 
-// *resumed: `regressed` with the terms of the checkpoint. False, with *resumed
-// untouched, for another file, another problem, or terms that are not among the
-// candidates.
+// Reads a checkpoint. *resumed: `regressed` with the terms of the checkpoint.
+// Returns false, with *resumed untouched, for another file, another problem, or
+// terms that are not among the candidates.
 [[nodiscard]] bool ReadDiscoverCheckpoint(
     const std::string& path, const std::string& problem_hash,
     const std::vector<DiscoveredEquation>& regressed,

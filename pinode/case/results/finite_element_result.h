@@ -1,4 +1,4 @@
-// What an identification gives back to the finite-element program.
+// Results of an identification for the finite-element program.
 
 #ifndef PINODE_CASE_RESULTS_FINITE_ELEMENT_RESULT_H_
 #define PINODE_CASE_RESULTS_FINITE_ELEMENT_RESULT_H_
@@ -10,18 +10,22 @@
 
 namespace pinode {
 
-// Writes to `folder`, for cases with a finite-element model and nothing for
-// others: M_full.mtx, K_full.mtx and, unless the damping is given in ratios or
-// for the coordinates alone, C_full.mtx, the exported matrices (or Rayleigh's
-// damping of them) with the groups at the values found, in the export's
-// order of DOFs and with its sparsity (a spring between DOFs that the export
-// does not couple adds its entries), symmetric; dofs_full.txt, their names;
-// element_factors.csv, by what to multiply each element set's property;
-// modes_full.csv, the undamped mode shapes of the updated model at all these
-// DOFs, Phi' M Phi = I in its coordinates, under a line with their frequencies
-// in Hz; and, where the case asks for it, response_full_<record>.csv, the
-// displacements of the free run at these DOFs in the model's unit. Groups that
-// follow time or a covariate are as they were.
+// Writes to `folder`, for cases with a finite-element model:
+//
+// - M_full.mtx, K_full.mtx and, unless the damping is given in ratios or for the
+//   coordinates alone, C_full.mtx: the exported matrices (or Rayleigh's damping
+//   of them) with the groups at the identified values, symmetric, in the
+//   export's order of DOFs and with its sparsity (a spring between DOFs that the
+//   export does not couple adds its entries);
+// - dofs_full.txt: names of the DOFs;
+// - element_factors.csv: factor of each element set's property;
+// - modes_full.csv: undamped mode shapes of the updated model at all these DOFs,
+//   Phi' M Phi = I in its coordinates, under a line with their frequencies in
+//   Hz;
+// - response_full_<record>.csv, if the case asks for it: displacements of the
+//   simulation at these DOFs in the model's unit.
+//
+// Groups that follow time or a covariate are unchanged.
 [[nodiscard]] bool WriteFiniteElementResult(
     const Case& c, const IdentificationSummary& summary,
     const IdentifiedModel& model, const std::string& folder,

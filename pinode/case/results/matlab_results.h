@@ -7,13 +7,17 @@
 
 namespace pinode {
 
-// Writes <folder>/results.mat with what stands in the other files of `folder`,
-// each a variable of its file's name: of a CSV file a structure with its
-// columns (numbers, NaN where a cell is empty; cell arrays of texts), of a
-// Matrix Market file a matrix (sparse above 100 rows), of a JSON file its text,
-// for jsondecode, of a text file a structure with its lines. Checkpoints, case
-// files and reports are left out. False, with one line in *error, where a file
-// cannot be read or the result not be written.
+// Writes <folder>/results.mat with the contents of the other files of `folder`,
+// each as a variable of its file's name:
+//
+// - a CSV file as a structure with its columns (numbers, NaN for an empty cell;
+//   cell arrays of texts);
+// - a Matrix Market file as a matrix (sparse above 100 rows);
+// - a JSON file as its text, for jsondecode;
+// - a text file as a structure with its lines.
+//
+// Checkpoints, case files and reports are left out. Returns false, with one
+// line in *error, if a file cannot be read or the result cannot be written.
 [[nodiscard]] bool WriteMatlabResults(const std::string& folder,
                                       std::string* error);
 

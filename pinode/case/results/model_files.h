@@ -9,14 +9,14 @@
 
 namespace pinode {
 
-// Writes to `folder` M.mtx, C.mtx and K.mtx, those of `dynamics` corrected by
-// the groups that follow nothing at the values that they have in it, and of
-// each network network_<name>.json with its weights.
+// Writes to `folder` M.mtx, C.mtx and K.mtx of `dynamics`, corrected by the
+// groups that follow no covariate at their values in it. Also writes
+// network_<name>.json of each network with its weights.
 [[nodiscard]] bool WriteModelFiles(const StructuralDynamics& dynamics,
                                    const std::string& folder,
                                    std::string* error);
 
-// What WriteModelFiles calls the file of a network's weights.
+// Returns the name of the file of a network's weights.
 std::string NetworkFileName(const NetworkTerm& term);
 
 }  // namespace pinode

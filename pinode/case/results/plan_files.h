@@ -1,4 +1,4 @@
-// The folder that pinode_check --plan leaves behind on request.
+// Result folder of pinode_check --plan, written on request.
 
 #ifndef PINODE_CASE_RESULTS_PLAN_FILES_H_
 #define PINODE_CASE_RESULTS_PLAN_FILES_H_
@@ -11,7 +11,7 @@
 
 namespace pinode {
 
-// A plan of sensors, and what its case asks beside it.
+// Plan of sensors, with the durations and excitations that the case asks for.
 struct CasePlan {
   SensorPlan plan;
   std::vector<PlannedDuration> durations;      // in the order of the case
@@ -31,8 +31,8 @@ struct CasePlan {
 // Numbers that are not known are null.
 std::string PlanAsJson(const Case& c, const CasePlan& planned);
 
-// In `folder`: plan.json, sensors.csv and deviations.csv, and where the case
-// asks for them durations.csv and excitations.csv.
+// Writes to `folder`: plan.json, sensors.csv and deviations.csv, and, if the
+// case asks for them, durations.csv and excitations.csv.
 [[nodiscard]] bool WritePlanFiles(const Case& c, const CasePlan& planned,
                                   const std::string& folder,
                                   std::string* error);

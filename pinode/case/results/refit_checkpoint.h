@@ -1,4 +1,4 @@
-// What a refit of equations leaves on its way, to go on from.
+// Checkpoints from which a refit of equations continues.
 
 #ifndef PINODE_CASE_RESULTS_REFIT_CHECKPOINT_H_
 #define PINODE_CASE_RESULTS_REFIT_CHECKPOINT_H_
@@ -13,25 +13,28 @@
 
 namespace pinode {
 
-// Of a folder that this process writes, or follows; elsewhere it does nothing.
+// Checkpoint in a folder that this process writes, or follows; otherwise it has
+// no effect.
 class RefitCheckpoint {
  public:
-  // `folder` must outlive this object; `problem` is that of the networks.
+  // Keeps a reference to `folder`, which must outlive this object; `problem` is
+  // that of the networks.
   RefitCheckpoint(const ResultFolder& folder,
                   const IdentificationProblem& problem);
 
-  // Where the folder resumes: `regressed` with the terms that the refit had
-  // come to; else nothing. False, with *error, for what is no such checkpoint.
+  // Reads the checkpoint if the folder resumes: *resumed is `regressed` with
+  // the refit's terms so far, else empty. Returns false, with *error, if the
+  // file is no such checkpoint.
   [[nodiscard]] bool Read(const std::vector<DiscoveredEquation>& regressed,
                           std::vector<DiscoveredEquation>* resumed,
                           std::string* error) const;
 
-  // At most once a second.
+  // Saves the equations, at most once a second.
   void Save(const std::vector<DiscoveredEquation>& equations);
-  // Why Save could not write, the first time that it could not; else empty.
+  // Error of the first Save that failed; else empty.
   const std::string& trouble() const { return trouble_; }
 
-  // What an interrupted refit ends with.
+  // Writes the final state of an interrupted refit.
   [[nodiscard]] bool Write(const std::vector<DiscoveredEquation>& equations,
                            std::string* error) const;
 

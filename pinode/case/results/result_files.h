@@ -1,4 +1,4 @@
-// What an identification leaves on disk.
+// Result files of an identification.
 
 #ifndef PINODE_CASE_RESULTS_RESULT_FILES_H_
 #define PINODE_CASE_RESULTS_RESULT_FILES_H_
@@ -13,44 +13,43 @@
 
 namespace pinode {
 
-// The times of samples in the unit of the record's file.
+// Return the times of samples in the unit of the record's file.
 double FileTime(const IdentificationRecord& record, Eigen::Index sample);
 Vector FileTimes(const IdentificationRecord& record);
 
-// Writes to `folder`, which is created where it is not there, what came out of
-// Identify for `problem`, whatever the outcome (see pinode/case/README.md for
-// each file): result.json, parameters.csv, covariance.csv, history.csv,
+// Writes the results of Identify for `problem`, successful or not, to `folder`,
+// which is created if it does not exist. The files (see pinode/case/README.md)
+// are result.json, parameters.csv, covariance.csv, history.csv,
 // prediction_<record>.csv, force_<name>.csv, initial_states.csv, M.mtx, C.mtx,
-// K.mtx, network_<name>.json, folded matrices where there are any, and
-// checkpoint.json. model.toml needs the case file of which it is the
-// continuation (WriteCaseResult), the report what `report` knows
-// (WriteHtmlReport). False, with *error, where the problem is not valid or the
-// summary is of another one, before anything is written, and where a file
-// cannot be written.
+// K.mtx, network_<name>.json, folded matrices if there are any, and
+// checkpoint.json. WriteCaseResult adds model.toml, which needs the case file.
+// WriteHtmlReport adds the report. Returns false, with *error, if a file cannot
+// be written. The same, before any file is written, if the problem is not valid
+// or the summary belongs to another one.
 [[nodiscard]] bool WriteResultFiles(const IdentificationProblem& problem,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
                                     const std::string& folder,
                                     std::string* error);
 
-// The same without matrices and networks, to a folder that is there. `model` is
-// complete.
+// Writes the same without matrices and networks, to an existing folder. `model`
+// is complete.
 [[nodiscard]] bool WriteTables(const IdentificationProblem& problem,
                                const IdentificationSummary& summary,
                                const IdentifiedModel& model,
                                const std::string& folder, std::string* error);
 
-// `model`, or, of a fit that could not begin and left none, the one before it.
+// Returns `model`, or the initial model if a fit could not begin and left none.
 IdentifiedModel CompleteModel(const IdentificationProblem& problem,
                               const IdentifiedModel& model);
 
-// The text of result.json.
+// Formats the text of result.json.
 [[nodiscard]] bool FormatResultJson(const IdentificationProblem& problem,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
                                     std::string* text, std::string* error);
 
-// What a simulation has to say beside its responses.
+// Summary of a simulation, written with its responses.
 struct SimulationSummary {
   struct Record {
     std::string name;

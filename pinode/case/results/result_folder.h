@@ -1,4 +1,4 @@
-// The folder that a program leaves behind: all of it, or nothing.
+// Result folder of a program, written completely or not at all.
 
 #ifndef PINODE_CASE_RESULTS_RESULT_FOLDER_H_
 #define PINODE_CASE_RESULTS_RESULT_FOLDER_H_
@@ -7,49 +7,55 @@
 
 namespace pinode {
 
-// Whether a program may write its results to the folder `path`: it does not
-// exist or is empty, or `overwrite` or `resume` says that it may be replaced
-// and it holds results of pinode (nothing else is ever deleted); and it can be
-// created. Touches nothing. Fails with one line in *error.
+// Checks if a program may write its results to the folder `path`. The folder
+// must be possible to create, and one of the following must hold:
+//
+// - it does not exist or is empty;
+// - `overwrite` or `resume` allows its replacement, and it holds results of
+//   pinode (nothing else is ever deleted).
+//
+// Changes nothing on disk. Returns false with one line in *error.
 [[nodiscard]] bool CheckOutputFolder(const std::string& path, bool overwrite,
                                      bool resume, std::string* error);
 
-// An output folder in the making. Everything is written to a folder beside it,
-// `<path>.partial-<process>`, which takes its place at the end by a rename: a
-// reader sees the old folder or the whole new one. A process that is killed
-// leaves the partial folder with its last checkpoint, from which the next one
-// resumes.
+// Output folder while it is written. All files go to a neighbouring folder,
+// `<path>.partial-<process>`, which replaces `path` at the end by a rename. A
+// reader sees either the old folder or the complete new one. A process that is
+// killed leaves the partial folder with its last checkpoint, from which the
+// next process resumes.
 class ResultFolder {
  public:
   ResultFolder() = default;
-  // Without Commit: removes the partial folder, but for a checkpoint in it.
+  // Removes the partial folder if it was not committed, but keeps a checkpoint
+  // in it.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
   // Checks as CheckOutputFolder does, and creates the partial folder. With
   // `resume`, takes over the newest one that a dead process left for `path`.
-  // Fails where another process is writing to `path`.
+  // Fails if another process is writing to `path`.
   [[nodiscard]] bool Open(const std::string& path, bool overwrite, bool resume,
                           std::string* error);
 
-  // For a process that reads what another one, which writes, has opened: with
-  // a checkpoint to resume from, or "".
+  // Opens a folder for a process that only reads, while another process writes:
+  // with a checkpoint to resume from, or "".
   void Follow(const std::string& resume_path) { resume_path_ = resume_path; }
-  // Whether this process is the one that writes.
+  // True if this process writes.
   bool writes() const { return !working_.empty(); }
 
-  // Where to write now, and where it will be after Commit (absolute).
+  // Path to write to now, and path after Commit (absolute).
   const std::string& working_path() const { return working_; }
   const std::string& final_path() const { return final_; }
 
-  // Where CheckpointWriter is to write.
+  // Path for CheckpointWriter.
   std::string checkpoint_path() const;
-  // The checkpoint to resume from; empty where there is none.
+  // Path of the checkpoint to resume from; empty if there is none.
   const std::string& resume_path() const { return resume_path_; }
 
-  // Puts the folder in its place. On failure *error says why, what was in that
-  // place before is there again, and the partial folder stays, whole.
+  // Moves the folder to its final place. On failure *error gives the reason,
+  // the previous contents are restored, and the complete partial folder
+  // remains.
   [[nodiscard]] bool Commit(std::string* error);
 
  private:

@@ -1,4 +1,4 @@
-// Terms that were found, as a case file writes them.
+// Identified terms as a case file writes them.
 
 #ifndef PINODE_CASE_RESULTS_TERM_TREE_H_
 #define PINODE_CASE_RESULTS_TERM_TREE_H_
@@ -14,22 +14,23 @@
 
 namespace pinode {
 
-// The tree of a case of `model` with these candidates as further [[group]] and
-// [[library]] (AddCandidates).
+// Returns the tree of a case of `model` with these candidates as further
+// [[group]] and [[library]] (AddCandidates).
 TomlValue TreeWithCandidates(TomlValue tree, const StructuralModel& model,
                              const std::vector<ChangeCandidate>& candidates);
 
-// The tree with [[library]] in place of the networks that `equations` speak of,
-// and with `substeps` (one a record) where it is not empty
-// (MakeDiscoveredProblem); without [discover]: nothing is looked for in what is
-// left.
+// Returns the tree with [[library]] in place of the networks in `equations`,
+// and with `substeps` (one per record) if it is not empty
+// (MakeDiscoveredProblem). [discover] is removed, because the search is
+// complete.
 TomlValue TreeWithEquations(TomlValue tree,
                             const std::vector<DiscoveredEquation>& equations,
                             const std::vector<int>& substeps);
 
-// The tree of a case with `dynamics` after a choice among its candidates:
-// without the elements and terms of libraries that were left out, by name
-// (ModelCandidate), and whatever speaks of them; nothing is left to be chosen.
+// Returns the tree of a case with `dynamics` after a choice among its
+// candidates. Elements and terms of libraries that were left out, by name
+// (ModelCandidate), are removed with all references to them. No candidates
+// remain.
 TomlValue TreeAfterChoice(TomlValue tree, const StructuralDynamics& dynamics,
                           const std::vector<std::string>& left_out);
 

@@ -12,7 +12,7 @@
 
 namespace pinode {
 
-// Reads the numbers of the ambient ones among `sections` and appends them to
+// Reads the numbers of the ambient records among `sections` and appends them to
 // problem->ambient.
 [[nodiscard]] bool ReadAmbientRecords(
     const std::vector<RecordSection>& sections, const UnitSystem& units,

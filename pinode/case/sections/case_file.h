@@ -1,4 +1,4 @@
-// Case files: what a user writes, as the problem to be identified.
+// Case files of users, read as problems to be identified.
 
 #ifndef PINODE_CASE_SECTIONS_CASE_FILE_H_
 #define PINODE_CASE_SECTIONS_CASE_FILE_H_
@@ -27,26 +27,26 @@ struct PlacedGeometry;
 struct ReducedStructure;
 struct TomlValue;
 
-// A case file, read and checked. Everything in `problem` is in the model's
+// A case file, read and checked. All values in `problem` are in the model's
 // units.
 struct Case {
   std::string path;  // empty: from memory
 
-  // Its description is complete: nothing in it is left to defaults.
+  // Problem with a complete description: no field is left to its default.
   IdentificationProblem problem;
   IdentificationOptions options;
-  // The steps, chosen or as the case file says, of each record of the problem.
+  // Steps of each record of the problem, chosen or as in the case file.
   std::vector<SubstepChoice> substeps;
 
   // Frequencies that the user expects of the model (Hz); may be empty.
   std::vector<double> expected_hz;
 
-  // The finite-element model of which the problem's is a reduction
-  // (pinode/study/reduction/reduced_structure.h); null where the case has none.
+  // Finite-element model of which the problem's is a reduction
+  // (pinode/study/reduction/reduced_structure.h); null if the case has none.
   std::shared_ptr<const ReducedStructure> finite_element;
 
-  // [geometry]: where its nodes are (pinode/study/picture/structure_picture.h);
-  // null where the case does not say.
+  // [geometry]: places of its nodes (pinode/study/picture/structure_picture.h);
+  // null if the case has none.
   std::shared_ptr<const PlacedGeometry> geometry;
 
   // [simulate]: noise in per cent of each channel's standard deviation, or of
@@ -55,21 +55,21 @@ struct Case {
   bool noise_is_sigma = false;
   std::uint64_t noise_seed = 1;
 
-  // [discover]: where pinode_discover looks for equations.
+  // [discover]: options of pinode_discover.
   DiscoveryOptions discover;
 
-  // [[element]] with optional = true and the free terms of [[library]] with
-  // select = true: those of which a fit keeps what the records support.
+  // Candidates: [[element]] with optional = true and the free terms of
+  // [[library]] with select = true. A fit keeps those that the records support.
   std::vector<ModelCandidate> candidates;
 
   // [profiles]: the parameters whose likelihood is to be profiled, empty for
-  // all that are free; none where nobody asks.
+  // all free ones; no value without profiles.
   std::optional<std::vector<std::string>> profiles;
 
-  // [damage]: what pinode_damage looks for beside changes of groups.
+  // [damage]: changes besides those of groups that pinode_damage searches for.
   DamageSearch damage;
 
-  // [plan]: which sensors could be where; by ReadCaseForPlanning alone.
+  // [plan]: possible sensors and their places; set by ReadCaseForPlanning only.
   SensorRequest plan;
 
   // The text as a tree, from which model.toml is made.
@@ -78,7 +78,7 @@ struct Case {
   std::shared_ptr<const CaseData> data;
 };
 
-// What a case is read for, see below.
+// Purpose for which a case is read, see below.
 enum class CasePurpose { kFit, kCheck, kSimulation, kPlanning };
 
 // Reads the case file at `path` and all files that it names; see
@@ -91,34 +91,34 @@ enum class CasePurpose { kFit, kCheck, kSimulation, kPlanning };
 [[nodiscard]] bool ReadCase(const std::string& path, Case* c,
                             std::string* error);
 
-// As ReadCase, by several ranks that read the tables of its records for each
-// other: all of them call this, with `tables` of their own.
+// Reads as ReadCase, on several ranks that share the tables of its records:
+// each calls this, with its own `tables`.
 [[nodiscard]] bool ReadCase(const std::string& path, SharedTables* tables,
                             Case* c, std::string* error);
 
-// As ReadCase, ReadCaseForCheck or ReadCaseForSimulation, of a case that is a
-// tree already, and names arrays in `data` (null: none) as well as files.
-// `path`, which need not exist, is where it stands for messages and relative
-// paths; empty: nowhere, and paths are those of the working directory.
+// Reads as ReadCase, ReadCaseForCheck or ReadCaseForSimulation, from a tree
+// that names arrays in `data` (null: none) as well as files. `path`, which need
+// not exist, is the case's path for messages and relative paths. Empty: paths
+// are relative to the working directory.
 [[nodiscard]] bool ReadCaseTree(const TomlValue& tree, const std::string& path,
                                 std::shared_ptr<const CaseData> data,
                                 CasePurpose purpose, Case* c,
                                 std::string* error);
 
-// As ReadCase, to be looked at: a model alone, with neither records nor modes,
-// is a case as well.
+// Reads as ReadCase, for a check: a model without records and modes is a case
+// as well.
 [[nodiscard]] bool ReadCaseForCheck(const std::string& path, Case* c,
                                     std::string* error);
 
-// As ReadCase, for a simulation: measured responses are not read (their values
-// are NaN), a record may do without a file, and nothing need be free.
+// Reads as ReadCase, for a simulation: measured responses are not read (their
+// values are NaN), a record needs no file, and no parameter need be free.
 [[nodiscard]] bool ReadCaseForSimulation(const std::string& path, Case* c,
                                          std::string* error);
 
-// As ReadCaseForSimulation, to plan sensors: records need no channel, and
-// Case::plan says which sensors there could be. Each of `plan.excite` is a case
-// of its own: with `force_dof` not empty the first force of each record acts
-// there, and no other force or ground motion does.
+// Reads as ReadCaseForSimulation, to plan sensors: records need no channel, and
+// Case::plan has the possible sensors. Each of `plan.excite` is a separate
+// case: with `force_dof` not empty, the first force of each record acts there.
+// No other force or ground motion acts then.
 [[nodiscard]] bool ReadCaseForPlanning(const std::string& path,
                                        const std::string& force_dof, Case* c,
                                        std::string* error);

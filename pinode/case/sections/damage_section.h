@@ -1,4 +1,4 @@
-// [damage]: what may have changed beside the groups, and where.
+// [damage]: possible changes besides those of groups, and their places.
 
 #ifndef PINODE_CASE_SECTIONS_DAMAGE_SECTION_H_
 #define PINODE_CASE_SECTIONS_DAMAGE_SECTION_H_
@@ -9,7 +9,8 @@
 
 namespace pinode {
 
-// Without the section as LookEverywhere says. `problem` is complete.
+// Reads the section; without it, the search is as in LookEverywhere. `problem`
+// is complete.
 [[nodiscard]] bool ReadDamage(const TomlTable& root,
                               const IdentificationProblem& problem,
                               DamageSearch* search);

@@ -1,4 +1,4 @@
-// [discover]: where equations are looked for.
+// [discover]: options of the search for equations.
 
 #ifndef PINODE_CASE_SECTIONS_DISCOVER_SECTION_H_
 #define PINODE_CASE_SECTIONS_DISCOVER_SECTION_H_
@@ -9,8 +9,8 @@
 
 namespace pinode {
 
-// Defaults where the case has no such section. `dynamics` is complete: features
-// and outputs are looked up there.
+// Reads the section; without it, options have their defaults. `dynamics` is
+// complete: features and outputs are looked up there.
 [[nodiscard]] bool ReadDiscover(const TomlTable& root,
                                 const StructuralDynamics& dynamics,
                                 DiscoveryOptions* options);

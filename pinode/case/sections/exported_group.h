@@ -14,18 +14,18 @@
 
 namespace pinode {
 
-// A file under `key`: "name", or {file = "name", variable = "K"}.
+// Reads a file under `key`: "name", or {file = "name", variable = "K"}.
 [[nodiscard]] bool ReadSource(const TomlTable& table, const std::string& key,
                               MatrixSource* source);
 
-// The group's matrix over all DOFs from `changed_export` and `factor` or from
-// `set_export`.
+// Reads the group's matrix over all DOFs from `changed_export` and `factor` or
+// from `set_export`.
 [[nodiscard]] bool ReadSetMatrix(const TomlTable& table,
                                  const FiniteElementSection& section,
                                  MatrixGroup::Target target,
                                  ReducedStructure::Group* exported);
 
-// The same, and reduced along in group->matrix.
+// Reads the same, and the reduced matrix into group->matrix.
 [[nodiscard]] bool ReadExportedGroup(const TomlTable& table,
                                      const FiniteElementSection& section,
                                      MatrixGroup* group,

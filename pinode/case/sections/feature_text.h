@@ -1,4 +1,4 @@
-// Features and outputs of terms, as case files write them.
+// Features and outputs of terms in the notation of case files.
 
 #ifndef PINODE_CASE_SECTIONS_FEATURE_TEXT_H_
 #define PINODE_CASE_SECTIONS_FEATURE_TEXT_H_
@@ -13,16 +13,17 @@
 
 namespace pinode {
 
-// The inputs of the dynamics by name.
+// Returns the names of the dynamics' inputs.
 std::vector<std::string> InputNames(const StructuralDynamics& dynamics);
 
-// "x[u1]", "v[u1]", "d[u1,u2]", "w[ground,u1]", "t" or "input[name]", found
-// under `key` of `table`, which reports what is wrong.
+// Parses "x[u1]", "v[u1]", "d[u1,u2]", "w[ground,u1]", "t" or "input[name]",
+// found under `key` of `table`, which reports errors.
 [[nodiscard]] bool ParseFeature(const TomlTable& table, const std::string& key,
                                 const StructuralDynamics& dynamics,
                                 const std::string& text, Feature* feature);
 
-// "u1", or "u1-u2" (g on u1 and -g on u2), as a column of num_dofs entries.
+// Parses "u1", or "u1-u2" (g on u1 and -g on u2), as a column of num_dofs
+// entries.
 [[nodiscard]] bool ParseOutput(const TomlTable& table, const std::string& key,
                                const StructuralModel& model,
                                const std::string& text, Vector* column);

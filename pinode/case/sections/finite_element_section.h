@@ -1,5 +1,5 @@
-// [model.finite_element] and [model.reduction]: a model as a finite-element
-// program exports it, made small enough to be identified.
+// [model.finite_element] and [model.reduction]: a model exported by a
+// finite-element program, reduced for an identification.
 
 #ifndef PINODE_CASE_SECTIONS_FINITE_ELEMENT_SECTION_H_
 #define PINODE_CASE_SECTIONS_FINITE_ELEMENT_SECTION_H_
@@ -18,10 +18,10 @@
 
 namespace pinode {
 
-// The export beside what becomes of it.
+// The export and its reduction.
 struct FiniteElementSection {
   FiniteElementFiles files;
-  // The groups of M and K that `basis_at` names, read before the others.
+  // Groups of M and K that `basis_at` names, read before the others.
   std::map<std::string, ReducedStructure::Group> groups_at_basis;
   ReducedStructure structure;
 };
@@ -29,8 +29,8 @@ struct FiniteElementSection {
 const char* ReductionMethodName(ReductionMethod method);
 
 // Reads both tables under `table`, [model], of a case with a finite-element
-// model; `root` says which DOFs are to be kept. The structure is ready for
-// MakeReducedModel but for the damping's rule.
+// model; `root` determines the DOFs to be kept. The structure is ready for
+// MakeReducedModel but for the damping rule.
 [[nodiscard]] bool ReadFiniteElementSection(
     const TomlTable& root, const TomlTable& table, const UnitSystem& units,
     std::shared_ptr<FiniteElementSection>* section);

@@ -13,21 +13,19 @@
 
 namespace pinode {
 
-// Name of the unknown that `scale = {...}` of a force makes: "scale.<name>" by
-// the key `name` of the scale, else "scale.force_<dof>". Empty where `scale` is
-// a number or not given.
+// Returns the name of the unknown for `scale = {...}` of a force:
+// "scale.<name>" by the key `name` of the scale, else "scale.force_<dof>".
+// Empty if `scale` is a number or not given.
 std::string ForceScaleName(const TomlValue& force);
 
-// `scale.<name>` is one unknown for all forces that have that name, whatever
-// their DOF or record. A force that says nothing of its scale has the one that
-// goes by its DOF, where another record gives it; a remark says so. A number is
-// a known scale.
-//
-// Adds the record switches that are needed where a force has several scales.
+// Adds the record switches that are needed if a force has several scales.
+// `scale.<name>` is one unknown for all forces of that name, at any DOF and in
+// any record. A force without `scale` has the one named after its DOF, if
+// another record gives it; a remark says so. A number is a known scale.
 void AddScaleSwitches(const std::vector<RecordSection>& sections,
                       std::vector<InputSpec>* inputs);
 
-// Adds the unknown scales to *dynamics, whose inputs have their switches.
+// Adds the unknown scales to *dynamics, whose inputs include their switches.
 [[nodiscard]] bool ReadForceScales(const std::vector<RecordSection>& sections,
                                    const TermsContext& context,
                                    StructuralDynamics* dynamics);

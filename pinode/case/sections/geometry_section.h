@@ -1,4 +1,4 @@
-// [geometry]: where the structure's nodes are, for pictures of it.
+// [geometry]: places of the structure's nodes, for pictures of it.
 
 #ifndef PINODE_CASE_SECTIONS_GEOMETRY_SECTION_H_
 #define PINODE_CASE_SECTIONS_GEOMETRY_SECTION_H_
@@ -12,8 +12,8 @@
 
 namespace pinode {
 
-// *geometry stays null without the section. `dofs` and `groups`: names that it
-// may place; nullptr: any, where nobody knows them.
+// Reads the section; *geometry stays null without it. `dofs` and `groups`:
+// names that it may place; nullptr: any, if they are not known.
 [[nodiscard]] bool ReadGeometry(
     const TomlTable& root, const std::vector<std::string>* dofs,
     const std::vector<std::string>* groups,

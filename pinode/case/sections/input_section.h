@@ -19,19 +19,19 @@ namespace pinode {
 struct InputSection {
   SignalSection signal;
   InputSpec spec;
-  // Of a covariate that is the same all the time and in no file.
+  // Constant value of a covariate that is in no file.
   std::optional<double> value;
 
   explicit InputSection(const TomlTable& t) : signal(t) {}
 };
 
-// The `derivative`-th derivative (0 to 2) of the displacement that is
-// prescribed at a DOF: motion_<dof>, motion_velocity_<dof>,
-// motion_acceleration_<dof>.
+// Returns the input for the `derivative`-th derivative (0 to 2) of the
+// displacement that is prescribed at a DOF: motion_<dof>,
+// motion_velocity_<dof>, motion_acceleration_<dof>.
 InputSpec PrescribedInput(const StructuralModel& model, int dof,
                           int derivative);
 
-// All inputs of a record, whose table is `record` and whose own file is
+// Reads all inputs of a record, whose table is `record` and whose own file is
 // `record_file` (empty: none).
 [[nodiscard]] bool ReadInputSections(const TomlTable& record,
                                      const std::string& record_file,

@@ -1,4 +1,4 @@
-// [[library]]: sparse library terms, what pinode_discover leaves behind.
+// [[library]]: sparse library terms, as written by pinode_discover.
 
 #ifndef PINODE_CASE_SECTIONS_LIBRARY_SECTION_H_
 #define PINODE_CASE_SECTIONS_LIBRARY_SECTION_H_
@@ -9,8 +9,8 @@
 
 namespace pinode {
 
-// Adds the library terms of the case to *dynamics. To be called after
-// ReadElements, whose laws come first in StructuralDynamics::laws().
+// Adds the library terms of the case to *dynamics. Call it after ReadElements,
+// whose laws come first in StructuralDynamics::laws().
 [[nodiscard]] bool ReadLibraries(const TomlTable& root,
                                  const TermsContext& context,
                                  StructuralDynamics* dynamics);

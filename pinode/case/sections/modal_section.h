@@ -1,4 +1,4 @@
-// [modal] and [[mode]]: what was measured of the structure's modes.
+// [modal] and [[mode]]: measured modes of the structure.
 
 #ifndef PINODE_CASE_SECTIONS_MODAL_SECTION_H_
 #define PINODE_CASE_SECTIONS_MODAL_SECTION_H_
@@ -17,9 +17,9 @@ namespace pinode {
 [[nodiscard]] bool AddModalCovariates(const TomlTable& root,
                                       std::vector<InputSpec>* inputs);
 
-// Valid modes, frequencies in cycles per unit of the model's time. `inputs`:
-// those of the dynamics. `beside_records`: there are training records, beside
-// which a mode needs a sigma or a weight of its own.
+// Reads valid modes, frequencies in cycles per unit of the model's time.
+// `inputs`: those of the dynamics. `beside_records`: there are training
+// records; each mode then needs its own sigma or weight.
 [[nodiscard]] bool ReadModes(const TomlTable& root, const UnitSystem& units,
                              const StructuralModel& model,
                              const std::vector<InputSpec>& inputs,

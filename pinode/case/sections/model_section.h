@@ -1,4 +1,4 @@
-// [units] and [model]: the structure as it was before the identification.
+// [units] and [model]: the initial model of the structure.
 
 #ifndef PINODE_CASE_SECTIONS_MODEL_SECTION_H_
 #define PINODE_CASE_SECTIONS_MODEL_SECTION_H_
@@ -15,14 +15,15 @@
 
 namespace pinode {
 
-// `name` as seen from the folder of the case file `case_path`.
+// Returns `name` relative to the folder of the case file `case_path`.
 std::string ResolvePath(const std::string& case_path, const std::string& name);
-// The same of the case that `table` is in, and the name of an array as it is.
+// Returns the same for the case of `table`; the name of an array is unchanged.
 std::string ResolvePath(const TomlTable& table, const std::string& name);
 
 struct FiniteElementSection;
 
-// Names of DOFs under `dofs`, as other parts of a case can write them.
+// Reads the names of DOFs under `dofs`, as other parts of a case can write
+// them.
 [[nodiscard]] bool ReadDofNames(const TomlTable& table,
                                 std::vector<std::string>* names);
 
@@ -30,10 +31,10 @@ struct FiniteElementSection;
 
 struct ModelSection {
   StructuralModel model;  // valid
-  // Where the case has one: what `storey` in a group refers to.
+  // Shear building, if the case has one: `storey` in a group refers to it.
   std::optional<ShearBuilding> building;
-  // Where the matrices come from a finite-element program; null otherwise.
-  // What its groups are over all DOFs is added as they are read.
+  // Finite-element model from which the matrices come, else null. Groups add
+  // their matrices over all DOFs as they are read.
   std::shared_ptr<FiniteElementSection> finite_element;
   std::vector<double> expected_hz;
 };
@@ -42,19 +43,21 @@ struct ModelSection {
                                     const UnitSystem& units,
                                     ModelSection* section);
 
-// The matrix under `key` of `table`: a file's or an array's name, rows [[...],
-// ...] or {diagonal = [...]}. It is num_dofs x num_dofs and finite; otherwise
-// the message names the file, or the key. `what` is "the mass matrix", ...
+// Reads the matrix under `key` of `table`: a file's or an array's name, rows
+// [[..., ...] or {diagonal = [...]}. It must be num_dofs x num_dofs and finite;
+// otherwise the message names the file, or the key. `what` is "the mass
+// matrix", ...
 [[nodiscard]] bool ReadMatrixKey(const TomlTable& table, const std::string& key,
                                  const std::string& what, int num_dofs,
                                  Matrix* matrix);
 
-// Index of a DOF named in the case file; with `ground_allowed` "ground" is -1.
+// Finds the index of a DOF named in the case file; with `ground_allowed`
+// "ground" is -1.
 [[nodiscard]] bool FindDof(const StructuralModel& model, const TomlTable& table,
                            const std::string& key, const std::string& name,
                            bool ground_allowed, int* index);
 
-// Two different ends from between = ["a", "b"].
+// Reads two different ends from between = ["a", "b"].
 [[nodiscard]] bool ReadBetween(const StructuralModel& model,
                                const TomlTable& table, int* from, int* to);
 

@@ -1,4 +1,4 @@
-// A case read for its measured responses alone: pinode_modes.
+// Cases read for their measured responses alone, for pinode_modes.
 
 #ifndef PINODE_CASE_SECTIONS_MODES_SECTION_H_
 #define PINODE_CASE_SECTIONS_MODES_SECTION_H_
@@ -20,56 +20,58 @@ struct CaseData;
 struct PlacedGeometry;
 struct TomlValue;
 
-// What pinode_modes needs of a case: [modes], and of each [[record]] the
-// channels. A model need not be there and is not read where it is.
+// Data of a case for pinode_modes: [modes], and the channels of each
+// [[record]]. A model is not needed and not read.
 struct ModesCase {
   std::string path;
   std::string title;
   UnitSystem units;
-  // Each a set-up: its channels' names are places, a channel's `dof` or, where
-  // it has none, its own name.
+  // One record per set-up. Its channels' names are places: a channel's `dof`
+  // or, without one, its own name.
   std::vector<ResponseRecord> records;
-  // What each place of the records means, once.
+  // Places of the records, each once.
   std::vector<PlaceOfShape> places;
-  // [geometry]; null where the case does not say.
+  // [geometry]; null if the case has none.
   std::shared_ptr<const PlacedGeometry> geometry;
   std::vector<std::string> remarks;
   ModeIdentificationOptions options;
   MergeOptions merge;
-  // Lines of the file: of the keys of [modes], of the [[record]] of each name.
+  // Line numbers in the file: of the keys of [modes], and of each [[record]] by
+  // name.
   std::map<std::string, int> option_lines;
   std::map<std::string, int> record_lines;
 };
 
-// A data file by itself, in the place of a case.
+// A data file that replaces a case.
 struct ModesDataFile {
   std::string path;
-  // Channels; "all" alone: every column but the time.
+  // Names of the channels; "all" alone: every column but the time.
   std::vector<std::string> columns;
-  // What they measure: displacement, velocity, acceleration or strain; one for
-  // all, or one for each. Default: acceleration.
+  // Quantities of the channels: displacement, velocity, acceleration or strain;
+  // one for all, or one for each. Default: acceleration.
   std::vector<std::string> quantities;
-  // Default, where there is no rate: "t" or "time", in seconds.
+  // Column of the time. Default, without a sampling rate: "t" or "time", in
+  // seconds.
   std::string time_column;
   double sampling_rate_hz = 0.0;
 };
 
-// The modes' case of that file: channels are places. Fails with one line in
-// *error, *c is untouched then.
+// Reads that file as a case whose channels are places. On failure *error is one
+// line and *c is untouched.
 [[nodiscard]] bool ReadModesDataFile(const ModesDataFile& file, ModesCase* c,
                                      std::string* error);
 
-// Reads the case file at `path` with the records that it names. Fails with one
-// line in *error, *c is untouched then.
+// Reads the case file at `path` with the records that it names. On failure
+// *error is one line and *c is untouched.
 [[nodiscard]] bool ReadModesCase(const std::string& path, ModesCase* c,
                                  std::string* error);
 
-// [modes] of `source` alone, for records that are in memory already.
+// Reads [modes] of `source` alone, for records that are in memory already.
 [[nodiscard]] bool ReadModesOptions(const TomlValue& source, ModesCase* c,
                                     std::string* error);
 
-// The case that `source` says, with `data` in place of files that it names, as
-// ReadCaseTree has it; `path` is where it would stand, or empty.
+// Reads the case `source`, with `data` in place of files that it names, as
+// ReadCaseTree does. `path` is the case's path, or empty.
 [[nodiscard]] bool ReadModesTree(const TomlValue& source,
                                  const std::string& path, const CaseData& data,
                                  ModesCase* c, std::string* error);

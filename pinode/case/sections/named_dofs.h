@@ -1,4 +1,4 @@
-// Which DOFs a case speaks of: those that a reduction has to keep.
+// DOFs that a case names, which a reduction has to keep.
 
 #ifndef PINODE_CASE_SECTIONS_NAMED_DOFS_H_
 #define PINODE_CASE_SECTIONS_NAMED_DOFS_H_
@@ -11,19 +11,18 @@
 
 namespace pinode {
 
-// A DOF's name where a sensor, a load or a term uses it.
+// Name of a DOF that a sensor, a load or a term uses.
 struct NamedDof {
   std::string name;
   int line = 0;  // of the case file
 };
 
-// Each name once, in the order of the case: `dof` and `combination` of
+// Returns each name once, in the order of the case: `dof` and `combination` of
 // channels, `dof` of forces, `between`, features such as "x[u1]" or "d[u1,u2]",
-// outputs such as "u1-u2". "ground" is none. `root` are the tables of the
-// case; `is_dof` tells whether a DOF
-// exists: names may hold a '-', so only it can take a pair apart. Names that do
-// not exist are listed as well; what is written wrong is left to its own
-// reader.
+// outputs such as "u1-u2". "ground" is not a DOF. `root` are the tables of the
+// case. `is_dof` tells if a DOF exists: names may contain a '-', so only it can
+// split a pair. Names of DOFs that do not exist are listed as well; the
+// section's own reader reports errors.
 std::vector<NamedDof> NamedDofs(
     const std::vector<TomlValue::Entry>& root,
     const std::function<bool(const std::string&)>& is_dof);

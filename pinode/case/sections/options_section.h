@@ -16,12 +16,13 @@ namespace pinode {
 
 [[nodiscard]] bool ReadOptions(const TomlTable& root,
                                IdentificationOptions* options);
-// Without the section there is no list, and without names in it an empty one.
+// Reads the section. Without it there is no list; without names in it the list
+// is empty.
 [[nodiscard]] bool ReadProfiles(
     const TomlTable& root, const IdentificationProblem& problem,
     std::optional<std::vector<std::string>>* parameters);
-// *noise_is_sigma: every channel has its own `sigma` for noise, and no per
-// cent.
+// Reads the section. *noise_is_sigma: the noise of every channel is its own
+// `sigma` instead of a percentage.
 [[nodiscard]] bool ReadSimulate(const TomlTable& root, double* noise_percent,
                                 bool* noise_is_sigma, std::uint64_t* seed);
 

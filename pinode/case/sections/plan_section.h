@@ -1,4 +1,4 @@
-// [plan]: sensors that could be, to choose from.
+// [plan]: possible sensors to choose from.
 
 #ifndef PINODE_CASE_SECTIONS_PLAN_SECTION_H_
 #define PINODE_CASE_SECTIONS_PLAN_SECTION_H_
@@ -27,9 +27,10 @@ namespace pinode {
                             const IdentificationProblem& problem,
                             SensorRequest* request);
 
-// In the case `tree`, the first [[record.force]] of each record at the DOF
-// `force_dof` and all others and [[record.ground]] left out; nothing where that
-// is empty. False, with one line in *error, where a record has no force.
+// Moves the first [[record.force]] of each record of the case `tree` to the DOF
+// `force_dof` and removes all others and [[record.ground]]. Does nothing if
+// `force_dof` is empty. Returns false, with one line in *error, if a record has
+// no force.
 [[nodiscard]] bool MoveForces(const std::string& path,
                               const std::string& force_dof, TomlValue* tree,
                               std::string* error);

@@ -1,4 +1,4 @@
-// The numbers of a record: from files to the model's inputs and channels.
+// Numbers of a record, from files to the model's inputs and channels.
 
 #ifndef PINODE_CASE_SECTIONS_RECORD_DATA_H_
 #define PINODE_CASE_SECTIONS_RECORD_DATA_H_
@@ -12,23 +12,23 @@
 
 namespace pinode {
 
-// Reads everything that `section` names and prepares it, in this order:
+// Reads all signals of `section` and prepares them, in this order:
 //
 //   1. columns onto the uniform grid of the record's file,
-//   2. model units, sign, scale; mean subtracted where asked for,
+//   2. model units, sign, scale; mean subtracted on request,
 //   3. signals of other files onto that grid,
 //   4. resampling,
-//   5. ground displacement where the dynamics wants it, by integrating the
+//   5. ground displacement if the dynamics needs it, by integrating the
 //      interpolated ground acceleration twice from rest,
 //   6. the window,
 //   7. the filter, on measured channels only,
-//   8. noise levels given in per cent, of what is left.
+//   8. noise levels given in per cent, of the remaining signal.
 //
-// `dynamics` says which inputs there are. Gains, offsets and delays of the
-// channels are not set here. With `simulation`, channels are left NaN.
-// `faults` (may be nullptr) receives a sentence for each signal with samples
-// that no sensor in order gives (record/sample_faults.h), as they came and in
-// the window alone.
+// `dynamics` determines the inputs. Gains, offsets and delays of the channels
+// are not set here. With `simulation`, channels are left NaN. `faults` (may be
+// nullptr) receives a sentence for each signal with samples that no working
+// sensor gives (record/sample_faults.h), as originally recorded and within the
+// window.
 [[nodiscard]] bool ReadRecordData(const RecordSection& section,
                                   const UnitSystem& units,
                                   const StructuralDynamics& dynamics,

@@ -1,4 +1,4 @@
-// The files that a record names, and what they hold on the record's own grid.
+// Files of a record, and their contents on the record's own grid.
 
 #ifndef PINODE_CASE_SECTIONS_RECORD_FILES_H_
 #define PINODE_CASE_SECTIONS_RECORD_FILES_H_
@@ -17,13 +17,13 @@
 
 namespace pinode {
 
-// A record's grid is that of its file, or of its rate and duration where it has
-// none. Other files have grids of their own; what they hold comes onto that of
-// the record, NaN where it does not reach. What is done to a signal is a
-// remark.
+// Reads the files of a record. A record's grid is that of its file or, without
+// a file, of its rate and duration. Other files have grids of their own. Their
+// contents are put onto the record's grid, NaN where they do not reach. Each
+// change of a signal is reported by a remark.
 class RecordFiles {
  public:
-  // All of these must outlive the object.
+  // Keeps references to all arguments, which must outlive the object.
   RecordFiles(const RecordSection& section, const UnitSystem& units,
               std::vector<std::string>* remarks)
       : section_(section),
@@ -31,29 +31,29 @@ class RecordFiles {
         units_(units),
         remarks_(*remarks) {}
 
-  // The tables of files that Read wants, in that order.
+  // Returns the tables of files that Read needs, in that order.
   static std::vector<SharedTables::Wanted> TablesOf(
       const RecordSection& section, bool simulation);
 
-  // Everything that the section names, but in a simulation no responses.
+  // Reads all signals of the section; in a simulation no responses.
   [[nodiscard]] bool Read(bool simulation);
 
-  // The grid, in model time.
+  // Grid of the record, in model time.
   double start_time() const { return start_time_; }
   double step() const { return step_; }
   Eigen::Index num_samples() const { return num_samples_; }
 
-  // A column as `signal` wants it: in model units, with its sign and scale,
-  // without its mean where that is asked for, readings of a covariate joined by
-  // straight lines. Whether an input is complete is not asked here: only the
+  // Returns the column of `signal` in model units, with its sign and scale, and
+  // without its mean on request. Readings of a covariate are joined by straight
+  // lines. Completeness of an input is not checked here, because only the
   // window matters.
   [[nodiscard]] bool Signal(const SignalSection& signal, bool is_input,
                             bool is_covariate, Channel* channel);
 
-  // Of a signal by its label, model units; 0: nothing was subtracted.
+  // Mean of a signal by its label, model units; 0: no mean was subtracted.
   double SubtractedMean(const std::string& label) const;
 
-  // What was read is not needed any more.
+  // Frees the file contents.
   void Clear() { files_.clear(); }
 
  private:
@@ -64,14 +64,14 @@ class RecordFiles {
     Eigen::Index num_samples = 0;
     Vector motion;  // of an AT2
     Table table;    // of any other file
-    // In memory, where all of it is wanted: that of the case's data, which
-    // outlives this.
+    // Table in memory, if all of it is used: that of the case's data, which
+    // outlives this object.
     const Table* array = nullptr;
     TimeGrid grid;
 
     const Table& columns() const { return array != nullptr ? *array : table; }
 
-    // As it is.
+    // Returns a column unchanged.
     Vector Column(const std::string& name) const;
   };
 

@@ -1,4 +1,4 @@
-// [[record]]: what the case file says about a record, before its numbers are
+// [[record]]: description of a record in the case file, before its numbers are
 // read.
 
 #ifndef PINODE_CASE_SECTIONS_RECORD_SECTION_H_
@@ -55,36 +55,37 @@ struct RecordSection {
   std::vector<InputSection> inputs;
   std::vector<ChannelSection> channels;
   std::optional<FilterOptions> filter;  // frequencies per model time
-  // excitation = "ambient": nobody measured the loads.
+  // excitation = "ambient": the loads were not measured.
   bool ambient = false;
-  // excitation = "none": there are none, the structure is left to itself.
+  // excitation = "none": no loads act, the structure vibrates freely.
   bool free_decay = false;
 
   explicit RecordSection(const TomlTable& t) : table(t) {}
   bool has_excitation() const;
 };
 
-// What records are read for.
+// Purpose for which records are read.
 enum class RecordPurpose {
   kFit,
   kSimulation,  // measured responses are not read, nor need there be a file
   kPlanning,    // as a simulation; there need be no channel
-  // Measured responses alone: a channel needs no DOF, and is at the place that
-  // its name says.
+  // Measured responses alone: a channel needs no DOF, and its name is its
+  // place.
   kResponses,
 };
 
-// All [[record]] sections, checked for themselves and against the model.
+// Reads all [[record]] sections, and checks them on their own and against the
+// model.
 [[nodiscard]] bool ReadRecordSections(const TomlTable& root,
                                       const UnitSystem& units,
                                       const StructuralModel& model,
                                       RecordPurpose purpose,
                                       std::vector<RecordSection>* sections);
 
-// The inputs of the dynamics: everything that some record has, each once, the
-// ground displacement where a channel needs it, and the derivatives of
-// prescribed motions. Names: ground_<direction>, force_<dof>, motion_<dof> and
-// so on, the covariate's own, ground_displacement_<direction>.
+// Returns the inputs of the dynamics: all inputs of the records, each once, the
+// ground displacement if a channel needs it, and the derivatives of prescribed
+// motions. Names: ground_<direction>, force_<dof>, motion_<dof> and so on, the
+// covariate's own, ground_displacement_<direction>.
 std::vector<InputSpec> CollectInputs(const std::vector<RecordSection>& sections,
                                      const StructuralModel& model);
 

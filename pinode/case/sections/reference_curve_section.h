@@ -1,4 +1,4 @@
-// [[reference_curve]]: known force curves to draw beside those of the terms.
+// [[reference_curve]]: known force curves to draw with those of the terms.
 
 #ifndef PINODE_CASE_SECTIONS_REFERENCE_CURVE_SECTION_H_
 #define PINODE_CASE_SECTIONS_REFERENCE_CURVE_SECTION_H_
@@ -12,8 +12,9 @@
 
 namespace pinode {
 
-// `dynamics` has all its terms. A term that acts as an acceleration must drive
-// one DOF whose mass is not coupled to others; else it has no force.
+// Reads the section. `dynamics` has all its terms. A term that acts as an
+// acceleration must drive one DOF whose mass is not coupled to others;
+// otherwise it has no force.
 [[nodiscard]] bool ReadReferenceCurves(const TomlTable& root,
                                        const StructuralDynamics& dynamics,
                                        std::vector<ReferenceCurve>* curves);

@@ -1,4 +1,4 @@
-// The tables that a case names, read by ranks for each other.
+// Tables of a case, shared between ranks.
 
 #ifndef PINODE_CASE_SECTIONS_SHARED_TABLES_H_
 #define PINODE_CASE_SECTIONS_SHARED_TABLES_H_
@@ -12,10 +12,10 @@
 
 namespace pinode {
 
-// Each table is one rank's to read, while the others read theirs; from there
-// all receive it when they come to it, with what its file made of it, a message
-// as well. A case of many records is so read from the disk once, whatever the
-// number of ranks, and by each only a share of it.
+// Reads tables once for all ranks. One rank reads each table, while other ranks
+// read other tables. All ranks receive it, including an error message, when
+// they need it. A case of many records is thus read from disk once, and each
+// rank reads a share of it.
 class SharedTables {
  public:
   struct Wanted {
@@ -26,27 +26,29 @@ class SharedTables {
     }
   };
 
-  // `communicator` (nullptr: a single process) must outlive the object.
+  // Keeps a reference to `communicator` (nullptr: a single process), which must
+  // outlive the object.
   explicit SharedTables(Communicator* communicator);
 
-  // Every table that will be asked for, in that order: the ranks agree on
-  // whether they all want the same, and each reads its own. Where they do not,
-  // each reads everything for itself.
+  // Announces all tables that will be read, in that order. If all ranks
+  // announce the same, each reads its share; otherwise each reads everything
+  // itself.
   void Plan(std::vector<Wanted> wanted);
-  // For a rank that has come to an end without a plan, that others need not
-  // wait for it; after Plan nothing.
+  // Tells the other ranks not to wait for this one, if it ends without a plan;
+  // no effect after Plan.
   void Finish();
 
-  // As ReadTable. What was planned is received from the rank that has read it.
+  // Reads as ReadTable. A planned table is received from the rank that has read
+  // it.
   [[nodiscard]] bool Read(const std::string& path,
                           const std::vector<std::string>& columns, Table* table,
                           std::string* error);
 
-  // How many tables this rank has read from files.
+  // Number of tables that this rank has read from files.
   int num_read() const { return num_read_; }
 
  private:
-  // What a file made of it.
+  // Result of reading a file.
   struct Result {
     bool ok = false;
     Table table;
@@ -57,14 +59,15 @@ class SharedTables {
     return static_cast<int>(index) % communicator_.size();
   }
   Result ReadFile(const Wanted& wanted);
-  // From the owner to all. False where a rank does not answer.
+  // Sends a result from the owner to all. Returns false if a rank does not
+  // answer.
   [[nodiscard]] bool Pass(int owner, Result* result);
 
   Communicator& communicator_;
   bool has_planned_ = false;
-  std::vector<Wanted> planned_;  // empty where the ranks do not agree
+  std::vector<Wanted> planned_;  // empty if the ranks do not agree
   size_t next_ = 0;
-  std::map<size_t, Result> own_;  // read, and not yet asked for
+  std::map<size_t, Result> own_;  // read, but not yet used
   int num_read_ = 0;
 };
 

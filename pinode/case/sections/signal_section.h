@@ -1,5 +1,5 @@
-// What all signals of a record have in common: where a time history comes from,
-// and how it becomes one in model units.
+// Common part of all signals of a record: the source of a time history, and its
+// conversion to model units.
 
 #ifndef PINODE_CASE_SECTIONS_SIGNAL_SECTION_H_
 #define PINODE_CASE_SECTIONS_SIGNAL_SECTION_H_
@@ -11,11 +11,12 @@
 
 namespace pinode {
 
-// By its extension, in any case: a PEER ground motion, not a table.
+// True if the extension, in upper or lower case, is that of a PEER ground
+// motion.
 bool IsAt2File(const std::string& path);
 
-// Where one time history comes from, and how it becomes one in model units:
-// factor * value, after the mean is subtracted if `remove_offset`.
+// Source of a time history, and its conversion to model units: factor * value,
+// after the mean is subtracted if `remove_offset`.
 struct SignalSection {
   TomlTable table;
   std::string label;   // "ground x", "channel a1": for messages
@@ -27,26 +28,28 @@ struct SignalSection {
   double scale = 1.0;
   double factor = 1.0;  // of unit, sign and scale
   bool remove_offset = false;
-  // Noise, model units; not positive: not given.
+  // Standard deviation of the noise, model units; not positive: not given.
   double sigma = 0.0;
-  // Per cent of the standard deviation; not positive: not given.
+  // Noise in per cent of the signal's standard deviation; not positive: not
+  // given.
   double sigma_percent = 0.0;
 
   explicit SignalSection(const TomlTable& t) : table(t) {}
 };
 
-// Whether the file of a signal or record is there; else fails at its key.
+// True if the file of a signal or record exists; else reports an error at its
+// key.
 [[nodiscard]] bool FileExists(const TomlTable& table, const std::string& path);
 
-// Whether the column is what a sensor of unknown sensitivity gives out.
+// True if the column is the output voltage of a sensor of unknown sensitivity.
 bool IsVoltage(const TomlTable& table);
 
-// `file` (of the record: `record_file`) and `column`.
+// Reads `file` (default: `record_file`) and `column`.
 [[nodiscard]] bool ReadSource(const std::string& record_file,
                               SignalSection* signal);
 
-// `unit`, which its dimension, scale and sign are known for, noise and offset.
-// "model": the unit that the case has for that dimension.
+// Reads `unit`, then scale and sign, noise and offset; the dimension is known.
+// "model": the unit of the case for that dimension.
 [[nodiscard]] bool ReadUnit(const UnitSystem& units, SignalSection* signal);
 
 }  // namespace pinode

@@ -8,10 +8,10 @@
 
 namespace pinode {
 
-// Turns the relative motion of a gauge's ends, which channel->weights hold,
-// into its strain, by `gauge_length` and, of rotations, `distance` (both in the
-// model's unit of length). Refuses a strain without a positive length or with a
-// distance of zero, and these keys in a channel of another quantity.
+// Converts the relative motion of a gauge's ends in channel->weights to strain,
+// by `gauge_length` and, of rotations, `distance` (both in the model's unit of
+// length). Refuses a strain without a positive length or with a distance of
+// zero, and these keys in a channel of another quantity.
 [[nodiscard]] bool ReadStrainKeys(const TomlTable& table,
                                   ChannelSection* channel);
 

@@ -1,4 +1,4 @@
-// [[group]], [[element]] and [[network]]: what may be wrong with the model.
+// [[group]], [[element]] and [[network]]: the unknown parts of the model.
 
 #ifndef PINODE_CASE_SECTIONS_TERMS_SECTION_H_
 #define PINODE_CASE_SECTIONS_TERMS_SECTION_H_
@@ -15,25 +15,25 @@
 
 namespace pinode {
 
-// What the sections below need to know about the rest of the case.
+// Context of the sections below in the rest of the case.
 struct TermsContext {
   const UnitSystem* units = nullptr;
   const ModelSection* model = nullptr;
   std::uint64_t default_seed = 1;
-  // Receives decisions taken for the user.
+  // Receives decisions taken automatically.
   std::vector<std::string>* remarks = nullptr;
   // Receives the terms that may be left out.
   std::vector<ModelCandidate>* candidates = nullptr;
 };
 
-// Each adds the terms of its sections to *dynamics.
+// Add the terms of their sections to *dynamics.
 [[nodiscard]] bool ReadGroups(const TomlTable& root,
                               const TermsContext& context,
                               StructuralDynamics* dynamics);
 [[nodiscard]] bool ReadElements(const TomlTable& root,
                                 const TermsContext& context,
                                 StructuralDynamics* dynamics);
-// After groups and elements, which the gauge rule looks at.
+// Call it after groups and elements, which the gauge rule uses.
 [[nodiscard]] bool ReadNetworks(const TomlTable& root,
                                 const TermsContext& context,
                                 StructuralDynamics* dynamics);

@@ -1,4 +1,4 @@
-// What stands in for files in a case that was made in memory.
+// Arrays in place of files for a case made in memory.
 
 #ifndef PINODE_CASE_TEXT_CASE_DATA_H_
 #define PINODE_CASE_TEXT_CASE_DATA_H_
@@ -14,9 +14,9 @@
 
 namespace pinode {
 
-// Arrays by the names that a case has for them where it would name a file: a
-// record's `file`, a matrix, the export of a finite-element model. A name is
-// none of a file, such as "<record[0].file>".
+// Arrays by the names that the case uses in place of file names: a record's
+// `file`, a matrix, the export of a finite-element model. Such a name is no
+// file name, for example "<record[0].file>".
 struct CaseData {
   std::map<std::string, Table> tables;
   std::map<std::string, Matrix> matrices;
@@ -25,20 +25,20 @@ struct CaseData {
   bool Has(const std::string& name) const;
 };
 
-// Whether a table in memory has these columns (all where none is named),
+// Checks that a table in memory has these columns (all if none is named),
 // without an infinite number; else *error says what is wrong.
 [[nodiscard]] bool CheckColumns(const Table& table,
                                 const std::vector<std::string>& wanted,
                                 std::string* error);
 
-// The columns `wanted` of a table in memory as ReadCsvTable has them of a file:
-// in that order, a name twice once, all where none is named. False, with
-// *error, for a column that is not there, or that holds an infinite number.
+// Selects the columns `wanted` of a table in memory as ReadCsvTable does for a
+// file: in that order, repeated names once, all if none is named. Returns
+// false, with *error, for a missing column, or one with an infinite number.
 [[nodiscard]] bool SelectColumns(const Table& table,
                                  const std::vector<std::string>& wanted,
                                  Table* selected, std::string* error);
 
-// The same of what `path` names: a table of `data`, or else a CSV file.
+// Selects the same from `path`: a table of `data`, or else a CSV file.
 [[nodiscard]] bool ReadColumns(const CaseData& data, const std::string& path,
                                const std::vector<std::string>& wanted,
                                Table* selected, std::string* error);

@@ -1,4 +1,4 @@
-// Which tables a case file may have.
+// Tables that a case file may have.
 
 #ifndef PINODE_CASE_TEXT_CASE_TABLES_H_
 #define PINODE_CASE_TEXT_CASE_TABLES_H_
@@ -7,7 +7,8 @@
 
 namespace pinode {
 
-// Refuses what no program knows. Each reads its own and leaves the others'.
+// Refuses tables that no program knows. Each program reads its own and ignores
+// the others.
 bool AllowCaseTables(const TomlTable& root);
 
 }  // namespace pinode

@@ -11,10 +11,10 @@
 
 namespace pinode {
 
-// One column of a CSV file; NaN is written as an empty cell.
+// Column of a CSV file; NaN is written as an empty cell.
 struct CsvColumn {
   CsvColumn(std::string column_name, Vector values);
-  // Of long tables, which are written as they are asked for.
+  // Makes a column of a long table, whose values are computed when written.
   CsvColumn(std::string column_name, Eigen::Index num_rows,
             std::function<double(Eigen::Index row)> value_of);
 
@@ -23,13 +23,13 @@ struct CsvColumn {
   std::function<double(Eigen::Index row)> value;
 };
 
-// Columns of equal length under a header line.
+// Writes columns of equal length under a header line.
 [[nodiscard]] bool WriteCsv(const std::string& path,
                             const std::vector<CsvColumn>& columns,
                             std::string* error);
 
-// A cell: quoted where it has to be; at full precision, empty for what is not
-// finite.
+// Return a cell: text quoted if necessary; numbers at full precision, empty if
+// not finite.
 std::string CsvCell(const std::string& text);
 std::string CsvCell(double value);
 

@@ -1,4 +1,4 @@
-// The keys with which a case file describes one unknown.
+// Keys that describe one unknown in a case file.
 
 #ifndef PINODE_CASE_TEXT_PARAMETER_KEYS_H_
 #define PINODE_CASE_TEXT_PARAMETER_KEYS_H_
@@ -11,19 +11,19 @@
 
 namespace pinode {
 
-// initial lower upper prior_mean prior_sigma free.
+// Returns initial lower upper prior_mean prior_sigma free.
 const std::vector<std::string>& ParameterKeys();
 
-// Overwrites the fields of *parameter that `table` gives; those that it does
-// not give stay as they are, but the prior's mean becomes the initial value.
-// Numbers in the file are multiplied by `factor` (not zero; a negative one
-// exchanges the bounds). Refuses crossed bounds, bounds beyond those that
-// *parameter came with, and a value outside.
+// Overwrites the fields of *parameter that `table` gives. Other fields are
+// unchanged, except that the prior's mean becomes the initial value. Numbers in
+// the file are multiplied by `factor` (not zero; a negative one exchanges the
+// bounds). Refuses crossed bounds, bounds beyond those in *parameter, and a
+// value outside.
 [[nodiscard]] bool ReadParameterKeys(const TomlTable& table, double factor,
                                      Parameter* parameter);
 
-// A name that may become part of a file's name: letters, digits, '_', '-', '.'
-// and '+', not beginning with a point.
+// Checks a name that may become part of a file's name: letters, digits, '_',
+// '-', '.' and '+', not beginning with a point.
 [[nodiscard]] bool CheckName(const TomlTable& table, const std::string& key,
                              const std::string& name);
 

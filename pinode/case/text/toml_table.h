@@ -1,5 +1,5 @@
 // Typed access to the tables of a case file, with one message for the first
-// thing that is wrong.
+// error.
 
 #ifndef PINODE_CASE_TEXT_TOML_TABLE_H_
 #define PINODE_CASE_TEXT_TOML_TABLE_H_
@@ -16,9 +16,8 @@ namespace pinode {
 
 class SharedTables;
 
-// The first error of a case file, and where what it names is. Readers go on
-// with defaults after a failure and ask ok() before they use what they have
-// read.
+// First error of a case file, and the place of its files. Readers continue with
+// defaults after a failure and check ok() before they use their values.
 class CaseErrors {
  public:
   // `path` is empty for a case in memory. `error` receives the message; it and
@@ -29,17 +28,17 @@ class CaseErrors {
 
   bool ok() const { return ok_; }
   const std::string& path() const { return path_; }
-  // Arrays that stand in for files.
+  // Arrays in place of files.
   const CaseData& data() const;
-  // Who reads its tables with others; nullptr: nobody. Must outlive this
+  // Tables shared with other ranks; nullptr: not shared. Must outlive this
   // object.
   SharedTables* shared_tables() const { return shared_tables_; }
   void set_shared_tables(SharedTables* tables) { shared_tables_ = tables; }
 
-  // Each returns false, so that callers can return it.
-  // `path:line: message`; without what is empty or 0.
+  // Return false, so that callers can return it. Fail writes `path:line:
+  // message`, without parts that are empty or 0.
   bool Fail(int line, const std::string& message);
-  // A message that names its own file.
+  // Reports a message that names its own file; returns false.
   bool FailAsIs(const std::string& message);
 
  private:
@@ -50,14 +49,15 @@ class CaseErrors {
   bool ok_ = true;
 };
 
-// One table of a case file. Every getter of an absent key returns the default;
-// of a value of the wrong type it reports `file:line: [table] key is ...,
-// expected ...` and returns the default as well.
+// Table of a case file. Every getter returns the default for an absent key. For
+// a value of the wrong type it reports `file:line: [table] key is ..., expected
+// ...` and returns the default as well.
 class TomlTable {
  public:
-  // A table that is not there: all keys absent.
+  // Makes an absent table, without keys.
   explicit TomlTable(CaseErrors* errors);
-  // `name` is what messages call it, such as "[units]" or "[[group]] 'k1'".
+  // Makes a table that messages call `name`, such as "[units]" or "[[group]]
+  // 'k1'".
   TomlTable(const TomlValue& table, std::string name, CaseErrors* errors);
 
   const std::string& name() const { return name_; }
@@ -67,51 +67,52 @@ class TomlTable {
     return table_->entries;
   }
 
-  // Refuses every key that is not listed, with the nearest that is.
+  // Refuses every key that is not listed, and suggests the nearest listed key.
   bool AllowKeys(const std::vector<std::string>& known) const;
 
   bool Has(const std::string& key) const { return Find(key) != nullptr; }
   const TomlValue* Find(const std::string& key) const {
     return table_->Find(key);
   }
-  // Line of the key, or of the table where the key is absent.
+  // Line of the key, or of the table if the key is absent.
   int Line(const std::string& key) const;
   int line() const { return table_->line; }
 
-  // `file:line: name: message`, at the key's line; a message that begins with
-  // the table's name does not get it twice.
+  // Reports `file:line: name: message`, at the key's line. The name is not
+  // repeated if the message begins with it.
   bool Fail(const std::string& key, const std::string& message) const;
   bool RequireKey(const std::string& key, const std::string& expected) const;
 
   std::string String(const std::string& key,
                      const std::string& absent = "") const;
   std::string RequiredString(const std::string& key) const;
-  // One of `choices`.
+  // Returns one of `choices`.
   std::string Choice(const std::string& key,
                      const std::vector<std::string>& choices,
                      const std::string& absent) const;
-  // Finite.
+  // Returns a finite number.
   double Number(const std::string& key, double absent) const;
   double PositiveNumber(const std::string& key, double absent) const;
   double NonNegativeNumber(const std::string& key, double absent) const;
-  // May be infinite, as bounds are.
+  // Returns a number that may be infinite, as bounds are.
   double ExtendedNumber(const std::string& key, double absent) const;
   int Integer(const std::string& key, int absent, int minimum) const;
-  // Of what grows with the length of a record.
+  // Returns an integer that grows with the length of a record.
   int64_t LongInteger(const std::string& key, int64_t absent,
                       int64_t minimum) const;
   bool Boolean(const std::string& key, bool absent) const;
   std::vector<std::string> Strings(const std::string& key) const;
-  // Finite numbers, in as many entries as there are.
+  // Returns finite numbers, any number of them.
   std::vector<double> Numbers(const std::string& key) const;
-  // `size` finite numbers, one per `what`; empty where the key is absent.
+  // Returns `size` finite numbers, one per `what`; empty if the key is absent.
   std::vector<double> Numbers(const std::string& key, int size,
                               const std::string& what) const;
   std::vector<int> Integers(const std::string& key, int minimum) const;
 
-  // An absent table, or the one under the key.
+  // Returns the table under the key, or an absent table.
   TomlTable Table(const std::string& key, const std::string& table_name) const;
-  // The tables of [[key]]; called `[[prefix.key]]` and a number.
+  // Returns the tables of [[key]]; messages call them `[[prefix.key]]` and a
+  // number.
   std::vector<TomlTable> Tables(const std::string& key,
                                 const std::string& prefix = "") const;
 

@@ -1,5 +1,5 @@
-// TOML text as a plain tree that remembers where each value was written. The
-// parser behind it stays in the .cc file.
+// TOML text as a plain tree that keeps the line of each value. The parser stays
+// in the .cc file.
 
 #ifndef PINODE_CASE_TEXT_TOML_VALUE_H_
 #define PINODE_CASE_TEXT_TOML_VALUE_H_
@@ -18,7 +18,7 @@ struct TomlValue {
     kInteger,
     kFloat,
     kBoolean,
-    kDate,  // dates and times; pinode has no use for them
+    kDate,  // dates and times; not used by pinode
     kArray,
     kTable
   };
@@ -39,11 +39,12 @@ struct TomlValue {
   bool IsTable() const { return type == Type::kTable; }
   bool IsArrayOfTables() const;
 
-  // For messages: "the text 'abc'", "the number 3", "a table", ...
+  // Returns a text for messages: "the text 'abc'", "the number 3", "a table",
+  // ...
   std::string Describe() const;
 
-  // Tables only. Find returns nullptr where there is no such key. Set replaces
-  // the value where the key exists and appends it where not.
+  // Tables only. Find returns nullptr if there is no such key. Set replaces the
+  // value if the key exists and appends it if not.
   const TomlValue* Find(const std::string& key) const;
   TomlValue* Find(const std::string& key);
   void Set(const std::string& key, TomlValue value);
@@ -57,8 +58,8 @@ struct TomlValue {
   std::vector<TomlValue> elements;  // kArray
   std::vector<Entry> entries;       // kTable, in the order of the text
 
-  // Line of the text on which the value begins, from 1; 0 where it was not
-  // read from a text. For an entry of a table this is the line of its key.
+  // Line of the text on which the value begins, from 1; 0 if it was not read
+  // from a text. For an entry of a table this is the line of its key.
   int line = 0;
 };
 
@@ -68,8 +69,8 @@ struct TomlValue {
 [[nodiscard]] bool ParseToml(const std::string& text, const std::string& path,
                              TomlValue* root, std::string* error);
 
-// The document as text, entries in their order. Numbers are written such that
-// they are read back bit for bit. `root` is a table.
+// Returns the document as text, entries in their order. Numbers are written
+// such that they are read back bit for bit. `root` is a table.
 std::string FormatToml(const TomlValue& root);
 
 }  // namespace pinode
