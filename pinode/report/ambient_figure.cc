@@ -4,7 +4,7 @@
 namespace pinode {
 namespace {
 
-// One panel.
+// Draws one panel.
 void DrawChannel(const AmbientScore& score, int channel, double hz,
                  FigureScript* script) {
   const bool is_first = channel == 0;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kMaxParameters = 40;
 
-// Change of a parameter and its 95 % limits in per cent; false where there is
-// no natural scale.
+// Computes the change of a parameter and its 95 % limits in per cent; false if
+// there is no natural scale.
 bool RelativeChange(const ParameterEstimate& parameter, bool is_group,
                     double* change, double* low, double* high) {
   double scale = std::abs(parameter.initial);
@@ -28,8 +28,8 @@ bool RelativeChange(const ParameterEstimate& parameter, bool is_group,
   return std::isfinite(*change);
 }
 
-// Axes for horizontal bars with intervals, per cent, one row a label from the
-// top; the rows' places.
+// Begins horizontal bars with intervals, per cent, one row per label from the
+// top; returns the rows' places.
 std::vector<double> BeginBars(const std::vector<std::string>& labels,
                               const std::vector<double>& changes,
                               const std::vector<double>& lows,
@@ -43,7 +43,7 @@ std::vector<double> BeginBars(const std::vector<std::string>& labels,
     ticks.push_back(GnuplotString(labels[static_cast<size_t>(i)]) + " " +
                     std::to_string(count - i));
   }
-  // Bars of bad parameters may be cut, changes may not.
+  // Bars of uncertain parameters may be cut off, changes may not.
   Interval range;
   range.Add(0.0);
   for (const double change : changes) range.Add(change);
@@ -64,8 +64,8 @@ std::vector<double> BeginBars(const std::vector<std::string>& labels,
   return places;
 }
 
-// Red, green and blue of a probability: grey where a loss is out of the
-// question, over orange to vermilion where it is certain.
+// Returns red, green and blue of a probability: grey if a loss is excluded,
+// over orange to vermilion if it is certain.
 std::array<double, 3> ColourOf(double probability) {
   const double p = std::isfinite(probability) ? probability : 0.0;
   const double none[] = {190.0, 190.0, 190.0};
@@ -156,7 +156,7 @@ Figure MakeParameterFigure(const ReportInput& input) {
     any_group = any_group || is_group;
     labels.push_back(parameter.name);
     changes.push_back(change);
-    // Without an interval there is a point and no bar.
+    // Without an interval there is only a point.
     lows.push_back(std::isfinite(low) ? low : change);
     highs.push_back(std::isfinite(high) ? high : change);
   }

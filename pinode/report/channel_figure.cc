@@ -11,10 +11,10 @@
 namespace pinode {
 namespace {
 
-// Points per curve, chosen so that no figure exceeds 150 KiB.
+// Number of points per curve, so that no figure exceeds 150 KiB.
 constexpr int kCloseUpBuckets = 200;
 
-// Samples [first, first + count) around the largest fluctuation: some six
+// Finds samples [first, first + count) around the largest fluctuation: some six
 // periods of the first mode.
 void StrongestPart(const ReportInput& input, const Vector& values, double step,
                    Eigen::Index* first, Eigen::Index* count) {
@@ -36,7 +36,7 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
   }
   double wanted = static_cast<double>(size) / 8.0;
   const std::vector<ModePair>& modes = input.prior.modes;
-  // Both in the model's time.
+  // Frequency and step are both in the model's time.
   const double frequency = modes.empty() ? 0.0 : modes[0].updated_frequency;
   if (frequency > 0.0) wanted = 6.0 / (frequency * step);
   *count = static_cast<Eigen::Index>(
@@ -47,10 +47,11 @@ void StrongestPart(const ReportInput& input, const Vector& values, double step,
   *first = std::clamp<Eigen::Index>(peak - *count / 3, 0, size - *count);
 }
 
-// Of measurements about a prediction, in its standard deviations.
+// Half-width of the band of measurements about a prediction, in standard
+// deviations.
 constexpr double kBandDeviations = 1.96;
 
-// The three panels of a channel that has been run.
+// Three panels of a simulated channel.
 class ChannelPlot {
  public:
   ChannelPlot(const ReportInput& input, int record, int channel,
@@ -93,7 +94,7 @@ class ChannelPlot {
     return record_.excitation->time(sample);
   }
 
-  // Above.
+  // Draws the upper panel.
   void DrawWhole() {
     script_.Line("set lmargin at screen 0.085");
     script_.Line("set rmargin at screen 0.985");
@@ -122,7 +123,7 @@ class ChannelPlot {
     script_.Line("unset label");
   }
 
-  // Below on the left.
+  // Draws the lower left panel.
   void DrawStrongestPart() {
     Eigen::Index first, count;
     StrongestPart(input_, measured_.values, record_.sampling_step(), &first,
@@ -148,7 +149,7 @@ class ChannelPlot {
     Plot(curves);
   }
 
-  // Below on the right.
+  // Draws the lower right panel.
   void DrawResidual() {
     const Vector residual = measured_.values - updated_;
     script_.Line("set lmargin at screen 0.6");
@@ -175,7 +176,8 @@ class ChannelPlot {
     Plot(curves);
   }
 
-  // Prior first, so that it lies below what matters more.
+  // Adds the initial model first, so that it lies below the more important
+  // curves.
   std::vector<std::string> AddCurves(Eigen::Index from, Eigen::Index size,
                                      int buckets, bool titles) {
     std::vector<std::string> curves;
@@ -194,7 +196,7 @@ class ChannelPlot {
     return curves;
   }
 
-  // Nothing finite to show still gets its axes.
+  // Plots the curves; axes are drawn also without finite values.
   void Plot(const std::vector<std::string>& curves) {
     script_.Line(curves.empty() ? "plot NaN notitle"
                                 : "plot " + Join(curves, ", "));

@@ -21,7 +21,7 @@ const char* RoleName(Role role) {
   return role == Role::kTrain ? "train" : "hold-out";
 }
 
-// Indices of the scored records, hold-out ones first.
+// Returns the indices of the scored records, hold-out ones first.
 std::vector<int> HoldoutFirst(const IdentificationSummary& summary) {
   std::vector<int> order;
   for (const Role role : {Role::kHoldout, Role::kTrain}) {
@@ -38,13 +38,13 @@ std::string NoteOn(const ParameterEstimate& parameter) {
   return std::isfinite(parameter.sigma) ? "" : "no interval";
 }
 
-// Changes are not known to more than a hundredth of a per cent.
+// Formats a change, to at most a hundredth of a per cent.
 std::string Hundredths(double fraction) {
-  // No negative zero.
+  // Adding zero avoids a negative zero.
   return FormatNumber(std::round(1e4 * fraction) / 100.0 + 0.0, 6);
 }
 
-// For something that was not looked for.
+// True if a subject may be a side effect of a cause that was not examined.
 bool StandsIn(const DamageResult& damage, size_t subject) {
   const std::vector<Reason>& reasons = damage.judgement.reasons;
   return subject < reasons.size() && reasons[subject] == Reason::kUnexplained;
@@ -107,7 +107,7 @@ TextTable MakeProfileTable(const ReportInput& input) {
                    {"profile 99 %", Align::kDecimal},
                    {"the data say", Align::kLeft}});
   for (const ParameterProfile& profile : input.summary->profiles) {
-    // Three digits of an interval are two of its width.
+    // Three digits of an interval correspond to two of its width.
     const auto interval = [&profile](double low, double high) {
       double width = std::max(std::abs(low - profile.estimate),
                               std::abs(high - profile.estimate));
@@ -153,7 +153,7 @@ TextTable MakeModeTable(const ReportInput& input) {
     const double change = 100.0 * (updated_hz / initial_hz - 1.0);
     std::string change_text = "-";
     if (std::isfinite(change)) {
-      // Two decimals: frequencies are hardly ever known better.
+      // Two decimals suffice: frequencies are rarely known better.
       const double rounded = std::round(100.0 * change) / 100.0;
       change_text = (rounded > 0.0 ? "+" : "") + ReadableNumber(rounded, 3);
     }

@@ -1,4 +1,4 @@
-// The outcome of an identification as tables for a terminal.
+// Results of an identification as tables for a terminal.
 
 #ifndef PINODE_REPORT_CONSOLE_H_
 #define PINODE_REPORT_CONSOLE_H_
@@ -10,36 +10,38 @@
 
 namespace pinode {
 
-// Named parameters: initial and identified value, half width of the 95 %
-// interval, unit, and "fixed", "at bound" or "no interval" where it applies.
-// What has changed since healthy records.
+// Returns the changes since the baselines.
 TextTable MakeChangeTable(const DamageResult& damage);
 
+// Returns the named parameters: initial and identified value, half width of the
+// 95 % interval, unit, and "fixed", "at bound" or "no interval" if it applies.
 TextTable MakeParameterTable(const ReportInput& input);
 
-// Measured modes: frequencies (Hz) of them and of the model before and after,
-// errors of these in per cent, and MAC at the measured DOFs.
+// Returns the measured modes: their frequencies (Hz), those of the initial and
+// the updated model, errors of these in per cent, and MAC at the measured DOFs.
 TextTable MakeMeasuredModeTable(const ReportInput& input);
-// What the model explains of each channel of the ambient records.
+// Returns the share of each ambient channel that the model explains.
 TextTable MakeAmbientTable(const ReportInput& input);
 
-// Frequencies (Hz), damping ratios (%) and MAC, before and after.
+// Returns the profiles of the likelihood.
 TextTable MakeProfileTable(const ReportInput& input);
+// Returns frequencies (Hz), damping ratios (%) and MAC of the initial and the
+// updated model.
 TextTable MakeModeTable(const ReportInput& input);
 
-// Errors of the free runs in per cent (nrmse) beside the prior model's;
-// hold-out records first.
+// Returns the errors of the simulations in per cent (nrmse), compared with the
+// initial model's; hold-out records first.
 TextTable MakeRecordTable(const ReportInput& input);
 
-// The same by sensor, with the error in the channel's unit and the estimated
-// noise.
+// Returns the same per sensor, with the error in the channel's unit and the
+// estimated noise.
 TextTable MakeSensorTable(const ReportInput& input);
 
-// Stages of the solution.
+// Returns the stages of the solution.
 TextTable MakeStageTable(const ReportInput& input);
 
-// Verdict, remarks and the first five tables with a heading each, ended by a
-// line break; empty tables are left out.
+// Returns the verdict, remarks and the first five tables with a heading each,
+// ended by a line break; empty tables are left out.
 std::string ConsoleReport(const ReportInput& input);
 
 }  // namespace pinode

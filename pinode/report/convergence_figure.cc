@@ -7,20 +7,20 @@
 namespace pinode {
 namespace {
 
-// The iterations as points, and where stages end on their axis.
+// Iterations as points, and ends of stages on their axis.
 struct Course {
   std::vector<double> accepted_x, accepted_y, rejected_x, rejected_y;
   Interval costs;
   std::vector<double> ends;
   std::vector<Eigen::Index> lengths;  // longest segments, samples
-  // Per cent at the end of stages.
+  // Error in per cent at the end of stages.
   std::vector<double> error_x, error_y;
 
   double end() const { return ends.back(); }
 };
 
-// Costs of rejected steps beyond so many times the largest accepted one are
-// drawn there.
+// Costs of rejected steps are drawn at most at this multiple of the largest
+// accepted one.
 constexpr double kMostRejected = 10.0;
 
 Course CourseOf(const IdentificationSummary& summary) {
@@ -40,7 +40,7 @@ Course CourseOf(const IdentificationSummary& summary) {
         .push_back(iteration.cost);
     if (iteration.accepted) course.costs.Add(iteration.cost);
   }
-  // A step that was not taken may have any cost.
+  // A rejected step may have any cost.
   for (double& cost : course.rejected_y) {
     cost = std::min(cost, kMostRejected * course.costs.high);
   }

@@ -10,15 +10,15 @@ namespace pinode {
 
 namespace {
 
-// x: of a sample.
+// Decimates a history; `x` gives the abscissa of a sample.
 template <typename Abscissa>
 Polyline Decimate(const Abscissa& x, const HistoryRef& y, int num_buckets) {
   CHECK_GT(num_buckets, 0);
   Polyline line;
   const Eigen::Index present = y.array().isFinite().count();
   if (present == 0) return line;
-  // A sensor at a lower rate misses samples all the time: a gap is what lasts
-  // longer than twice the usual distance between its values.
+  // A sensor at a lower rate misses samples regularly: a gap lasts longer than
+  // twice the usual distance between its values.
   const double longest_distance =
       2.0 * static_cast<double>(y.size()) / static_cast<double>(present);
   Eigen::Index last = -1;  // last sample taken

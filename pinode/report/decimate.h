@@ -1,4 +1,4 @@
-// Fewer points for the same picture.
+// Decimation of histories for figures.
 
 #ifndef PINODE_REPORT_DECIMATE_H_
 #define PINODE_REPORT_DECIMATE_H_
@@ -9,23 +9,23 @@
 
 namespace pinode {
 
-// Values of a history, wherever they lie: a vector, or a row of a matrix (its
-// transpose), without a copy.
+// Values of a history in a vector, or in a row of a matrix (its transpose),
+// without a copy.
 using HistoryRef = Eigen::Ref<const Vector, 0, Eigen::InnerStride<>>;
 
-// Points of a line; a NaN in y lifts the pen.
+// Points of a line; a NaN in y interrupts it.
 struct Polyline {
   std::vector<double> x, y;
 };
 
-// The history (x ascending, as long as y) with at most about 2 * num_buckets
-// points: of every bucket of consecutive samples the smallest and the largest,
-// in their order, so that no peak is lost; the first and the last value stay.
-// Values that are not finite are missing: longer gaps than usual remain gaps.
-// Histories of up to 2 * num_buckets samples are kept whole.
+// Returns the history (x ascending, as long as y) with at most about 2 *
+// num_buckets points. Every bucket of consecutive samples keeps its smallest
+// and largest value, in their order, so that no peak is lost. The first and the
+// last value stay. Values that are not finite are missing: gaps longer than
+// usual remain gaps. Histories of up to 2 * num_buckets samples are kept whole.
 Polyline DecimateHistory(const HistoryRef& x, const HistoryRef& y,
                          int num_buckets);
-// Of a uniform grid, x = first, first + step, ...
+// Decimates over a uniform grid, x = first, first + step, ...
 Polyline DecimateHistory(double first, double step, const HistoryRef& y,
                          int num_buckets);
 

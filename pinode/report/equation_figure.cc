@@ -9,7 +9,7 @@ namespace pinode {
 namespace {
 
 constexpr int kMaxPanels = 6;
-// A dot takes ten times the bytes of a point on a line.
+// Largest number of dots; a dot takes ten times the bytes of a point on a line.
 constexpr int kMaxDots = 900;
 
 std::string EquationUnit(const DiscoveredEquation& equation,
@@ -37,7 +37,7 @@ Figure MakeEquationFigure(const DiscoveredEquation& equation,
       equation.features.size() != values.parts.size()) {
     return figure;
   }
-  // Features that terms depend on.
+  // Features of the terms.
   std::vector<size_t> features;
   for (size_t f = 0; f < values.parts.size(); ++f) {
     if (values.parts[f].size() > 0) features.push_back(f);
@@ -57,7 +57,7 @@ Figure MakeEquationFigure(const DiscoveredEquation& equation,
   script.Line(
       "set ylabel " +
       GnuplotString(AxisLabel(equation.output, EquationUnit(equation, units))));
-  // Two dots a sample and panel.
+  // Two dots per sample and panel.
   const int most = kMaxDots / (2 * panels);
   const Eigen::Index stride = (samples + most - 1) / most;
   for (int k = 0; k < panels; ++k) {
@@ -65,7 +65,7 @@ Figure MakeEquationFigure(const DiscoveredEquation& equation,
     const Vector& part = values.parts[feature];
     const auto at =
         equation.sample_features.col(static_cast<Eigen::Index>(feature));
-    // What depends on other features alone would scatter the dots of a sum.
+    // Terms of other features would scatter the dots of a sum.
     std::vector<double> x, regressed, said;
     for (Eigen::Index i = 0; i < samples; i += stride) {
       x.push_back(at[i]);

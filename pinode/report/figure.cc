@@ -9,7 +9,7 @@
 namespace pinode {
 namespace {
 
-// Removes everything from `begin` through the next `end`, everywhere.
+// Removes every span from `begin` through the next `end`.
 void RemoveSpans(const std::string& begin, const std::string& end,
                  std::string* text) {
   std::string kept;
@@ -25,17 +25,17 @@ void RemoveSpans(const std::string& begin, const std::string& end,
   *text = std::move(kept);
 }
 
-// What gnuplot wrote, for use inside HTML.
+// Adapts gnuplot's output for use inside HTML.
 std::string TidySvg(const std::string& id, std::string text) {
-  // The element needs no namespaces there; titles would pop up as the names of
-  // gnuplot's plots; its filters are for boxed labels.
+  // The element needs no namespaces there. Titles would appear as the names of
+  // gnuplot's plots. Its filters are for boxed labels.
   RemoveSpans(" xmlns=\"", "\"\n", &text);
   RemoveSpans(" xmlns:xlink=\"", "\"\n", &text);
   RemoveSpans("<title>", "</title>", &text);
   RemoveSpans("<desc>", "</desc>", &text);
   RemoveSpans("<filter", "</filter>", &text);
   RemoveSpans("<!--", "-->", &text);
-  // Blanks in tags, where no reader of HTML expects them.
+  // Blanks in tags, unusual in HTML.
   ReplaceAll("<polygon fill = '", "<polygon fill='", &text);
   ReplaceAll("' points = '", "' points='", &text);
   // Every figure of a document defines the same marks.
@@ -53,7 +53,7 @@ bool DrawSvgs(const std::vector<const Figure*>& figures,
   std::string script;
   for (const Figure* figure : figures) {
     CHECK(!figure->empty()) << "figure '" << figure->id << "' shows nothing";
-    // Ended, and nothing left of it for the next one.
+    // Ends the figure and clears its state for the next one.
     script += figure->script + "set output\nreset\n";
   }
   std::string text;

@@ -39,7 +39,7 @@ std::string FigureScript::Data(
     for (const auto& column : columns) {
       finite = finite && std::isfinite(column[i]);
     }
-    // An empty line lifts the pen.
+    // An empty line interrupts the curve.
     for (size_t c = 0; finite && c < columns.size(); ++c) {
       text_ += (c > 0 ? " " : "") + ScriptNumber(columns[c][i]);
     }

@@ -1,4 +1,4 @@
-// What the figures of a report have in common: a gnuplot script that grows, the
+// Common parts of a report's figures: a gnuplot script under construction, the
 // styles of its lines, and the ranges of its axes.
 
 #ifndef PINODE_REPORT_FIGURE_SCRIPT_H_
@@ -26,20 +26,20 @@ inline constexpr char kMark[] = "lc rgb '#D55E00'";
 // an SVG takes 15 bytes a point, and no screen shows more.
 inline constexpr int kHistoryBuckets = 450;
 
-// A number of a script.
+// Returns a number as text for a script.
 std::string ScriptNumber(double value);
 
-// "time, s", "a1, m/s²".
+// Returns "time, s", "a1, m/s²".
 std::string AxisLabel(const std::string& quantity, const std::string& unit);
 
-// A gnuplot script that grows.
+// A gnuplot script under construction.
 class FigureScript {
  public:
   FigureScript(const std::string& id, int width, int height);
 
   void Line(const std::string& line) { text_ += line + "\n"; }
 
-  // One data block per line drawn; returns its name.
+  // Adds one data block per line drawn; returns its name.
   std::string Data(const std::vector<std::vector<double>>& columns);
 
   const std::string& text() const { return text_; }
@@ -49,18 +49,19 @@ class FigureScript {
   int num_data_ = 0;
 };
 
-// `data` as a line, for a plot command; without a title none in the legend.
+// Returns `data` as a line, for a plot command; without a title it is not in
+// the legend.
 std::string Lines(const std::string& data, const std::string& style,
                   const std::string& title);
 
-// What lies between two histories, filled, for a plot command: the widest of
-// neighbouring samples stands for them. Where either is not finite there is
-// none.
+// Returns the filled area between two histories, for a plot command.
+// Neighbouring samples are drawn as the widest of them. There is no area where
+// either history is not finite.
 std::string Band(const Vector& times, const Vector& lower, const Vector& upper,
                  const std::string& title, FigureScript* script);
 
-// The command that sets an axis, "x" or "y", a little wider where it would have
-// no width.
+// Returns the command that sets an axis, "x" or "y". An axis without width is
+// made a little wider.
 std::string Range(const std::string& axis, double low, double high);
 
 // Smallest interval that holds the finite values, empty at first.
@@ -80,12 +81,12 @@ struct Interval {
   }
 };
 
-// Room for what was measured and, as far as it does not dwarf that, for what
-// was predicted: a prior model may run away.
+// Returns a range for the measured values and, unless it would dwarf these, for
+// the predicted ones: an initial model may diverge.
 Interval VerticalRange(const Vector& measured,
                        const std::vector<HistoryRef>& predicted);
 
-// "record 'quake' (hold-out)".
+// Returns "record 'quake' (hold-out)".
 std::string RecordWithRole(const ReportInput& input, int record);
 
 std::vector<double> Column(const Vector& values);

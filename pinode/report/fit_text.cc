@@ -9,8 +9,8 @@
 namespace pinode {
 namespace {
 
-// From where two estimates count as one: beyond, a change of one is undone by
-// the other nearly without trace in the records.
+// Correlation from which two estimates count as one: a change of one is
+// compensated by the other nearly without effect on the records.
 constexpr double kStrongCorrelation = 0.95;
 constexpr size_t kMaxCorrelations = 12;
 
@@ -28,7 +28,7 @@ const char* TerminationSentence(Termination termination) {
   return "";
 }
 
-// Pairs of parameters that the data hardly tell apart.
+// Returns pairs of parameters that the data hardly distinguish.
 std::vector<std::string> StrongCorrelations(
     const IdentificationSummary& summary) {
   const Matrix& covariance = summary.covariance;

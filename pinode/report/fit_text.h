@@ -1,4 +1,4 @@
-// Sentences about a fit, for those who were not there.
+// Sentences about a fit for readers who did not run it.
 
 #ifndef PINODE_REPORT_FIT_TEXT_H_
 #define PINODE_REPORT_FIT_TEXT_H_
@@ -11,18 +11,19 @@
 
 namespace pinode {
 
-// What IdentificationSummary::covariance_method means.
+// Explains IdentificationSummary::covariance_method.
 std::string CovarianceSentence(const std::string& method);
 
-// How the fit was solved: names and texts, in the order of the page.
+// Returns facts on the solution of the fit: names and texts, in the order of
+// the page.
 std::vector<std::pair<std::string, std::string>> SolutionFacts(
     const IdentificationSummary& summary);
 
-// What the data do not say: directions, bounds, pairs of parameters that they
-// hardly tell apart.
+// Returns the limits of the data: undetermined directions, bounds, and pairs of
+// parameters that they hardly distinguish.
 std::vector<std::string> Limits(const IdentificationSummary& summary);
 
-// What there is to say where there are none; empty where Limits says it.
+// Returns a sentence for a fit without limits; empty if there are Limits.
 std::string NoLimitsSentence(const IdentificationSummary& summary);
 
 }  // namespace pinode

@@ -8,12 +8,13 @@
 namespace pinode {
 namespace {
 
-// Of a known force: fewer in a panel are drawn as dots.
+// Number of samples of a true force in a panel below which they are drawn as
+// dots.
 constexpr int kFewSamples = 50;
 
-// Where a force acts: the middle nine tenths of its energy with as much again
-// on both sides, or, of one that goes on for most of the record, an eighth of
-// the record around its peak.
+// Finds the part where a force acts: the middle nine tenths of its energy with
+// as much again on both sides. If that is most of the record, an eighth of the
+// record around its peak.
 void LargestPart(const Vector& force, Eigen::Index* first,
                  Eigen::Index* count) {
   const Eigen::Index size = force.size();
@@ -34,7 +35,7 @@ void LargestPart(const Vector& force, Eigen::Index* first,
   *first = std::clamp<Eigen::Index>(middle - *count / 2, 0, size - *count);
 }
 
-// What is known of the force; nullptr: nothing.
+// Returns the true force; nullptr: unknown.
 const ForceTruth* TruthOf(const std::string& name,
                           const std::vector<ForceTruth>& truths) {
   const ForceTruth* found = nullptr;
@@ -44,7 +45,7 @@ const ForceTruth* TruthOf(const std::string& name,
   return found;
 }
 
-// The whole of a force, and the part where it is largest.
+// Draws the whole of a force, and the part where it is largest.
 class ForcePlot {
  public:
   ForcePlot(const ForceEstimate& estimate, const ForceTruth* truth,
@@ -80,7 +81,7 @@ class ForcePlot {
     return script_.text();
   }
 
-  // Whether the truth is drawn as dots, which the caption has to say.
+  // True if the true force is drawn as dots, which the caption has to mention.
   bool has_dots() const { return has_dots_; }
 
  private:
@@ -110,7 +111,7 @@ class ForcePlot {
         truth_->times.begin(), truth_->times.end(),
         [=](double time) { return begin <= time && time <= end; });
     if (!titles && shown < kFewSamples) {
-      // Between its samples a blow is not what a straight line makes of it.
+      // Between its samples an impact is not a straight line.
       has_dots_ = true;
       curves->push_back(
           script_.Data({Column(truth_->times), Column(truth_->values)}) +

@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A file descriptor that closes itself.
+// File descriptor that closes itself.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -55,8 +55,8 @@ bool MakePipe(Descriptor* read_end, Descriptor* write_end) {
   return fcntl(ends[0], F_SETFL, O_NONBLOCK) == 0;
 }
 
-// A file without a name that holds `text`. From a file gnuplot reads in blocks;
-// what is sent to it as standard input it asks the system for byte by byte.
+// Makes an unnamed file that contains `text`. From a file gnuplot reads in
+// blocks; from a pipe as standard input it reads byte by byte.
 bool MakeInput(std::string_view text, Descriptor* input) {
   input->Reset(memfd_create("gnuplot", MFD_CLOEXEC));
   if (!input->is_open()) return false;
@@ -71,7 +71,7 @@ bool MakeInput(std::string_view text, Descriptor* input) {
 std::string SystemError(int code) { return std::strerror(code); }
 
 // Starts the program in a process group of its own, so that Ctrl-C at the
-// terminal stops a fit and not its figures.
+// terminal stops a fit but not its figures.
 int Start(const std::string& program, int input, int output, int complaints,
           pid_t* process) {
   posix_spawn_file_actions_t actions;
@@ -105,7 +105,7 @@ int Start(const std::string& program, int input, int output, int complaints,
   return code;
 }
 
-// Reads what there is; closes *from at its end.
+// Reads the available output; closes *from at its end.
 void Drain(Descriptor* from, std::string* to) {
   std::array<char, 65536> buffer;
   while (from->is_open()) {
@@ -121,7 +121,7 @@ void Drain(Descriptor* from, std::string* to) {
   }
 }
 
-// The first few lines that say something, on one line.
+// Returns the first few lines with content, joined to one line.
 std::string Condense(const std::string& complaint) {
   std::string line;
   for (const char byte : complaint) {
@@ -134,7 +134,7 @@ std::string Condense(const std::string& complaint) {
   return line;
 }
 
-// One run of the program and what connects us with it.
+// One run of the program, and its connections.
 struct GnuplotRun {
   pid_t process = -1;
   Descriptor answer;
@@ -162,8 +162,8 @@ bool Begin(const std::string& program, std::string_view script, GnuplotRun* run,
   return true;
 }
 
-// Takes what comes back until the program closes its outputs. False where the
-// deadline passes before that.
+// Reads the output until the program closes it. Returns false if the deadline
+// passes before.
 bool Listen(Clock::time_point deadline, GnuplotRun* run, std::string* answer,
             std::string* complaint) {
   while (run->answer.is_open() || run->complaints.is_open()) {
@@ -171,7 +171,7 @@ bool Listen(Clock::time_point deadline, GnuplotRun* run, std::string* answer,
                           deadline - Clock::now())
                           .count();
     if (left <= 0) return false;
-    // Descriptors that are closed are -1, which poll() passes over.
+    // Closed descriptors are -1, which poll() ignores.
     pollfd events[2] = {{run->answer.get(), POLLIN, 0},
                         {run->complaints.get(), POLLIN, 0}};
     if (poll(events, 2, static_cast<int>(left)) < 0 && errno != EINTR) break;
@@ -181,8 +181,9 @@ bool Listen(Clock::time_point deadline, GnuplotRun* run, std::string* answer,
   return true;
 }
 
-// Waits until the program has ended, and ends it at the deadline, or at once if
-// `timed_out`. False then; else *failed says whether it ended badly.
+// Waits until the program has ended, and kills it at the deadline, or at once
+// if `timed_out`. Returns false then; else *failed tells if it ended with an
+// error.
 bool WaitForEnd(pid_t process, Clock::time_point deadline, bool timed_out,
                 bool* failed) {
   int status = 0;
@@ -191,13 +192,13 @@ bool WaitForEnd(pid_t process, Clock::time_point deadline, bool timed_out,
     if (timed_out) kill(process, SIGKILL);
     ended = waitpid(process, &status, timed_out ? 0 : WNOHANG);
     if (ended > 0 || (ended < 0 && errno != EINTR)) break;
-    // It closed its outputs and still runs: rare, so a plain wait will do.
+    // It closed its outputs and still runs: rare, so a plain wait suffices.
     if (ended == 0) {
       timed_out = Clock::now() >= deadline;
       usleep(1000);
     }
   }
-  // Where the host program ignores SIGCHLD there is no status to be had.
+  // If the host program ignores SIGCHLD, no status is available.
   *failed =
       ended == process && (!WIFEXITED(status) || WEXITSTATUS(status) != 0);
   return !timed_out;
@@ -235,8 +236,8 @@ std::string GnuplotString(const std::string& text) {
   for (const char byte : text) {
     const unsigned char code = static_cast<unsigned char>(byte);
     if (byte == '\'') {
-      // Doubling is how gnuplot wants them, but not at the beginning of a
-      // string, where it takes the two for an empty one.
+      // gnuplot expects a doubled quote, but not at the beginning of a string,
+      // where it reads the two as an empty one.
       quoted += "\u2019";
     } else {
       quoted += code < 0x20 || code == 0x7F ? ' ' : byte;

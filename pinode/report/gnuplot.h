@@ -18,9 +18,9 @@ namespace pinode {
                               const GnuplotOptions& options,
                               std::string* output, std::string* error);
 
-// `text` as a gnuplot string: in single quotes, where gnuplot expands nothing,
-// with control characters turned into blanks and the apostrophe into its
-// typographic form. Safe for text from anywhere.
+// Returns `text` as a gnuplot string: in single quotes, where gnuplot expands
+// nothing. Control characters become blanks, and apostrophes their typographic
+// form. Safe for any text.
 std::string GnuplotString(const std::string& text);
 
 }  // namespace pinode

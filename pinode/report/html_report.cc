@@ -58,7 +58,7 @@ std::string IntegrationText(const StructuralDynamics& dynamics,
   return "RK4, " + std::to_string(record.substeps) + " steps";
 }
 
-// How each record entered the fit.
+// Makes a table of the records' roles in the fit.
 TextTable MakeDataTable(const ReportInput& input) {
   const std::string& time = input.problem->description.units.time;
   TextTable table({{"record", Align::kLeft},
@@ -93,7 +93,7 @@ const std::vector<DiscoveredEquation>& EquationsOf(const ReportInput& input) {
   return input.equations != nullptr ? *input.equations : none;
 }
 
-// Everything that the page shows, section by section.
+// Makes all parts of the page, section by section.
 class PageMaker {
  public:
   PageMaker(const ReportInput& input, const HtmlReportOptions& options)
@@ -142,7 +142,7 @@ class PageMaker {
     page_.set("has_" + name, !texts.empty());
   }
 
-  // Neither a title nor a path is certain to be there.
+  // Title and path may both be missing.
   void AddHead() {
     const ReportOrigin& origin = input_.origin;
     const std::string& title = input_.problem->description.title;

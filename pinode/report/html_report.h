@@ -12,21 +12,22 @@ namespace pinode {
 
 struct HtmlReportOptions {
   GnuplotOptions gnuplot;
-  // Figures drawn per record: of the channels that the updated model predicts
-  // worst. The tables hold all of them.
+  // Number of figures per record, for the channels with the worst prediction by
+  // the updated model. The tables have all channels.
   int max_channels_per_record = 12;
   int max_loops = 24;
-  // gnuplot processes at a time.
+  // Number of gnuplot processes at a time.
   int num_threads = 1;
 };
 
-// The whole page: nothing outside of it is referred to, all names and sentences
-// of the user escaped; no scripts but that of the structure's view. A figure
-// that cannot be drawn is replaced by a sentence that says why.
+// Returns the whole page. It has no external references; all names and
+// sentences of the user are escaped; its only script is that of the structure's
+// view. A figure that cannot be drawn is replaced by a sentence with the
+// reason.
 std::string RenderHtmlReport(const ReportInput& input,
                              const HtmlReportOptions& options);
 
-// Renders and writes it to `path`, all or nothing.
+// Renders the page and writes it to `path`, completely or not at all.
 [[nodiscard]] bool WriteHtmlReport(const ReportInput& input,
                                    const HtmlReportOptions& options,
                                    const std::string& path, std::string* error);

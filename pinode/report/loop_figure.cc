@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMaxLoopSamples = 2000;
 
-// Springs say everything in their force-deformation loop.
+// False for springs, whose force-deformation loop is complete.
 bool DependsOnRate(const RestoringForceLoop& loop) {
   static const std::set<std::string> kSprings = {"cubic", "quadratic_stiffness",
                                                  "bilinear", "bouc_wen",
@@ -18,13 +18,14 @@ bool DependsOnRate(const RestoringForceLoop& loop) {
   return kSprings.count(loop.type) == 0;
 }
 
-// The samples of a loop that are drawn.
+// Samples of a loop that are drawn.
 struct LoopPart {
   Eigen::Index first = 0;
   Eigen::Index count = 0;
 };
 
-// As many as a figure can show, with the largest deformation in their middle.
+// Returns as many samples as a figure can show, with the largest deformation in
+// their middle.
 LoopPart PartToDraw(const RestoringForceLoop& loop) {
   const Eigen::Index samples = loop.force.size();
   LoopPart part;
@@ -36,13 +37,13 @@ LoopPart PartToDraw(const RestoringForceLoop& loop) {
   return part;
 }
 
-// What is common to both panels: key, margins, the ordinate.
+// Sets the common parts of both panels: key, margins, the ordinate.
 void SetUpPanels(const RestoringForceLoop& loop, bool two_panels,
                  FigureScript* script) {
   if (loop.known == nullptr) {
     script->Line("unset key");
   } else {
-    // Above the first panel.
+    // Key above the first panel.
     script->Line("set key at screen " +
                  std::string(two_panels ? "0.48" : "0.96") +
                  ",0.99 horizontal");
@@ -56,7 +57,7 @@ void SetUpPanels(const RestoringForceLoop& loop, bool two_panels,
                GnuplotString(AxisLabel(quantity, loop.force_unit)));
 }
 
-// The force over `abscissa`; beside what is known of it where that is not null.
+// Plots the force over `abscissa`, with the known curve if that is not null.
 void PlotPanel(const RestoringForceLoop& loop, const LoopPart& part,
                const Vector& abscissa, const std::string& axis_label,
                const ReferenceCurve* known, FigureScript* script) {
@@ -66,7 +67,7 @@ void PlotPanel(const RestoringForceLoop& loop, const LoopPart& part,
                     Column(loop.force.segment(part.first, part.count))});
   std::string lines;
   if (known != nullptr) {
-    // Where the structure went, and not far beyond.
+    // Range of the motion, with a small margin.
     const double low = abscissa.minCoeff(), high = abscissa.maxCoeff();
     const double margin = 0.05 * (high - low);
     script->Line(Range("x", low - margin, high + margin));

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kMaxModes = 6;
 
-// Normalised to a largest entry of one, turned to agree with `like`.
+// Returns the shape with a largest entry of one, with the sign that agrees with
+// `like`.
 Vector NormalisedShape(const Vector& shape, const Vector& like) {
   const double largest = shape.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) return shape;
@@ -18,7 +19,7 @@ Vector NormalisedShape(const Vector& shape, const Vector& like) {
   return shape * (sign / largest);
 }
 
-// Modes that have shapes before and after, at most kMaxModes.
+// Returns modes that have initial and updated shapes, at most kMaxModes.
 std::vector<int> ModesToDraw(const std::vector<ModePair>& pairs, int num_dofs) {
   std::vector<int> modes;
   for (size_t m = 0; m < pairs.size(); ++m) {
@@ -33,7 +34,7 @@ std::vector<int> ModesToDraw(const std::vector<ModePair>& pairs, int num_dofs) {
   return modes;
 }
 
-// One panel; the first has the legend of all.
+// Draws one panel; the first has the legend of all.
 void DrawMode(const ModePair& mode, const std::string& title, bool is_first,
               FigureScript* script) {
   std::vector<double> places;

@@ -15,7 +15,7 @@ namespace {
 constexpr int kSingularValues = 3;
 constexpr size_t kMostPoles = 2500;
 
-// Of the poles of modes, or of all others.
+// Returns the poles of modes, or all others.
 std::vector<std::vector<double>> Poles(const ModesOfRecord& modes,
                                        bool of_modes) {
   std::vector<std::vector<double>> columns(2);
@@ -49,7 +49,7 @@ Interval FrequencyRange(const ModesOfRecord& modes) {
   return range;
 }
 
-// In dB, the highest of neighbouring lines standing for them.
+// Returns values in dB; neighbouring lines are drawn as the highest of them.
 std::vector<std::vector<double>> SingularLine(const Spectra& spectra, int which,
                                               const Interval& range) {
   std::vector<std::vector<double>> columns(2);

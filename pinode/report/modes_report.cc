@@ -25,7 +25,7 @@ using Align = TextTable::Align;
 constexpr int kMostShapes = 16;
 constexpr size_t kLargestMacTable = 20;
 
-// 95 % half-width.
+// Returns the half-width of the 95 % interval.
 double HalfWidth(const IdentifiedMode& mode, double sigma) {
   return StudentQuantile(mode.degrees_of_freedom) * sigma;
 }
@@ -64,7 +64,7 @@ TextTable MakeModesTable(const MergedModes& merged, bool for_page) {
   return table;
 }
 
-// What each set-up says of each mode.
+// Makes a table of each set-up's results for each mode.
 TextTable MakeSetupsTable(const ModesReportInput& input) {
   std::vector<TextTable::Column> columns = {{"mode", Align::kDecimal}};
   for (const ResponseRecord& record : *input.records) {
@@ -90,7 +90,7 @@ TextTable MakeSetupsTable(const ModesReportInput& input) {
   return table;
 }
 
-// At the places that both have.
+// Returns the MAC at the places that both modes have.
 double MacBetween(const IdentifiedMode& a, const IdentifiedMode& b) {
   Eigen::VectorXcd x = a.shape;
   Eigen::VectorXcd y = b.shape;
@@ -101,7 +101,7 @@ double MacBetween(const IdentifiedMode& a, const IdentifiedMode& b) {
   return ComplexMac(x, y);
 }
 
-// Of the first `count` modes.
+// Makes a table of the first `count` modes.
 TextTable MakeMacTable(const MergedModes& merged, size_t count) {
   std::vector<TextTable::Column> columns = {{"mode", Align::kDecimal}};
   for (size_t m = 0; m < count; ++m) {
@@ -139,7 +139,8 @@ TextTable MakeBandsTable(const ModesOfRecord& modes) {
   return table;
 }
 
-// How the modes of a record were found, and where their intervals come from.
+// Returns a sentence on how the modes of a record were found, and on the source
+// of their intervals.
 std::string MethodSentence(ModalMethod method) {
   switch (method) {
     case ModalMethod::kInputOutput:

@@ -1,4 +1,4 @@
-// What pinode_modes shows of the modes it has found.
+// Report of pinode_modes.
 
 #ifndef PINODE_REPORT_MODES_REPORT_H_
 #define PINODE_REPORT_MODES_REPORT_H_
@@ -21,30 +21,32 @@ struct ModesReportInput {
   std::string title;
   ReportOrigin origin;
   const std::vector<ResponseRecord>* records = nullptr;
-  const std::vector<ModesOfRecord>* by_record = nullptr;  // of each record
+  const std::vector<ModesOfRecord>* by_record = nullptr;  // per record
   const MergedModes* merged = nullptr;
-  // Where it all is; nullptr: nobody knows.
+  // Picture of the structure; nullptr: its geometry is unknown.
   const StructurePicture* structure = nullptr;
   std::vector<std::string> remarks;
 };
 
-// The first sentence: how many modes, from where to where.
+// Returns the first sentence: the number of modes and their range of
+// frequencies.
 std::string ModesSentence(const MergedModes& merged);
 
-// Frequencies and damping ratios with their 95 % intervals, for a terminal.
+// Returns frequencies and damping ratios with their 95 % intervals, for a
+// terminal.
 std::string ModesAsText(const MergedModes& merged);
 
-// Poles of all orders over the singular values of the spectra: what the modes
-// were read from.
+// Makes the poles of all orders over the singular values of the spectra, from
+// which the modes were found.
 Figure MakeStabilisationFigure(const ResponseRecord& record,
                                const ModesOfRecord& modes, int number);
 
-// Spectra of the channels beside those of the modes.
+// Makes the spectra of the channels, compared with those of the modes.
 Figure MakeModalSpectraFigure(const ResponseRecord& record,
                               const ModalSpectra& spectra, int number);
 
-// Real parts of the first shapes (at most `most`) with 95 % intervals, place by
-// place.
+// Makes the real parts of the first shapes (at most `most`) with 95 %
+// intervals, by place.
 Figure MakeIdentifiedShapesFigure(const MergedModes& merged, int most);
 
 std::string RenderModesReport(const ModesReportInput& input,

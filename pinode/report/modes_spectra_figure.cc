@@ -8,7 +8,7 @@ namespace {
 
 constexpr Eigen::Index kMostLines = 600;
 
-// The highest of neighbouring lines stands for them.
+// Returns a spectrum; neighbouring lines are drawn as the highest of them.
 std::vector<std::vector<double>> SpectrumLine(const Vector& frequency,
                                               const Vector& density) {
   std::vector<std::vector<double>> columns(2);

@@ -19,7 +19,7 @@ int Exponent(double magnitude) {
   return static_cast<int>(std::floor(std::log10(magnitude)));
 }
 
-// std::to_chars: the same in every locale.
+// Writes by std::to_chars, which is the same in every locale.
 std::string Write(double value, std::chars_format format, int precision) {
   std::array<char, 400> buffer;  // the longest double has 309 digits
   const auto result =
@@ -47,7 +47,7 @@ std::string ReadableNumber(double value, int digits) {
   if (magnitude < kSmall || magnitude >= kLarge) {
     return Write(value, std::chars_format::scientific, digits - 1);
   }
-  // 0.99999 has become 1.000 of four digits, not 1.0000.
+  // 0.99999 has become 1.000 with four digits, not 1.0000.
   const int exponent = Exponent(magnitude);
   const double next = std::pow(10.0, exponent + 1);
   const bool carries =
@@ -76,13 +76,13 @@ EstimateText FormatEstimate(double initial, double value, double half_width) {
     suffix += digits.size() < 2 ? "0" + digits : digits;
     exponent = 0;
   }
-  // Nine digits at most, however sure the fit is of itself.
+  // At most nine digits, however small the interval.
   const int decimals = std::min(1 - Exponent(half_width / unit), 8 - exponent);
   text.initial =
       initial == 0.0 ? "0" : Fixed(initial / unit, decimals) + suffix;
   text.value = Fixed(value / unit, decimals) + suffix;
   text.half_width = Fixed(half_width / unit, decimals) + suffix;
-  // An interval below the last digit is not an interval of nothing.
+  // An interval below the last digit must not be printed as zero.
   if (text.half_width.find_first_of("123456789") >=
       text.half_width.size() - suffix.size()) {
     text.half_width = ReadableNumber(half_width, 2);

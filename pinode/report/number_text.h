@@ -1,4 +1,4 @@
-// Numbers as a person wants to read them.
+// Numbers as readable text.
 
 #ifndef PINODE_REPORT_NUMBER_TEXT_H_
 #define PINODE_REPORT_NUMBER_TEXT_H_
@@ -7,32 +7,31 @@
 
 namespace pinode {
 
-// `value` with `digits` significant digits and no needless exponent: plain from
-// 1e-4 up to 1e7 (integer digits are never rounded away), 1.234e-06 outside;
-// "-" if it is not finite.
+// Returns `value` with `digits` significant digits and no needless exponent:
+// plain from 1e-4 up to 1e7 (integer digits are never rounded away), 1.234e-06
+// outside; "-" if it is not finite.
 std::string ReadableNumber(double value, int digits = 4);
 
-// An estimate beside its uncertainty and what it started from. The three share
-// one exponent and one number of decimals, that of two significant digits of
-// the uncertainty: 4001200, 1300, 3200000 or 5.6251e-06, 0.0023e-06,
-// 5.0000e-06.
+// An estimate with its uncertainty and its initial value. The three share one
+// exponent and one number of decimals, that of two significant digits of the
+// uncertainty: 4001200, 1300, 3200000 or 5.6251e-06, 0.0023e-06, 5.0000e-06.
 struct EstimateText {
   std::string initial;
   std::string value;
   std::string half_width;
 };
 
-// half_width: of the interval, or not finite and positive where there is none;
-// its text is then empty and the values have five significant digits.
+// Formats an estimate. half_width: of the interval. If it is not finite and
+// positive, its text is empty and the values have five significant digits.
 EstimateText FormatEstimate(double initial, double value, double half_width);
 
-// "m/s^2" as "m/s²", "N*s/m" as "N·s/m"; "" for "1".
+// Returns "m/s^2" as "m/s²", "N*s/m" as "N·s/m"; "" for "1".
 std::string UnitText(const std::string& unit);
 
-// "1 sample", "3 samples".
+// Returns "1 sample", "3 samples".
 std::string Count(int count, const std::string& noun);
 
-// "0.42 s", "12.3 s", "2 min 05 s".
+// Returns "0.42 s", "12.3 s", "2 min 05 s".
 std::string Duration(double seconds);
 
 }  // namespace pinode

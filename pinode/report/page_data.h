@@ -15,7 +15,7 @@ namespace pinode {
 
 using PageData = kainjow::mustache::data;
 
-// A section is there, or not.
+// Sets a section of the page if it is present.
 void SetIf(const std::string& name, bool present, PageData value,
            PageData* page);
 
@@ -23,17 +23,17 @@ PageData PageList();
 PageData PageText(const std::string& text);
 PageData PageTexts(const std::vector<std::string>& texts);
 
-// strong: rows to be printed bold.
+// Returns a table; `strong`: rows to be printed bold.
 PageData TableData(const TextTable& table,
                    const std::vector<bool>& strong = {});
 
 PageData PictureData(const ReportFigures::Picture& picture);
 
-// For what is put together outside of templates.
+// Escapes text for HTML that is made outside of templates.
 std::string EscapeHtml(const std::string& text);
 
-// The page that `page_template` makes of `page`; {{>table}}, {{>figure}} and
-// {{>style}} are those that all pages share.
+// Returns the page made from `page_template` and `page`; {{>table}},
+// {{>figure}} and {{>style}} are shared by all pages.
 std::string RenderPage(const char* page_template, PageData page);
 
 }  // namespace pinode

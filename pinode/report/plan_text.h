@@ -1,4 +1,4 @@
-// What a plan of sensors says, for a terminal.
+// Text of a sensor plan for a terminal.
 
 #ifndef PINODE_REPORT_PLAN_TEXT_H_
 #define PINODE_REPORT_PLAN_TEXT_H_
@@ -12,18 +12,18 @@
 
 namespace pinode {
 
-// The sensors in the order of their gain with the noise that they were taken to
-// have, the deviations (95 %) before and after, and what stays invisible.
+// Returns the sensors in the order of their gain with their assumed noise, the
+// deviations (95 %) before and after, and the unknowns that stay undetermined.
 std::string PlanText(const IdentificationProblem& problem,
                      const std::vector<CandidateSensor>& candidates,
                      const SensorPlanOptions& options, const SensorPlan& plan);
 
-// One line for each duration.
+// Returns one line for each duration.
 std::string DurationsText(const IdentificationProblem& problem,
                           const std::vector<PlannedDuration>& durations);
 
-// One line for each, the best by the criterion first; sensors in the order of
-// `candidates` there.
+// Returns one line for each, the best by the criterion first; sensors in the
+// order of `candidates` there.
 std::string ExcitationsText(const SensorPlanOptions& options,
                             std::vector<PlannedExcitation> excitations);
 

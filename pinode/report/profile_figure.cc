@@ -8,10 +8,10 @@
 namespace pinode {
 namespace {
 
-// Beyond this share of the 99 % threshold nothing is told apart.
+// Largest ratio shown, as a multiple of the 99 % threshold.
 constexpr double kShownRatio = 1.6;
 
-// A dashed level with its name at the right.
+// Draws a dashed level with its name at the right.
 void DrawThreshold(double level, const std::string& name,
                    FigureScript* script) {
   const std::string y = ScriptNumber(level);
@@ -21,8 +21,8 @@ void DrawThreshold(double level, const std::string& name,
                y + " right offset 0,0.5 tc rgb '#666666'");
 }
 
-// Two to four steps on an axis: values of a narrow interval have many digits,
-// for which more have no room.
+// Returns the step of two to four marks on an axis: values of a narrow interval
+// have many digits and need room.
 double MarkStep(double width) {
   const double least = width / 4.0;
   const double power = std::pow(10.0, std::floor(std::log10(least)));
@@ -32,8 +32,8 @@ double MarkStep(double width) {
   return 10.0 * power;
 }
 
-// The curve through the points: the signed root of the ratio is a straight line
-// on a parabola, and is taken as one from point to point.
+// Computes the curve through the points. The signed root of the ratio is a
+// straight line for a parabola, and is interpolated linearly.
 void CurveThrough(const ParameterProfile& profile, std::vector<double>* values,
                   std::vector<double>* ratios) {
   constexpr int kParts = 12;

@@ -15,15 +15,15 @@ namespace {
 
 using Role = IdentificationRecord::Role;
 
-// Of one run of gnuplot: starting it costs as much as drawing ten. No more, so
-// that several can run beside each other, however many threads there are.
+// Number of figures in one run of gnuplot, whose start costs as much as drawing
+// ten. It is limited so that several runs use several threads.
 constexpr size_t kFiguresARun = 12;
 
-// Of the model before, values of its sensors that are kept at a time.
+// Number of sensor values of the initial model that are kept at a time.
 constexpr Eigen::Index kNumbersARun = 4000000;
 
-// Indices of the records' channels to be drawn, those with the largest errors
-// if there are too many, in the record's order.
+// Returns the indices of the records' channels to be drawn, those with the
+// largest errors if there are too many, in the record's order.
 std::vector<int> ChannelsToDraw(const RecordScore& score, int count,
                                 int limit) {
   std::vector<int> channels(static_cast<size_t>(count));
@@ -32,7 +32,7 @@ std::vector<int> ChannelsToDraw(const RecordScore& score, int count,
     const size_t index = static_cast<size_t>(c);
     const double nrmse =
         index < score.channels.size() ? score.channels[index].nrmse : 0.0;
-    // What is not a number is worst.
+    // An error that is not a number counts as worst.
     return std::isfinite(nrmse) ? nrmse : kInfinity;
   };
   std::stable_sort(channels.begin(), channels.end(),
@@ -100,8 +100,8 @@ class Planner {
     }
   }
 
-  // A few channels at a time: the model before is run for the figures alone,
-  // and a long record takes much of the memory already.
+  // Adds a few channels at a time: the initial model is simulated for the
+  // figures alone, and a long record already takes much of the memory.
   void AddHistories(const std::vector<int>& channels,
                     ReportFigures::History* history) {
     const Eigen::Index samples =
@@ -192,7 +192,8 @@ void DrawFigures(const HtmlReportOptions& options, ReportFigures* figures) {
     const size_t count = std::min(kFiguresARun, size - first);
     std::string ignored;
     if (draw(first, count, &ignored)) return;
-    // Each by itself, so that one that fails takes no other with it.
+    // Figures are drawn separately, so that one failure does not affect the
+    // others.
     for (size_t i = first; i < first + count; ++i) {
       Picture& picture = figures->pictures[i];
       if (!draw(i, 1, &picture.error)) picture.svg.clear();

@@ -1,4 +1,4 @@
-// Which figures a report has, drawn several at a time.
+// Figures of a report, drawn several at a time.
 
 #ifndef PINODE_REPORT_REPORT_FIGURES_H_
 #define PINODE_REPORT_REPORT_FIGURES_H_
@@ -12,14 +12,15 @@
 
 namespace pinode {
 
-// Numbers are indices into `pictures`, -1 where there is no such figure.
+// Figures of a report. Numbers are indices into `pictures`, -1 without such a
+// figure.
 struct ReportFigures {
   struct Picture {
     Figure figure;
     std::string svg;    // empty: it could not be drawn
-    std::string error;  // why
+    std::string error;  // reason
   };
-  // Of a record's channels, those with the largest errors.
+  // Figures of a record's channels with the largest errors.
   struct History {
     int record = -1;
     std::vector<int> figures;
@@ -37,13 +38,13 @@ struct ReportFigures {
   std::vector<History> histories;  // hold-out records first
   std::vector<int> loops;
   int num_loops_left_out = 0;
-  std::vector<std::vector<int>> equations;  // of each equation
+  std::vector<std::vector<int>> equations;  // per equation
 };
 
 ReportFigures PlanFigures(const ReportInput& input,
                           const HtmlReportOptions& options);
 
-// Fills in what gnuplot makes of them.
+// Draws the figures with gnuplot.
 void DrawFigures(const HtmlReportOptions& options, ReportFigures* figures);
 
 }  // namespace pinode

@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// Value of a feature at one sample.
+// Returns the value of a feature at one sample.
 double FeatureAt(const Feature& feature, const Excitation& excitation,
                  const Matrix& states, int num_dofs, Eigen::Index sample) {
   const auto at = [&](int dof, int offset) {
@@ -33,14 +33,14 @@ double FeatureAt(const Feature& feature, const Excitation& excitation,
   return 0.0;
 }
 
-// What a law and a network have in common.
+// Common description of a law or a network.
 struct Term {
   std::string name, type;
   const std::vector<Feature>* features;
   const Matrix* outputs;  // num_dofs x outputs
   std::vector<std::string> output_names;
   bool is_acceleration;
-  // Outputs from features and the whole state at one sample.
+  // Computes the outputs from features and the whole state at one sample.
   std::function<void(const Vector& features, const Vector& state, Vector*)>
       evaluate;
 };
@@ -122,7 +122,7 @@ class LoopMaker {
     return nullptr;
   }
 
-  // Force per acceleration that a term adds to its one DOF.
+  // Returns the force per acceleration that a term adds to its one DOF.
   double DrivenMass(const Matrix& outputs) const {
     const StructuralModel model = dynamics_.CorrectedModel(
         input_.model->parameters.head(dynamics_.num_parameters()));
@@ -181,7 +181,7 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
   }
   const Vector& theta = input.model->parameters;
   const LoopMaker maker(input);
-  // The blocks of theta: the groups', if any, then one per law.
+  // Blocks of theta: the groups', if any, then one per law.
   int block = dynamics.groups().empty() ? 0 : 1;
   int internal = 2 * dynamics.num_dofs();
   for (const LawTerm& term : dynamics.laws()) {
@@ -205,8 +205,8 @@ std::vector<RestoringForceLoop> ComputeRestoringForceLoops(
   }
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
     const NetworkTerm& term = dynamics.networks()[j];
-    // Along the motion a linear map of many inputs is a tangle; it is a share
-    // of K and C, folded into them in the result folder.
+    // Over a motion a linear map of many inputs is a tangle of lines. It is a
+    // share of K and C, and the result folder has these with the map folded in.
     if (term.network->architecture().hidden_widths.empty() &&
         term.features.size() > 2) {
       continue;

@@ -1,5 +1,5 @@
-// Spectral densities of channels, a panel each: the frame of the figures that
-// show what was measured beside what a model makes of it.
+// Panels with spectral densities of channels: the frame of figures that compare
+// measurements with a model.
 
 #ifndef PINODE_REPORT_SPECTRA_PANELS_H_
 #define PINODE_REPORT_SPECTRA_PANELS_H_
@@ -13,12 +13,12 @@
 
 namespace pinode {
 
-// 10 log10(density); NaN where that is not positive.
+// Returns 10 log10(density); NaN if the density is not positive.
 double Decibels(double density);
 
-// Panels of the first channels over frequencies in Hz, two side by side.
+// Makes panels of the first channels over frequencies in Hz, two side by side.
 // `draw(channel, script)` writes the commands between a panel's title and the
-// next one's; the first panel alone has a legend.
+// next one's; only the first panel has a legend.
 Figure MakeSpectraPanels(
     const std::string& id, const std::vector<std::string>& channels,
     double lowest_hz, double highest_hz, const std::string& caption,

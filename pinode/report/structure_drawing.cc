@@ -32,7 +32,7 @@ std::string ProbabilityText(double probability) {
 constexpr char kLossText[] = "#8f2a00";
 constexpr char kGainText[] = "#00426f";
 
-// Losses from sand to rust, gains from sky to sea.
+// Returns the colour: losses from sand to rust, gains from sky to sea.
 std::string ColorOf(const StructurePicture::Group& group) {
   if (!group.changed || !std::isfinite(group.change)) return kUnchangedColor;
   const double share = std::min(1.0, std::abs(group.change) / 0.2);
@@ -79,7 +79,7 @@ class DrawingMaker {
     }
   }
 
-  // What is inside of solids is seen by nobody.
+  // Collects faces; those inside of solids are invisible.
   void CollectFaces() {
     std::map<std::vector<int>, int> count;
     const auto key = [](std::vector<int> nodes) {
@@ -111,7 +111,7 @@ class DrawingMaker {
     }
   }
 
-  // Whatever way round the deck has the element.
+  // Turns a face outward, for either orientation of the deck's element.
   void TurnOutside(const StructureGeometry::Element& element,
                    StructureDrawing::Face* face) const {
     const Eigen::Vector3d middle = MiddleOf(element.nodes);
@@ -178,7 +178,7 @@ class DrawingMaker {
     const double size = (high - low).norm();
     positions.rowwise() -= 0.5 * (low + high);
     if (size > 0.0) positions /= size;
-    // What is drawn in a plane is looked at from in front of it.
+    // A structure in a plane is viewed from the front.
     if (high[2] - low[2] <= 1e-9 * size) {
       drawing_.up = Eigen::Vector3d::UnitY();
       drawing_.turn = 0.0;
@@ -186,7 +186,7 @@ class DrawingMaker {
     }
   }
 
-  // Springs between nodes at one place would be seen by nobody.
+  // Marks springs between nodes at one place, which would be invisible.
   void MarkShortLines() {
     std::vector<StructureDrawing::Face> lines;
     for (StructureDrawing::Face& line : drawing_.lines) {
@@ -212,7 +212,7 @@ class DrawingMaker {
     drawing_.edges.assign(edges.begin(), edges.end());
   }
 
-  // At the element nearest to the middle of all that the group has.
+  // Puts the mark at the element nearest to the middle of the group.
   void CollectMarks() {
     for (const StructurePicture::Group& group : picture_.groups) {
       if (!group.changed || group.elements.empty()) continue;

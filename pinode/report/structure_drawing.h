@@ -1,5 +1,4 @@
-// What of a structure is to be drawn, for the still picture and the view that
-// turns.
+// Drawing of a structure, for the still picture and the rotatable view.
 
 #ifndef PINODE_REPORT_STRUCTURE_DRAWING_H_
 #define PINODE_REPORT_STRUCTURE_DRAWING_H_
@@ -19,10 +18,10 @@ constexpr char kUnchangedColor[] = "#bcc7d0";
 constexpr char kSensorColor[] = "#0b6e4f";
 constexpr char kForceColor[] = "#6a4c93";
 constexpr char kUnknownForceColor[] = "#c2185b";
-// Half of a marker, of the structure's size.
+// Half size of a marker, relative to the structure's size.
 constexpr double kMarker = 0.014;
 
-// In units of the structure's size around its middle.
+// Drawing in units of the structure's size around its middle.
 struct StructureDrawing {
   struct Face {
     std::vector<int> nodes;
@@ -31,16 +30,15 @@ struct StructureDrawing {
   };
   Matrix positions;           // nodes that are drawn x 3
   std::vector<int> nodes;     // their places in the geometry
-  std::vector<int> place_of;  // of a node of the geometry, -1: not drawn
+  std::vector<int> place_of;  // index of a geometry's node, -1: not drawn
   std::vector<Face> faces;
   std::vector<Face> lines;
-  // Lines that are shorter than kMarker, by their first nodes, and points that
-  // are of a group.
+  // Lines shorter than kMarker, by their first nodes, and points in a group.
   std::vector<Face> markers;
-  std::vector<int> dots;  // nodes of what has neither faces nor lines
+  std::vector<int> dots;  // nodes of elements without faces and lines
   std::vector<std::pair<int, int>> edges;
-  std::vector<std::string> colors, told;  // of no group, and of each
-  // What changed, written beside it.
+  std::vector<std::string> colors, told;  // without group, then per group
+  // Label of a change.
   struct Mark {
     std::string text;
     int node = 0;
@@ -48,13 +46,13 @@ struct StructureDrawing {
   };
   std::vector<Mark> marks;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  // Where it is looked at from: radians around `up`, and above the level.
+  // View point: angles around `up`, and above the horizontal, in radians.
   double turn = -1.0, tilt = 0.32;
 };
 
 StructureDrawing DrawStructure(const StructurePicture& picture);
 
-// The still picture of it.
+// Returns the still picture.
 std::string DrawingSvg(const StructurePicture& picture,
                        const StructureDrawing& drawing);
 

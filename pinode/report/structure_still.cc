@@ -87,7 +87,7 @@ class SvgMaker {
     AddArrows(picture_.forces, kForceColor, 0.1);
     AddArrows(picture_.unknown_forces, kUnknownForceColor, 0.12);
     AddMarks();
-    // Names may reach beyond what is drawn.
+    // Names may extend beyond the drawing.
     const double left = std::min(0.0, low_text_);
     const double right = std::max(scale * width, high_text_);
     const double top = std::min(0.0, top_text_);
@@ -120,7 +120,7 @@ class SvgMaker {
     return depth / static_cast<double>(face.nodes.size());
   }
 
-  // From far to near.
+  // Adds bodies from far to near.
   void AddBodies() {
     struct Body {
       double depth;
@@ -177,7 +177,7 @@ class SvgMaker {
     };
     const Eigen::Vector3d normal =
         (at(1) - at(0)).cross(at(2) - at(0)).normalized();
-    // Nobody sees the far side of a solid.
+    // The far side of a solid is invisible.
     if (face.is_outside && normal.dot(axes_.towards) < -1e-9) return;
     const double light = 0.74 + 0.26 * std::abs(normal.dot(axes_.towards));
     text_ += "<path d=\"M" + Point(face.nodes[0]);
@@ -198,7 +198,7 @@ class SvgMaker {
     }
   }
 
-  // Up or down by as many lines as it takes for no name to lie over another.
+  // Returns a place moved up or down by lines until no name covers another.
   Eigen::RowVector2d FreePlace(const Eigen::RowVector2d& at, bool ends,
                                const std::string& text) {
     constexpr int kMostMoves = 16;

@@ -18,14 +18,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A page is to open at once and to be sent by mail.
+// Largest numbers of triangles, so that a page opens at once and can be sent by
+// mail.
 constexpr size_t kMostTriangles = 25000;
 constexpr size_t kMostStillTriangles = 60000;
 constexpr Eigen::Index kMostModeNumbers = 90000;
 constexpr double kBar = 0.006;  // half width of lines, of the size
 constexpr double kAway = 1.95;  // of the camera
 
-// A page is no longer than it has to be: `scale` is a power of ten.
+// Returns rounded entries to keep the page short; `scale` is a power of ten.
 std::vector<double> RoundedRows(const Matrix& matrix, double scale) {
   std::vector<double> values;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
@@ -108,14 +109,14 @@ std::string DataAsJson(const StructurePicture& picture,
     }
     data["modes"].push_back({{"shape", RoundedRows(shape, 1e3)}});
   }
-  // A page of modes begins with the first of them moving.
+  // A page of modes begins with the first mode in motion.
   data["start"] = picture.groups.empty() && !data["modes"].empty() ? 0 : -1;
   data["up"] = {drawing.up[0], drawing.up[1], drawing.up[2]};
   data["turn"] = drawing.turn;
   data["tilt"] = drawing.tilt;
   data["away"] = kAway;
   std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
-  // Nothing in it ends the script.
+  // Text in the data must not end the script.
   ReplaceAll("</", "<\\/", &text);
   ReplaceAll("<!--", "<\\u0021--", &text);
   return text;
@@ -175,7 +176,7 @@ std::string ControlsHtml(const StructurePicture& picture,
          "zoom.</small></p>\n";
 }
 
-// That of what is packed into the page.
+// Licence of the library that is packed into the page.
 constexpr char kThreeLicence[] = R"html(<!-- three.js. The MIT License.
 Copyright 2010-2017 three.js authors
 

@@ -14,7 +14,7 @@ bool IsNumber(const std::string& text) {
   return ParseDouble(text, &value);
 }
 
-// Length of what stands left of the decimal point.
+// Returns the length of the part left of the decimal point.
 int IntegerWidth(const std::string& number) {
   return static_cast<int>(std::min(number.find_first_of(".eE"), number.size()));
 }

@@ -1,4 +1,4 @@
-// Tables of short texts and numbers with the decimal points below each other.
+// Tables of short texts and numbers, aligned by decimal points.
 
 #ifndef PINODE_REPORT_TEXT_TABLE_H_
 #define PINODE_REPORT_TEXT_TABLE_H_
@@ -8,7 +8,7 @@
 
 namespace pinode {
 
-// Number of columns that UTF-8 text takes in a terminal, one a code point:
+// Returns the number of terminal columns of UTF-8 text, one per code point:
 // right for the names and units of structures, not for wide scripts.
 int DisplayWidth(const std::string& text);
 
@@ -27,19 +27,19 @@ class TextTable {
 
   explicit TextTable(std::vector<Column> columns);
 
-  // One cell per column.
+  // Adds a row with one cell per column.
   void AddRow(std::vector<std::string> cells);
 
   bool empty() const { return rows_.empty(); }
   int num_rows() const { return static_cast<int>(rows_.size()); }
   const std::vector<Column>& columns() const { return columns_; }
 
-  // Rows of cells; those of decimal columns are padded with blanks to the
-  // width of the longest, header excluded, so that the points agree.
+  // Returns rows of cells. Cells of decimal columns are padded with blanks to
+  // the width of the longest, header excluded, so that the points are aligned.
   std::vector<std::vector<std::string>> AlignedRows() const;
 
-  // Header, a rule, and the rows, two blanks between columns, each line after
-  // `indent` blanks and ended by a line break, without trailing blanks.
+  // Returns header, a rule, and the rows, two blanks between columns, each line
+  // after `indent` blanks and ended by a line break, without trailing blanks.
   std::string ToText(int indent = 2) const;
 
  private:

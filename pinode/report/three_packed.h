@@ -5,8 +5,9 @@
 
 namespace pinode {
 
-// The library's script, or the parts of it that structures need, packed by
-// gzip, as base64; empty where there was none. Made when pinode is built.
+// Returns the library's script, or the parts of it that structures need, packed
+// by gzip, as base64. It is made when pinode is built; empty if it was not
+// available.
 const char* ThreePacked();
 
 }  // namespace pinode

@@ -24,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Target = MatrixGroup::Target;
 
-// -1: not among them.
+// Returns the index of a name; -1 if it is missing.
 Eigen::Index IndexOf(const std::vector<std::string>& names,
                      const std::string& name) {
   const auto position = std::find(names.begin(), names.end(), name);
@@ -36,7 +36,7 @@ void AppendTo(Vector* values, double value) {
   values->tail(1)[0] = value;
 }
 
-// The part of result.json that is needed here.
+// Part of result.json that baselines need.
 struct Result {
   std::vector<std::string> names;  // of all parameters
   Vector values;
@@ -87,8 +87,8 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   return true;
 }
 
-// Where a result folder has the updated matrix of a case that renews its basis,
-// or not.
+// Returns the file with the updated matrix of a case, which depends on a
+// renewed basis.
 std::string MatrixFile(const std::string& folder, Target target,
                        bool renews_basis) {
   const char* letter = target == Target::kMass      ? "M"
@@ -99,7 +99,7 @@ std::string MatrixFile(const std::string& folder, Target target,
       .string();
 }
 
-// See FindOffsets, from the updated matrices of the folder.
+// Reads offsets from the updated matrices of the folder, see FindOffsets.
 bool ReadOffsets(const std::string& folder, const Case& c, const Result& result,
                  const std::vector<std::string>& names, Vector* offsets,
                  std::string* error) {
@@ -113,8 +113,8 @@ bool ReadOffsets(const std::string& folder, const Case& c, const Result& result,
       const SparseMatrix& group = compared.groups[j];
       const Eigen::Index value =
           IndexOf(result.names, dynamics.groups()[j].group.name);
-      // The matrix is without what follows something. Of a group that the case
-      // does not free the value has to be the same.
+      // The matrix excludes groups that follow time or a covariate. If the case
+      // does not free a group, its value has to be the same.
       if (dynamics.groups()[j].follows == GroupTerm::Follows::kNothing &&
           value >= 0 && group.rows() == own.rows() &&
           group.cols() == own.cols()) {
@@ -128,7 +128,7 @@ bool ReadOffsets(const std::string& folder, const Case& c, const Result& result,
   return true;
 }
 
-// The [[group]] of a model.toml by name.
+// Reads the [[group]] tables of a model.toml by name.
 bool ReadGroupTables(const std::string& path,
                      std::map<std::string, TomlValue>* groups,
                      std::string* error) {
@@ -147,8 +147,9 @@ bool ReadGroupTables(const std::string& path,
   return true;
 }
 
-// What the matrices of the baseline's own case held of each group beyond once:
-// its model.toml, whose groups begin at zero again, has `values` in it.
+// Returns the shares of the groups in the matrices of the baseline's own case,
+// minus one. In its model.toml, whose groups begin at zero again, these include
+// `values`.
 Vector PresentOf(const std::map<std::string, TomlValue>& groups,
                  const std::vector<std::string>& names, const Vector& values) {
   Vector present = Vector::Zero(values.size());
@@ -163,8 +164,8 @@ Vector PresentOf(const std::map<std::string, TomlValue>& groups,
   return present;
 }
 
-// How the group of a table follows a covariate (FollowingText); "nothing" where
-// it does not.
+// Returns how the group of a table follows a covariate (FollowingText);
+// "nothing" if it does not.
 std::string FollowingOf(const TomlValue& table) {
   const TomlValue* follows = table.Find("follows");
   const TomlValue* covariate =
@@ -182,7 +183,7 @@ std::string FollowingOf(const TomlValue& table) {
                        reference != nullptr ? reference->number : 0.0, places);
 }
 
-// Whether the group's matrix in the folder is that of the case.
+// True if the group's matrix in the folder is that of the case.
 bool SameGroup(const std::string& folder, const Case& c,
                const std::string& name, std::string* error) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
@@ -207,8 +208,8 @@ bool SameGroup(const std::string& folder, const Case& c,
   return true;
 }
 
-// The parameters by which groups follow covariates, where both have them: of
-// the same matrix, and in the same way.
+// Reads the parameters by which groups follow covariates, if both cases have
+// them for the same matrix and in the same way.
 bool ReadFollowers(const std::string& folder, const Case& c,
                    const std::map<std::string, TomlValue>& groups,
                    const Result& result, Baseline* read, std::string* error) {
@@ -240,7 +241,7 @@ bool ReadFollowers(const std::string& folder, const Case& c,
   return true;
 }
 
-// The records of the baseline with the model that was found.
+// Reads the records of the baseline with the identified model.
 void ReadFit(const std::string& path, Baseline* baseline) {
   Case healthy;
   std::string error;

@@ -14,7 +14,7 @@ std::optional<StructurePicture> PictureOfCase(
     const Case& c, const IdentificationSummary& summary,
     const IdentifiedModel& model, const DamageResult* damage) {
   if (c.geometry == nullptr) return std::nullopt;
-  // A fit that failed may have found nothing.
+  // A failed fit may have no model.
   const IdentifiedModel complete = CompleteModel(c.problem, model);
   return MakeStructurePicture(*c.geometry, c.problem, c.finite_element.get(),
                               &summary, &complete, damage, kNumDrawnModes);

@@ -41,7 +41,7 @@ Json Modes(const Case& c, const CaseCheck& check) {
   return modes;
 }
 
-// Mode by mode of the whole model, what its reduction has of it.
+// Returns the modes of the whole model, each compared with its reduction.
 Json WholeModesAsJson(const Case& c) {
   const ReducedStructure& source = *c.finite_element;
   const ReducedModel& reduced = source.reduced;
@@ -189,7 +189,7 @@ Json Check(const Case& c, const CaseCheck& check) {
 }
 
 std::string Text(const Json& json) {
-  // Names that are not UTF-8 do not end the program.
+  // Names that are not UTF-8 must not end the program.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

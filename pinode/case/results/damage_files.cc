@@ -32,8 +32,8 @@ bool Counts(Reason reason) {
          reason == Reason::kBetweenRecords;
 }
 
-// The place with the largest share of the force, if a nonlinear force was found
-// at all.
+// Returns the place with the largest share of the force, if a nonlinear force
+// was found.
 Json NonlinearityAsJson(const DamageResult& result) {
   const ChangeSubject* largest = nullptr;
   bool detected = false;

@@ -29,7 +29,7 @@ std::string Upright(const std::string& name) {
   return text + "}}";
 }
 
-// The inside of a feature's brackets at `name`[...].
+// Returns `inner`, the text in the brackets of feature `head`, as LaTeX.
 std::string FeatureAsLatex(const std::string& head, const std::string& inner) {
   if (head == "x") return "x_" + Upright(inner);
   if (head == "v") return "\\dot{x}_" + Upright(inner);
@@ -44,7 +44,8 @@ std::string FeatureAsLatex(const std::string& head, const std::string& inner) {
   return "(" + letter + Upright(second) + " - " + letter + Upright(first) + ")";
 }
 
-// A coefficient to as many digits as its interval leaves, at least four.
+// Returns a coefficient with as many digits as its interval justifies, at least
+// four.
 std::string Digits(const DiscoveredTerm& term) {
   int digits = 6;
   if (term.sigma > 0.0 && term.coefficient != 0.0) {
@@ -57,8 +58,8 @@ std::string Digits(const DiscoveredTerm& term) {
 
 constexpr char kCheckpointSchema[] = "pinode-discover-checkpoint-1";
 
-// The term `basis` of an equation as regressed or as a candidate; false where
-// it is neither.
+// Finds the term `basis` of an equation as regressed or as a candidate; false
+// if it is neither.
 bool FindTerm(const DiscoveredEquation& equation, const std::string& basis,
               DiscoveredTerm* term) {
   for (const DiscoveredTerm& regressed : equation.terms) {
@@ -78,7 +79,7 @@ bool FindTerm(const DiscoveredEquation& equation, const std::string& basis,
   return false;
 }
 
-// "2\times 10^{-3}" for "2e-3".
+// Returns "2\times 10^{-3}" for "2e-3".
 std::string NumberAsLatex(const std::string& number) {
   const size_t e = number.find('e');
   if (e == std::string::npos) return number;
@@ -114,7 +115,7 @@ std::string BasisAsLatex(const std::string& basis) {
       text += "\\,";
       ++i;
     } else if (c == '^') {
-      // The exponent: a number as it stands, or what is in brackets.
+      // Exponent: a plain number, or the text in brackets.
       size_t end = i + 1;
       if (end < basis.size() && basis[end] == '(') {
         int depth = 0;
@@ -235,7 +236,7 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
     }
     json["equations"].push_back(std::move(entry));
   }
-  // Names of DOFs that are not UTF-8 do not end the program.
+  // Names of DOFs that are not UTF-8 must not end the program.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

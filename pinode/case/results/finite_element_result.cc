@@ -48,7 +48,7 @@ bool WriteResponses(const Case& c, const IdentificationSummary& summary,
   if (structure.expanded_dofs.empty()) return true;
   for (size_t r = 0; r < summary.records.size(); ++r) {
     const RecordScore& score = summary.records[r];
-    // A run that never became finite has nothing to show.
+    // A run that was never finite has no response.
     if (score.states.cols() != c.problem.records[r].num_samples()) continue;
     const Matrix response = ExpandedResponse(structure, score.states);
     std::vector<CsvColumn> columns = {

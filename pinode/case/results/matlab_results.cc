@@ -22,10 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kMatlabResults[] = "results.mat";
-// From here on matrices are sparse in MATLAB too.
+// Largest number of rows of a full matrix; larger ones are sparse in MATLAB
+// too.
 constexpr Eigen::Index kLargestFullMatrix = 100;
 
-// Rows of cells of a CSV file that pinode has written.
+// Cells of a CSV file written by pinode.
 struct WrittenCsv {
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> row;
@@ -69,7 +70,8 @@ bool ReadWrittenCsv(const std::string& path, WrittenCsv* csv,
   return true;
 }
 
-// Numbers, unless a cell is a text; of units, which may all be 1, always texts.
+// Returns numbers, unless a cell is a text. Units, which may all be 1, are
+// always texts.
 MatlabField ColumnOf(const WrittenCsv& csv, size_t column) {
   MatlabField field;
   field.name = csv.rows[0][column];
@@ -127,8 +129,8 @@ bool AddLines(const std::string& path, const std::string& name,
   return true;
 }
 
-// Without other than plain characters, which not all readers of MATLAB's files
-// understand.
+// Adds a JSON text in plain characters; not all readers of MATLAB's files
+// understand others.
 bool AddJson(const std::string& path, const std::string& name,
              MatlabWriter* writer, std::string* error) {
   std::string text;

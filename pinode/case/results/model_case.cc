@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 class ModelCaseWriter {
  public:
-  // `c`'s dynamics and sensors with the values found.
+  // Keeps `c`'s dynamics and sensors with the identified values.
   ModelCaseWriter(const Case& c, const IdentifiedModel& model,
                   std::string folder, std::string final_folder,
                   std::string* error)
@@ -69,7 +69,7 @@ class ModelCaseWriter {
     model.Set("damping", TomlValue::String("C.mtx"));
   }
 
-  // What [model.finite_element] and [model.reduction] came to.
+  // Writes the result of [model.finite_element] and [model.reduction].
   static void SetReducedModel(const StructuralModel& reduced,
                               TomlValue* model) {
     model->Erase("finite_element");
@@ -119,7 +119,7 @@ class ModelCaseWriter {
     return true;
   }
 
-  // Changes of alpha at the knots, the reference among them.
+  // Writes changes of alpha at the knots, including the reference.
   void SetCurve(const std::string& group, TomlValue* follows) const {
     for (const GroupCurve& curve : dynamics_.group_curves()) {
       if (curve.name != group) continue;
@@ -130,11 +130,13 @@ class ModelCaseWriter {
     }
   }
 
-  // The value found, divided by `factor`, in a table of parameter keys.
+  // Writes the identified value, divided by `factor`, in a table of parameter
+  // keys.
   static void SetParameter(const Parameter& parameter, double factor,
                            TomlValue* keys) {
     keys->Set("initial", TomlValue::Float(parameter.value / factor));
-    // By default it would be the initial value, which is no longer the prior's.
+    // The default would be the initial value, which is no longer that of the
+    // prior.
     if (parameter.HasPrior()) {
       keys->Set("prior_mean", TomlValue::Float(parameter.prior_mean / factor));
     }
@@ -205,7 +207,7 @@ class ModelCaseWriter {
     return true;
   }
 
-  // The files say what the networks are.
+  // The files describe the networks.
   void SetNetworks() {
     for (size_t j = 0; j < dynamics_.networks().size(); ++j) {
       TomlValue& table = root_.Find("network")->elements[j];
@@ -236,7 +238,8 @@ class ModelCaseWriter {
   bool SetRecords() {
     if (root_.Find("record") == nullptr) return true;
     std::vector<TomlValue>& tables = root_.Find("record")->elements;
-    // Ambient records are apart in the problem, and their sensors ideal.
+    // Ambient records are stored separately in the problem, and their sensors
+    // are ideal.
     size_t r = 0;
     for (TomlValue& table : tables) {
       MovePath(&table);
@@ -281,7 +284,7 @@ class ModelCaseWriter {
     return true;
   }
 
-  // DOFs that a reduction has left are no longer there to be placed.
+  // DOFs that a reduction has removed need no place.
   bool SetGeometry() {
     TomlValue* geometry = root_.Find("geometry");
     if (geometry == nullptr) return true;
@@ -298,7 +301,7 @@ class ModelCaseWriter {
     return true;
   }
 
-  // The records of a case that was made in memory.
+  // Writes the records of a case that was made in memory.
   bool WriteArrays() {
     return c_.data == nullptr ||
            WriteCaseData(*c_.data, folder_, &root_, error_);

@@ -16,9 +16,9 @@ namespace pinode {
 //
 //   matrices  corrected by the groups that follow no covariate,
 //   groups    these begin at 0 again, with bounds and prior means moved by the
-//             corrections of the matrices, so that a second identification from
-//             the same records finds the same structure; groups that follow time
-//             or a covariate keep their value,
+//             corrections of the matrices, so that a second identification
+//             from the same records finds the same structure; groups that
+//             follow time or a covariate keep their value,
 //   elements, networks and sensors begin at the identified values,
 //   records   and options are those of the case, from their present places.
 [[nodiscard]] bool WriteModelCase(const Case& c, const IdentifiedModel& model,

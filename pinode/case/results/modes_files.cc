@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Entries of a shape that were measured.
+// Returns the measured entries of a shape.
 std::vector<Eigen::Index> Measured(const IdentifiedMode& mode) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < mode.shape.size(); ++i) {
@@ -40,8 +40,8 @@ struct RealShape {
   Vector with_frequency;  // covariance of the frequency and each entry
 };
 
-// Turned by the angle that leaves the least in the imaginary parts, scaled, and
-// its real part taken.
+// Rotates the shape by the angle that leaves the least in the imaginary parts,
+// scales it, and takes its real part.
 RealShape MakeReal(const IdentifiedMode& mode) {
   RealShape real;
   real.rows = Measured(mode);
@@ -58,7 +58,7 @@ RealShape MakeReal(const IdentifiedMode& mode) {
     slopes(i, 2 + row) = turn.real();
     slopes(i, 2 + places + row) = -turn.imag();
   }
-  // Of places that were not measured, which take no part.
+  // Places that were not measured take no part.
   covariance =
       covariance.unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
   Eigen::Index largest = 0;
@@ -73,13 +73,13 @@ RealShape MakeReal(const IdentifiedMode& mode) {
   const Vector variances = real.covariance.diagonal();
   real.covariance *= 1.0 - share;
   real.with_frequency *= 1.0 - share;
-  // The largest entry of the mode, 1 by definition, has none.
+  // The largest entry of the mode is 1 by definition and has no variance.
   const double floor = 1e-6 * std::max(variances.maxCoeff(), 1e-12);
   real.covariance.diagonal() = variances.cwiseMax(floor);
   return real;
 }
 
-// A name as a TOML key.
+// Returns a name as a TOML key.
 std::string Quoted(const std::string& name) {
   std::string text = "\"";
   for (const char c : name) {
@@ -224,7 +224,7 @@ std::string ModesAsToml(const ModesResult& result) {
 
 namespace {
 
-// Where the rows of shapes are, and what is in them.
+// Rows of shapes: their places and values.
 struct ShapesToWrite {
   std::vector<int> nodes;
   std::vector<Eigen::MatrixXcd> values;  // of each mode, nodes x 3 or 6
@@ -268,8 +268,8 @@ ShapesToWrite AtPlaces(const MergedModes& merged) {
   return shapes;
 }
 
-// Labels of a geometry's nodes: its names where these are positive numbers,
-// each once.
+// Returns labels of a geometry's nodes: their names if these are distinct
+// positive numbers.
 std::vector<int> LabelsOf(const StructureGeometry& geometry) {
   std::vector<int> labels;
   std::set<int> once;
@@ -285,7 +285,7 @@ std::vector<int> LabelsOf(const StructureGeometry& geometry) {
   return labels;
 }
 
-// Nodes, and one line along the edges of all elements.
+// Adds the nodes, and one line along the edges of all elements.
 void AddGeometry(const StructureGeometry& geometry,
                  const std::vector<int>& labels, UniversalFile* file) {
   for (size_t i = 0; i < labels.size(); ++i) {

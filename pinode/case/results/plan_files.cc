@@ -111,7 +111,7 @@ Json Plan(const Case& c, const CasePlan& planned) {
 }
 
 std::string Text(const Json& json) {
-  // Names that are not UTF-8 do not end the program.
+  // Names that are not UTF-8 must not end the program.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

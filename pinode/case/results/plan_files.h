@@ -28,7 +28,7 @@ struct CasePlan {
 //  "undetermined": [...], "undetermined_by_own": [...],
 //  "durations": [{"duration", "typical", "worst", "worst_of"}],
 //  "excitations": [{"dof", "typical", "worst", "worst_of", "sensors": [...]}]}
-// Numbers that are not known are null.
+// Unknown numbers are null.
 std::string PlanAsJson(const Case& c, const CasePlan& planned);
 
 // Writes to `folder`: plan.json, sensors.csv and deviations.csv, and, if the

@@ -124,7 +124,7 @@ class ResultWriter {
 
   std::string History() const { return TableAsCsv(summary_.iterations); }
 
-  // Row `i` of `values`, which must outlive it, in the file's unit.
+  // Returns row `i` of `values`, which must outlive it, in the file's unit.
   static CsvColumn RowOf(const Matrix& values, size_t i, double factor,
                          std::string name) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -134,7 +134,8 @@ class ResultWriter {
             }};
   }
 
-  // Behind the predictions, for those who read these by their place.
+  // Adds deviations after the predictions, so that the latter keep their
+  // columns.
   static void AddDeviations(const IdentificationRecord& record,
                             const RecordScore& score,
                             std::vector<CsvColumn>* columns) {
@@ -151,7 +152,7 @@ class ResultWriter {
     for (size_t r = 0; r < summary_.records.size(); ++r) {
       const RecordScore& score = summary_.records[r];
       const IdentificationRecord& record = problem_.records[r];
-      // A run that never became finite has nothing to show.
+      // A run that was never finite has no prediction.
       if (score.prediction.cols() != record.num_samples()) continue;
       std::vector<CsvColumn> columns = {
           {"time", record.num_samples(), [&record](Eigen::Index sample) {
@@ -227,13 +228,12 @@ class ResultWriter {
   std::string* error_;
 };
 
-// Whether a summary can be of `problem`: what it says of records has their
-// sizes.
+// True if a summary can belong to `problem`: its records have the same sizes.
 bool IsSummaryOf(const IdentificationProblem& problem,
                  const IdentificationSummary& summary, std::string* error) {
   const size_t num_records = problem.records.size();
   const auto named = static_cast<Eigen::Index>(summary.covariance_names.size());
-  // There may be no covariance at all.
+  // There may be no covariance.
   bool good =
       summary.records.size() <= num_records &&
       (summary.covariance.size() == 0 || (summary.covariance.rows() == named &&

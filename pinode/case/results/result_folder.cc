@@ -20,12 +20,12 @@ namespace fs = std::filesystem;
 
 constexpr char kCheckpoint[] = "checkpoint.json";
 constexpr char kPartial[] = ".partial-";
-// A folder with one of these is one of ours.
+// Files by which a folder is recognised as one of pinode's.
 constexpr const char* kMarkers[] = {
     "result.json",   "discover.json", "modes.json", "damage.json",
     "simulate.json", "check.json",    "plan.json",  kCheckpoint};
 
-// Absolute, without links, dots and a slash at the end.
+// Returns the absolute path, without links, dots and a final slash.
 fs::path Canonical(const std::string& path) {
   std::error_code status;
   fs::path result = fs::weakly_canonical(fs::absolute(path, status), status);
@@ -41,14 +41,15 @@ bool HasMarker(const fs::path& folder) {
   return false;
 }
 
-// A process that has ended stays known until its parent asks for its status.
+// True if a process has ended. It stays known until its parent asks for its
+// status.
 bool HasEnded(int process) {
   std::string text, unused;
   if (!ReadTextFile("/proc/" + std::to_string(process) + "/stat", &text,
                     &unused)) {
     return false;
   }
-  // The state follows the name, which is in parentheses and may hold any.
+  // The state follows the name, which is in parentheses and may contain more.
   const size_t name_end = text.rfind(')');
   return name_end != std::string::npos && name_end + 2 < text.size() &&
          (text[name_end + 2] == 'Z' || text[name_end + 2] == 'X');
@@ -63,7 +64,7 @@ struct Leftover {
   }
 };
 
-// Partial folders of `final_path`, oldest first.
+// Returns the partial folders of `final_path`, oldest first.
 std::vector<Leftover> FindLeftovers(const fs::path& final_path) {
   std::vector<Leftover> found;
   const std::string prefix = final_path.filename().string() + kPartial;
@@ -86,7 +87,7 @@ std::vector<Leftover> FindLeftovers(const fs::path& final_path) {
   return found;
 }
 
-// Removes everything else.
+// Removes everything but the checkpoint.
 void KeepCheckpoint(const fs::path& folder) {
   std::error_code status;
   std::vector<fs::path> rest;
@@ -129,7 +130,7 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
       return false;
     }
   }
-  // The rename needs the parent, which is created if need be.
+  // The rename needs the parent, which is created if necessary.
   fs::path existing = folder.parent_path();
   while (!fs::exists(existing, status) && existing != existing.parent_path()) {
     existing = existing.parent_path();

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON knows no infinity; nlohmann writes null for it and for NaN.
+// JSON has no infinity; nlohmann writes null for it and for NaN.
 Json Records(const IdentificationProblem& problem,
              const IdentificationSummary& summary) {
   Json records = Json::array();
@@ -96,7 +96,7 @@ Json Profiles(const IdentificationSummary& summary) {
   return profiles;
 }
 
-// The histories are in force_<name>.csv.
+// Histories are in force_<name>.csv.
 Json Forces(const IdentificationProblem& problem,
             const IdentificationSummary& summary) {
   Json forces = Json::array();
@@ -107,7 +107,7 @@ Json Forces(const IdentificationProblem& problem,
     const Eigen::Index last = force.times.size() - 1;
     Eigen::Index peak = 0;
     force.value.cwiseAbs().maxCoeff(&peak);
-    // By trapezia between the integration's steps.
+    // Trapezoidal rule between the integration's steps.
     const double step =
         (force.times[last] - force.times[0]) / static_cast<double>(last);
     const double impulse =
@@ -155,7 +155,8 @@ bool Modes(const IdentificationProblem& problem,
   return true;
 }
 
-// Each with its own partners before and after.
+// Returns each measured mode with its partners in the initial and the fitted
+// model.
 Json MeasuredModes(const IdentificationProblem& problem,
                    const IdentificationSummary& summary) {
   const double hz = problem.description.HzPerModelFrequency();
@@ -171,7 +172,7 @@ Json MeasuredModes(const IdentificationProblem& problem,
   return modes;
 }
 
-// Means over an ambient record.
+// Returns means over an ambient record.
 Json Covariates(const IdentificationProblem& problem,
                 const std::string& record_name) {
   Json means = Json::object();

@@ -13,7 +13,7 @@ namespace {
 
 using Target = MatrixGroup::Target;
 
-// -1: the dynamics have no such group.
+// Returns the index of a group; -1: the dynamics have no such group.
 int FindGroup(const StructuralDynamics& dynamics, const std::string& name) {
   for (size_t j = 0; j < dynamics.groups().size(); ++j) {
     if (dynamics.groups()[j].group.name == name) return static_cast<int>(j);
@@ -30,7 +30,7 @@ std::vector<ComparedMatrix> ComparedMatrices(const Case& c) {
   std::vector<ComparedMatrix> all;
   for (const Target target :
        {Target::kMass, Target::kDamping, Target::kStiffness}) {
-    // Damping of a reduced model is mostly made from its matrices.
+    // Damping of a reduced model mostly follows from its matrices.
     if (over_all && target == Target::kDamping) continue;
     ComparedMatrix compared;
     compared.target = target;
@@ -71,7 +71,7 @@ bool FindOffsets(const std::string& what, const SparseMatrix& own,
   }
   std::vector<size_t> used;
   for (size_t j = 0; j < compared.groups.size(); ++j) {
-    // The matrix is without what follows something.
+    // The matrix excludes groups that follow time or a covariate.
     if (compared.groups[j].rows() > 0 &&
         dynamics.groups()[j].follows == GroupTerm::Follows::kNothing) {
       used.push_back(j);

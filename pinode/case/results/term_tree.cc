@@ -58,14 +58,14 @@ TomlValue LibraryTable(const DiscoveredEquation& equation) {
                                   });
     if (used) inputs.push_back(equation.feature_names[f]);
   }
-  // A constant alone depends on none; a library has at least one input.
+  // A constant alone depends on no feature; a library has at least one input.
   if (inputs.empty()) inputs.push_back(equation.feature_names[0]);
   std::vector<TomlValue> terms;
   for (const DiscoveredTerm& term : equation.terms) {
     TomlValue table = TomlValue::Table();
     table.Set("basis", TomlValue::String(term.basis));
-    // The model before the fit, which scores are compared with, is the one
-    // without the terms.
+    // The initial model, with which scores are compared, is the one without the
+    // terms.
     table.Set("initial", TomlValue::Float(term.given ? term.coefficient : 0.0));
     if (term.given) table.Set("free", TomlValue::Boolean(false));
     if (term.sign > 0) table.Set("lower", TomlValue::Float(0.0));
@@ -83,7 +83,7 @@ TomlValue LibraryTable(const DiscoveredEquation& equation) {
   return library;
 }
 
-// Curves go on beside what stands for the networks.
+// Transfers curves to the terms that replace the networks.
 void RenameCurves(const std::vector<DiscoveredEquation>& equations,
                   TomlValue* tree) {
   TomlValue* tables = tree->Find("reference_curve");
@@ -113,7 +113,8 @@ bool IsAmong(const std::string& name, const std::vector<std::string>& names) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Puts `tables` in the place of those under `key`; none: no such key.
+// Replaces the tables under `key` by `tables`; if there are none, removes the
+// key.
 void SetTables(const char* key, std::vector<TomlValue> tables,
                TomlValue* tree) {
   if (tables.empty()) {
@@ -123,8 +124,8 @@ void SetTables(const char* key, std::vector<TomlValue> tables,
   }
 }
 
-// The section of `law` without what was left out of it; false where nothing is
-// left.
+// Removes from the section of `law` the terms that were left out; false if no
+// term is left.
 bool KeepOf(const LawTerm& law, const std::vector<std::string>& left_out,
             TomlValue* table) {
   table->Erase("optional");
@@ -206,7 +207,7 @@ TomlValue TreeWithEquations(TomlValue tree,
     networks.erase(std::remove_if(networks.begin(), networks.end(),
                                   replaced("name", equation.network)),
                    networks.end());
-    // Of an earlier round.
+    // Libraries of an earlier round.
     libraries.erase(std::remove_if(libraries.begin(), libraries.end(),
                                    replaced("name", LibraryName(equation))),
                     libraries.end());

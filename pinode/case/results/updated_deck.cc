@@ -14,7 +14,8 @@
 namespace pinode {
 namespace {
 
-// Not one, so that every property that would be changed is looked at.
+// Factor for the check of a deck. It is not one, so that every property that
+// would be changed is checked.
 constexpr double kTriedFactor = 1.5;
 
 std::vector<DeckFactor> DeckFactorsOf(
@@ -35,8 +36,9 @@ std::vector<DeckFactor> DeckFactorsOf(
   return of_deck;
 }
 
-// Groups that have changed what no property of a deck says: of a matrix of
-// their own, between two DOFs, of damping, following time or a covariate.
+// Returns the groups whose change no property of a deck can express: of a
+// matrix of their own, between two DOFs, of damping, following time or a
+// covariate.
 std::vector<std::string> GroupsLeftOut(const ReducedStructure& structure,
                                        const StructuralDynamics& dynamics) {
   std::vector<std::string> left_out;
@@ -51,8 +53,8 @@ std::vector<std::string> GroupsLeftOut(const ReducedStructure& structure,
   return left_out;
 }
 
-// What a reader of the deck alone would not know. A line a group: decks take
-// no long ones.
+// Returns remarks for a reader of the deck alone, one line per group: decks do
+// not allow long lines.
 std::string HeadOf(const IdentificationSummary& summary,
                    const std::vector<std::string>& left_out) {
   std::string head;
@@ -68,7 +70,7 @@ std::string HeadOf(const IdentificationSummary& summary,
   return head;
 }
 
-// With the deck's line ends.
+// Adds the head with the deck's line ends.
 std::string WithHead(std::string head, const std::string& deck) {
   const size_t end = deck.find('\n');
   if (end != std::string::npos && end > 0 && deck[end - 1] == '\r') {

@@ -43,7 +43,7 @@ class AmbientReader {
       record_->samples.row(static_cast<Eigen::Index>(c)) =
           measured.channels[c].values.transpose();
     }
-    // Groups may follow what was measured beside it, and its time.
+    // Groups may follow measured covariates, and time.
     if (section_.has_excitation() || !dynamics_.IsLinear()) {
       record_->inputs = measured.excitation;
       record_->filter = measured.filter;
@@ -104,7 +104,8 @@ class AmbientReader {
     return table_.errors()->ok();
   }
 
-  // Each a list of DOFs with equal forces, or a table of how they share.
+  // Reads areas, each a list of DOFs with equal forces, or a table of their
+  // shares.
   bool ReadAreas() {
     const StructuralModel& model = dynamics_.model();
     const TomlTable areas = table_.Table("areas", table_.name() + ", areas");

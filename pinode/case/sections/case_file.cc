@@ -35,7 +35,7 @@
 namespace pinode {
 namespace {
 
-// Names of parameters are unique over all terms and sensors.
+// Checks that names of parameters are unique over all terms and sensors.
 bool CheckNames(const IdentificationProblem& problem, CaseErrors* errors) {
   std::set<std::string> seen;
   const auto add = [&](const ParameterBlock& block) {
@@ -54,7 +54,7 @@ bool CheckNames(const IdentificationProblem& problem, CaseErrors* errors) {
   return add(problem.sensors);
 }
 
-// What the model's modes are, where that is not all of the model.
+// Adds a remark on the modes' model if other terms are not included in it.
 void RemarkOnModes(const IdentificationProblem& problem,
                    std::vector<std::string>* remarks) {
   const StructuralDynamics& dynamics = *problem.dynamics;
@@ -73,7 +73,7 @@ void RemarkOnModes(const IdentificationProblem& problem,
       "elements, libraries and networks take no part in these.");
 }
 
-// Section by section, in the order in which one needs another.
+// Reads the sections in the order of their dependence.
 class CaseReader {
  public:
   CaseReader(const std::shared_ptr<const TomlValue>& source,
@@ -122,16 +122,16 @@ class CaseReader {
     if (!ReadModelSection(root_, units_, &model_)) return false;
     c_.expected_hz = model_.expected_hz;
     if (model_.finite_element != nullptr) {
-      // Its groups are added below.
+      // Groups are added to it below.
       c_.finite_element = std::shared_ptr<const ReducedStructure>(
           model_.finite_element, &model_.finite_element->structure);
     }
     return true;
   }
 
-  // The inputs of the dynamics are known before its terms, which may look at
-  // them; the numbers of the records are read after the terms, which decide on
-  // the number of states.
+  // Reads the inputs of the dynamics before its terms, which may use them. The
+  // numbers of the records are read after the terms, which determine the number
+  // of states.
   bool ReadDynamics() {
     if (!ReadRecordSections(root_, units_, model_.model,
                             planning_     ? RecordPurpose::kPlanning
@@ -183,7 +183,7 @@ class CaseReader {
                         &group_names, &c_.geometry);
   }
 
-  // What the sections name, in the order in which they are read.
+  // Returns the tables that the sections name, in the order of reading.
   std::vector<SharedTables::Wanted> Tables() const {
     std::vector<SharedTables::Wanted> all;
     for (const auto* sections : {&sections_, &ambient_sections_}) {
@@ -206,8 +206,8 @@ class CaseReader {
                           &description_.remarks)) {
         return false;
       }
-      // Until the steps are chosen, for which the other checks must have
-      // passed.
+      // Placeholder until the steps are chosen, which requires that the other
+      // checks have passed.
       record.substeps = 1;
       problem.records.push_back(std::move(record));
     }
@@ -251,7 +251,7 @@ class CaseReader {
            errors_.Fail(0, message);
   }
 
-  // Of simulations by each channel's sigma.
+  // Checks simulations with noise from each channel's sigma.
   bool CheckNoise() {
     for (size_t r = 0; c_.noise_is_sigma && r < sections_.size(); ++r) {
       for (size_t c = 0; c < sections_[r].channels.size(); ++c) {
@@ -270,7 +270,7 @@ class CaseReader {
       c_.problem.records[r].substeps = sections_[r].substeps;
       c_.problem.records[r].integrator = sections_[r].integrator;
     }
-    // Fine enough for sensors wherever they are put.
+    // Steps fine enough for sensors at any place.
     std::vector<size_t> own;
     for (IdentificationRecord& record : c_.problem.records) {
       own.push_back(record.channels.size());

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "<record[0].file>" as part of a file's name, record_0_.file.
+// Returns "<record[0].file>" as part of a file's name, record_0_.file.
 std::string FileStem(const std::string& name) {
   std::string stem;
   for (const char c : name) {
@@ -86,7 +86,8 @@ class DataWriter {
   std::string* error_;
 };
 
-// Keys whose text is the name of a file, and those that may have another text.
+// True for keys whose text is the name of a file, and those that may have
+// another text.
 bool NamesFile(const std::string& key) {
   return key == "file" || key == "weights" || key == "changed_export" ||
          key == "set_export";

@@ -21,7 +21,7 @@ const std::vector<std::string>& LibraryKeys() {
   return keys;
 }
 
-// Features as the library spells them.
+// Reads features in the notation of the library.
 bool ReadFeatures(const TomlTable& table, const std::string& key,
                   const StructuralDynamics& dynamics,
                   std::vector<std::string>* names) {
@@ -36,7 +36,7 @@ bool ReadFeatures(const TomlTable& table, const std::string& key,
   return table.errors()->ok();
 }
 
-// Keys that are absent leave what *library has.
+// Reads keys; absent ones leave *library unchanged.
 bool ReadLibraryKeys(const TomlTable& table, const StructuralDynamics& dynamics,
                      CandidateLibraryOptions* library) {
   library->constant = table.Boolean("constant", library->constant);

@@ -15,7 +15,7 @@
 namespace pinode {
 namespace {
 
-// One entry of `parameters`: a bare number (fixed), or a table.
+// Reads one entry of `parameters`: a bare number (fixed), or a table.
 bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
                           const ElementParameterInfo& info,
                           const std::string& element, const UnitSystem& units,
@@ -56,7 +56,7 @@ bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
          ReadParameterKeys(keys, 1.0, parameter);
 }
 
-// optional: one of what makes its force is free.
+// Reads `optional`: one of the amplitudes of the force must be free.
 bool AddElementCandidate(const TomlTable& table, const LawTerm& term,
                          const std::vector<ElementParameterInfo>& infos,
                          const TermsContext& context) {
@@ -74,8 +74,8 @@ bool AddElementCandidate(const TomlTable& table, const LawTerm& term,
                                     "told whether it acts");
 }
 
-// The law and what its parameters are: of a type that is known, or of the
-// shared library `file`.
+// Reads the law and its parameters: of a known type, or of the shared library
+// `file`.
 bool ReadLaw(const TomlTable& table, LawTerm* term,
              std::vector<ElementParameterInfo>* infos) {
   term->type = table.RequiredString("type");

@@ -11,11 +11,11 @@
 namespace pinode {
 namespace {
 
-// Two exports of one number differ by less than this (relative) where only
-// their last digits were rounded.
+// Relative difference of two exports of one number in which only the last
+// digits were rounded.
 constexpr double kRoundingOfExports = 1e-11;
 
-// The target's matrix of an export that is otherwise the model's own.
+// Reads the target's matrix of an export that otherwise equals the model's own.
 bool ReadOtherExport(const TomlTable& table, const std::string& key,
                      const FiniteElementSection& section,
                      MatrixGroup::Target target, SparseMatrix* matrix,
@@ -65,8 +65,8 @@ const SparseMatrix& TargetMatrix(const FiniteElementModel& model,
   return model.stiffness;
 }
 
-// (changed - whole) / (factor - 1) without what rounding leaves of entries that
-// did not change.
+// Returns (changed - whole) / (factor - 1) without the rounding errors of
+// unchanged entries.
 SparseMatrix SetFromExports(const SparseMatrix& whole,
                             const SparseMatrix& changed, double factor) {
   SparseMatrix difference = changed - whole;
@@ -150,7 +150,7 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementSection& section,
                                    : "the matrix is zero, expected the "
                                      "element set's own");
   }
-  // A set is a part of the whole: what is left must not be negative.
+  // A set is a part of the whole: the remainder must not be negative.
   const Vector part = exported->matrix.diagonal();
   const Vector all = whole.diagonal();
   for (Eigen::Index i = 0; i < part.size(); ++i) {

@@ -13,11 +13,12 @@ namespace pinode {
 namespace {
 
 constexpr double kDefaultFrequencyTolerance = 0.01;
-// Without a reduction all DOFs become states of the identification.
+// Largest number of DOFs without a reduction: all become states of the
+// identification.
 constexpr int kLargestWhole = 100;
-// Responses at more DOFs are no text file that anybody opens.
+// Largest number of DOFs in a response file; larger text files are impractical.
 constexpr int kMostExpanded = 5000;
-// Names are compared with all others for a hint only where that is quick.
+// Largest number of names that are compared for a hint, which must be quick.
 constexpr int kLargestHinted = 5000;
 
 struct MethodName {
@@ -37,8 +38,8 @@ std::string HintAmong(const std::string& name,
              : ", expected a name such as '" + model.dof_names.front() + "'";
 }
 
-// The direction at the end of a name such as "12.3" or "12.3#1"; 0 where there
-// is none.
+// Returns the direction at the end of a name such as "12.3" or "12.3#1"; 0 if
+// there is none.
 int DirectionOf(const std::string& name) {
   const std::string plain = name.substr(0, name.find('#'));
   const size_t point = plain.rfind('.');
@@ -158,7 +159,7 @@ class SectionReader {
     return reduction_.errors()->ok() && ReadExpanded();
   }
 
-  // "all", or names of DOFs.
+  // Reads "all", or names of DOFs.
   bool ReadExpanded() {
     const FiniteElementModel& exported = structure_.exported;
     const TomlValue* value = reduction_.Find("expand");
@@ -191,7 +192,8 @@ class SectionReader {
     return reduction_.errors()->ok();
   }
 
-  // What the case names has to be kept; without `keep`, that is what is kept.
+  // Finds the DOFs to keep: those that the case names must be kept and, without
+  // `keep`, are all that is kept.
   bool FindKept() {
     const FiniteElementModel& model = structure_.model;
     std::vector<std::string>& kept = structure_.options.kept_dofs;
@@ -235,7 +237,7 @@ class SectionReader {
     return true;
   }
 
-  // q1, q2, ... of modes.
+  // True for q1, q2, ..., the names of modes.
   bool IsModeName(const std::string& name) const {
     if (structure_.model.DofIndex(name) >= 0 || name.size() < 2 ||
         name[0] != 'q') {
@@ -257,7 +259,7 @@ class SectionReader {
     return true;
   }
 
-  // M and K where the basis is to be taken.
+  // Sets M and K of the basis point.
   bool ReadBasisPoint() {
     std::vector<GroupAtBasis> at_basis;
     const TomlTable at =
@@ -297,8 +299,8 @@ class SectionReader {
 
   bool HasBasisPoint() const { return !structure_.basis_at.empty(); }
 
-  // What [[group]] will be read as once there is a basis; 0 x 0 where it is not
-  // given over all DOFs.
+  // Reads the matrix of a [[group]] over all DOFs before there is a basis; 0 x
+  // 0 if it is not given over all DOFs.
   bool ReadGroupOverAll(const TomlTable& table, MatrixGroup::Target target,
                         ReducedStructure::Group* group) {
     if (table.Has("changed_export") || table.Has("set_export")) {
@@ -342,8 +344,8 @@ class SectionReader {
     if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
       return table_.Fail("expected_frequencies", error);
     }
-    // The export's own modes. Rigid-body modes come first, and none is expected
-    // of them.
+    // Modes of the export itself. Rigid-body modes come first, and have no
+    // expected frequency.
     SparseModes in_hz = structure_.reduced.whole_modes;
     const auto needed = static_cast<int>(structure_.expected_hz.size()) +
                         in_hz.num_rigid_body_modes;
@@ -363,7 +365,7 @@ class SectionReader {
     return true;
   }
 
-  // r over all DOFs, a column per direction of ground motion.
+  // Reads r over all DOFs, one column per direction of ground motion.
   bool ReadInfluence() {
     std::vector<std::string>* directions = &structure_.directions;
     Matrix* influence = &structure_.influence;

@@ -17,8 +17,8 @@ const TomlValue* ScaleOf(const InputSection& input) {
              : nullptr;
 }
 
-// The unknown scale of each force, by record and place in it; empty: it is
-// known.
+// Names of the unknown scales of the forces, by record and place in it; empty:
+// the scale is known.
 class ForceScales {
  public:
   explicit ForceScales(const std::vector<RecordSection>& sections)
@@ -39,7 +39,7 @@ class ForceScales {
                : "";
   }
 
-  // Whether a force has one and the same scale wherever it was measured.
+  // True if a force has the same scale in all records.
   bool IsUniform(const std::string& input_name) const {
     std::set<std::string> names;
     for (const RecordSection& section : sections_) {
@@ -154,7 +154,7 @@ class ForceScalesReader {
     return true;
   }
 
-  // The force of one record as one of those that its scale multiplies.
+  // Adds the force of one record to those that its scale multiplies.
   bool AddForce(const RecordSection& section, const InputSection& input) {
     const std::string name = scales_.NameOf(input);
     const auto term = std::find_if(

@@ -24,7 +24,7 @@ std::string HintOf(const std::string& name,
                                           : std::string();
 }
 
-// Chains of nodes as lines; those that no node is known of are left out.
+// Reads chains of nodes as lines; chains of unknown nodes are left out.
 bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
                        std::string* error) {
   UniversalFile file;
@@ -44,7 +44,7 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
                " is there twice, expected different numbers";
       return false;
     }
-    // Some programs mean by the system of set 2411 that of the position.
+    // In some programs the system of set 2411 is that of the position.
     if ((!node.position_is_local && !file.IsGlobal(node.system)) ||
         !file.PositionOf(node, &position)) {
       *error = path + ": node " + std::to_string(node.label) +
@@ -72,7 +72,7 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
     for (size_t i = 1; i < line.nodes.size(); ++i) {
       const auto from = index.find(line.nodes[i - 1]);
       const auto to = index.find(line.nodes[i]);
-      // 0 lifts the pen.
+      // A 0 begins a new line.
       if (from == index.end() || to == index.end()) continue;
       set.elements.push_back(static_cast<int>(geometry->elements.size()));
       geometry->elements.push_back(
@@ -187,7 +187,7 @@ class GeometryReader {
            std::find(names->begin(), names->end(), name) != names->end();
   }
 
-  // A text or several.
+  // Returns one text or several.
   static std::vector<std::string> TextsOf(const TomlTable& table,
                                           const std::string& key) {
     const TomlValue* value = table.Find(key);

@@ -16,7 +16,8 @@ namespace {
 
 constexpr char kTargets[] = "stiffness, damping, mass";
 
-// A part of Rayleigh's damping: the model's own mass or stiffness, scaled.
+// Reads a part of Rayleigh's damping: the model's own mass or stiffness,
+// scaled.
 bool ReadProportional(const TomlTable& table, const ModelSection& section,
                       MatrixGroup* group, ReducedStructure::Group* exported) {
   const std::string of =
@@ -41,7 +42,8 @@ bool ReadProportional(const TomlTable& table, const ModelSection& section,
   return true;
 }
 
-// *exported is what the group is over all DOFs of a finite-element model.
+// Reads the matrix; *exported is the group over all DOFs of a finite-element
+// model.
 bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
                      MatrixGroup* group, ReducedStructure::Group* exported) {
   const StructuralModel& model = section.model;
@@ -109,7 +111,7 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
   return true;
 }
 
-// The knots, and which of them is the reference.
+// Reads the knots, and the index of the reference.
 bool ReadKnots(const TomlTable& follows, GroupCurve* curve) {
   curve->knots = follows.Numbers("knots");
   if (!follows.errors()->ok()) return false;
@@ -162,7 +164,8 @@ bool ReadCurvePrior(const TomlTable& follows, GroupCurve* curve) {
   return follows.errors()->ok();
 }
 
-// How alpha changes from knot to knot, beside its value at the reference.
+// Reads the changes of alpha from knot to knot, in addition to its value at the
+// reference.
 bool ReadCurve(const TomlTable& follows, const std::string& covariate,
                const GroupTerm& term, GroupCurve* curve) {
   curve->name = term.group.name;
@@ -196,7 +199,8 @@ bool ReadCurve(const TomlTable& follows, const std::string& covariate,
   return follows.errors()->ok();
 }
 
-// *curve is without knots where the group follows nothing or a straight line.
+// Reads `follows`. *curve has no knots if the group follows no covariate or a
+// straight line.
 bool ReadFollows(const TomlTable& table, const UnitSystem& units,
                  const StructuralDynamics& dynamics, GroupTerm* term,
                  GroupCurve* curve) {
@@ -244,8 +248,8 @@ bool ReadFollows(const TomlTable& table, const UnitSystem& units,
     return follows.Fail("covariate", "no record has a covariate '" + name +
                                          "'" + NameHint(name, known));
   }
-  // With knots alpha is the value at the reference, and the rest is a term of
-  // its own.
+  // With knots alpha is the value at the reference, and the changes form a
+  // separate term.
   if (follows.Has("knots")) return ReadCurve(follows, name, *term, curve);
   term->follows = GroupTerm::Follows::kCovariate;
   return table.errors()->ok();

@@ -36,7 +36,7 @@ class InputReader {
     return true;
   }
 
-  // Where its values stand and in which unit.
+  // Adds an input with the place and unit of its values.
   bool AddMeasured(InputSection input) {
     return ReadSource(file_, &input.signal) &&
            ReadUnit(units_, &input.signal) && AddInput(std::move(input));
@@ -93,7 +93,7 @@ class InputReader {
       input.signal.label = "force " + dof;
       input.signal.dimension =
           IsVoltage(table) ? Dimension::kVoltage : Dimension::kForce;
-      // An unknown one is a parameter of the model.
+      // An unknown scale is a parameter of the model.
       const bool unknown = table.Has("scale") && table.Find("scale")->IsTable();
       input.signal.scale = unknown ? 1.0 : table.Number("scale", 1.0);
       if (!AddMeasured(std::move(input))) return false;
@@ -101,7 +101,7 @@ class InputReader {
     return true;
   }
 
-  // What an actuator prescribes: a displacement, and, where they are measured,
+  // Reads prescribed motions of an actuator: a displacement and, if measured,
   // its derivatives.
   bool ReadMotions() {
     for (TomlTable& table : table_.Tables("motion", "record")) {

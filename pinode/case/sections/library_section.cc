@@ -13,7 +13,7 @@
 namespace pinode {
 namespace {
 
-// One entry of `terms`: the basis alone, or a table.
+// Reads one entry of `terms`: the basis alone, or a table.
 bool ReadTerm(const TomlTable& table, const TomlValue& value,
               const std::vector<std::string>& feature_names,
               const LawTerm& term, const std::vector<InputSpec>& inputs,
@@ -52,7 +52,7 @@ bool ReadTerm(const TomlTable& table, const TomlValue& value,
   return keys.AllowKeys(known) && ReadParameterKeys(keys, 1.0, parameter);
 }
 
-// inputs: the features of *term; *names as the functions write them.
+// Reads `inputs`, the features of *term; *names as the functions write them.
 bool ReadLibraryInputs(const TomlTable& table,
                        const StructuralDynamics& dynamics, LawTerm* term,
                        std::vector<std::string>* names) {
@@ -81,7 +81,7 @@ bool ReadLibraryInputs(const TomlTable& table,
   return true;
 }
 
-// terms: the law and the parameters of *term, whose inputs are read.
+// Reads `terms`, the law and the parameters of *term, whose inputs are known.
 bool ReadLibraryFunctions(const TomlTable& table, const TermsContext& context,
                           const StructuralDynamics& dynamics,
                           const std::vector<std::string>& names,
@@ -115,7 +115,7 @@ bool ReadLibraryFunctions(const TomlTable& table, const TermsContext& context,
   return true;
 }
 
-// select: all terms that are free.
+// Reads `select`: all free terms become candidates.
 bool AddLibraryCandidates(const TomlTable& table, const LawTerm& term,
                           const TermsContext& context) {
   bool any = false;

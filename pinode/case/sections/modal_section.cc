@@ -111,7 +111,7 @@ class ModeReader {
                                     "' is empty, expected a shape");
   }
 
-  // One of <what>_sigma, <what>_weight.
+  // Reads one of <what>_sigma, <what>_weight.
   bool ReadWeight(const std::string& what, double unit, double* sigma,
                   double* weight) {
     const std::string sigma_key = what + "_sigma";
@@ -176,7 +176,7 @@ class ModeReader {
     return true;
   }
 
-  // Rows of the covariance, in the order of the shape's entries.
+  // Reads rows of the covariance, in the order of the shape's entries.
   bool ReadCovariance() {
     if (!RefuseKeys({"shape_sigma", "shape_weight"}, "'shape_covariance'")) {
       return false;
@@ -188,7 +188,8 @@ class ModeReader {
            ReadFrequencyShapeCovariance(count);
   }
 
-  // Of the frequency in Hz with the entries, in their order.
+  // Reads the covariance of the frequency in Hz with the entries, in their
+  // order.
   bool ReadFrequencyShapeCovariance(int count) {
     const char* key = "frequency_shape_covariance";
     if (!table_.Has(key)) return true;
@@ -226,7 +227,7 @@ class ModeReader {
   MeasuredMode* mode_;
 };
 
-// What they were while the modes were measured.
+// Reads the values of covariates during the measurement of the modes.
 bool ReadCovariates(const TomlTable& options,
                     const std::vector<InputSpec>& inputs, ModalData* modal) {
   const TomlTable covariates =

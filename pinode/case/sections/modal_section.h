@@ -13,7 +13,7 @@
 
 namespace pinode {
 
-// The covariates of [modal] that are not among `inputs` yet.
+// Adds the covariates of [modal] that are not yet among `inputs`.
 [[nodiscard]] bool AddModalCovariates(const TomlTable& root,
                                       std::vector<InputSpec>* inputs);
 

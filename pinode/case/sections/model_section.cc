@@ -51,7 +51,7 @@ bool RowsToMatrix(const TomlTable& table, const std::string& key,
   return true;
 }
 
-// damping = "none", {rayleigh = ...}, {ratios = ...} or a matrix.
+// Reads damping = "none", {rayleigh = ...}, {ratios = ...} or a matrix.
 bool ReadDampingRule(const TomlTable& table, int num_dofs, DampingRule* rule) {
   const TomlValue& value = *table.Find("damping");
   if (value.type == TomlValue::Type::kString && value.text == "none") {
@@ -84,10 +84,10 @@ bool ReadDampingRule(const TomlTable& table, int num_dofs, DampingRule* rule) {
   return table.errors()->ok();
 }
 
-// Modes, measured ones or the model's own, are those without damping.
+// True with records: modes, measured ones or the model's own, are undamped.
 bool NeedsDamping(const TomlTable& root) { return root.Has("record"); }
 
-// Of a model that is all of it.
+// Reads the damping of a model without reduction.
 bool ReadDamping(const TomlTable& table, StructuralModel* model) {
   DampingRule rule;
   std::string error;
@@ -98,12 +98,12 @@ bool ReadDamping(const TomlTable& table, StructuralModel* model) {
              .Fail("ratios", error);
 }
 
-// The model of the coordinates.
+// Makes the model of the coordinates.
 bool ReadReducedModel(const TomlTable& table, ReducedStructure* structure,
                       StructuralModel* model) {
   std::string error;
   if (table.Has("damping")) {
-    // It may be made from the modes of M and K, which must be right then.
+    // Damping may be made from the modes of M and K, which must be valid first.
     const ReducedModel& reduced = structure->reduced;
     const StructuralModel undamped =
         MakeStructuralModel(reduced.mass, reduced.damping, reduced.stiffness,
@@ -136,7 +136,7 @@ bool ReadShearBuilding(const TomlTable& table, ShearBuilding* building) {
   return true;
 }
 
-// A matrix with one column per direction from {x = [...], ...}.
+// Reads a matrix with one column per direction from {x = [...], ...}.
 bool ReadDirections(const TomlTable& table, const std::string& key,
                     std::vector<std::string>* directions, Matrix* columns) {
   const int n = static_cast<int>(columns->rows());
@@ -158,7 +158,7 @@ bool ReadDirections(const TomlTable& table, const std::string& key,
   return table.errors()->ok();
 }
 
-// The key that is to be mended where a model is not valid.
+// Returns the key to be corrected if a model is not valid.
 std::string KeyOf(const TomlTable& table, const std::string& message) {
   for (const char* key : {"mass", "stiffness", "damping"}) {
     if (message.find(std::string("the ") + key + " matrix") != 0) continue;
@@ -249,7 +249,7 @@ bool ReadMatrices(const TomlTable& root, const TomlTable& table,
   return true;
 }
 
-// Influence vectors and mass coupling in place of those that the model has.
+// Reads influence vectors and mass coupling that replace those of the model.
 bool ReadInfluence(const TomlTable& table, StructuralModel* model) {
   const int n = model->num_dofs();
   if (table.Has("influence")) {
@@ -316,7 +316,7 @@ bool ReadUnits(const TomlTable& root, UnitSystem* units) {
   units->length = table.String("length", units->length);
   units->time = table.String("time", units->time);
   if (!table.errors()->ok()) return false;
-  // One at a time, so that the message has the line of the wrong one.
+  // Keys are checked one at a time, so that the message has the right line.
   for (const char* key : {"force", "length", "time"}) {
     if (!table.Has(key)) continue;
     UnitSystem single;
@@ -332,8 +332,9 @@ bool ReadUnits(const TomlTable& root, UnitSystem* units) {
 
 namespace {
 
-// Of a file, by a matrix' name where it holds several; *source is where a wrong
-// size or entry is to be mended. `variable` may be empty.
+// Reads a matrix of a file, by its name if the file holds several. *source
+// names the place to correct if a size or entry is wrong. `variable` may be
+// empty.
 bool ReadMatrixFile(const TomlTable& table, const std::string& key,
                     const std::string& file, const std::string& variable,
                     std::string* source, Matrix* matrix) {
@@ -364,7 +365,7 @@ bool ReadMatrixFile(const TomlTable& table, const std::string& key,
   return true;
 }
 
-// {diagonal = [...]}, or {file = ..., variable = ...}.
+// Reads {diagonal = [...]}, or {file = ..., variable = ...}.
 bool ReadMatrixTable(const TomlTable& table, const std::string& key,
                      std::string* source, Matrix* matrix) {
   const TomlTable inner = table.Table(key, table.name() + " " + key);

@@ -29,8 +29,8 @@ void AddOnce(const std::string& name, std::vector<std::string>* names) {
   }
 }
 
-// Every place that a record names, as DOFs of a model that nobody asks for its
-// matrices.
+// Returns a model whose DOFs are all places that records name. Its matrices are
+// not used.
 StructuralModel PlacesOfRecords(const TomlTable& root) {
   std::vector<std::string> places;
   std::vector<std::string> directions;
@@ -75,7 +75,7 @@ constexpr ModalMethod kModalMethods[] = {
     ModalMethod::kDataDriven, ModalMethod::kInputOutput,
     ModalMethod::kRingDown};
 
-// Whether an input is a load that was measured, not what was made of one.
+// True if an input is a measured load, not derived from one.
 bool IsLoad(const InputSpec& spec) {
   return spec.kind == InputSpec::Kind::kGroundAcceleration ||
          spec.kind == InputSpec::Kind::kForce ||
@@ -224,7 +224,7 @@ class ModesCaseReader {
     return true;
   }
 
-  // A strain is no motion of its DOFs.
+  // Adds a place. A strain is no motion of its DOFs.
   void AddPlace(const ChannelSection& channel,
                 const std::vector<std::string>& dof_names) {
     const bool known = std::any_of(c_.places.begin(), c_.places.end(),
@@ -242,7 +242,8 @@ class ModesCaseReader {
     c_.places.push_back(std::move(place));
   }
 
-  // Modes are those of a structure as it was, which a case must know.
+  // Adds a remark on covariates: modes belong to one state of the structure,
+  // and a case must give its covariates.
   void RemarkOnCovariates(const IdentificationRecord& record) {
     for (size_t i = 0; i < inputs_.size(); ++i) {
       if (inputs_[i].kind != InputSpec::Kind::kCovariate) continue;
@@ -255,7 +256,7 @@ class ModesCaseReader {
     }
   }
 
-  // Those that move: what another record has is zero here.
+  // Adds inputs that vary; those of other records are zero here.
   void AddInputs(const IdentificationRecord& record,
                  ResponseRecord* response) const {
     const Matrix& samples = record.excitation->samples();
@@ -274,7 +275,7 @@ class ModesCaseReader {
     }
   }
 
-  // -1: none.
+  // Returns the order of the derivative; -1: none.
   static int Derivative(Quantity quantity) {
     switch (quantity) {
       case Quantity::kDisplacement:
@@ -294,13 +295,13 @@ class ModesCaseReader {
 
   ModesCase c_;
   std::vector<InputSpec> inputs_;
-  // Those of the records: all there are, where there is no model.
+  // DOFs named in the records; the only ones without a model.
   std::vector<std::string> dof_names_;
   CaseErrors errors_;
   const TomlTable root_;
 };
 
-// From a data file by itself to the case that says the same.
+// Converts a single data file to an equivalent case.
 class DataFileReader {
  public:
   DataFileReader(const ModesDataFile& file, std::string* error)
@@ -358,7 +359,7 @@ class DataFileReader {
         return true;
       }
     }
-    // What its reader says, where it is no table at all.
+    // The reader's error message applies if the file is no table.
     if (!ReadTable(file_.path, {}, &table, error_)) return false;
     return Fail(
         "neither a time column 't' or 'time' nor a sampling rate, expected "
@@ -386,7 +387,8 @@ class DataFileReader {
                   " columns, expected one for all or one for each");
     }
     for (std::string& quantity : quantities_) {
-      // Of the ground nothing is known here: both kinds are one.
+      // Motion of the ground is unknown here: absolute and relative
+      // accelerations are treated alike.
       if (quantity == "acceleration") {
         quantity = "absolute_acceleration";
       } else if (quantity != "velocity" && quantity != "displacement" &&

@@ -92,7 +92,7 @@ std::vector<NamedDof> NamedDofs(
     const std::function<bool(const std::string&)>& is_dof) {
   Collector collector(is_dof);
   for (const auto& [key, value] : root) {
-    // The model's own `dofs` and what it says of them are no use of a DOF.
+    // The model's own `dofs` and its references to them do not count as uses.
     if (key != "model") collector.Walk(value, value.line);
   }
   return collector.Take();

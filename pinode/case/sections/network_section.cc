@@ -18,7 +18,7 @@
 namespace pinode {
 namespace {
 
-// The keys that a weights file brings along are compared, not overwritten.
+// Compares the keys of a weights file; they are not overwritten.
 template <typename T>
 bool Agrees(const TomlTable& table, const char* key, const T& in_case,
             const T& in_file, bool with_file) {
@@ -220,7 +220,7 @@ class NetworkReader {
         has_file_ ? saved_.weights
                   : InitializeWeights(architecture_, seed,
                                       physics || architecture_.HasSkipPath());
-    // Those of time alone are spread over the record, see
+    // Networks of time alone are spread over the record, see
     // SpreadNetworksOfTime, and stay so.
     term->drawn =
         !has_file_ && std::any_of(term->features.begin(), term->features.end(),

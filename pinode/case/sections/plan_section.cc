@@ -14,10 +14,10 @@
 namespace pinode {
 namespace {
 
-// Names are compared with all others for a hint only where that is quick.
+// Largest number of names that are compared for a hint, which must be quick.
 constexpr size_t kMostHinted = 5000;
 
-// A rotation by its name, "12.4" to "12.6".
+// True for the name of a rotation, "12.4" to "12.6".
 bool IsRotation(const std::string& name) {
   const std::string plain = name.substr(0, name.find('#'));
   const size_t point = plain.rfind('.');
@@ -25,7 +25,7 @@ bool IsRotation(const std::string& name) {
          plain[point + 1] >= '4' && plain[point + 1] <= '6';
 }
 
-// Where sensors can be and what they see of the coordinates.
+// Possible places of sensors, and their observation of the coordinates.
 class Places {
  public:
   Places(const StructuralDynamics& dynamics, const ReducedStructure* structure)
@@ -36,8 +36,8 @@ class Places {
                                  : dynamics_.model().dof_names;
   }
 
-  // Weights of the coordinates at a DOF; empty where it cannot move or is
-  // moved.
+  // Returns the weights of the coordinates at a DOF; empty if it cannot move or
+  // its motion is prescribed.
   Vector Weights(size_t dof) const {
     const auto row = static_cast<Eigen::Index>(dof);
     const Vector weights =
@@ -213,7 +213,7 @@ class PlanReader {
     return table.errors()->ok();
   }
 
-  // False where nothing can be seen there.
+  // Adds a candidate; false if it observes nothing.
   bool Add(size_t dof, Quantity quantity, const CandidateSensor& noise) {
     CandidateSensor candidate = noise;
     candidate.observation.name = places_.names()[dof];
@@ -232,7 +232,7 @@ class PlanReader {
     }
   }
 
-  // By their DOFs, where quantities differ with these.
+  // Names candidates by their DOFs, with the quantity if there are several.
   void NameCandidates() {
     std::vector<CandidateSensor>& candidates = request_->candidates;
     const bool alike = std::all_of(
@@ -246,7 +246,8 @@ class PlanReader {
     }
   }
 
-  // Noise in per cent is of what was measured; here, of what is predicted.
+  // Reads own sensors. Noise in per cent refers to the predicted signal here,
+  // elsewhere to the measured one.
   bool ReadOwn() {
     request_->own = OwnSensors(problem_);
     for (OwnSensor& sensor : request_->own) {

@@ -20,10 +20,11 @@
 namespace pinode {
 namespace {
 
-// Beyond this somebody has mistyped, and would wait for days.
+// Largest ratio of resampling. A larger one is probably a typing error, and
+// would take days.
 constexpr double kMostResampled = 100.0;  // times the record's own rate
 
-// Whether all values that are present are the same.
+// True if all values that are present are equal.
 bool IsConstant(const Vector& values) {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
@@ -110,7 +111,8 @@ class RecordDataReader {
     return true;
   }
 
-  // Where a signal's samples are as they came, but for its unit and mean.
+  // Checks the samples of signals as originally recorded, but for unit and
+  // mean.
   bool LookForFaults() {
     if (faults_ == nullptr || simulation_) return true;
     const double step = merged_.sampling_step;
@@ -126,7 +128,7 @@ class RecordDataReader {
       last = std::max(first, nearest(*section_.window_to));
     }
     std::vector<WatchedSignal> signals;
-    // Channels whose samples are lent for that long, by their signal.
+    // Channels whose samples are moved temporarily, by their signal.
     std::vector<std::pair<Channel*, size_t>> lent;
     const bool is_whole = first == 0 && last == merged_.num_samples() - 1;
     const auto add = [&](const SignalSection& section,
@@ -209,7 +211,7 @@ class RecordDataReader {
     return true;
   }
 
-  // The derivatives of prescribed displacements that no column has.
+  // Adds the derivatives of prescribed displacements that no column provides.
   bool AddPrescribedDerivatives() {
     for (const InputSpec& spec : dynamics_.inputs()) {
       const bool velocity = spec.kind == InputSpec::Kind::kPrescribedVelocity;
@@ -233,7 +235,7 @@ class RecordDataReader {
     return true;
   }
 
-  // The samples of an input; nullptr where the record does not have them.
+  // Returns the samples of an input; nullptr if the record lacks them.
   const Channel* FindInput(const InputSpec& spec) const {
     for (const InputSection& input : section_.inputs) {
       if (input.spec.name == spec.name) {
@@ -324,7 +326,7 @@ class RecordDataReader {
       channel.observation.quantity = section.quantity;
       channel.observation.weights = section.weights;
       channel.fit = section.fit;
-      // Nobody looks at it there any more.
+      // The source is not used there any more.
       const auto source = std::find_if(
           merged_.channels.begin(), merged_.channels.end(),
           [&](const Channel& c) { return c.name == section.signal.label; });
@@ -379,7 +381,7 @@ class RecordDataReader {
       } else if (signal.sigma > 0.0) {
         channel.sigma = signal.sigma;
       } else if (channel.fit && !simulation_ && IsConstant(channel.values)) {
-        // With no noise of its own it would outweigh all others.
+        // Without noise of its own it would outweigh all others.
         return signal.table.Fail(
             "column",
             "it has the same value in every sample, as a dead sensor has; "

@@ -16,10 +16,11 @@
 namespace pinode {
 namespace {
 
-// With more somebody has mistyped, and would wait for days.
+// Largest number of samples. A larger one is probably a typing error, and would
+// take days.
 constexpr double kMostSamples = 1e8;
 
-// The files that a record names, with what is wanted of tables.
+// Returns the files that a record names, with the requested columns of tables.
 std::map<std::string, std::vector<std::string>> FilesOf(
     const RecordSection& section, bool simulation) {
   std::map<std::string, std::vector<std::string>> wanted;
@@ -39,8 +40,8 @@ std::map<std::string, std::vector<std::string>> FilesOf(
   return wanted;
 }
 
-// Columns that nobody wants are not to be looked at, as those of a file are
-// not.
+// Returns true without other columns. Columns that are not requested are not
+// checked, as in files.
 bool HasNoOther(const Table& table, const std::vector<std::string>& wanted) {
   return std::all_of(table.columns.begin(), table.columns.end(),
                      [&wanted](const std::string& name) {
@@ -196,9 +197,9 @@ double RecordFiles::SubtractedMean(const std::string& label) const {
   return found == subtracted_means_.end() ? 0.0 : found->second;
 }
 
-// A thermometer is read now and then, and what it measures is slow: straight
-// lines between readings, and before the first and behind the last one for as
-// long as there is between two.
+// Interpolates readings. A slow quantity such as temperature is read now and
+// then. Straight lines join the readings. Before the first and after the last
+// one the value is held for as long as the distance between two.
 void RecordFiles::FillReadings(const std::string& label, Vector* values) {
   const Eigen::Index present = CountPresent(*values);
   const std::vector<Gap> gaps = FindGaps(*values);
@@ -221,7 +222,7 @@ void RecordFiles::FillReadings(const std::string& label, Vector* values) {
       " samples are there, the others on straight lines between them.");
 }
 
-// From the grid of `file` to that of the record's file.
+// Aligns values from the grid of `file` to that of the record's file.
 bool RecordFiles::Align(const SignalSection& signal, const Source& file,
                         bool is_input, Vector* values) {
   if (signal.file == section_.file) return true;
@@ -259,7 +260,7 @@ bool RecordFiles::Align(const SignalSection& signal, const Source& file,
     return signal.table.Fail(
         "file", "it has no sample in common with '" + section_.file + "'");
   }
-  // Whether an excitation is complete is asked within the window only.
+  // Completeness of an excitation matters only within the window.
   if (missing > 0 && !is_input) {
     remarks_.push_back(signal.label + ": does not cover the record.");
   }

@@ -59,7 +59,7 @@ class RecordReader {
   }
 
  private:
-  // Seconds (or Hz) to the model's unit of time.
+  // Returns the factor from seconds (or Hz) to the model's unit of time.
   double Second() const {
     double factor = 1.0;
     std::string error;
@@ -149,7 +149,7 @@ class RecordReader {
            ParseInterpolation(interpolation, &section_->interpolation);
   }
 
-  // `dof` or `combination`.
+  // Reads `dof` or `combination`.
   bool ReadWeights(const TomlTable& table, ChannelSection* channel) {
     if (responses_only_ && !table.Has("dof") && !table.Has("combination")) {
       channel->location = channel->name;
@@ -227,8 +227,7 @@ class RecordReader {
         return false;
       }
       channel.signal.dimension = DimensionOf(channel.quantity);
-      // The weights of a combination may carry a unit themselves, as in a
-      // strain.
+      // The weights of a combination may have a unit, as in a strain.
       if (table.Has("combination") && table.String("unit") == "1") {
         channel.signal.dimension = Dimension::kNumber;
       }
@@ -334,7 +333,7 @@ class RecordReader {
     return true;
   }
 
-  // What a hold-out may see of itself.
+  // Reads the samples of a hold-out that determine its start.
   bool ReadStartSamples(const TomlTable& table, const char* key) {
     if (!table.Has(key)) return table_.errors()->ok();
     if (section_->start != IdentificationRecord::Start::kFree) {
@@ -374,8 +373,8 @@ class RecordReader {
     return table_.errors()->ok();
   }
 
-  // A record of loads that nobody measured has no start; measured forces and
-  // ground motions may act beside them.
+  // Checks a record of unmeasured loads. It has no start; measured forces and
+  // ground motions may act as well.
   bool CheckAmbient() {
     const std::string excitation = table_.Choice(
         "excitation", {"measured", "ambient", "none"}, "measured");
@@ -438,7 +437,7 @@ class RecordReader {
                                    "' cannot be told from loads that nobody "
                                    "measured, expected none");
       }
-      // Of modes alone the size of a channel says nothing, nor does its noise.
+      // For modes alone the scale and noise of a channel have no effect.
       if (responses_only_) continue;
       if (IsVoltage(table)) {
         return table.Fail("unit",
@@ -486,9 +485,9 @@ bool RecordSection::has_excitation() const {
 bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
                         const StructuralModel& model, RecordPurpose purpose,
                         std::vector<RecordSection>* sections) {
-  // Measured modes can stand alone, and so can a model whose case is looked at;
-  // there is nothing of them to simulate. IdentificationProblem::IsValid asks
-  // for what a fit needs.
+  // Measured modes need no record, and neither does a model that is only
+  // checked; these cannot be simulated. IdentificationProblem::IsValid checks
+  // the requirements of a fit.
   if (purpose != RecordPurpose::kFit &&
       !root.RequireKey("record", "at least one [[record]]")) {
     return false;

@@ -73,8 +73,8 @@ class SensorsReader {
   }
 
  private:
-  // What is in volts needs a gain that says from what; and one gain is one in
-  // volts or it is not.
+  // Checks that channels in volts have a gain, and that a gain is not used for
+  // volts and other units together.
   bool CheckVoltages(const std::vector<RecordSection>& sections) const {
     for (const RecordSection& section : sections) {
       for (const ChannelSection& channel : section.channels) {
@@ -103,8 +103,8 @@ class SensorsReader {
            table.Table(key, table.name() + ", " + key).Boolean("shared", false);
   }
 
-  // A hold-out's sensors are those of the training records, offsets included:
-  // of the last one before it, or else of the first.
+  // Shares the sensors of training records with hold-outs, including offsets:
+  // those of the last training record before it, or else of the first.
   void ShareOffsets() {
     std::map<std::string, int> offsets = FirstOffsets();
     for (IdentificationRecord& record : problem_->records) {
@@ -123,7 +123,7 @@ class SensorsReader {
     }
   }
 
-  // By channel, of the first training record that has one.
+  // Returns by channel the offset of the first training record that has one.
   std::map<std::string, int> FirstOffsets() const {
     std::map<std::string, int> offsets;
     for (const IdentificationRecord& record : problem_->records) {

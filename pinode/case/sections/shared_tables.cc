@@ -8,7 +8,7 @@
 namespace pinode {
 namespace {
 
-// Texts one after the other, each behind its length.
+// Appends a text after its length.
 void AppendText(const std::string& text, std::string* to) {
   *to += std::to_string(text.size()) + ":" + text;
 }
@@ -39,7 +39,7 @@ SharedTables::SharedTables(Communicator* communicator)
 void SharedTables::Plan(std::vector<Wanted> wanted) {
   has_planned_ = true;
   if (communicator_.size() == 1) return;
-  // What the first one wants, if it and all others are so far.
+  // Plan of the first rank, if all ranks have come so far.
   if (!communicator_.AllTrue(true)) return;
   std::string first = AsText(wanted);
   const std::string own = first;
@@ -57,7 +57,8 @@ void SharedTables::Plan(std::vector<Wanted> wanted) {
 void SharedTables::Finish() {
   if (has_planned_) return;
   has_planned_ = true;
-  // Others read for themselves then, and so does this one: nothing is planned.
+  // The others then read for themselves, and so does this rank: the plan is
+  // empty.
   if (!communicator_.AllTrue(false)) planned_.clear();
 }
 

@@ -17,10 +17,11 @@
 namespace pinode {
 namespace {
 
-// The coefficients of a spline are solved for together.
+// Largest number of knots: the coefficients of a spline are solved for
+// together.
 constexpr int kMostKnots = 2000;
 
-// Standard deviation of what lies outside the band, as a share of `scale`.
+// Standard deviation of the motion outside the band, as a share of `scale`.
 constexpr double kOutsideBand = 0.06;
 
 std::vector<std::string> RecordNames(
@@ -222,7 +223,7 @@ class UnknownForceReader {
     return true;
   }
 
-  // What no prior can put right.
+  // Adds a remark on a problem that no prior can solve.
   void AddRemark() const {
     for (const RecordSection& section : sections_) {
       if (!ActsIn(section)) continue;
@@ -455,8 +456,8 @@ bool CheckUnknownForces(const TomlTable& root,
       if (record.role != IdentificationRecord::Role::kTrain || !acts_in(r)) {
         continue;
       }
-      // With as many unknowns as samples the force can follow each of them.
-      // What lies outside a band is no unknown.
+      // With as many unknowns as samples the force can follow each sample.
+      // Frequencies outside a band are no unknowns.
       const double per_sample = term.prior.ShareToBeChosen() *
                                 record.sampling_step() /
                                 spline->options().spacing;

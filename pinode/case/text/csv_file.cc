@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// Bytes that are written at a time.
+// Number of bytes that are written at a time.
 constexpr size_t kChunk = 1 << 20;
 
 }  // namespace

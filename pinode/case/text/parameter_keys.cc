@@ -52,7 +52,7 @@ bool ReadParameterKeys(const TomlTable& table, double factor,
                           FormatNumber(lowest, 6) + ", " +
                           FormatNumber(highest, 6) + "]");
   }
-  // A value that a conversion of units has rounded off its bound.
+  // Unit conversion may have rounded a value beyond its bound.
   for (const double bound : {parameter->lower, parameter->upper}) {
     if (std::isfinite(bound) &&
         std::abs(parameter->value - bound) <= 1e-14 * std::abs(bound)) {

@@ -58,7 +58,7 @@ int TomlTable::Line(const std::string& key) const {
 }
 
 bool TomlTable::Fail(const std::string& key, const std::string& message) const {
-  // What lower floors have to say may begin with the name already.
+  // Messages of lower layers may begin with the name already.
   const bool named = message.compare(0, name_.size(), name_) == 0;
   return errors_->Fail(Line(key), (named ? "" : name_ + ": ") + message);
 }

@@ -286,7 +286,7 @@ void TomlValue::Erase(const std::string& key) {
 
 bool ParseToml(const std::string& text, const std::string& path,
                TomlValue* root, std::string* error) {
-  // The installed library has the parser that throws only.
+  // The installed library has only the parser with exceptions.
   try {
     *root = Convert(toml::parse(std::string_view(text)));
     return true;
