@@ -1,4 +1,4 @@
-// Watch on fits for a console.
+// Fits watched on a console.
 
 #ifndef PINODE_APPS_CONSOLE_WATCH_H_
 #define PINODE_APPS_CONSOLE_WATCH_H_
@@ -11,8 +11,8 @@
 
 namespace pinode {
 
-// Prints progress on standard error if `show_progress`, and troubles in any
-// case. Stops at an interrupt.
+// Returns a watch that prints progress on standard error if `show_progress`,
+// prints problems in any case, and ends the fit at an interrupt.
 class ConsoleWatch : public CaseWatch {
  public:
   explicit ConsoleWatch(bool show_progress)

@@ -1,5 +1,5 @@
-// --deck: the input deck that a case's matrices came from, written again with
-// what a fit has found.
+// --deck: the input deck from which a case's matrices came, written again with
+// the results of a fit.
 
 #ifndef PINODE_APPS_DECK_FLAG_H_
 #define PINODE_APPS_DECK_FLAG_H_
@@ -12,16 +12,17 @@
 
 namespace pinode {
 
-// The deck, before any work; true without one.
+// Checks the deck before any work; true without one.
 [[nodiscard]] bool CheckDeckFlag(const Case& c, std::string* error);
 
-// False, with *error, is no reason to lose the result: both are in its remarks.
+// Writes the deck. If it returns false, with *error, the result should still be
+// kept: both are in its remarks.
 [[nodiscard]] bool WriteDeck(const Case& c, const IdentifiedModel& model,
                              const ResultFolder& folder,
                              IdentificationSummary* summary,
                              std::string* error);
 
-// Tells of a deck that could not be written.
+// Reports a deck that could not be written.
 void PrintNoDeck(const std::string& error);
 
 }  // namespace pinode

@@ -19,12 +19,12 @@ DECLARE_bool(progress);
 namespace pinode {
 
 // Checks these flags and --threads, which goes into the case's options, and
-// reads the case, its tables by `tables`. False, with one line in *error, where
-// something is wrong; nothing has been written then.
+// reads the case, its tables by `tables`. Returns false, with one line in
+// *error, on an error; nothing has been written then.
 [[nodiscard]] bool ReadFitFlags(SharedTables* tables, Case* c,
                                 std::string* error);
 
-// With --mat, results.mat of what has been written to the folder so far.
+// Writes results.mat of the present contents of the folder, with --mat.
 [[nodiscard]] bool WriteForMatlab(const ResultFolder& folder,
                                   std::string* error);
 

@@ -12,7 +12,7 @@ namespace pinode {
 namespace {
 
 constexpr size_t kLineWidth = 80;
-// Where descriptions begin; help2man asks for 20 at least.
+// Column of descriptions; help2man requires 20 at least.
 constexpr size_t kDescription = 20;
 
 bool IsOfPrograms(const gflags::CommandLineFlagInfo& flag) {
@@ -33,7 +33,7 @@ std::vector<gflags::CommandLineFlagInfo> FlagsWhere(Condition condition) {
   return chosen;
 }
 
-// The words of `text` in lines that begin with `indent` blanks.
+// Returns the words of `text` in lines that begin with `indent` blanks.
 std::string Wrapped(const std::string& text, size_t indent) {
   std::istringstream words(text);
   std::string line, lines;
@@ -47,14 +47,15 @@ std::string Wrapped(const std::string& text, size_t indent) {
   return lines + std::string(indent, ' ') + line + "\n";
 }
 
-// What a flag stands before, in capitals: as the usage has it, else its type.
+// Returns the name of a flag's value in capitals: as in the usage, else its
+// type.
 std::string ValueName(const gflags::CommandLineFlagInfo& flag,
                       const std::string& usage) {
   if (flag.type == "bool") return "";
   const std::string start = "--" + flag.name + "=";
   const size_t found = usage.find(start);
   if (found != std::string::npos) {
-    // As far as the bracket that the flag itself may stand in.
+    // The name ends at the bracket that may enclose the flag.
     size_t end = found + start.size();
     for (int open = 0; end < usage.size() && usage[end] != ' ' &&
                        usage[end] != '\n' && (usage[end] != ']' || open > 0);
@@ -74,7 +75,7 @@ std::string FlagText(const gflags::CommandLineFlagInfo& flag,
   if (!description.empty() && description.back() == '.') description.pop_back();
   if (flag.type != "bool") {
     if (!flag.default_value.empty()) {
-      // gflags has 17 digits of a number.
+      // gflags prints 17 digits of a number.
       double number;
       const bool is_number =
           flag.type == "double" && ParseDouble(flag.default_value, &number);

@@ -1,12 +1,12 @@
-// Whether an MPI launcher is at work. Apart from ranks.h, for programs that are
-// none of several ranks have no flags of theirs.
+// Detection of an MPI launcher. It is separate from ranks.h, so that programs
+// that never run as several ranks do not get its flags.
 
 #ifndef PINODE_APPS_LAUNCHER_H_
 #define PINODE_APPS_LAUNCHER_H_
 
 namespace pinode {
 
-// How many ranks an MPI launcher has started this program as; 1 without one.
+// Returns the number of ranks that an MPI launcher has started; 1 without one.
 int NumLaunchedRanks();
 
 }  // namespace pinode

@@ -1,5 +1,5 @@
-// Reads a case and everything it names, fits nothing, and says what an
-// identification could find from it.
+// Checks a case: reads it and all its files, fits nothing, and reports what an
+// identification could determine.
 //
 // Sample runs:
 //   pinode_check --case=data/three_storey/three_storey.toml
@@ -181,7 +181,7 @@ void PrintRecords(const Case& c) {
   }
 }
 
-// What was measured beside the responses of an ambient record.
+// Prints measured inputs of an ambient record.
 void PrintInputs(const Case& c, const AmbientRecord& record) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   std::vector<std::string> loads;
@@ -313,8 +313,8 @@ bool CheckFlags(std::string* error) {
   return false;
 }
 
-// Leaves behind, where that is asked for, what `write` writes to a folder.
-// Returns `status`, or what the program is to exit with where that fails.
+// Writes a folder with `write` on request. Returns `status`, or the exit status
+// of a failure.
 int WriteFolder(int status,
                 const std::function<bool(const std::string& folder,
                                          std::string* error)>& write) {

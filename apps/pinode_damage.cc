@@ -1,8 +1,8 @@
-// Damage detection: what changed in a structure since healthy records.
+// Damage detection: changes of a structure relative to baselines.
 //
 // Reads a case with new records and the results of pinode_update for one or
-// more healthy ones, fits the case beginning from the healthy state, and
-// compares: which groups changed, by how much, how surely.
+// more baselines. Fits the case beginning from the baseline, and reports which
+// groups changed, by how much, and with which probability.
 //
 // Sample run:
 //   pinode_update --case=healthy.toml --output_dir=D
@@ -72,7 +72,7 @@ bool ReadCase(SharedTables* tables, Case* c, std::string* error) {
   return false;
 }
 
-// The folders of --baseline for the case `c`.
+// Reads the folders of --baseline for the case `c`.
 bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
                    std::string* error) {
   for (const std::string_view part : Split(FLAGS_baseline, ',')) {
@@ -87,7 +87,7 @@ bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
   return true;
 }
 
-// The judgement, if there is one, and the report.
+// Writes the judgement, if there is one, and the report.
 bool WriteDamageFiles(const ReportInput& report, const std::string& folder,
                       std::string* error) {
   HtmlReportOptions report_options;
@@ -121,7 +121,7 @@ int RunProgram(int argc, char** argv) {
     return status;
   }
 
-  // 1. Everything that can be wrong with the input, before any work.
+  // 1. All checks of the input, before any work.
   std::string error;
   ChangeOptions change;
   Case c;
@@ -151,7 +151,7 @@ int RunProgram(int argc, char** argv) {
     return Refuse(error);
   }
 
-  // 3. What changed.
+  // 3. The changes.
   const JudgedChange judgement =
       JudgeChange(summary, model, baselines, change, &watch, &c);
   if (!judgement.why_not.empty()) {
@@ -177,7 +177,8 @@ int RunProgram(int argc, char** argv) {
   std::string deck_error;
   const bool has_deck = WriteDeck(c, model, folder, &summary, &deck_error);
   ReturnFreedMemory();
-  // Before the report, whose runs of the model before take memory of their own.
+  // Written before the report, whose simulations of the initial model take
+  // memory of their own.
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
     return CannotWrite(error, folder);
   }
@@ -193,7 +194,7 @@ int RunProgram(int argc, char** argv) {
     return CannotWrite(error, folder);
   }
 
-  // 5. What a person is told.
+  // 5. Output on the console.
   if (judgement.judged) PrintChange(result);
   std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
               folder.final_path().c_str());

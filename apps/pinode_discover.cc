@@ -1,10 +1,10 @@
 // Discovery: closed-form equations from the networks of an identified model.
 //
-// Reads a case and the result of pinode_update for it, regresses each
-// network on a library of candidates along the predicted states, puts the
-// selected terms in the networks' place and fits their coefficients to the
-// trajectories. With source = "derivatives" in the case no network is trained:
-// what it would have to supply is taken from smoothed records.
+// Reads a case and the result of pinode_update for it, regresses each network
+// on a library of candidates along the predicted states, puts the selected
+// terms in the networks' place and fits their coefficients to the trajectories.
+// With source = "derivatives" in the case no network is trained: the forces
+// that it would supply are taken from smoothed records.
 //
 // Sample run:
 //   pinode_update   --case=C.toml --output_dir=D
@@ -50,7 +50,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The flags that only this program has.
+// Checks the flags that only this program has.
 bool CheckModelFlag(const Case& c, std::string* error) {
   std::error_code ignored;
   if (!FLAGS_model.empty() &&
@@ -77,8 +77,8 @@ bool CheckModelFlag(const Case& c, std::string* error) {
   return true;
 }
 
-// The case, and the model whose networks are replaced (as it was initially
-// where terms come from records).
+// Reads the case, and the model whose networks are replaced (the initial model
+// if terms come from records).
 bool ReadInput(SharedTables* tables, Case* c, IdentifiedModel* model,
                std::string* error) {
   if (!ReadFitFlags(tables, c, error) || !CheckModelFlag(*c, error))
@@ -135,15 +135,15 @@ class RefitWatch : public ConsoleWatch {
   bool warned_ = false;
 };
 
-// Puts the terms in the networks' place and fits them to the trajectories,
-// where the case asks for that; goes on where `folder` resumes.
+// Puts the terms in the networks' place and fits them to the trajectories if
+// the case asks for it; continues if `folder` resumes.
 bool RefitTerms(const Case& c, const IdentifiedModel& model,
                 const std::vector<DiscoveredEquation>& equations,
                 const ResultFolder& folder, RefitCheckpoint* checkpoint,
                 Discovery* discovery, std::string* error) {
   std::vector<DiscoveredEquation> resumed;
   const bool read = checkpoint->Read(equations, &resumed, error);
-  // All ranks have read it before it is written anew.
+  // All ranks must have read the file before it is written again.
   if (!CommunicatorOrSingle(c.options.communicator).AllTrue(read)) {
     if (read) *error = folder.resume_path() + ": not all ranks can read it";
     return false;
@@ -169,7 +169,7 @@ bool IsInterrupted(const Discovery& discovery) {
          discovery.summary.termination == Termination::kInterrupted;
 }
 
-// The fitted model that has the equations, with its report.
+// Writes the fitted model with the equations, and its report.
 bool WriteFittedModel(const Case& c, const Discovery& discovery,
                       const ReportOrigin& origin, const ResultFolder& folder,
                       const RefitCheckpoint& checkpoint, std::string* error) {
@@ -178,8 +178,8 @@ bool WriteFittedModel(const Case& c, const Discovery& discovery,
                          /*given_steps=*/true, &discovered, error)) {
     return false;
   }
-  // Before the report's run of the model before, which takes as much memory as
-  // a record.
+  // Written before the report's simulation of the initial model, which takes as
+  // much memory as a record.
   if (!WriteCaseResult(discovered, discovery.summary, discovery.model, folder,
                        error)) {
     return false;
@@ -199,7 +199,7 @@ bool WriteFittedModel(const Case& c, const Discovery& discovery,
           checkpoint.Write(discovery.equations, error));
 }
 
-// The model that has the equations with the coefficients of the regression.
+// Writes the model with the equations and the coefficients of the regression.
 bool WriteUnfittedModel(const Case& c, const IdentifiedModel& model,
                         const std::vector<DiscoveredEquation>& equations,
                         const ResultFolder& folder, std::string* error) {
@@ -242,7 +242,7 @@ int RunProgram(int argc, char** argv) {
                   &status)) {
     return status;
   }
-  // 1. Everything that can be wrong with the input, before any work.
+  // 1. All checks of the input, before any work.
   std::string error;
   Case c;
   IdentifiedModel model;
@@ -277,7 +277,7 @@ int RunProgram(int argc, char** argv) {
                                                            : kExitNotUsable;
   if (!ranks.is_first()) return status_of_fit;
 
-  // 4. The model that has the equations, and a report.
+  // 4. The model with the equations, and a report.
   const double seconds =
       std::chrono::duration<double>(Clock::now() - begin).count();
   if (discovery.refitted) {
@@ -291,7 +291,7 @@ int RunProgram(int argc, char** argv) {
         !WriteUnfittedModel(c, model, equations, folder, &error)) {
       return CannotWrite(error, folder);
     }
-    // Of a refit of which nothing was left.
+    // Checkpoint of a refit that left no terms.
     std::error_code ignored;
     std::filesystem::remove(folder.checkpoint_path(), ignored);
   }
@@ -300,7 +300,7 @@ int RunProgram(int argc, char** argv) {
     return CannotWrite(error, folder);
   }
 
-  // 5. What a person is told.
+  // 5. Output on the console.
   Print(discovery);
   std::printf("Results: %s\n", folder.final_path().c_str());
   if (IsInterrupted(discovery)) {

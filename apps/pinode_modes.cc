@@ -1,10 +1,10 @@
 // Modes of a structure from records of its vibration, without a model and
 // without its loads: frequencies, damping ratios and shapes with intervals.
 //
-// Reads the records of a case, identifies the modes of each by what it is
-// (subspace identification over many orders, with the loads where they were
-// measured; ERA of a free decay), and ties those of several set-ups of sensors
-// together.
+// Reads the records of a case and identifies the modes of each by the method
+// for its kind: subspace identification over many orders, with the loads if
+// they were measured; ERA of a free decay. Merges the modes of several set-ups
+// of sensors.
 //
 // Sample run:
 //   pinode_modes --case=C.toml --output_dir=D
@@ -58,7 +58,7 @@ bool CheckFlags(std::string* error) {
   return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
 }
 
-// A case, or a data file by itself.
+// Reads a case, or a single data file.
 bool ReadInput(ModesCase* c, std::string* error) {
   if (FLAGS_columns.empty()) {
     for (const char* name : {"quantities", "time", "sampling_rate_hz"}) {
@@ -98,7 +98,7 @@ int RunProgram(int argc, char** argv) {
     return Refuse("pinode_modes runs in one process, expected no launcher");
   }
 
-  // 1. Everything that can be wrong with the input, before any work.
+  // 1. All checks of the input, before any work.
   std::string error;
   ModesCase c;
   if (!CheckFlags(&error) || !ReadInput(&c, &error)) {
@@ -135,7 +135,7 @@ int RunProgram(int argc, char** argv) {
     return CannotWrite(error, folder);
   }
 
-  // 4. What a person is told.
+  // 4. Output on the console.
   std::printf("%s\n", ModesAsText(result.merged).c_str());
   for (const std::string& remark : result.remarks) {
     std::printf("%s\n", remark.c_str());

@@ -1,5 +1,5 @@
-// The response of a case's model to its records' excitations, as sensors would
-// show it, with noise if asked for.
+// Simulates the sensor values of a case's model under its records' excitations,
+// with noise on request.
 //
 // Sample run:
 //   pinode_simulate --case=data/three_storey/three_storey.toml --output_dir=out
@@ -53,8 +53,9 @@ bool CheckFlags(std::string* error) {
   return false;
 }
 
-// What the sensors of `record` show: times and one column a channel, each with
-// noise of `percent` of its standard deviation; negative: of its own sigma.
+// Returns the sensor values of `record`: times and one column per channel, each
+// with noise of `percent` of its standard deviation; negative: of its own
+// sigma.
 std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
                                      const IdentificationRecord& record,
                                      const Matrix& sensors, double percent,
@@ -79,8 +80,8 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
   return columns;
 }
 
-// Simulates record r and writes response_<record>.csv. *finite: whether the
-// response is.
+// Simulates record r and writes response_<record>.csv. *finite: true if the
+// response is finite.
 bool WriteResponse(const IdentificationProblem& problem, size_t r,
                    const Vector& parameters, double percent, SensorNoise* noise,
                    const std::string& folder, bool* finite,
@@ -119,7 +120,7 @@ int RunProgram(int argc, char** argv) {
     return Refuse("pinode_simulate runs in one process, expected no launcher");
   }
 
-  // 1. Everything that can be wrong with the input, before any work.
+  // 1. All checks of the input, before any work.
   std::string error;
   Case c;
   if (!CheckFlags(&error) || !ReadCaseForSimulation(FLAGS_case, &c, &error)) {
@@ -153,7 +154,7 @@ int RunProgram(int argc, char** argv) {
     all_finite = all_finite && finite;
   }
 
-  // 3. What they were made with.
+  // 3. Settings of the simulation.
   if (!WriteSimulationSummary(folder.working_path() + "/simulate.json", summary,
                               &error) ||
       (FLAGS_mat && !WriteMatlabResults(folder.working_path(), &error)) ||

@@ -37,7 +37,8 @@ DEFINE_bool(profiles, false,
 namespace pinode {
 namespace {
 
-// Restoring forces, searches for terms, responses of all DOFs.
+// True for cases with restoring forces, searches for terms, or responses of all
+// DOFs.
 bool LooksAtStates(const Case& c) {
   return !c.problem.dynamics->IsLinear() || !c.candidates.empty() ||
          c.finite_element != nullptr;
@@ -57,7 +58,7 @@ int RunProgram(int argc, char** argv) {
     return status;
   }
 
-  // 1. Everything that can be wrong with the input, before any work.
+  // 1. All checks of the input, before any work.
   std::string error;
   Case c;
   CatchInterrupts();
@@ -70,7 +71,7 @@ int RunProgram(int argc, char** argv) {
   ranks.ShareWork(&c.options);
   c.options.keep_states = LooksAtStates(c);
 
-  // 2. A folder that nobody sees until it is complete, even if interrupted.
+  // 2. A folder that stays invisible until it is complete, even if interrupted.
   ResultFolder folder;
   if (!ranks.Open(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume, &folder,
                   &error)) {
@@ -105,7 +106,8 @@ int RunProgram(int argc, char** argv) {
   std::string deck_error;
   const bool has_deck = WriteDeck(c, model, folder, &summary, &deck_error);
   ReturnFreedMemory();
-  // Before the report, whose runs of the model before take memory of their own.
+  // Written before the report, whose simulations of the initial model take
+  // memory of their own.
   if (!WriteCaseResult(c, summary, model, folder, &error)) {
     return CannotWrite(error, folder);
   }

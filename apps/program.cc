@@ -35,8 +35,8 @@ void OnInterrupt(int signal) {
   }
 }
 
-// What nobody can go on from. Memory that is not there is no fault of the
-// program: a sentence, and what has been written stays.
+// Ends the program after an exception that cannot be handled. A lack of memory
+// is no fault of the program: it prints a sentence, and written files stay.
 [[noreturn]] void OnTerminate() {
   try {
     if (std::current_exception() != nullptr) {
@@ -53,8 +53,8 @@ void OnInterrupt(int signal) {
   std::abort();
 }
 
-// The name of the flag in "--name", "--name=value" or "--noname"; sets *value
-// and *has_value.
+// Returns the name of the flag in "--name", "--name=value" or "--noname"; sets
+// *value and *has_value.
 std::string FlagName(const std::string& argument, std::string* value,
                      bool* has_value) {
   std::string name = argument.substr(argument[1] == '-' ? 2 : 1);
@@ -124,7 +124,7 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
     }
   }
   FLAGS_logtostderr = true;
-  // What Ceres and others have to say belongs to those who ask for it.
+  // Log messages of Ceres and others appear on request only.
   if (FLAGS_v == 0) FLAGS_minloglevel = google::GLOG_FATAL;
   google::InitGoogleLogging(argv[0]);
   return true;
@@ -172,7 +172,7 @@ void CatchInterrupts() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // Under nohup it is ignored, and stays so.
+  // Under nohup SIGHUP is ignored, and stays so.
   sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }

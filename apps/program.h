@@ -1,4 +1,4 @@
-// What all programs share: flags, exit statuses, interrupts.
+// Common part of all programs: flags, exit statuses, interrupts.
 
 #ifndef PINODE_APPS_PROGRAM_H_
 #define PINODE_APPS_PROGRAM_H_
@@ -15,32 +15,32 @@ inline constexpr int kExitNotUsable = 1;    // ran; files, or one line, say so
 inline constexpr int kExitBadInput = 2;     // one line on standard error
 inline constexpr int kExitInterrupted = 3;  // best so far written
 
-// The program, of which each has one; returns what it is to exit with. `main`
-// is in program.cc: what could not be written to standard output, which may be
-// all that there is, does not pass for done.
+// Runs the program and returns its exit status; each program defines it once.
+// `main` is in program.cc. It reports a failure if standard output, which may
+// be the only result, could not be written.
 int RunProgram(int argc, char** argv);
 
 // Sets the flags from the command line and starts logging to standard error.
-// gflags' own parser leaves with status 1 on help and on mistakes alike, so
-// names and values are checked here. Returns true where the program is to go
-// on; otherwise *status is what it is to exit with: kExitDone after --help or
-// --version, kExitBadInput after one line about what is wrong.
+// gflags' own parser exits with status 1 for help and errors alike, so names
+// and values are checked here. Returns true if the program is to continue.
+// Otherwise *status is its exit status: kExitDone after --help or --version,
+// kExitBadInput after one line about the error.
 [[nodiscard]] bool ParseFlags(int argc, char** argv, const std::string& usage,
                               int* status);
 
-// Prints `message` as the one line of an error and returns kExitBadInput.
+// Prints `message` as one line of an error and returns kExitBadInput.
 int Refuse(const std::string& message);
 
-// The same for results that could not be written, and kExitNotUsable. Where
-// the folder has a checkpoint, the line says how to go on.
+// Reports results that could not be written, and returns kExitNotUsable. If the
+// folder has a checkpoint, the line says how to continue.
 int CannotWrite(const std::string& message, const ResultFolder& folder);
 
-// The command line as it could be typed again.
+// Returns the command line as it could be typed again.
 std::string CommandLine(int argc, char** argv);
 
-// From now on SIGINT, SIGTERM and SIGHUP set a mark instead of ending the
-// process, however many come: `timeout` sends two. Only who presses Ctrl-C a
-// third time will not wait for results.
+// Makes SIGINT, SIGTERM and SIGHUP set a mark instead of ending the process,
+// however many come: `timeout` sends two. Only a third Ctrl-C ends the process
+// without results.
 void CatchInterrupts();
 bool Interrupted();
 

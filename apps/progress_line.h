@@ -1,4 +1,4 @@
-// What a long run shows on standard error.
+// Progress of a long run on standard error.
 
 #ifndef PINODE_APPS_PROGRESS_LINE_H_
 #define PINODE_APPS_PROGRESS_LINE_H_
@@ -10,23 +10,23 @@
 
 namespace pinode {
 
-// One line, rewritten on a terminal and printed once in a while elsewhere.
+// One line, rewritten on a terminal and printed from time to time elsewhere.
 class ProgressLine {
  public:
-  // Shows nothing where `enabled` is false.
+  // Shows nothing if `enabled` is false.
   explicit ProgressLine(bool enabled) : enabled_(enabled) {}
 
-  // `what` is being done, and nothing is known of how far it is.
+  // Shows `what` is being done, without a degree of completion.
   void Show(const std::string& what);
 
-  // A fit. `prefix`: what stands before it, such as which fit it is.
+  // Shows the progress of a fit after `prefix`, such as the number of the fit.
   void Show(const std::string& prefix, const IdentificationProgress& progress);
 
-  // What follows is printed below the line.
+  // Ends the line: later output is printed below it.
   void End();
 
  private:
-  // Whether the last line has stood long enough.
+  // True if the last line has been shown long enough.
   bool Due();
   void Print(const std::string& text);
 

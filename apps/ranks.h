@@ -13,39 +13,39 @@
 
 namespace pinode {
 
-// Takes part in the job for as long as it lives. All ranks read the same input
-// and run through the same program; the first one alone writes, to files as to
-// the console. Alone, where the program was started as usual.
+// Member of an MPI job during its lifetime. All ranks read the same input and
+// run the same program; only the first one writes, to files and to the console.
+// A program that was started without a launcher is the only rank.
 class Ranks {
  public:
-  // After ParseFlags. Does not return where a launcher has started several and
-  // this program cannot be one of them.
+  // Joins the job; call it after ParseFlags. Does not return if a launcher has
+  // started several ranks and this program cannot be one of them.
   Ranks();
   ~Ranks();
   Ranks(const Ranks&) = delete;
   Ranks& operator=(const Ranks&) = delete;
 
   bool is_first() const;
-  // Fits are made by all ranks together, each with its share of the threads.
+  // Makes all ranks work on fits together, each with its share of the threads.
   void ShareWork(IdentificationOptions* options);
 
-  // For ReadCase: each reads a share of the case's tables.
+  // Tables for ReadCase: each rank reads a share of the case's tables.
   SharedTables* tables() { return tables_.get(); }
-  // Whether all ranks have read the case, and the same one; where not, *error
-  // says what the first one that has not has to say.
+  // True if all ranks have read the same case. If not, *error is the message of
+  // the first rank that failed.
   [[nodiscard]] bool Agree(bool ok, const Case& c, std::string* error);
-  // Opens the folder of the first one, which the others follow.
+  // Opens the folder of the first rank, which the others follow.
   [[nodiscard]] bool Open(const std::string& path, bool overwrite, bool resume,
                           ResultFolder* folder, std::string* error);
-  // Whether one of them was interrupted: they end together.
+  // True if one of the ranks was interrupted: they end together.
   bool Interrupted();
 
  private:
   struct Mpi;
 
-  // nullptr where there is one.
+  // Communicator of the ranks; nullptr if there is only one.
   Communicator* communicator() const;
-  // The same, of what has an identity.
+  // Checks the same for anything with an identity.
   [[nodiscard]] bool Agree(bool ok, const std::string& identity,
                            std::string* error);
 

@@ -19,7 +19,7 @@ bool Plan(Case* c, int num_sensors, SensorPlan* plan, std::string* error) {
   return false;
 }
 
-// Of each place at which the force could act, the sensors that suit it.
+// Plans the best sensors for each possible place of the force.
 bool PlanExcitations(const Case& own, int num_sensors,
                      std::vector<PlannedExcitation>* excitations,
                      std::string* error) {

@@ -1,4 +1,4 @@
-// Where to put sensors, by a case: pinode_check --plan.
+// Sensor placement for a case: pinode_check --plan.
 
 #ifndef PINODE_APPS_SENSOR_PLANNING_H_
 #define PINODE_APPS_SENSOR_PLANNING_H_
@@ -10,13 +10,13 @@
 
 namespace pinode {
 
-// Reads the case and all it names, and plans: sensors, and what the case asks
-// of durations and of places for the force. False, with one line in *error,
-// where something is wrong with the case.
+// Reads the case and its files, and plans sensors, and the durations and places
+// of the force that the case asks for. Returns false, with one line in *error,
+// if the case has an error.
 [[nodiscard]] bool PlanForCase(const std::string& case_path, int num_sensors,
                                Case* c, CasePlan* planned, std::string* error);
 
-// What a person is told of it.
+// Returns the plan as text for the console.
 std::string CasePlanText(const Case& c, const CasePlan& planned);
 
 }  // namespace pinode

@@ -15,10 +15,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::microseconds;
 
-// Others are asked without a pause for so long, then with one.
+// Time of polling without a pause; afterwards polls with a pause.
 constexpr microseconds kEager(200000);
 constexpr microseconds kPause(100);
-// What a process that was told to end still waits for others.
+// Time for which a process that was told to end still waits for others.
 constexpr microseconds kLastWait(300000);
 
 }  // namespace
@@ -113,7 +113,7 @@ bool MpiCommunicator::Gather(const std::vector<int64_t>& sizes, double* all) {
   }
   if (failed_) return false;
   if (total > options_.most_at_once) {
-    // Beyond what MPI can address: one after the other.
+    // Beyond the addressable size of MPI: one rank after the other.
     int64_t at = 0;
     for (int r = 0; r < size_; ++r) {
       const int64_t size = sizes[static_cast<size_t>(r)];

@@ -1,4 +1,4 @@
-// Ranks of an MPI job; the only place that knows MPI.
+// Ranks of an MPI job; the only file that uses MPI.
 
 #ifndef PINODE_MPI_MPI_COMMUNICATOR_H_
 #define PINODE_MPI_MPI_COMMUNICATOR_H_
@@ -12,30 +12,29 @@
 
 namespace pinode {
 
-// All ranks of MPI_COMM_WORLD. Sums go to rank 0 and from there to all, so that
-// every rank has the same bits. MPI is called from one thread.
+// Communicator of all ranks of MPI_COMM_WORLD. Sums go to rank 0 and from there
+// to all, so that every rank has the same bits. MPI is called from one thread.
 class MpiCommunicator final : public Communicator {
  public:
   struct Options {
-    // A rank that does not answer for so long has stalled.
+    // Time after which a rank that does not answer has stalled.
     double timeout_seconds = 300.0;
-    // Numbers, or bytes, that are sent at a time: MPI counts in 32 bits. No
-    // more than its default.
+    // Largest count of numbers, or bytes, that are sent at a time: MPI counts
+    // in 32 bits. At most its default.
     int64_t most_at_once = int64_t{1} << 28;
-    // Asked while others are waited for: whether this process was told to end.
-    // It then waits for a moment and no longer, because the one who told it
-    // will not either.
+    // Called while waiting for other ranks; true if this process was told to
+    // end. It then waits only a moment longer, because the sender of the signal
+    // will not wait either.
     std::function<bool()> interrupted;
-    // Called once, with a sentence, where a rank does not answer. May not
-    // return.
+    // Called once, with a sentence, if a rank does not answer. May not return.
     std::function<void(const std::string& what)> on_failure;
   };
 
-  // Begins MPI, once in a process. nullptr, with a sentence in *error, where
-  // it does not begin.
+  // Begins MPI, once in a process. Returns nullptr, with a sentence in *error,
+  // if it fails.
   static std::unique_ptr<MpiCommunicator> Begin(const Options& options,
                                                 std::string* error);
-  // Waits for all ranks and ends MPI; without waiting after a failure.
+  // Waits for all ranks and ends MPI; does not wait after a failure.
   ~MpiCommunicator() override;
   MpiCommunicator(const MpiCommunicator&) = delete;
   MpiCommunicator& operator=(const MpiCommunicator&) = delete;
@@ -49,7 +48,7 @@ class MpiCommunicator final : public Communicator {
   bool Await() override;
   bool Broadcast(int root, void* bytes, int64_t count) override;
 
-  // Ranks on this machine.
+  // Number of ranks on this machine.
   int num_local_ranks() const { return num_local_ranks_; }
 
   // Ends all ranks, and does not return.
@@ -58,7 +57,7 @@ class MpiCommunicator final : public Communicator {
  private:
   explicit MpiCommunicator(const Options& options) : options_(options) {}
 
-  // `request`: an MPI_Request.
+  // Waits for `request`, an MPI_Request.
   bool Wait(void* request, double timeout_seconds);
   bool Fail(const std::string& what);
 

@@ -42,8 +42,8 @@ const char* PurposeName(CasePurpose purpose) {
                                                : "planning";
 }
 
-// To be fitted or looked at, unless a record has no channel, as for plans
-// alone.
+// Finds the purpose: a fit or a check, unless a record has no channel, as only
+// plans allow.
 bool FindPurpose(const std::string& path, CasePurpose* purpose,
                  std::string* error) {
   std::string text;
@@ -159,7 +159,8 @@ py::list Records(const CaseHandle& handle) {
   return list;
 }
 
-// A record's measured channels as they are fitted, in the units of its file.
+// Returns a record's measured channels as they are fitted, in the units of its
+// file.
 py::dict Measured(const std::shared_ptr<CaseHandle>& handle,
                   const std::string& name) {
   for (const IdentificationRecord& record : handle->c.problem.records) {
@@ -175,7 +176,7 @@ py::dict Measured(const std::shared_ptr<CaseHandle>& handle,
   throw Error("there is no record '" + name + "'");
 }
 
-// Frequencies, damping ratios and shapes of the model as it is.
+// Returns frequencies, damping ratios and shapes of the present model.
 py::dict Modes(const CaseHandle& handle) {
   const StructuralDynamics& dynamics = *handle.c.problem.dynamics;
   const StructuralModel model = dynamics.HeldModel(dynamics.Parameters());
@@ -198,14 +199,15 @@ py::dict Modes(const CaseHandle& handle) {
   return result;
 }
 
-// (data, row indices, column pointers, size); None where there is none.
+// Returns (data, row indices, column pointers, size); None if there is no
+// matrix.
 py::object Compressed(const SparseMatrix& matrix) {
   if (matrix.rows() == 0) return py::none();
   return py::make_tuple(FromSparse(matrix), matrix.rows());
 }
 
-// The matrices of a finite-element model, of all DOFs of the export, and those
-// of its groups.
+// Returns the matrices of a finite-element model, for all DOFs of the export,
+// and those of its groups.
 py::dict FullMatrices(const CaseHandle& handle) {
   if (handle.c.finite_element == nullptr) {
     throw Error(
@@ -245,7 +247,7 @@ py::list Steps(const CaseHandle& handle) {
   return list;
 }
 
-// With `output`, a folder as pinode_check leaves it.
+// Checks a case; with `output`, writes a folder as pinode_check does.
 py::dict Check(const std::shared_ptr<const CaseHandle>& given,
                const std::string& output, bool overwrite, bool mat) {
   const CaseHandle& handle = *given;

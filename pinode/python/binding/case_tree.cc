@@ -15,7 +15,8 @@ namespace {
 
 namespace py = pybind11;
 
-// Deeper than any case; what contains itself is found out by it.
+// Largest depth, more than any case has; it detects objects that contain
+// themselves.
 constexpr int kDeepest = 32;
 
 std::string TextOf(const py::handle& value, const std::string& where) {
@@ -49,7 +50,7 @@ bool IsArray(const py::handle& value) {
   return py::isinstance<py::array>(value);
 }
 
-// Of a dictionary in the place of a record's file.
+// Converts a dictionary in place of a record's file.
 Table TableOf(const py::dict& columns, const std::string& where,
               const std::string& name) {
   if (columns.empty()) {
@@ -101,7 +102,7 @@ class TreeReader {
     if (py::isinstance<py::str>(value)) {
       return TomlValue::String(TextOf(value, where));
     }
-    // Some of SciPy's are dictionaries too.
+    // Some of SciPy's sparse arrays are dictionaries too.
     if (py::isinstance<py::dict>(value) && !IsSparse(value)) {
       const auto dict = py::reinterpret_borrow<py::dict>(value);
       return key == "file" ? ReadFile(dict, where)
@@ -138,7 +139,7 @@ class TreeReader {
     return py::str(py::type::handle_of(value).attr("__name__"));
   }
 
-  // Where a file of a matrix could be named.
+  // True if the value takes the place of a matrix file.
   static bool IsMatrix(const py::handle& value, const std::string& key) {
     static const std::set<std::string>& keys = *new std::set<std::string>{
         "mass",       "stiffness",      "damping",         "matrix",
@@ -199,7 +200,7 @@ class TreeReader {
     return TomlValue::Array(std::move(elements));
   }
 
-  // NumPy's numbers and arrays of them.
+  // Reads NumPy's numbers and arrays of them.
   TomlValue ReadArray(const py::handle& value, const std::string& where,
                       const std::string& parent, const std::string& key,
                       int depth) {

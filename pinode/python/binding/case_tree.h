@@ -1,5 +1,5 @@
-// A case as Python has it, nested dictionaries with arrays in them, and as the
-// library reads it.
+// Conversion of a case between Python (nested dictionaries with arrays) and the
+// library.
 
 #ifndef PINODE_PYTHON_BINDING_CASE_TREE_H_
 #define PINODE_PYTHON_BINDING_CASE_TREE_H_
@@ -11,13 +11,14 @@
 
 namespace pinode::python {
 
-// The keys are those of a case file. Where it names a file there may be an
-// array in its place, which goes to *data under a name that says where it was:
-// matrices (those of a finite-element model sparse), and a dictionary of equal
-// columns for the `file` of a record. None counts as absent. Throws Error.
+// Converts a case from Python. The keys are those of a case file. An array may
+// take the place of a file name; it goes to *data under a name that tells its
+// place. This applies to matrices (those of a finite-element model sparse), and
+// to a dictionary of equally long columns for the `file` of a record. None
+// counts as absent. Throws Error.
 TomlValue TreeFromPython(const pybind11::handle& tree, CaseData* data);
 
-// The way back; arrays of `data` stand in their places again.
+// Converts back to Python; arrays of `data` return to their places.
 pybind11::object TreeToPython(const TomlValue& tree, const CaseData& data);
 
 }  // namespace pinode::python

@@ -32,7 +32,7 @@ std::string ShapeText(const py::array& array) {
   return array.ndim() == 0 ? "a single number" : text;
 }
 
-// Whether Eigen can look at the entries where they are.
+// True if Eigen can use the entries in place.
 bool HasUsualStrides(const Dense& array) {
   for (py::ssize_t i = 0; i < array.ndim(); ++i) {
     const py::ssize_t stride = array.strides(i);
@@ -47,8 +47,8 @@ Eigen::Index StrideOf(const Dense& array, py::ssize_t dimension) {
   return array.strides(dimension) / static_cast<py::ssize_t>(sizeof(double));
 }
 
-// Numbers of as many dimensions as asked for; the caller's own where they are
-// doubles with strides that Eigen takes.
+// Returns an array of numbers with so many dimensions. It is the caller's own
+// if that has doubles with strides that Eigen accepts.
 Dense ToDense(const py::handle& value, int dimensions,
               const std::string& where) {
   const std::string expected = dimensions == 1
@@ -77,8 +77,8 @@ Dense ToDense(const py::handle& value, int dimensions,
   return dense;
 }
 
-// The array of NumPy as one of an object's attributes; none of its entries is
-// copied where they are of this type.
+// Returns an attribute of an object as an array of NumPy; entries of this type
+// are not copied.
 template <typename Index>
 py::array_t<Index> IndicesOf(const py::object& columns, const char* name,
                              const std::string& broken) {
@@ -92,9 +92,9 @@ py::array_t<Index> IndicesOf(const py::object& columns, const char* name,
   return indices;
 }
 
-// Throws Error(broken) unless the columns begin and end within the `size`
-// entries that there are, and all rows are rows of the matrix. Whether the
-// entries of each column have ascending rows, as Eigen's have.
+// Checks the indices. Throws Error(broken) unless the columns begin and end
+// within the `size` entries, and all rows are rows of the matrix. Returns true
+// if the entries of each column have ascending rows, as Eigen's have.
 template <typename Index>
 bool IsInOrder(const py::array_t<Index>& rows, const py::array_t<Index>& starts,
                std::int64_t num_rows, std::int64_t size,
@@ -171,7 +171,7 @@ SparseMatrix FromCompressed(const py::object& columns,
                                          broken);
 }
 
-// Keeps `kept` for as long as an array looks at what it has.
+// Keeps `kept` alive while an array uses its data.
 template <typename Kept>
 py::capsule Keep(Kept* kept) {
   return py::capsule(kept, [](void* old) { delete static_cast<Kept*>(old); });
@@ -184,7 +184,7 @@ std::string Error::Readable(std::string sentence) {
        at = FirstInvalidUtf8(sentence)) {
     sentence[at] = '?';
   }
-  // Of what was passed, in a name or a path.
+  // Characters from names or paths of the caller.
   for (const auto& [letter, shown] :
        {std::pair('\0', "\\0"), std::pair('\n', "\\n")}) {
     for (size_t at = sentence.find(letter); at != std::string::npos;
@@ -208,7 +208,7 @@ Vector ToVector(const py::handle& value, const std::string& where) {
 }
 
 Matrix ToMatrix(const py::handle& value, const std::string& where) {
-  // No matrix of the states of an identification is larger.
+  // Largest size; no matrix of the states of an identification is larger.
   constexpr double kMost = 1e8;
   if (IsSparse(value)) {
     const SparseMatrix sparse = ToSparse(value, where);
@@ -247,7 +247,7 @@ SparseMatrix ToSparse(const py::handle& value, const std::string& where) {
   py::object columns;
   try {
     columns = value.attr("tocsc")();
-    // Of objects that only look like it.
+    // Rejects objects that only resemble a sparse array.
     for (const char* name : {"data", "indices", "indptr", "shape"}) {
       columns.attr(name);
     }

@@ -1,4 +1,4 @@
-// Between Python's values and those of the library.
+// Conversion between Python's values and those of the library.
 
 #ifndef PINODE_PYTHON_BINDING_CONVERT_H_
 #define PINODE_PYTHON_BINDING_CONVERT_H_
@@ -14,11 +14,11 @@
 
 namespace pinode::python {
 
-// pinode.Error of Python, a ValueError: one sentence.
+// pinode.Error of Python, a ValueError with one sentence.
 class Error : public std::runtime_error {
  public:
-  // What Python passes may have zero bytes, at which the sentence would end,
-  // and what is not UTF-8 would leave nothing of it.
+  // Makes the sentence readable. Text from Python may have zero bytes, which
+  // would end the sentence, or may not be UTF-8, which would lose all of it.
   explicit Error(const std::string& sentence)
       : std::runtime_error(Readable(sentence)) {}
 
@@ -26,12 +26,12 @@ class Error : public std::runtime_error {
   static std::string Readable(std::string sentence);
 };
 
-// Throws *error where a function of the library has failed.
+// Throws *error if a function of the library has failed.
 inline void Require(bool ok, const std::string& error) {
   if (!ok) throw Error(error);
 }
 
-// A value that cannot be a T is an Error.
+// Converts a value; throws Error if it is not a T.
 template <typename T>
 T Cast(const pybind11::handle& value, const std::string& where,
        const std::string& expected) {
@@ -45,10 +45,10 @@ T Cast(const pybind11::handle& value, const std::string& where,
   }
 }
 
-// Arrays of NumPy with numbers; `where` is what messages call the value. Real
-// numbers only; masked entries become NaN.
+// Convert arrays of NumPy with real numbers; `where` names the value in
+// messages. Masked entries become NaN.
 Vector ToVector(const pybind11::handle& value, const std::string& where);
-// What ToVector copies, where it is.
+// View of the values that ToVector would copy.
 class VectorView {
  public:
   using Map = Eigen::Map<const Vector, 0, Eigen::InnerStride<>>;
@@ -60,23 +60,25 @@ class VectorView {
   pybind11::array_t<double, pybind11::array::forcecast> array_;
 };
 Matrix ToMatrix(const pybind11::handle& value, const std::string& where);
-// Of a full array, or of one of SciPy's sparse ones.
+// Converts a full array, or a sparse one of SciPy.
 SparseMatrix ToSparse(const pybind11::handle& value, const std::string& where);
 bool IsSparse(const pybind11::handle& value);
-// A masked array as one with NaN in place of what is masked, where its entries
-// are real numbers; any other value as it is.
+// Returns a masked array of real numbers with NaN in place of masked entries,
+// and any other value unchanged.
 pybind11::object Unmasked(const pybind11::handle& value);
 
-// Arrays of NumPy that own the numbers: those of a temporary are not copied.
+// Return arrays of NumPy that own the numbers: those of a temporary are not
+// copied.
 pybind11::array_t<double> FromVector(Vector vector);
 pybind11::array_t<double> FromMatrix(Matrix matrix);
-// One that looks at the numbers of `matrix`, for as long as `owner` lives, and
-// cannot be written to.
+// Return read-only views of the numbers of `matrix` or `vector`, valid while
+// `owner` lives.
 pybind11::array View(const Matrix& matrix, const pybind11::handle& owner);
 pybind11::array View(const Vector& vector, const pybind11::handle& owner);
-// An array that cannot be written to either.
+// Returns a read-only array.
 pybind11::array ReadOnly(pybind11::array array);
-// (data, row indices, column pointers), as scipy.sparse.csc_array takes them.
+// Returns (data, row indices, column pointers), as scipy.sparse.csc_array takes
+// them.
 pybind11::tuple FromSparse(const SparseMatrix& matrix);
 
 }  // namespace pinode::python

@@ -1,4 +1,4 @@
-// What Python holds: a case, and a fit of it with what was found from it.
+// Objects that Python holds: a case, and a fit with its results.
 
 #ifndef PINODE_PYTHON_BINDING_FIT_H_
 #define PINODE_PYTHON_BINDING_FIT_H_
@@ -23,52 +23,52 @@ struct CaseHandle {
   CasePurpose purpose = CasePurpose::kFit;
 };
 
-// A channel's samples in the units of its file, as an array that cannot be
-// written to: `owner`'s own where these are the model's.
+// Returns a channel's samples in the units of its file, as a read-only array.
+// It is a view into `owner` if these are the model's units.
 pybind11::array Samples(const MeasuredChannel& channel,
                         const pybind11::handle& owner);
 
 struct Fit {
-  Case c;  // as it was fitted: without terms that were left out, and so on
+  Case c;  // as fitted: without terms that were left out, and so on
   IdentificationSummary summary;
   IdentifiedModel model;
-  // What it is a part of; null: of neither.
+  // Damage analysis or discovery to which the fit belongs; null: neither.
   std::shared_ptr<const DamageResult> damage;
   std::shared_ptr<const Discovery> discovery;
-  double seconds = 0.0;  // on the clock
-  // Sentences on what went wrong beside it.
+  double seconds = 0.0;  // elapsed time
+  // Sentences on problems besides the fit.
   std::vector<std::string> troubles;
 };
 
-// What a result folder may have beside what it always has.
+// Optional files of a result folder.
 struct FolderExtras {
   bool mat = false;  // results.mat
-  // An input deck, which is written with what was found; empty: none.
+  // Input deck, which is written again with the results; empty: none.
   std::string deck;
 };
 
-// How a fit is run.
+// Settings of a fit.
 struct FitRequest {
   int threads = 0;  // 0: as the case says
   pybind11::object callback;
-  // Of the result folder; empty: none is written.
+  // Path of the result folder; empty: none is written.
   std::string output;
   bool overwrite = false;
   bool resume = false;
   FolderExtras extras;
 };
 
-// Throws Error where the case has nothing to be fitted.
+// Throws Error if the case has no free parameters or data for a fit.
 void CheckFit(const CaseHandle& handle);
-// The options of the case with the request's threads.
+// Sets the request's threads in the options of the case.
 void SetThreads(const FitRequest& request, Case* c);
 
-// Writes what the programs do to a result folder, report included; the caller
+// Writes the result folder as the programs do, report included; the caller
 // commits it.
 [[nodiscard]] bool WriteFit(const Fit& fit, const FolderExtras& extras,
                             const ResultFolder& folder, std::string* error);
 
-// One file a part of the module; each adds to it what its name says.
+// Add the parts of the module, one file each.
 void BindCase(pybind11::module_* module);
 void BindFit(pybind11::module_* module);
 void BindStudy(pybind11::module_* module);

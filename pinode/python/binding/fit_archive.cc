@@ -14,8 +14,8 @@
 namespace pinode::python {
 namespace {
 
-// Both ways are one visit of the fields: structured bindings name each of them,
-// so that one that is added elsewhere is an error of the compiler here.
+// Packs or unpacks by one visit of the fields. Structured bindings name each
+// field, so that a field added elsewhere is a compiler error here.
 class Packer {
  public:
   static constexpr bool kReads = false;
@@ -41,7 +41,8 @@ class Unpacker {
     std::memcpy(data, bytes_.data() + at_, size);
     at_ += size;
   }
-  // What is left, so that no wrong size takes the machine's memory.
+  // Checks the remaining size, so that a wrong size does not exhaust the
+  // memory.
   bool Has(std::uint64_t count, size_t size) {
     ok_ = ok_ && count <= (bytes_.size() - at_) / size;
     return ok_;
@@ -64,7 +65,8 @@ std::enable_if_t<std::is_arithmetic_v<T> || std::is_enum_v<T>> VisitOne(
   a->Bytes(&value, sizeof(value));
 }
 
-// Sizes come first; a reader's container gets it, unless there is not as much.
+// Visits a size, which comes first. A reader's container gets this size, unless
+// fewer data remain.
 template <typename Archive>
 std::uint64_t VisitSize(Archive* a, std::uint64_t size, size_t least) {
   a->Bytes(&size, sizeof(size));
@@ -178,7 +180,7 @@ void VisitOne(Archive* a, ChangeCandidate& value) {
   Visit(a, subject, unit, masses, from, to, basis, library);
 }
 
-// But for the fit, which is that of the whole.
+// Visits all fields but the fit, which is that of the whole.
 template <typename Archive>
 void VisitOne(Archive* a, DamageResult& value) {
   auto& [baselines, options, subjects, estimate, judgement, places, remarks,
@@ -223,7 +225,7 @@ void VisitOne(Archive* a, DiscoveredEquation& value) {
         num_regressed, sample_features, sample_outputs);
 }
 
-// But for the fit, as above.
+// Visits all fields but the fit, as above.
 template <typename Archive>
 void VisitOne(Archive* a, Discovery& value) {
   auto& [equations, dropped, added, refitted, problem, summary, model,
@@ -231,7 +233,7 @@ void VisitOne(Archive* a, Discovery& value) {
   Visit(a, equations, dropped, added, refitted, refinement);
 }
 
-// What may not be there. Whose fit it is a part of is put into it.
+// Visits an optional part. The fit to which it belongs is set in it.
 template <typename Archive, typename T>
 void VisitPart(Archive* a, const Fit& fit, std::shared_ptr<const T>* part) {
   bool there = *part != nullptr;
@@ -310,7 +312,7 @@ std::string PackFit(const Fit& fit) {
   VisitPart(&packer, fit, &copy.damage);
   VisitPart(&packer, fit, &copy.discovery);
   std::string bytes = packer.Take();
-  // What was cut off or mixed up is not taken for a fit.
+  // The checksum rejects data that were cut off or mixed up.
   const std::uint64_t sum = Fnv1a(bytes.data(), bytes.size());
   bytes.append(reinterpret_cast<const char*>(&sum), sizeof(sum));
   return bytes;

@@ -1,5 +1,5 @@
-// A fit's outcome as bytes, for pickling: bit for bit, between processes of the
-// same version on machines alike.
+// Results of a fit as bytes, for pickling: bit for bit, between processes of
+// the same version on similar machines.
 
 #ifndef PINODE_PYTHON_BINDING_FIT_ARCHIVE_H_
 #define PINODE_PYTHON_BINDING_FIT_ARCHIVE_H_
@@ -10,11 +10,12 @@
 
 namespace pinode::python {
 
-// Everything of the fit but the case's tree and data, which read again make its
-// problem: what the fit has done to the steps of its records is here.
+// Packs everything of the fit but the case's tree and data, which make its
+// problem when read again. Changes of the fit to the steps of its records are
+// included.
 std::string PackFit(const Fit& fit);
-// Into a fit whose case has been read. False where the bytes are not those of a
-// fit of that case.
+// Unpacks into a fit whose case has been read. Returns false if the bytes are
+// not those of a fit of that case.
 [[nodiscard]] bool UnpackFit(const std::string& packed, Fit* fit);
 
 }  // namespace pinode::python

@@ -43,7 +43,7 @@ namespace py = pybind11;
 
 using Clock = std::chrono::steady_clock;
 
-// Values of another fit by name, inside the bounds that they have here.
+// Returns values of another fit by name, clamped to the bounds of `problem`.
 IdentifiedModel BeginFromFit(const Fit& fit,
                              const IdentificationProblem& problem) {
   if (ProblemHash(fit.c.problem) == ProblemHash(problem)) {
@@ -78,7 +78,7 @@ std::optional<StructurePicture> PictureOf(const Fit& fit) {
   return PictureOfCase(fit.c, fit.summary, fit.model, fit.damage.get());
 }
 
-// The section of a page; empty: the case does not say where it all is.
+// Returns the section of a page; empty: the case has no geometry.
 std::string StructureHtml(const Fit& fit) {
   const std::optional<StructurePicture> picture = PictureOf(fit);
   return picture.has_value() ? StructureSection(*picture) : std::string();
@@ -153,7 +153,7 @@ size_t RecordIndex(const Fit& fit, const std::string& name) {
   throw Error("there is no record '" + name + "' in the result");
 }
 
-// Rows of `values` in the units of the record's file, by channel.
+// Returns rows of `values` in the units of the record's file, by channel.
 py::dict RowsByChannel(const IdentificationRecord& record, const Matrix& values,
                        bool absolute) {
   py::dict rows;
@@ -189,8 +189,8 @@ py::dict RecordOf(const std::shared_ptr<Fit>& fit, const std::string& name) {
   return result;
 }
 
-// By record and channel the free run of the model before the fit; none of a
-// record where that is not finite.
+// Returns by record and channel the simulation of the initial model; records
+// without a finite one are left out.
 py::dict Before(const Fit& fit) {
   const std::vector<IdentificationRecord>& records = fit.c.problem.records;
   PriorRuns runs(fit.c.problem, fit.model);
@@ -223,7 +223,7 @@ py::dict Matrices(const Fit& fit) {
   return result;
 }
 
-// What the case says of a force, in the model's unit; none: it does not.
+// Returns the true force from the case, in the model's unit; nullptr: unknown.
 const ForceTruth* TruthOf(const Fit& fit, const std::string& name) {
   for (const ForceTruth& truth : fit.c.problem.description.force_truths) {
     if (truth.name == name && truth.times.size() > 0) return &truth;
@@ -280,7 +280,8 @@ py::list Profiles(const Fit& fit) {
   return list;
 }
 
-// What laws and networks did along the predicted states of a record.
+// Returns the forces of laws and networks along the predicted states of a
+// record.
 py::list Loops(const Fit& fit) {
   py::list list;
   const ReportInput report = ReportOf(fit);
@@ -313,7 +314,8 @@ py::list Loops(const Fit& fit) {
   return list;
 }
 
-// Spectral densities of the ambient records per Hz, channels x frequencies.
+// Returns spectral densities of the ambient records per Hz, channels x
+// frequencies.
 py::list Ambient(const std::shared_ptr<Fit>& fit) {
   const double to_hz = fit->c.problem.description.HzPerModelFrequency();
   py::list list;
@@ -336,7 +338,7 @@ py::list Ambient(const std::shared_ptr<Fit>& fit) {
   return list;
 }
 
-// One row an iteration.
+// Returns one row per iteration.
 py::dict History(const Fit& fit) {
   py::dict result;
   VisitFields(IterationRecord(), [&result](const char* name, const auto&) {

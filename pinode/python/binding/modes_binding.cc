@@ -34,10 +34,10 @@ namespace {
 namespace py = pybind11;
 using Clock = std::chrono::steady_clock;
 
-// As many as the report draws.
+// Number of singular values, as in the report.
 constexpr int kSingularValues = 3;
 
-// What was asked, and what was found.
+// The request and its result.
 struct ModesHandle {
   ModesCase c;
   FoundModes found;
@@ -65,7 +65,7 @@ py::dict ModeAsDict(const IdentifiedMode& mode) {
   return entry;
 }
 
-// The poles of one record at one rate, by columns.
+// Returns the poles of one record at one rate, by columns.
 py::dict BandAsDict(const std::string& record, const AnalysedBand& band) {
   const auto count = static_cast<Eigen::Index>(band.poles.size());
   Vector frequency(count), sigma(count), damping(count);
@@ -90,9 +90,9 @@ py::dict BandAsDict(const std::string& record, const AnalysedBand& band) {
   return entry;
 }
 
-// Of one set-up after the other: name, channel names, derivatives, samples
-// (samples x channels), the step in seconds, measured loads (samples x loads)
-// or None, and whether it is a free decay.
+// Converts one set-up: name, channel names, derivatives, samples (samples x
+// channels), the step in seconds, measured loads (samples x loads) or None, and
+// a flag for a free decay.
 ResponseRecord RecordFrom(const py::handle& setup) {
   const auto parts = Cast<py::tuple>(setup, "a set-up", "a tuple");
   if (parts.size() != 7) throw Error("a set-up has seven parts");
@@ -125,7 +125,7 @@ ResponseRecord RecordFrom(const py::handle& setup) {
   return record;
 }
 
-// A case of records in memory, whose channels are places.
+// Makes a case of records in memory, whose channels are places.
 void AddRecords(const py::list& setups, ModesCase* c) {
   for (const py::handle& setup : setups) {
     c->records.push_back(RecordFrom(setup));
@@ -138,7 +138,7 @@ void AddRecords(const py::list& setups, ModesCase* c) {
   }
 }
 
-// [modes] of `options`, a dictionary, over records in memory.
+// Applies [modes] of `options`, a dictionary, to records in memory.
 std::shared_ptr<ModesHandle> FromSetups(const py::list& setups,
                                         const py::dict& options,
                                         const std::string& title) {
@@ -173,7 +173,7 @@ std::shared_ptr<ModesHandle> FromFile(const std::string& path) {
   return handle;
 }
 
-// A data file by itself, whose columns are the channels, with [modes] of
+// Reads a single data file, whose columns are the channels, with [modes] of
 // `options`.
 std::shared_ptr<ModesHandle> FromDataFile(
     const std::string& path, const std::vector<std::string>& columns,
@@ -244,7 +244,7 @@ void Save(const ModesHandle& handle, const std::string& path, bool overwrite,
   Require(ok, error);
 }
 
-// The [[mode]] entries that pinode_modes writes.
+// Returns the [[mode]] entries that pinode_modes writes.
 py::object ModesForCase(const ModesHandle& handle) {
   std::string error;
   TomlValue tree;
@@ -274,8 +274,8 @@ py::list Diagram(const ModesHandle& handle) {
   return bands;
 }
 
-// Of each record (channels in its order) the spectra behind its stabilisation
-// diagram and those of its modes.
+// Returns for each record (channels in its order) the spectra of its
+// stabilisation diagram and those of its modes.
 py::dict Spectra(const ModesHandle& handle) {
   py::dict result;
   for (size_t i = 0; i < handle.found.by_record.size(); ++i) {

@@ -11,7 +11,7 @@
 
 PYBIND11_MODULE(_pinode, module) {
   using namespace pinode::python;
-  // What Ceres and others have to say is nothing for a notebook.
+  // Log messages of Ceres and others do not belong in a notebook.
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_FATAL;
   module.doc() = "Structural identification; see the package pinode.";

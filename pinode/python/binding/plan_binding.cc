@@ -32,7 +32,7 @@ py::dict Reached(const SensorPlan::Step& step) {
   return entry;
 }
 
-// What is reached with a sensor more, and which that is; None: there is none.
+// Returns the result with one more sensor, and its name; None: there is none.
 py::object Sensor(const Case& c, const SensorPlan& plan,
                   const SensorPlan::Step& step) {
   if (step.candidate < 0) return py::none();
@@ -66,7 +66,7 @@ py::dict Deviations(const SensorPlan& plan) {
   return deviations;
 }
 
-// The case, read again for its [plan], and what was planned.
+// The case, read again for its [plan], and the plan.
 struct Plan {
   Case c;
   CasePlan planned;
@@ -74,8 +74,8 @@ struct Plan {
   std::string error;
 };
 
-// With `force_at` not empty the first force of each record acts at that DOF,
-// and no other load does.
+// Makes a plan. With `force_at` not empty the first force of each record acts
+// at that DOF, and no other load does.
 void MakePlan(const Case& given, int num_sensors, const std::string& force_at,
               Plan* plan) {
   TomlValue tree = *given.source;
@@ -96,7 +96,7 @@ void MakePlan(const Case& given, int num_sensors, const std::string& force_at,
                             &planned.durations, error));
 }
 
-// A folder as pinode_check --plan leaves it, but for excitations.
+// Writes a folder as pinode_check --plan does, without excitations.
 bool WritePlan(const Plan& made, const std::string& output, bool overwrite,
                bool mat, std::string* error) {
   ResultFolder folder;

@@ -22,8 +22,8 @@ namespace {
 
 namespace py = pybind11;
 
-// What noise of the sensors is: per cent of each channel's standard deviation,
-// or each channel's own sigma.
+// Noise of the sensors: per cent of each channel's standard deviation, or each
+// channel's own sigma.
 struct NoiseRequest {
   double percent = 0.0;
   bool is_sigma = false;
@@ -47,7 +47,8 @@ NoiseRequest NoiseOf(const Case& c, double percent, const py::object& noise) {
   return request;
 }
 
-// `request` for one channel, in per cent of the standard deviation of `values`.
+// Returns `request` for one channel, in per cent of the standard deviation of
+// `values`.
 double NoisePercent(const NoiseRequest& request, const MeasuredChannel& channel,
                     const Vector& values) {
   if (!request.is_sigma) return request.percent;
@@ -64,7 +65,7 @@ std::uint64_t SeedOf(const Case& c, const py::object& seed) {
                                               "a whole number from 0 to 2^64");
 }
 
-// Of each record the times, what its sensors show, and the states.
+// Returns for each record the times, the sensor values, and the states.
 py::dict Simulate(const std::shared_ptr<const CaseHandle>& handle,
                   double noise_percent, const py::object& seed,
                   const py::object& noise_kind) {
@@ -105,7 +106,8 @@ py::dict Simulate(const std::shared_ptr<const CaseHandle>& handle,
   return result;
 }
 
-// Of one record the columns of response_<record>.csv, from what Simulate gave.
+// Returns the columns of response_<record>.csv for one record, from the result
+// of Simulate.
 std::vector<CsvColumn> ResponseColumns(const IdentificationRecord& record,
                                        const py::dict& channels) {
   std::vector<CsvColumn> columns;
@@ -127,8 +129,8 @@ std::vector<CsvColumn> ResponseColumns(const IdentificationRecord& record,
   return columns;
 }
 
-// What Simulate gave for `handle` with the same noise, as pinode_simulate
-// writes it.
+// Writes the result of Simulate for `handle` with the same noise, as
+// pinode_simulate does.
 void SaveSimulation(const CaseHandle& handle, const py::dict& records,
                     double noise_percent, const py::object& seed,
                     const py::object& noise_kind, const std::string& path,

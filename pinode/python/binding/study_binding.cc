@@ -37,7 +37,7 @@ bool BaselineOfFit(const Fit& fit, size_t number, const Case& c,
          CompareWithCase(fit.c, c, baseline, error);
 }
 
-// The baselines are fits, or folders with results.
+// Reads baselines, which are fits or folders with results.
 std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
   std::vector<Baseline> baselines;
   for (const py::handle& entry : list) {
@@ -138,7 +138,8 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
   return fit;
 }
 
-// The model in a result folder of the case, as a fit that knows nothing else.
+// Returns the model in a result folder of the case, as a fit without other
+// data.
 std::shared_ptr<Fit> FitOfFolder(const CaseHandle& handle,
                                  const std::string& folder) {
   CheckFit(handle);
@@ -158,8 +159,8 @@ std::shared_ptr<Fit> FitOfFolder(const CaseHandle& handle,
   return fit;
 }
 
-// The case of a discovery, with the options of `handle`. Throws Error where
-// there is nothing to discover equations from.
+// Returns the case of a discovery, with the options of `handle`. Throws Error
+// if there are no networks or records to discover equations from.
 Case CaseToDiscover(const CaseHandle& handle, const Fit* fit,
                     const FitRequest& request) {
   CheckFit(handle);
@@ -179,8 +180,8 @@ Case CaseToDiscover(const CaseHandle& handle, const Fit* fit,
   return c;
 }
 
-// `equations` in place of the networks, refitted where the case asks for it:
-// into *result, which has the model that they are found from.
+// Puts `equations` in place of the networks, refitted if the case asks for it.
+// On entry *result has the model from which they were found.
 bool PutInPlace(const Case& c, const std::vector<DiscoveredEquation>& equations,
                 IdentificationWatch* watch, RefitCheckpoint* checkpoint,
                 Fit* result, Discovery* discovery, std::string* error) {
@@ -214,14 +215,14 @@ bool PutInPlace(const Case& c, const std::vector<DiscoveredEquation>& equations,
   return true;
 }
 
-// What terms are found from, and the terms.
+// Source of terms, and the terms found.
 struct FoundTerms {
   Case c;
   IdentifiedModel model;
   std::vector<DiscoveredEquation> equations;
 };
 
-// The terms of networks of `fit` (null: of what the records say).
+// Finds the terms of networks of `fit` (null: of the records).
 std::shared_ptr<const FoundTerms> FindTerms(Case given, const Fit* fit) {
   const auto found = std::make_shared<FoundTerms>();
   found->c = std::move(given);
@@ -238,7 +239,7 @@ std::shared_ptr<const FoundTerms> FindTerms(Case given, const Fit* fit) {
   return found;
 }
 
-// These terms, refitted where the case asks for it.
+// Returns the fit with these terms, refitted if the case asks for it.
 std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
                                   const FitRequest& request) {
   Case c = CaseToDiscover(handle, fit, request);
@@ -282,8 +283,9 @@ std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
   return result;
 }
 
-// Of each equation and feature that terms look at, along the training records:
-// the feature, the terms in it, and what was regressed less the other terms.
+// Returns for each equation and each feature of its terms, along the training
+// records: the feature, its terms, and the regressed values less the other
+// terms.
 py::list EquationSamples(const Fit& fit) {
   py::list list;
   if (fit.discovery == nullptr) return list;

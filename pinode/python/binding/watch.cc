@@ -33,7 +33,7 @@ py::dict AsDict(const std::string& what,
   return dict;
 }
 
-// How soon a signal is seen.
+// Interval at which signals are checked.
 constexpr std::chrono::milliseconds kSignalInterval(50);
 
 // Work in a thread of its own.
@@ -41,29 +41,29 @@ class Work {
  public:
   explicit Work(std::function<void()> work) : work_(std::move(work)) {}
 
-  // To be called in that thread.
+  // Does the work; called in that thread.
   void Do() {
     try {
       work_();
     } catch (...) {
       failure_ = std::current_exception();
     }
-    // What it owns is gone before anybody hears that it is done.
+    // Its data are freed before it is reported as done.
     work_ = nullptr;
     const std::lock_guard<std::mutex> lock(mutex_);
     is_done_ = true;
     done_.notify_all();
   }
 
-  // Whether it is done, after `kSignalInterval` at most. Needs the
-  // interpreter's lock, and gives it away meanwhile.
+  // True if it is done, after `kSignalInterval` at most. Needs the
+  // interpreter's lock, and releases it meanwhile.
   bool Wait() {
     py::gil_scoped_release release;
     std::unique_lock<std::mutex> lock(mutex_);
     return done_.wait_for(lock, kSignalInterval, [this] { return is_done_; });
   }
 
-  // Once it is done.
+  // Rethrows the exception of finished work.
   void Rethrow() {
     if (failure_ != nullptr) std::rethrow_exception(failure_);
   }
@@ -76,8 +76,8 @@ class Work {
   std::exception_ptr failure_;
 };
 
-// Work that nobody listens to any more; of the process that began it. Used
-// under the interpreter's lock alone.
+// Abandoned work of the process that began it. Used under the interpreter's
+// lock alone.
 struct UnheardWork {
   pid_t process = 0;
   std::vector<std::shared_ptr<Work>> work;
@@ -85,12 +85,12 @@ struct UnheardWork {
 
 UnheardWork& Unheard() {
   static auto& unheard = *new UnheardWork();
-  // Threads do not come along where a process is forked.
+  // A forked process does not inherit threads.
   if (unheard.process != getpid()) unheard = {getpid(), {}};
   return unheard;
 }
 
-// At a second Ctrl-C it does not wait any longer.
+// Waits for abandoned work; a second Ctrl-C ends the wait.
 void WaitForUnheard() {
   for (const std::shared_ptr<Work>& work : Unheard().work) {
     while (!work->Wait()) {
@@ -106,7 +106,7 @@ void RunInterruptibly(std::function<void()> work) {
   try {
     std::thread([begun] { begun->Do(); }).detach();
   } catch (const std::system_error&) {
-    // There is no thread to be had.
+    // No thread could be started.
     py::gil_scoped_release release;
     begun->Do();
   }
@@ -163,7 +163,8 @@ bool PythonWatch::GoOn(const std::string& what,
     }
   } catch (py::error_already_set& failure) {
     stopped_ = true;
-    // At Ctrl-C the best so far is kept, from wherever it was noticed.
+    // At Ctrl-C the best result so far is kept, wherever the signal was
+    // noticed.
     if (!failure.matches(PyExc_KeyboardInterrupt)) {
       failure_ = std::current_exception();
     }

@@ -1,4 +1,4 @@
-// Work that is watched from Python.
+// Library calls watched from Python.
 
 #ifndef PINODE_PYTHON_BINDING_WATCH_H_
 #define PINODE_PYTHON_BINDING_WATCH_H_
@@ -41,9 +41,9 @@ class PythonWatch : public CaseWatch {
     Rethrow();
   }
 
-  // True if the user wanted an end.
+  // True if the user stopped the fit.
   bool stopped() const { return stopped_; }
-  // Sentences on what went wrong beside the fit.
+  // Sentences on problems besides the fit.
   const std::vector<std::string>& troubles() const { return troubles_; }
 
  private:
@@ -56,17 +56,19 @@ class PythonWatch : public CaseWatch {
   std::vector<std::string> troubles_;
 };
 
-// Calls `work` in a thread of its own, without the interpreter's lock, and asks
-// for signals meanwhile. What `work` throws is thrown on. At Ctrl-C, or where
-// a signal's handler throws something else, that is thrown within a twentieth
-// of a second; `work`, which has to own all that it uses and may not touch
-// Python, goes on unheard, and the interpreter waits for it before it ends.
+// Calls `work` in a thread of its own, without the interpreter's lock, and
+// checks for signals meanwhile. Exceptions of `work` are rethrown. Ctrl-C, or
+// another exception of a signal's handler, is thrown within a twentieth of a
+// second. `work` then finishes in the background, its result is discarded, and
+// the interpreter waits for it before it ends. `work` has to own all its data
+// and must not touch Python.
 void RunInterruptibly(std::function<void()> work);
 
-// Calls `work` so, and throws Error with its sentence where it is false.
+// Calls `work` in the same way, and throws Error with its sentence if it
+// returns false.
 void RequireInterruptibly(std::function<bool(std::string* error)> work);
 
-// Has the interpreter wait for such work when it ends.
+// Makes the interpreter wait for such work when it ends.
 void WaitForWorkAtExit();
 
 }  // namespace pinode::python
