@@ -168,7 +168,7 @@ TEST(EstimateChangePool, TheMeanIsAmongWhatItIsOf) {
   for (const GroupChange& group : estimate.groups) {
     EXPECT_LT(std::abs(group.change), 0.02);
   }
-  // Of both groups together, which no single change is.
+  // Both groups changed together, which no single change explains.
   EXPECT_LT(estimate.unexplained_chi2, 1.0);
 }
 
@@ -235,7 +235,7 @@ TEST(NearlyGone, AsksAllStates) {
             std::vector<bool>({false, true, true, false}));
 }
 
-// What was not there has no healthy value to be a fraction of.
+// An entry that was zero has no baseline value to be a fraction of.
 TEST(EstimateChangeAbsolute, ChangesAsTheyAre) {
   const Matrix covariance = 1e-4 * Matrix::Identity(2, 2);
   const GroupState healthy = {Vector::Constant(2, 1.0), covariance};

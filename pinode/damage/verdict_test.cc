@@ -188,7 +188,7 @@ TEST_F(JudgeKinds, ARivalOfAnotherKindLeavesTheVerdictOpen) {
   EXPECT_EQ(judgement.reasons[0], Reason::kAmbiguous);
   EXPECT_THAT(judgement.sentence, HasSubstr("perhaps k1 (-10 %)"));
   EXPECT_THAT(judgement.sentence, HasSubstr("the mass at u1 for k1"));
-  // Of the same kind it is damage all the same.
+  // With a rival of the same kind it is damage as well.
   subjects_[1] = {"k2", ChangeKind::kStiffness, "", "", 0.0};
   EXPECT_EQ(Judge().verdict, DamageVerdict::kDamage);
   EXPECT_THAT(Judge().sentence, HasSubstr("told apart by these data: k2 for"));
@@ -206,7 +206,7 @@ TEST_F(JudgeKinds, ASmallNonlinearForceMakesNoStructureNonlinear) {
                         "force) has changed"));
 }
 
-// Of the motion of new records, 7 % that is no noise in place of 1 %.
+// Unexplained motion of the new records of 7 %, instead of 1 %.
 TEST(JudgeMissed, WhatStandsInForSomethingElseIsNoDamage) {
   ChangeEstimate estimate;
   estimate.groups = {Change(-0.1, 0.01, true), Change(0.0, 0.01, false),
@@ -220,7 +220,7 @@ TEST(JudgeMissed, WhatStandsInForSomethingElseIsNoDamage) {
       judgement.sentence,
       HasSubstr("misses 7 % that is no noise, of the healthy ones 1 %"));
   EXPECT_THAT(judgement.sentence, HasSubstr("stands in for it: k1 (-10 %)."));
-  // Of what stands in it is of no interest what would as well.
+  // Rivals of a side effect are not reported.
   estimate.rivals = {{0, 1, 3.0}};
   EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).sentence,
             judgement.sentence);

@@ -127,7 +127,7 @@ TEST_F(DiscoverFromNetwork, TheLinearPathIsPartOfTheEquation) {
   }
 }
 
-// What adds less than the tolerance is not worth a term.
+// A contribution below the tolerance is not worth a term.
 TEST_F(DiscoverFromNetwork, ToleranceIsAShareOfTheAcceleration) {
   MakeLinear();
   ASSERT_TRUE(

@@ -68,8 +68,8 @@ TEST(Ensemble, TrueTermsAreFoundAgain) {
   ExpectTrueTerms(problem, LassoLearnerWithin(0.03 * rms, {}, {}));
 }
 
-// What bags draw twice is no evidence: without a regard to that, more than one
-// in twenty of these is included.
+// Samples that bags draw twice are no further evidence. If that is ignored,
+// more than one in twenty of these is included.
 TEST(Ensemble, FalseTermsAreRare) {
   double sum = 0.0;
   for (uint64_t seed = 1; seed <= 3; ++seed) {
@@ -84,7 +84,7 @@ TEST(Ensemble, FalseTermsAreRare) {
   EXPECT_LT(sum / 3.0, 0.02);
 }
 
-// Of all candidates' fits, noise moves each by what blocks differ.
+// Noise moves the fit of each candidate by as much as blocks differ.
 TEST(Ensemble, SpreadFollowsTheNoise) {
   testing::Gaussian random(2);
   const Matrix theta = random.Draw(1000, 3);
@@ -123,7 +123,7 @@ TEST(Ensemble, LibraryBagging) {
     const int count = all.num_offered[static_cast<size_t>(j)];
     EXPECT_NEAR(count, 160, 30);
     offered += count;
-    // Of the bags that were offered it all include it.
+    // All bags that were offered it include it.
     EXPECT_EQ(all.inclusion_probability[j], 1.0);
   }
   EXPECT_EQ(offered, 200 * 16);

@@ -399,7 +399,7 @@ std::vector<int> SelectByLoss(const LeastSquaresSystem& system,
   const double least =
       std::min(selector.Closest().sum_of_squares,
                system.SumOfSquares(FitSupport(system, map, all)));
-  // By ascending number of terms.
+  // Ascending number of terms.
   for (const Fit& fit : selector.fits()) {
     if (fit.sum_of_squares - least <= loss) return fit.support;
   }

@@ -27,7 +27,7 @@ struct SelectionOptions {
   // differences: blocks at the end of a decaying record have less to explain
   // than the first, which must not count as uncertainty).
   //
-  // Of equally many terms, those with the smaller criterion.
+  // Among equally many terms, those with the smaller criterion are chosen.
   Criterion criterion = Criterion::kBic;
 
   // Number of held-back blocks over all records.

@@ -54,7 +54,7 @@ class TwoMotions : public ::testing::Test {
 };
 
 TEST_F(TwoMotions, EachFromItsOwnChannel) {
-  // What shows both must not be looked at.
+  // A channel that shows both must not be used.
   record_.channels[2].values.setConstant(7.0);
   record_.channels[2].sigma = 0.25;
   ASSERT_TRUE(SmoothRecord(problem_, record_, &smoothed_, &error_)) << error_;

@@ -49,7 +49,7 @@ TEST_F(Stepwise, FindsTheTrueEntriesFromAnyStart) {
   EXPECT_EQ(theta[0], 0.0);
 }
 
-// Of two columns that do nearly the same work.
+// Two columns that do nearly the same work.
 TEST_F(Stepwise, PrefersTheCheaperEntry) {
   const double loss = cost_.gradient.dot(MinimizeOn(cost_, {2, 4})) -
                       cost_.gradient.dot(MinimizeOn(cost_, {1, 4}));
@@ -60,7 +60,7 @@ TEST_F(Stepwise, PrefersTheCheaperEntry) {
   EXPECT_THAT(SelectStepwise(cost_, options_, {2, 4}), ElementsAre(1, 4));
 }
 
-// What the sum leaves of y asks for neither part alone.
+// The residual of y after the sum calls for neither part alone.
 TEST_F(Stepwise, FindsTwoEntriesBehindNearlyTheirSum) {
   x_.col(6) = 2.0 * x_.col(1) - x_.col(4) + 0.2 * x_.col(6);
   const Vector noise = testing::Gaussian(4).Draw(400, 1);

@@ -83,7 +83,7 @@ TEST(SpectralLinesTest, ChannelsAreCutTogether) {
   EXPECT_NEAR(ShareOutsideGaps(samples), 0.95, 1e-12);
 }
 
-// Of a cosine over a twentieth of the record at either end, by hand.
+// A cosine over a twentieth of the record at either end, by hand.
 TEST(SpectralLinesTest, WhatTheTaperDoes) {
   const Eigen::Index size = 64800;
   Matrix samples(1, size);
@@ -107,7 +107,7 @@ TEST(SpectralLinesTest, WhatTheTaperDoes) {
   }
   EXPECT_NEAR(sum * lines.tied, lines.values.squaredNorm(),
               1e-9 * lines.values.squaredNorm());
-  // Of evenly spaced lines over a band of a hundredth.
+  // Evenly spaced lines over a band of a hundredth.
   const Eigen::Index last = groups.size() - 2;
   EXPECT_NEAR(groups.spread[last],
               0.01 * groups.frequency[last] / std::sqrt(12.0),

@@ -126,7 +126,7 @@ TEST(HavePartners, NotWhatTheModelLacks) {
   data.modes[0].frequency = 0.5;
   EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
             (std::vector<bool>{true, true}));
-  // Of nothing alike nothing is left out.
+  // Without any similarity no mode is left out.
   data.modes[0].frequency = data.modes[1].frequency = 1e3;
   EXPECT_EQ(HavePartners(data, eigenvalues, shapes),
             (std::vector<bool>{true, true}));

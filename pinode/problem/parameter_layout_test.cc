@@ -112,7 +112,7 @@ TEST(ParameterLayout, GroupsTheWeightsThatDecayTogether) {
                                                {"plain, input 2", 4},
                                                {"plain, output 1", 4},
                                                {"plain, output 2", 4}}));
-  // What may decay is what the networks say may decay.
+  // Parameters decay if the networks allow it.
   std::vector<bool> expected;
   for (const NetworkTerm& term : dynamics->networks()) {
     expected.insert(expected.end(), term.weights.decays.begin(),

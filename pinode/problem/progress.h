@@ -17,7 +17,7 @@ namespace pinode {
 // Returns the seconds since `begin`.
 double SecondsSince(std::chrono::steady_clock::time_point begin);
 
-// Writes the summary's history and asks the caller whether to go on.
+// Writes the summary's history and asks the caller whether to continue.
 class Progress {
  public:
   // Returns the model that the fit would keep at these free parameters. Called

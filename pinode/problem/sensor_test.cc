@@ -37,7 +37,7 @@ class SensorTest : public ::testing::Test {
     record_.channels[1].delay = 2;
   }
 
-  // What an ideal sensor shows: 0.9 Hz, a fifty-fifth of the sampling rate.
+  // Value of an ideal sensor: 0.9 Hz, a fifty-fifth of the sampling rate.
   static double Ideal(int channel, double t) {
     return std::sin(5.7 * t + channel);
   }

@@ -124,7 +124,7 @@ TEST(Console, HasAllTables) {
   example->summary.remarks = {"Sensor 'a3': mounted upside down, gain -0.98."};
   const std::string text = ConsoleReport(example->input);
   EXPECT_EQ(Lines(text)[1], example->summary.remarks[0]);
-  // What was found in the data before the fit.
+  // Remarks found in the data before the fit.
   ASSERT_FALSE(example->problem.description.remarks.empty());
   EXPECT_EQ(Lines(text)[2], example->problem.description.remarks[0]);
   for (const char* heading :

@@ -1,9 +1,9 @@
 // The figures of a report, drawn by gnuplot as SVG.
 //
-// Measured is a broad grey line, the updated model blue, the prior model orange
-// and dashed: colours of M. Okabe and K. Ito, "Color Universal Design" (2008),
-// which readers with any colour vision tell apart, with line styles that
-// survive a black-and-white printer.
+// Measurements are a broad grey line, the updated model is blue, the initial
+// model orange and dashed: colours of M. Okabe and K. Ito, "Color Universal
+// Design" (2008), which readers with any colour vision tell apart, with line
+// styles that survive a black-and-white printer.
 
 #ifndef PINODE_REPORT_FIGURE_H_
 #define PINODE_REPORT_FIGURE_H_

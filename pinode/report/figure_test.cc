@@ -221,7 +221,7 @@ TEST_F(FigureTest, ShowsConvergenceByStages) {
                            ">25<", ">2.07<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
-  // What was not taken does not flatten the rest.
+  // Rejected steps do not flatten the rest.
   for (IterationRecord& iteration : example_->summary.iterations) {
     if (!iteration.accepted) iteration.cost = 3e82;
   }
@@ -376,7 +376,7 @@ TEST_F(FigureTest, ColoursChangesByTheirProbability) {
                            "rgb(213,  40,   0)", "rgb(240, 180,  60)"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
-  // Of what the data do not show there is no bar.
+  // Changes that the data do not determine have no bar.
   damage = DamageResult();
   testing::AddChange("k1", kind, 3e6, -1e12, 1e12, 0.5, false, &damage);
   EXPECT_TRUE(MakeChangeFigure(damage).empty());

@@ -316,7 +316,7 @@ TEST(HtmlReport, BeginsWithWhatHasChanged) {
                      true, &damage);
   testing::AddChange("c_mass", ChangeKind::kDamping, 0.01, -0.02, 0.04, 0.375,
                      false, &damage);
-  // What was looked for and not found is not shown.
+  // Changes that were sought and not found are not shown.
   testing::AddChange("mass.u1", ChangeKind::kMass, 0.02, -0.1, 0.14, 0.5, false,
                      &damage);
   damage.subjects[2].place = "mass at u1";

@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Of a beam that is held at both ends, at five places; no record.
+// Report of a beam that is held at both ends, at five places; no record.
 struct ModesReportExample {
   explicit ModesReportExample(int modes) {
     constexpr int kPlaces = 5;

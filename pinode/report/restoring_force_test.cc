@@ -10,7 +10,7 @@
 namespace pinode {
 namespace {
 
-// By hand, from the states of the free run.
+// Computed by hand, from the states of the simulation.
 TEST(RestoringForce, FollowsTheLawsAlongTheStates) {
   const auto example = testing::MakeReportExample();
   const auto loops = ComputeRestoringForceLoops(example->input);

@@ -76,8 +76,8 @@ TEST(StructureViewTest, ChangesInWords) {
 TEST(StructureViewTest, StillPicture) {
   const std::string svg = StructureSvg(TwoCubes());
   EXPECT_EQ(testing::FindHtmlFault(svg), "");
-  // Of ten faces outside the five towards the reader, a bar of two strokes, an
-  // arrow with its head.
+  // Five of ten outside faces point towards the reader; a bar has two strokes,
+  // an arrow has one with its head.
   EXPECT_EQ(Occurrences("<path", svg), 5 + 2 + 2);
   // A sensor, and what changed.
   EXPECT_EQ(Occurrences("<text", svg), 2);
@@ -143,7 +143,7 @@ TEST(StructureViewTest, UnmeasuredForcesAreArrows) {
                         "\"name\":\"gust\",\"node\":9}]"));
 }
 
-// What has no length, or is a point, shows what it has lost all the same.
+// Elements without length, or points, show their loss as well.
 TEST(StructureViewTest, ElementsWithoutLengthAreMarkers) {
   StructurePicture picture = TwoCubes();
   const std::string before = StructureSvg(picture);

@@ -151,7 +151,7 @@ TEST(MayGiveWayToCheck, AnEarlierCheckAndNoFit) {
                        "expected another folder");
 }
 
-// What is not known is null in JSON and an empty cell in a table.
+// Unknown values are null in JSON and an empty cell in a table.
 TEST(TableOfEntries, QuotesTextsAndLeavesOutWhatIsNotKnown) {
   const Json entries = {
       {{"name", "a,b"}, {"value", 0.5}, {"used", true}, {"of", {"x", "y"}}},

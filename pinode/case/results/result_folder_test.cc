@@ -73,7 +73,7 @@ TEST(ResultFolderTest, ExistingFolders) {
   Write(path, "letter.txt", "dear");
   EXPECT_FALSE(CheckOutputFolder(path, false, false, &error));
   EXPECT_THAT(error, HasSubstr("exists and is not empty"));
-  // What is not ours is not replaced, whatever was asked for.
+  // Foreign files are not replaced, whatever was requested.
   EXPECT_FALSE(CheckOutputFolder(path, true, false, &error));
   EXPECT_THAT(error, HasSubstr("holds no results of pinode"));
   Write(path, "result.json", "old");

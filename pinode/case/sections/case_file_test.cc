@@ -233,7 +233,7 @@ TEST(CaseFileTest, HoldoutsHaveTheOffsetsOfTheirSensors) {
     EXPECT_EQ(each.channels[0].offset, 0) << each.name;
   }
 
-  // Of a training record the start is what its first samples say.
+  // The start of a training record is estimated from its first samples.
   const Case t = ReadOrFail(folder.Write(
       "known.toml", SmallCase() + record("one", "start_samples = 50\n", "")));
   EXPECT_EQ(t.problem.records.back().start,

@@ -205,7 +205,7 @@ TEST_F(ForceScaleSection, RefusesWhatIsWrong) {
                "unit = \"N\"", "unit = \"kN\""),
       &c));
   EXPECT_THAT(error_, HasSubstr("'scale.force_u2', is in kN/V"));
-  // Of the ground it is known.
+  // The scale of a ground motion is known.
   EXPECT_FALSE(Read(
       Replaced(SmallCase(), "unit = \"gal\"", "unit = \"gal\"\n  scale = {}"),
       &c));

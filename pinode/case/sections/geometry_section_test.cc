@@ -176,7 +176,7 @@ TEST_F(UniversalSystemsTest, OfDirections) {
   }
 }
 
-// What set 2411 names is taken for the system of the position by some programs.
+// Some programs use the system in set 2411 for the position.
 TEST_F(UniversalSystemsTest, OfSet2411) {
   UniversalFile file;
   file.nodes = {{7, {0.0, 0.0, 1.0}, 2, 0}};

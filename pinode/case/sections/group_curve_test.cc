@@ -163,7 +163,8 @@ TEST_F(GroupCurveFigures, RecoversAKinkThatAStraightLineMisses) {
     EXPECT_LT(at.sigma, 0.01);
     EXPECT_GT(at.sigma, 1e-5);
   }
-  // Where there are no data there is the prior, wide and at what is next to it.
+  // Without data there is the prior, wide and centred at the neighbouring
+  // value.
   EXPECT_NEAR(found[5].value, 0.0, 0.01);
   EXPECT_GT(found[5].sigma, 10.0 * found[4].sigma);
   EXPECT_GT(found[5].sigma, 0.03);

@@ -82,7 +82,7 @@ TEST(ModalSection, CovarianceOfAShapeIsItsSigma) {
   EXPECT_THAT(singular.error, HasSubstr("positive definite"));
 }
 
-// What frequency and shape have in common, in Hz and the shape's unit.
+// Covariance of frequency and shape, in Hz and the shape's unit.
 TEST(ModalSection, CovarianceOfFrequencyAndShape) {
   const std::string shape = "shape_covariance = [[4e-4, 0], [0, 4e-4]]\n";
   const auto read = [&shape](const std::string& shared) {
@@ -129,7 +129,7 @@ TEST(ModalSection, StandsWithoutARecord) {
   EXPECT_TRUE(result.c.problem.description.remarks.empty());
 }
 
-// Of a structure more may have been measured than a coarse model has.
+// A measurement may have more modes than a coarse model.
 TEST(ModalSection, MoreModesThanTheModelHas) {
   const ReadResult result =
       ReadText(Replaced(Modes(), "[[mode]]\nname = \"second\"",

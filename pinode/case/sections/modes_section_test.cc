@@ -103,8 +103,8 @@ TEST_F(ModesSectionTest, NeedsNoModel) {
   EXPECT_EQ(c.options.lowest_hz, 0.5);
 }
 
-// What a record is says how it is looked at.
-// What places mean, and where they are.
+// Kind of a record, which determines its analysis. Meaning and position of
+// places.
 TEST_F(ModesSectionTest, PlacesAndGeometry) {
   std::string text = Replaced(ModesText(), "dof = \"u1\"",
                               "combination = {\"5.1\" = 0.8, \"5.2\" = -0.6}");

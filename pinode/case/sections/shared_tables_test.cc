@@ -33,7 +33,7 @@ class SharedTablesTest : public ::testing::Test {
     wanted_.push_back({folder_.Path("none.csv"), {}});
   }
 
-  // What was planned, beside what a process alone makes of it.
+  // Compares planned tables with those that a single process reads.
   void ExpectAsAlone(SharedTables* shared) const {
     for (const SharedTables::Wanted& wanted : wanted_) {
       Table alone, table;
@@ -127,7 +127,7 @@ TEST_F(SharedTablesTest, CaseOfTwoRecords) {
     }
   });
 
-  // What one rank has found wrong is everyone's message.
+  // An error found by one rank is the message of all.
   folder_.Write("other.csv", Replaced(SmallRecord(300), "ag", "gone"));
   testing::ThreadRanks(2).Run([&](Communicator* communicator) {
     SharedTables shared(communicator);

@@ -102,7 +102,7 @@ class StrainChannel : public ::testing::Test {
     return error_;
   }
 
-  // What the channel shows under a force at rest.
+  // Returns the value of the channel under a static force.
   double Shown(const std::string& channel, const Vector& force) {
     Case c;
     EXPECT_TRUE(Read(channel + "unit = \"1\"\n", &c)) << error_;

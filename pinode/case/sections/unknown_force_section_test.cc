@@ -179,7 +179,7 @@ TEST_F(UnknownForceSection, IsFoundBySingleShooting) {
   EXPECT_THAT(error_, AllOf(HasSubstr("shooting"), HasSubstr("single")));
   EXPECT_FALSE(ReadText(text + "[options]\ncovariance = \"sandwich\"\n", &c));
   EXPECT_THAT(error_, HasSubstr("covariance"));
-  // What is known asks for nothing.
+  // A known force needs no conditions.
   ASSERT_TRUE(Read(Replaced(kSpline, "scale", "free = false\nscale"), &c))
       << error_;
   EXPECT_EQ(c.options.shooting, IdentificationOptions::Shooting::kMultiple);
@@ -250,7 +250,7 @@ TEST_F(UnknownForceSection, ReadsWhatTheForceWas) {
   EXPECT_THAT(error_, AllOf(HasSubstr("quake.csv"), HasSubstr("'G'")));
 }
 
-// What an identification found is read back from model.toml.
+// Results of an identification are read back from model.toml.
 TEST_F(UnknownForceSection, ComesBackWithItsValues) {
   Case c;
   ASSERT_TRUE(Read(std::string(kSpline) + kPulse, &c)) << error_;

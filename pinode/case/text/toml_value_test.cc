@@ -54,7 +54,7 @@ TEST(TomlValueTest, SaysWhereTheTextIsWrong) {
   EXPECT_THAT(error, HasSubstr("a.toml:2: "));
 }
 
-// What is written is read back, bit for bit and in the same order.
+// Written values are read back, bit for bit and in the same order.
 TEST(TomlValueTest, RoundTrip) {
   TomlValue root = TomlValue::Table();
   root.Set("text",

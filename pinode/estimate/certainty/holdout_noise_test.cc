@@ -44,7 +44,7 @@ class HoldoutNoiseTest : public ::testing::Test {
       record.channels = {channel};
       problem_.records.push_back(record);
       scores_.push_back(score);
-      // What a fit of the first record leaves over.
+      // Residuals of a fit of the first record.
       sigmas_.push_back(Vector::Constant(
           1, std::hypot(train_noise, misfit / std::sqrt(2.0))));
     }
@@ -59,7 +59,7 @@ class HoldoutNoiseTest : public ::testing::Test {
   std::vector<RecordScore> scores_;
 };
 
-// Of 4000 samples the deviation has a relative standard deviation of 2 %.
+// From 4000 samples the deviation has a relative standard deviation of 2 %.
 TEST_F(HoldoutNoiseTest, IsSeenBeyondTheMotion) {
   Make(0.02, 0.03, 8.0, 0.0);
   EXPECT_NEAR(Noise(), 0.03, 0.002);

@@ -44,7 +44,7 @@ TEST(WithUnseenGroups, AddsWhatRoundingAloneHolds) {
   EXPECT_EQ(
       WithUnseenGroups(problem, layout, free, covariance, directions).cols(),
       1);
-  // What was nothing beside what the data found is known by that.
+  // A group that was negligible beside the identified value is determined.
   free[0] = 1e4;
   EXPECT_EQ(
       WithUnseenGroups(problem, layout, free, covariance, Matrix(n, 0)).cols(),

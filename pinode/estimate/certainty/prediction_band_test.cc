@@ -52,9 +52,9 @@ IdentificationProblem MakeTwoRecords(Start start, uint64_t seed) {
 
 class PredictionBand : public ::testing::TestWithParam<Start> {};
 
-// By the identity that the expected square of what is off is the variance: over
-// many draws, at every sample, with little data so that parameters and starts
-// count beside the noise.
+// The expected square of the error is the variance: over many draws, at every
+// sample, with little data so that parameters and starts matter beside the
+// noise.
 TEST_P(PredictionBand, HoldsMeasurementsAsOftenAsItSays) {
   constexpr int kDraws = 60;
   double coverage = 0.0;

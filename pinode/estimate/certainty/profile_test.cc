@@ -28,7 +28,7 @@ struct Profiled {
   std::vector<ParameterProfile> profiles;
   std::string error;
 
-  // Of `dynamics` from its values, on a record simulated at `truth`.
+  // Problem of `dynamics` from its values, on a record simulated at `truth`.
   Profiled(std::shared_ptr<StructuralDynamics> dynamics, const Vector& truth,
            double noise, double amplitude = 1.0) {
     IdentificationRecord record =
@@ -106,7 +106,7 @@ TEST(ProfileParameters, IsTheLinearIntervalWhereTheCostIsAParabola) {
   }
 }
 
-// What one spring gains the other one loses.
+// One spring gains as much as the other one loses.
 TEST(ProfileParameters, NamesTheSumThatAloneIsDetermined) {
   auto dynamics = OnASpring();
   AddFree("a", "linear", {5.0, 0.0}, {"k"}, dynamics.get());
@@ -204,7 +204,7 @@ TEST(ProfileParameters, GoesOnWhereItWasCutOff) {
   ASSERT_EQ(fit.profiles.size(), 3u);
   const std::vector<ParameterProfile> whole = fit.profiles;
 
-  // What is known stands, though no more work is allowed.
+  // Known profiles are kept, though no more work is allowed.
   ProfileOptions options;
   options.known = {whole[0], whole[2]};
   options.stop = []() { return true; };

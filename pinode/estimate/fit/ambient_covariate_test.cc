@@ -112,12 +112,12 @@ TEST(AmbientCovariateTest, DampingIsThatOfTheRecord) {
   problem.dynamics = dynamics;
   const IdentificationSummary summary = SummaryOfFit(problem);
   ASSERT_TRUE(summary.usable()) << summary.message;
-  // Of itself the group has nothing there, and nothing is left at 20 degrees.
+  // The group itself has no stiffness there, and none is left at 20 degrees.
   EXPECT_LT(summary.parameters[2].value, 0.5);
   EXPECT_NEAR(summary.final_damping, 0.01, 0.003);
 }
 
-// What lies in gaps has no part in the mean.
+// Gaps have no part in the mean.
 TEST(AmbientCovariateTest, MeanIsThatOfWhatWasRecorded) {
   AmbientRecord record = RecordAt(10.0, 2, 100.0);
   const Eigen::Index half = record.samples.cols() / 2;

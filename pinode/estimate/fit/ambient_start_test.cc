@@ -25,7 +25,7 @@ TEST(AmbientStart, BeginsNearTheModesOfTheRecord) {
   EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
 }
 
-// Of a long record a part is enough: that which is there.
+// A part of a long record is enough: the part without gaps.
 TEST(AmbientStart, TakesThePartOfALongRecordThatIsThere) {
   const TestChain chain = RayleighChain(3);
   AmbientRecord record = RecordOfChain(chain, 300.0, 3, 0.9);

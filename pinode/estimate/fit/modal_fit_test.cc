@@ -264,7 +264,7 @@ TEST(ModalIdentify, WidensIntervalsWhereModesAreNotMet) {
   EXPECT_NEAR(covered / (3.0 * trials), 0.95, 0.03);
 }
 
-// What is left of the modes says nothing of a prior.
+// Residuals of the modes do not change a prior.
 TEST(ModalIdentify, LeavesPriorsAsTheyAre) {
   const auto chain = testing::MakeGroupedChain(3, 40.0, 0.1);
   auto dynamics =
@@ -486,7 +486,7 @@ TEST(ModalIdentify, SaysWhatIsWrong) {
       AssessProblem(fit.problem, IdentificationOptions(), &assessment, &error));
   EXPECT_THAT(error, HasSubstr("same frequency"));
 
-  // What modes cannot tell.
+  // A law, which modes cannot determine.
   ASSERT_TRUE(equal->AddLaw(
       testing::MakeElement("hardening", "cubic", 2, 0, 1, {1.0}), &error));
   EXPECT_FALSE(fit.problem.IsValid(&error));

@@ -71,7 +71,7 @@ struct HardeningOscillator {
     problem.sensors.name = "sensors";
   }
 
-  // What the callback saw of one iteration.
+  // Record of one iteration by the callback.
   struct Step {
     int stage = 0;
     int num_stages = 0;
@@ -163,7 +163,7 @@ TEST(NetworkTraining, NoiseIsLeftToTheRecords) {
     EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
     for (int c = 0; c < 2; ++c) {
       const size_t k = static_cast<size_t>(c);
-      // Of 160 samples the estimate has a relative standard deviation of 6 %.
+      // From 160 samples the estimate has a relative standard deviation of 6 %.
       EXPECT_NEAR(fit.model.sigmas[0][c], noise[k], 0.25 * noise[k]) << seed;
       const Vector error =
           fit.summary.records[0].prediction.row(c).transpose() - truth[k];

@@ -16,7 +16,7 @@
 namespace pinode {
 namespace {
 
-// What one old unit is in new ones.
+// Old units in terms of new ones.
 struct UnitFactors {
   const char* name;
   double force;

@@ -91,7 +91,7 @@ TEST_F(WaysTest, EndsWhereOnlyNoiseIsLeft) {
   testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &summary,
                        &model);
   EXPECT_TRUE(summary.usable()) << summary.message;
-  // What no step promises to lower has been found, and not only been neared.
+  // The minimum was reached, not only approached: no step promises a decrease.
   EXPECT_LT(summary.promised_share, 1e-12);
   EXPECT_EQ(summary.way, "linear terms first, then all on whole records");
   EXPECT_LT((model.parameters - truth).cwiseQuotient(truth).norm(), 0.05);
@@ -100,9 +100,9 @@ TEST_F(WaysTest, EndsWhereOnlyNoiseIsLeft) {
   EXPECT_GT(summary.records[0].channels[0].noise_share, 0.8);
 }
 
-// What is left over is a motion that the model cannot have: both ways are
-// tried, and the result is no worse than that of either by itself, or than the
-// linear terms.
+// The residual is a motion that the model cannot have. Both routes are tried,
+// and the result is no worse than that of either alone, or than the linear
+// terms.
 TEST_F(WaysTest, TriesBothWhereMoreThanNoiseIsLeft) {
   Vector truth = dynamics_->Parameters();
   truth.head(2) << -0.2, 0.15;

@@ -62,7 +62,7 @@ TEST(Evidence, MovesDecaysByMacKaysRuleWithinLimits) {
     UpdateDecays(layout, tuning, evidence, &decays);
   }
   EXPECT_EQ(decays[1], tuning.most_decay);
-  // Those of an earlier fit are taken over.
+  // Decays of an earlier fit are taken over.
   IdentifiedModel initial;
   initial.decays = decays;
   EXPECT_EQ(FirstDecays(layout, tuning, &initial), decays);

@@ -58,10 +58,12 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
 
   // Computes `residuals` (num_residuals) and `jacobian` (num_residuals x
   // num_free; nullptr to leave it out). Returns false, with a sentence in
-  // *error, if M is not positive definite, if a residual is not finite (a shape
-  // orthogonal to the measured one), or if a requested derivative does not
-  // exist: that of one of two modes with the same frequency that a free group
-  // mixes.
+  // *error, if
+  //
+  // - M is not positive definite,
+  // - a residual is not finite (a shape orthogonal to the measured one), or
+  // - a requested derivative does not exist: that of one of two modes with the
+  //   same frequency that a free group mixes.
   [[nodiscard]] bool Evaluate(const StructuralDynamics::Prepared& prepared,
                               Vector* residuals, Matrix* jacobian,
                               std::string* error) const;

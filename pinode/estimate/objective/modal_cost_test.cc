@@ -254,8 +254,8 @@ TEST(ModalCost, MatchesTheClosedFormOfADynamicResidual) {
   EXPECT_NEAR(residuals.norm(), across / std::hypot(1.0, 1.0 - l), 1e-14);
 }
 
-// Where the errors of a shape are known, the residuals are those of the best
-// scale: nothing depends on which entry scales.
+// With known errors of a shape, the residuals are those of the best scale: they
+// do not depend on the entry that scales.
 TEST(ModalCost, SigmasMakeAllowanceForTheScale) {
   ModalSetup setup(MakeSixDofs());
   const StructuralModel model = setup.problem.dynamics->CorrectedModel(

@@ -110,8 +110,8 @@ TEST_P(HoldoutStart, OfTrainingIsFoundBeforeTheFit) {
 INSTANTIATE_TEST_SUITE_P(Units, HoldoutStart,
                          ::testing::Values(1.0, 1e-6, 1e6));
 
-// What the excitation does between the last samples that may be seen is known
-// from those behind them: a sinc looks 32 samples ahead.
+// The excitation between the last visible samples depends on later samples: a
+// sinc looks 32 samples ahead. These are known.
 TEST(FreeRunStart, ShortBeginningOfABandLimitedRecord) {
   auto dynamics = testing::MakeGroupedChain(1, 4000.0, 2.0);
   IdentificationRecord record = testing::MakeExcitedRecord(

@@ -161,7 +161,7 @@ TEST(Signs, OfAForceAndASensor) {
   }
 }
 
-// What somebody says stays as it is, and so does what the record does not tell.
+// Given signs stay, and so do signs that the record does not determine.
 TEST(Signs, StayWhereTheyAreSaid) {
   {
     Frame frame(kSameStoreys, 1.0, {-1.0, -1.0, -1.0}, 1.0, 5);

@@ -45,10 +45,11 @@ double PriorOf(const ChangeCandidate& candidate);
                                  IdentificationProblem* extended,
                                  std::string* error);
 
-// Sets the force shares of the candidates' subjects: the RMS of the candidates'
-// forces at each place together, as a fraction of the RMS of the whole
-// restoring force there, K x and theirs at DOF `to`. The trajectories are those
-// of `summary`, a fit with these candidates.
+// Sets the force shares of the candidates' subjects. A share is the RMS of the
+// candidates' forces at each place together, as a fraction of the RMS of the
+// whole restoring force there. The restoring force is K x and the candidates'
+// forces at DOF `to`. The trajectories are those of `summary`, a fit with these
+// candidates.
 void SetForceShares(const IdentificationProblem& extended,
                     const FitSummary& summary, const IdentifiedModel& model,
                     std::vector<ChangeCandidate>* candidates);

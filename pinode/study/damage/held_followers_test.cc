@@ -92,14 +92,14 @@ TEST_F(HeldFollowersTest, AreWhatRecordsOfOneTemperatureCannotTell) {
       FollowersToHold({*baseline_}, problem);
   ASSERT_EQ(held.size(), 1u);
   EXPECT_EQ(held.at("all"), slope);
-  // Of two that say different things, by their variances.
+  // Two baselines with different values are weighted by their variances.
   Baseline vague = *baseline_;
   vague.with_followers.values[4] = slope + 5.0;
   vague.with_followers.covariance.row(4) *= 2.0;
   vague.with_followers.covariance.col(4) *= 2.0;
   EXPECT_NEAR(FollowersToHold({*baseline_, vague}, problem).at("all"),
               slope + 1.0, 1e-9);
-  // What a baseline does not say is not held.
+  // Followers that a baseline does not determine are not held.
   Baseline other = *baseline_;
   other.followers.clear();
   EXPECT_THAT(FollowersToHold({*baseline_, other}, problem), IsEmpty());
@@ -167,7 +167,7 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
     results.push_back(Analyse(FitOf("new", std::move(problem))));
   }
   for (size_t j = 0; j < 2; ++j) {
-    // By 30 degrees.
+    // A difference of 30 degrees.
     EXPECT_NEAR(results[1].summary.parameters[j].value -
                     results[0].summary.parameters[j].value,
                 30.0 * kAway, 0.05 * 30.0 * kAway);
@@ -179,8 +179,8 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
   }
 }
 
-// What is uncertain about the slope is not in changes at the temperatures of
-// the baseline, though its own values at the reference have it.
+// The uncertainty of the slope does not enter changes at the temperatures of
+// the baseline, though it enters the baseline's own values at the reference.
 TEST_F(HeldFollowersTest, UncertaintyGrowsAwayFromTheBaseline) {
   IdentificationProblem problem = NewProblem(10.0, 10, 0.0);
   Hold(baseline_->with_followers.values[4], &problem);

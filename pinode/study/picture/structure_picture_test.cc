@@ -88,7 +88,7 @@ TEST(StructurePictureTest, GroupsArrowsAndModes) {
       picture.geometry.node_names[static_cast<size_t>(picture.sensors[1].node)],
       "w2");
   EXPECT_EQ(picture.sensors[1].direction, Eigen::Vector3d::UnitX());
-  // Of a uniform chain: sin(i pi / 7) for the lowest mode.
+  // A uniform chain has sin(i pi / 7) for the lowest mode.
   ASSERT_EQ(picture.modes.size(), 2u);
   const Matrix& shape = picture.modes[0].shape;
   for (int floor = 1; floor <= 3; ++floor) {
@@ -152,8 +152,8 @@ TEST(StructurePictureTest, DirectionsOfNodes) {
   EXPECT_TRUE(turned.isApprox(Eigen::Vector3d(1.0, 1.2, 1.6)));
 }
 
-// Where it pushes, towards what it is multiplied by; a floor's force is drawn
-// at the first of its nodes, as a sensor is.
+// A force is drawn at its place, in the direction of its factor. A floor's
+// force is drawn at the first of its nodes, as a sensor is.
 TEST(StructurePictureTest, UnmeasuredForces) {
   IdentificationProblem problem =
       MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
@@ -249,7 +249,7 @@ TEST(StructurePictureTest, ModesOfRecordsAlone) {
   expect(0, 7, -4.0, 0.0);
   expect(0, 3, 0.0, 0.0);
   EXPECT_EQ(picture.modes[0].shape.cwiseAbs().maxCoeff(), 1.0);
-  // Where nobody saw it.
+  // A place that no sensor observed.
   expect(1, 2, 0.0, 0.0);
   expect(1, 4, 0.3, 0.4);
   ASSERT_EQ(picture.notes.size(), 2u);
@@ -286,8 +286,8 @@ TEST(VtuTest, CellsAndPoints) {
   }
 }
 
-// Where a set's stiffness is as it was and its mass is not, its mass is shown;
-// where both have changed, the other one has figures of its own.
+// A set with a change of mass but not of stiffness shows its mass. If both have
+// changed, the other one has arrays of its own.
 TEST(VtuTest, ShowsWhatHasChanged) {
   StructurePicture picture;
   picture.geometry = Frame().geometry;

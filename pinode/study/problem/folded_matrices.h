@@ -21,9 +21,9 @@ namespace pinode {
 // (a force resists, an acceleration drives). M, C and K are those corrected by
 // the groups. The matrices are as learned: nothing makes them symmetric.
 struct FoldedMatrices {
-  // Whether some network has a linear part (a linear network or a skip path).
+  // True if some network has a linear part (a linear network or a skip path).
   bool any = false;
-  // Whether nothing is left of the networks beside it, constants apart.
+  // True if the networks have no other part, except for constants.
   bool complete = true;
   Matrix stiffness;
   Matrix damping;

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 constexpr int kFrameSamples = 60;
 constexpr double kFrameStep = 0.02;
 
-// What a program has: matrices, a ground motion, and two accelerometers.
+// Data of a program: matrices, a ground motion, and two accelerometers.
 struct Arrays {
   StructuralModel model = MakeStructuralModel(
       Matrix::Identity(2, 2), 0.02 * Spring(40.0), Spring(40.0));
@@ -150,7 +150,7 @@ TEST(MakeProblemTest, SaysWhatIsWrong) {
   }
 }
 
-// What only somebody who fills the struct by hand can get wrong.
+// Errors that are only possible if the struct is filled by hand.
 TEST(PrepareProblemTest, SaysWhatIsWrongAndChangesNothing) {
   struct Bad {
     std::string message;

@@ -90,7 +90,7 @@ TEST(SubstepsTest, UnknownSigmaTakesTheRms) {
   EXPECT_LE(choice.error, choice.error_limit);
 }
 
-// Where displacement and velocity are measured the first sample is a start.
+// With measured displacement and velocity the first sample is a start.
 TEST(SubstepsTest, FreeStart) {
   IdentificationRecord record = FreeVibration(0.05, 400);
   record.start = IdentificationRecord::Start::kFree;

@@ -69,8 +69,8 @@ TEST(SensorPlanTest, BestSensorOfASlowChain) {
   const Vector masses = problem.dynamics->model().mass.diagonal();
   const std::vector<CandidateSensor> floors =
       EverySensor(3, Quantity::kDisplacement, 1e-3);
-  // By the factor of storey j floor i >= j moves F_j / k more: a sensor above
-  // tells all of storeys below it, one below tells nothing.
+  // With the factor of storey j floor i >= j moves F_j / k more. A sensor above
+  // determines all storeys below it, one below determines none.
   SensorPlanOptions options;
   const SensorPlan plan = PlanOrFail(problem, floors, options);
   EXPECT_EQ(plan.targets, (std::vector<std::string>{"k1", "k2", "k3"}));
@@ -177,7 +177,7 @@ TEST(SensorPlanTest, AgreesWithExhaustiveSearch) {
     } else {
       EXPECT_LE(reached.worst, 1.02 * best.worst);
     }
-    // What one more would bring is no worse.
+    // One more sensor would be no worse.
     EXPECT_LE(plan.next.typical, plan.steps.back().typical);
   }
 }
