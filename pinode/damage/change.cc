@@ -215,7 +215,7 @@ std::vector<RivalChange> Rivals(const Matrix& information, const Vector& right,
 // Both sides of the comparison.
 struct Comparison {
   Pool pool;
-  Vector healthy_value;  // what a change is a fraction of
+  Vector healthy_value;  // changes are fractions of it
   Vector difference;     // as changes
   Matrix covariance;     // of the difference
   Matrix information;    // its inverse

@@ -108,8 +108,7 @@ struct DiscoveredTerm {
 
   // Results of the refit, or defaults without one.
   std::string unit;        // of the coefficient
-  double regressed = 0.0;  // coefficient of the regression; 0: it was no term
-                           // then
+  double regressed = 0.0;  // from the regression; 0: no term there
   // Standard deviation and 95 % interval of the coefficient; NaN without a
   // refit.
   double sigma = std::numeric_limits<double>::quiet_NaN();

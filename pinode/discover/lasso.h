@@ -92,14 +92,14 @@ struct LassoPath {
 // parametrization", Computational Statistics and Data Analysis 115 (2017) 186):
 // Ceres solves it by Levenberg-Marquardt, in columns of length 1. A coefficient
 // that must not change its sign is p^2 or -p^2. p_j = q_j = 0 is always
-// stationary; at every lambda those coefficients whose optimality condition
-// |Theta_j' r| <= lambda w_j is violated start anew. The support is decided by
-// the same conditions, not by a threshold on |xi|.
+// stationary. At every lambda the coefficients that violate their optimality
+// condition |Theta_j' r| <= lambda w_j are started again. The support is
+// decided by the same conditions, not by a threshold on |xi|.
 //
-// False for an invalid problem or option. A solution that does not meet its
-// optimality conditions has `converged == false`; duality_gap says what that is
-// worth. If nothing explains y there is a single solution without coefficients,
-// at lambda = 0.
+// Returns false for an invalid problem or option. A solution that does not meet
+// its optimality conditions has `converged == false`; duality_gap bounds its
+// error. If no candidate explains y there is a single solution without
+// coefficients, at lambda = 0.
 [[nodiscard]] bool SolveLassoPath(const RegressionProblem& problem,
                                   const LassoOptions& options, LassoPath* path,
                                   std::string* error);

@@ -85,8 +85,8 @@ class Face {
   std::vector<int> support_;
   Vector solution_;
   Vector inverse_diagonal_;
-  Matrix explained_;   // support x all: what the support knows of a column
-  Vector slopes_;      // of f at the minimum
+  Matrix explained_;  // support x all: regression of all columns on the support
+  Vector slopes_;     // of f at the minimum
   Vector curvatures_;  // beside the support
   double twice_cost_ = 0.0;
 };

@@ -42,7 +42,7 @@ class ParameterLayout {
   // of groups: the groups of their CombinationPrior.
   struct DecayGroup {
     enum class Kind { kInput, kLayer, kOutput, kBiases, kForce, kCurve };
-    int network = -1;  // -1: of no network
+    int network = -1;  // -1: not in any network
     std::string name;
     Kind kind = Kind::kLayer;
     double given = -1.0;  // negative: the evidence chooses

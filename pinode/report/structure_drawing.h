@@ -25,7 +25,7 @@ constexpr double kMarker = 0.014;
 struct StructureDrawing {
   struct Face {
     std::vector<int> nodes;
-    int group = 0;            // 0: none, else one more than that of the picture
+    int group = 0;            // 0: none, else the picture's plus one
     bool is_outside = false;  // of a solid, around it as seen from outside
   };
   Matrix positions;           // nodes that are drawn x 3

@@ -67,8 +67,8 @@ struct RecordSection {
 // Purpose for which records are read.
 enum class RecordPurpose {
   kFit,
-  kSimulation,  // measured responses are not read, nor need there be a file
-  kPlanning,    // as a simulation; there need be no channel
+  kSimulation,  // measured responses are not read; no file is needed
+  kPlanning,    // as a simulation; no channel is needed
   // Measured responses alone: a channel needs no DOF, and its name is its
   // place.
   kResponses,

@@ -177,7 +177,7 @@ class Way {
   }
 
   bool exhausted_ = false;
-  bool finite_ = false;  // what it has come to, whether at its end or not
+  bool finite_ = false;  // the result is finite, complete or not
   bool ok_ = false;
   std::unique_ptr<Fit> fit_;
 };

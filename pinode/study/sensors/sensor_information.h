@@ -24,7 +24,7 @@ struct CandidateSensor {
 struct OwnSensor {
   int record = 0;            // index into the problem's records
   int channel = 0;           // of that record
-  double noise_share = 0.0;  // where the channel has no sigma; 0: 5 %
+  double noise_share = 0.0;  // if the channel has no sigma; 0: 5 %
 };
 
 // Returns the fitted channels of all training records.
