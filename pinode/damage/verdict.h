@@ -42,7 +42,7 @@ struct ChangeSubject {
 // Reason for which a change counts, or does not.
 enum class Reason {
   kNone,
-  // Loss beyond the threshold with 95 % probability.
+  // Change beyond the threshold with 95 % probability.
   kBeyondThreshold,
   // Significant compared with the differences between baselines.
   kBetweenRecords,
