@@ -184,7 +184,7 @@ class Starts {
   // Returns the deviations of the stiffness groups at the end of `fit`, from
   // the curvature of its cost; infinite where that is flat.
   Vector DeviationsAt(Fit* fit) const {
-    constexpr double kFlat = 1e-12;
+    constexpr double kFlatOfLargest = 1e-12;
     const auto size = static_cast<Eigen::Index>(groups_.size());
     CondensedSystem system;
     if (!fit->objective().Linearize(layout_.Free(fit->BestParameters()),
@@ -192,7 +192,7 @@ class Starts {
       return Vector::Constant(size, kInfinity);
     }
     const Eigen::SelfAdjointEigenSolver<Matrix> modes(system.hessian);
-    const double least = kFlat * modes.eigenvalues().tail(1)[0];
+    const double least = kFlatOfLargest * modes.eigenvalues().tail(1)[0];
     Vector deviations(size);
     for (Eigen::Index j = 0; j < size; ++j) {
       const Vector shares =
@@ -208,11 +208,11 @@ class Starts {
   // than the deviations of either allow.
   std::string Difference(const Vector& here, const Vector& there,
                          const Vector& deviations) const {
-    constexpr double kFar = 0.05;
+    constexpr double kFarInValue = 0.05;
     constexpr double kFarInDeviations = 6.0;
     for (Eigen::Index j = 0; j < here.size(); ++j) {
       if (std::abs(there[j] - here[j]) <=
-          std::max(kFar, kFarInDeviations * deviations[j])) {
+          std::max(kFarInValue, kFarInDeviations * deviations[j])) {
         continue;
       }
       return layout_.parameter(groups_[static_cast<size_t>(j)]).name + " " +
