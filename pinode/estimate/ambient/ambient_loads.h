@@ -23,10 +23,10 @@ struct LikelihoodSums {
 // loads, with their present values.
 //
 // The unknowns are the factors of the loads' covariances at the knots, then
-// half the logarithm of the noise density of each channel. The prior holds the
-// covariances: it weighs as much as kPriorLines lines that saw the loads
-// themselves. Without it, forces on a mode far from a knot tell nothing of
-// themselves there, and the estimate makes them perfectly correlated.
+// half the logarithm of the noise density of each channel. The prior weighs as
+// much as kPriorLines lines in which the loads themselves are seen. Without it,
+// the record does not determine the force on a mode far from a knot there, and
+// the estimate would make such forces perfectly correlated.
 class AmbientLoads {
  public:
   // Number of lines of the loads themselves that the prior stands for.

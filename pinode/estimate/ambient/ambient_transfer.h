@@ -58,7 +58,7 @@ class AmbientTransfer {
     return static_cast<Eigen::Index>(groups_.size());
   }
 
-  // Takes the matrices of the model.
+  // Sets the matrices of the model. FindOwn or FindAll must follow.
   void SetModel(StructuralModel model);
   // Computes the transfer functions of this rank's lines.
   void FindOwn();

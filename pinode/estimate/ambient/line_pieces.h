@@ -26,7 +26,7 @@ class LinePieces {
   Eigen::Index First(int piece) const {
     return num_lines_ * Eigen::Index{piece} / kCount;
   }
-  // The rank that sums the piece. It does not fall from one piece to the next.
+  // The rank that sums the piece. A later piece has the same or a higher rank.
   int RankOf(int piece) const { return piece * communicator_.size() / kCount; }
   Communicator& communicator() const { return communicator_; }
 

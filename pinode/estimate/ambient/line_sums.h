@@ -32,8 +32,8 @@ class LineSums {
   LineSums(const AmbientLines& lines, const AmbientTransfer& transfer,
            const AmbientLoads& loads, bool with_groups, int knot);
 
-  // Adds a line. `covariance` is that of the loads there, L L^H = S_y has
-  // `factor`, and `powers` are L^-1 Y Y^H L^-H.
+  // Adds a line. `covariance` is that of the loads at its frequency, `factor`
+  // is the factor L of S_y, and `powers` is L^-1 Y Y^H L^-H.
   void Add(Eigen::Index line, const Matrix& covariance,
            const ComplexFactor& factor, const Eigen::MatrixXcd& powers);
 

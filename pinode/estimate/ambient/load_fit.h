@@ -9,11 +9,11 @@
 
 namespace pinode {
 
-// Finds the loads and noise of least cost for the transfer functions as they
-// are, by Fisher scoring. Covariances may not fall by all of themselves in a
-// step: those that would move only a part of the way, held by the metric of
-// relative changes, and all others as far as they want. (A step that is cut off
-// afterwards does not lower the cost.)
+// Finds the loads and noise of least cost for the present transfer functions,
+// by Fisher scoring. No covariance may fall to zero in a step. The metric of
+// relative changes holds the steps: a covariance that would vanish moves only
+// part of the way, and all others move freely. (A step that is cut off
+// afterwards would not lower the cost.)
 class LoadFit {
  public:
   // `likelihood` must outlive this object.
@@ -23,21 +23,22 @@ class LoadFit {
   // False until the first fit has succeeded.
   bool known() const { return known_; }
 
-  // Fits the loads from nothing: first without correlation, which gives the
-  // prior of the correlated ones. Needs the transfer functions of all lines.
-  // False where the spectrum of the channels is not positive definite; so too
-  // below.
+  // Fits the loads from the lines alone: first uncorrelated loads, which give
+  // the prior and the start of the correlated ones. Needs the transfer
+  // functions of all lines. False where the spectrum of the channels is not
+  // positive definite.
   [[nodiscard]] bool FindFirst(double* cost);
-  // Fits the loads from `start`, until a step promises next to nothing of the
-  // cost. *cost is without that rest.
+  // Fits the loads from `start`, until a step would gain next to nothing. *cost
+  // is what the last step would reach. False as in FindFirst.
   [[nodiscard]] bool FindFrom(const Vector& start, double* cost);
 
  private:
   // Sets white loads and the noise from the lines alone.
   void Start();
   [[nodiscard]] bool Improve(double* cost);
-  // Steps from where `sums` and *cost are the derivatives and the cost, to a
-  // lower cost. False where no step lowers it. *done: none needs to.
+  // Takes a step that lowers *cost; `sums` are the derivatives before it. False
+  // where no step lowers the cost. Sets *done where a step would gain less than
+  // `left`.
   [[nodiscard]] bool Step(const LikelihoodSums& sums, double left, double* cost,
                           bool* done);
 
