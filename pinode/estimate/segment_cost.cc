@@ -1,8 +1,11 @@
 #include "pinode/estimate/segment_cost.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "pinode/estimate/shooting/residual_rows.h"
 #include "pinode/estimate/start/initial_states.h"
@@ -67,16 +70,20 @@ Eigen::Index NumResiduals(Eigen::Index intervals, Eigen::Index channels,
   return (intervals + 1) * channels + states;
 }
 
+bool IsRecord(const IdentificationProblem& problem, int record,
+              std::string* error) {
+  const int num_records = static_cast<int>(problem.records.size());
+  if (record >= 0 && record < num_records) return true;
+  *error = "there is no record " + std::to_string(record) + " among " +
+           std::to_string(num_records);
+  return false;
+}
+
 bool IsValidSegment(const IdentificationProblem& problem, int record,
                     Eigen::Index first, Eigen::Index last,
                     const SegmentCost::Options& options, std::string* error) {
+  if (!IsRecord(problem, record, error)) return false;
   std::ostringstream message;
-  const int num_records = static_cast<int>(problem.records.size());
-  if (record < 0 || record >= num_records) {
-    message << "there is no record " << record << " among " << num_records;
-    *error = message.str();
-    return false;
-  }
   const IdentificationRecord& data =
       problem.records[static_cast<size_t>(record)];
   message << "record '" << data.name << "': ";
@@ -108,6 +115,47 @@ bool IsValidSegment(const IdentificationProblem& problem, int record,
   return false;
 }
 
+// The state at `sample`, as far as displacements and velocities at single DOFs
+// show it; 0 elsewhere.
+Vector ShownState(const IdentificationRecord& data, Eigen::Index sample,
+                  int num_states) {
+  Vector state = Vector::Zero(num_states);
+  for (const MeasuredChannel& channel : data.channels) {
+    const Vector& weights = channel.observation.weights;
+    const Quantity quantity = channel.observation.quantity;
+    const double value = channel.values[sample];
+    Eigen::Index dof = 0;
+    weights.cwiseAbs().maxCoeff(&dof);
+    if ((quantity != Quantity::kDisplacement &&
+         quantity != Quantity::kVelocity) ||
+        (weights.array() != 0.0).count() != 1 || !std::isfinite(value)) {
+      continue;
+    }
+    const Eigen::Index first =
+        quantity == Quantity::kVelocity ? weights.size() : 0;
+    state[first + dof] = value / weights[dof];
+  }
+  return state;
+}
+
+// Those of the segments that begin every `length` samples.
+Matrix FirstStarts(const IdentificationProblem& problem,
+                   const IdentificationRecord& data, Eigen::Index length,
+                   Eigen::Index count) {
+  const IdentificationRecord ideal = problem.AsSeenByIdealSensors(data);
+  const int ns = problem.dynamics->num_states();
+  Matrix starts(ns, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    starts.col(k) = ShownState(ideal, k * length, ns);
+  }
+  if (data.start == IdentificationRecord::Start::kRest) {
+    starts.col(0).setZero();
+  } else if (data.start == IdentificationRecord::Start::kKnown) {
+    starts.col(0) = data.known_start;
+  }
+  return starts;
+}
+
 }  // namespace
 
 std::unique_ptr<SegmentCost> SegmentCost::Create(
@@ -128,6 +176,42 @@ std::unique_ptr<SegmentCost> SegmentCost::Create(
   }
   return std::unique_ptr<SegmentCost>(new SegmentCost(
       std::make_unique<Owned>(problem, record, first, last, complete)));
+}
+
+bool SegmentCost::AddRecord(const IdentificationProblem& problem, int record,
+                            Eigen::Index length, const Options& options,
+                            double* free, Matrix* starts,
+                            ceres::Problem* ceres_problem, std::string* error) {
+  if (!problem.IsValid(error) || !IsRecord(problem, record, error)) {
+    return false;
+  }
+  const IdentificationRecord& data =
+      problem.records[static_cast<size_t>(record)];
+  if (length < 1) {
+    *error = "record '" + data.name + "': segments of " +
+             std::to_string(length) + " samples, expected at least 1";
+    return false;
+  }
+  const Eigen::Index last = data.num_samples() - 1;
+  std::vector<std::unique_ptr<SegmentCost>> segments;
+  for (Eigen::Index first = 0; first < last; first += length) {
+    segments.push_back(Create(problem, record, first,
+                              std::min(last, first + length), options, error));
+    if (segments.back() == nullptr) return false;
+  }
+  *starts = FirstStarts(problem, data, length,
+                        static_cast<Eigen::Index>(segments.size()));
+  for (size_t k = 0; k < segments.size(); ++k) {
+    double* start = starts->col(static_cast<Eigen::Index>(k)).data();
+    std::vector<double*> blocks = {start};
+    if (segments[k]->HasGap()) blocks.push_back(start + starts->rows());
+    blocks.push_back(free);
+    ceres_problem->AddResidualBlock(segments[k].release(), nullptr, blocks);
+  }
+  if (data.start != IdentificationRecord::Start::kFree) {
+    ceres_problem->SetParameterBlockConstant(starts->data());
+  }
+  return true;
 }
 
 SegmentCost::SegmentCost(std::unique_ptr<Owned> owned)

@@ -1,9 +1,10 @@
-// One shooting segment as a residual block of a ceres::Problem.
+// Shooting segments as residual blocks of a ceres::Problem.
 
 #ifndef PINODE_ESTIMATE_SEGMENT_COST_H_
 #define PINODE_ESTIMATE_SEGMENT_COST_H_
 
 #include <ceres/cost_function.h>
+#include <ceres/problem.h>
 
 #include <memory>
 #include <string>
@@ -57,6 +58,24 @@ class SegmentCost final : public ceres::CostFunction {
   static std::unique_ptr<SegmentCost> Create(
       const IdentificationProblem& problem, int record, Eigen::Index first,
       Eigen::Index last, const Options& options, std::string* error);
+
+  // Adds a whole record to `ceres_problem`: multiple shooting with segments of
+  // `length` samples, the last one with what is left. Each is a residual block,
+  // each column of *starts (num_states x segments) the parameter block of a
+  // start, and `free` the block that all share. Both must outlive
+  // `ceres_problem`.
+  //
+  // *starts begins with what displacements and velocities at single DOFs show
+  // of the states, and 0 for the others. The first start is constant where the
+  // record's is known or at rest.
+  //
+  // False, with a sentence in *error and nothing added, as for Create.
+  [[nodiscard]] static bool AddRecord(const IdentificationProblem& problem,
+                                      int record, Eigen::Index length,
+                                      const Options& options, double* free,
+                                      Matrix* starts,
+                                      ceres::Problem* ceres_problem,
+                                      std::string* error);
 
   ~SegmentCost() override;
 

@@ -174,5 +174,110 @@ TEST(SegmentCost, ThePlainProblemHasTheMinimumOfTheCondensedOne) {
   EXPECT_LT((condensed - Eigen::Vector2d(0.1, -0.05)).norm(), 0.05);
 }
 
+// A segment's residuals are those that Create makes of the same samples.
+TEST(SegmentCost, AddRecordCutsARecord) {
+  IdentificationProblem problem = ChainProblem();
+  const ParameterLayout layout(problem);
+  Vector free = layout.Free(layout.InitialValues());
+  SegmentCost::Options options;
+  std::string error;
+  Matrix starts;
+  ceres::Problem ceres_problem;
+  // 80 intervals: four segments of 18, and one of 8.
+  ASSERT_TRUE(SegmentCost::AddRecord(problem, 0, 18, options, free.data(),
+                                     &starts, &ceres_problem, &error))
+      << error;
+  ASSERT_EQ(starts.rows(), 4);
+  ASSERT_EQ(starts.cols(), 5);
+  EXPECT_EQ(ceres_problem.NumResidualBlocks(), 5);
+  EXPECT_EQ(ceres_problem.NumParameterBlocks(), 6);
+  // At rest; then x1, which a channel shows, and nothing else.
+  EXPECT_TRUE(ceres_problem.IsParameterBlockConstant(starts.data()));
+  EXPECT_FALSE(ceres_problem.IsParameterBlockConstant(starts.col(1).data()));
+  EXPECT_EQ(starts.col(0), Vector(Vector::Zero(4)));
+  EXPECT_EQ(starts.col(2), Vector(problem.records[0].channels[0].values[36] *
+                                  Vector::Unit(4, 0)));
+
+  std::vector<ceres::ResidualBlockId> blocks;
+  ceres_problem.GetResidualBlocks(&blocks);
+  for (int k = 0; k < 5; ++k) {
+    const auto alone = SegmentCost::Create(
+        problem, 0, 18 * k, std::min(80, 18 * (k + 1)), options, &error);
+    ASSERT_NE(alone, nullptr) << error;
+    std::vector<const double*> values = {starts.col(k).data()};
+    if (k < 4) values.push_back(starts.col(k + 1).data());
+    values.push_back(free.data());
+    Vector expected(alone->num_residuals());
+    ASSERT_TRUE(alone->Evaluate(values.data(), expected.data(), nullptr));
+    double cost = 0.0;
+    ASSERT_TRUE(ceres_problem.EvaluateResidualBlock(
+        blocks[static_cast<size_t>(k)], false, &cost, nullptr, nullptr));
+    EXPECT_NEAR(cost, 0.5 * expected.squaredNorm(), 1e-12 * cost) << k;
+  }
+}
+
+TEST(SegmentCost, AddRecordTakesStartsThatAreKnownOrMeasured) {
+  IdentificationProblem problem = ChainProblem();
+  IdentificationRecord& record = problem.records[0];
+  const Vector known = Eigen::Vector4d(0.1, 0.2, 0.3, 0.4);
+  record.start = Start::kKnown;
+  record.known_start = known;
+  // A velocity of DOF 2, its sign turned, its sample 20 missing; a drift, which
+  // is of no single DOF.
+  record.channels[1].observation.quantity = Quantity::kVelocity;
+  record.channels[1].observation.weights = -Vector::Unit(2, 1);
+  record.channels[1].values.setConstant(0.5);
+  record.channels[1].values[20] = std::nan("");
+  record.channels.push_back(record.channels[0]);
+  record.channels[2].observation.weights = Eigen::Vector2d(-1.0, 1.0);
+  const ParameterLayout layout(problem);
+  Vector free = layout.Free(layout.InitialValues());
+  std::string error;
+  Matrix starts;
+  ceres::Problem at_known, at_measured;
+  const SegmentCost::Options options;
+  ASSERT_TRUE(SegmentCost::AddRecord(problem, 0, 20, options, free.data(),
+                                     &starts, &at_known, &error))
+      << error;
+  const double x1 = record.channels[0].values[40];
+  EXPECT_TRUE(at_known.IsParameterBlockConstant(starts.data()));
+  EXPECT_EQ(starts.col(0), known);
+  EXPECT_EQ(starts(3, 1), 0.0);
+  EXPECT_EQ(starts.col(2), Vector(Eigen::Vector4d(x1, 0.0, 0.0, -0.5)));
+
+  record.start = Start::kFree;
+  Matrix free_starts;
+  ASSERT_TRUE(SegmentCost::AddRecord(problem, 0, 20, options, free.data(),
+                                     &free_starts, &at_measured, &error))
+      << error;
+  EXPECT_FALSE(at_measured.IsParameterBlockConstant(free_starts.data()));
+  EXPECT_EQ(free_starts(3, 0), -0.5);
+}
+
+TEST(SegmentCost, AddRecordRefusesAndAddsNothing) {
+  const IdentificationProblem problem = ChainProblem();
+  const ParameterLayout layout(problem);
+  Vector free = layout.Free(layout.InitialValues());
+  ceres::Problem ceres_problem;
+  Matrix starts;
+  const auto refused = [&](int record, int length,
+                           const SegmentCost::Options& options) {
+    std::string error;
+    EXPECT_FALSE(SegmentCost::AddRecord(problem, record, length, options,
+                                        free.data(), &starts, &ceres_problem,
+                                        &error));
+    return error;
+  };
+  EXPECT_EQ(refused(1, 20, {}), "there is no record 1 among 1");
+  EXPECT_EQ(refused(0, 0, {}),
+            "record 'r': segments of 0 samples, expected at least 1");
+  SegmentCost::Options options;
+  options.sigmas = Vector::Ones(3);
+  EXPECT_EQ(refused(0, 20, options),
+            "record 'r': its sigmas must be 2 positive numbers, one per "
+            "channel");
+  EXPECT_EQ(ceres_problem.NumResidualBlocks(), 0);
+}
+
 }  // namespace
 }  // namespace pinode
