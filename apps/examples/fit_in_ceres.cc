@@ -13,10 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "pinode/case/sections/case_file.h"
-#include "pinode/discover/discovery.h"
-#include "pinode/estimate/objective/prior_cost.h"
 #include "pinode/estimate/segment_cost.h"
+#include "pinode/estimate/trajectory_cost.h"
+#include "pinode/pinode.h"
 
 using namespace pinode;
 
@@ -48,9 +47,9 @@ int main(int argc, char** argv) {
   }
 
   // 4. The weights are distributed normally about 0, with precision 0.1.
-  auto* prior = new PriorCost(layout);
-  prior->SetDecays(Vector::Constant(layout.num_decay_groups(), 0.1));
-  problem.AddResidualBlock(prior, nullptr, free.data());
+  const Vector decays = Vector::Constant(layout.num_decay_groups(), 0.1);
+  problem.AddResidualBlock(MakePriorCost(layout, decays).release(), nullptr,
+                           free.data());
 
   // 5. Solve by Levenberg-Marquardt.
   ceres::Solver::Options solver;

@@ -113,8 +113,9 @@ bool TrajectoryCost::Evaluate(double const* const* parameters,
 }
 
 std::unique_ptr<ceres::CostFunction> MakePriorCost(
-    const ParameterLayout& layout) {
+    const ParameterLayout& layout, const Vector& decays) {
   auto cost = std::make_unique<PriorCost>(layout);
+  if (decays.size() > 0) cost->SetDecays(decays);
   if (cost->num_priors() == 0) return nullptr;
   return cost;
 }

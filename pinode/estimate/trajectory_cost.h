@@ -73,10 +73,11 @@ class TrajectoryCost final : public ceres::CostFunction {
   const std::unique_ptr<Owned> owned_;
 };
 
-// Residuals of the priors of `layout`, without weight decay, which must outlive
-// them. nullptr where there is no prior.
+// Returns the residuals of the priors of `layout`, which must outlive them.
+// `decays`: precision of the zero-mean prior of each decay group (weights of a
+// network); empty: no weight decay. nullptr if there is no prior.
 std::unique_ptr<ceres::CostFunction> MakePriorCost(
-    const ParameterLayout& layout);
+    const ParameterLayout& layout, const Vector& decays = Vector());
 
 // Residuals of the measured modes of `problem`, which is valid. `layout` must
 // outlive them. nullptr where there are no modes.
