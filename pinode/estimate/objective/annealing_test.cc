@@ -25,7 +25,7 @@ class AnnealingTest : public ::testing::Test {
 
   testing::SmallFit fit_;
   IdentificationOptions options_;
-  IdentificationSummary summary_;
+  FitSummary summary_;
   Objective objective_;
   FitContext context_;
   Annealing annealing_;

@@ -65,7 +65,7 @@ TEST_F(NoiseLevelsTest, ComesToTheNoiseOfTheTruth) {
   const ParameterLayout layout(problem_);
   Objective objective(problem_, layout, MultipleShooting::Options());
   const IdentificationOptions options;
-  IdentificationSummary summary;
+  FitSummary summary;
   const FitContext context{problem_, options, layout, objective, summary};
   const NoiseLevels levels(context);
   Annealing annealing(context);
