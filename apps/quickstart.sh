@@ -16,8 +16,16 @@ frame=data/frame
 
 apps/install_packages.sh apps/packages.txt
 
-cmake --preset quickstart
-cmake --build --preset quickstart --parallel "$(nproc)"
+# Many sources at a time, where there is memory for it.
+jobs=$(nproc)
+batch=4
+memory_kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
+if ((memory_kib / jobs > 3000000)); then
+  batch=16
+fi
+
+cmake --preset quickstart -DPINODE_UNITY_BATCH="$batch"
+cmake --build --preset quickstart --parallel "$jobs"
 
 began=$SECONDS
 echo

@@ -45,6 +45,19 @@ function(pinode_unity_build target)
     UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${PINODE_UNITY_BATCH})
 endfunction()
 
+# Headers that most sources share, parsed once: by pinode_base, whose flags all
+# floors have. They also declare the parts of Eigen that pinode_base compiles for
+# everybody (base/eigen_instances.inc), so the objects need pinode_base. Nothing
+# of this is exported.
+function(pinode_precompile target)
+  if(target STREQUAL "pinode_base")
+    target_precompile_headers(${target} PRIVATE
+      ${PROJECT_SOURCE_DIR}/pinode/base/precompiled.inc)
+  else()
+    target_precompile_headers(${target} REUSE_FROM pinode_base)
+  endif()
+endfunction()
+
 function(pinode_add_unit_test name folder label libraries)
   add_executable(${name} ${ARGN})
   target_link_libraries(${name} PRIVATE
@@ -121,6 +134,9 @@ function(pinode_add_floor folder)
   pinode_private_flags(${target})
   if(PINODE_UNITY_LIBRARY)
     pinode_unity_build(${target})
+  endif()
+  if(PINODE_PRECOMPILE)
+    pinode_precompile(${target})
   endif()
   if(NOT FLOOR_APART)
     set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
