@@ -130,7 +130,7 @@ void PrintRow(const TuningTrial& trial,
   int usable = 0;
   double iterations = 0.0, seconds = 0.0;
   for (const SeedOutcome& outcome : outcomes) {
-    usable += outcome.usable() ? 1 : 0;
+    usable += outcome.usable ? 1 : 0;
     iterations += outcome.iterations / static_cast<double>(outcomes.size());
     seconds += outcome.seconds / static_cast<double>(outcomes.size());
   }
@@ -170,7 +170,7 @@ TEST(TuningStudy, HalvesAndDoublesEachConstant) {
       PrintRow(trials[t], outcomes[t]);
     }
   }
-  for (const SeedOutcome& outcome : outcomes[0]) EXPECT_TRUE(outcome.usable());
+  for (const SeedOutcome& outcome : outcomes[0]) EXPECT_TRUE(outcome.usable);
 }
 
 }  // namespace

@@ -10,11 +10,11 @@
 namespace pinode {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 using ::testing::HasSubstr;
 
 TEST(VerdictJson, HasTheFindings) {
-  Json json;
+  ordered_json json;
   WriteVerdict(Verdict(std::vector<Finding>{
                    {"open_gaps", "gaps stayed open", 2e-6, 1e-6, "do this"},
                    {"failed", "it failed"}}),
@@ -37,11 +37,13 @@ TEST(VerdictJson, HasTheFindings) {
 TEST(VerdictJson, ReadsOlderResults) {
   bool usable = false;
   std::string error;
-  ASSERT_TRUE(ReadUsable(Json{{"usable", true}}, &usable, &error)) << error;
+  ASSERT_TRUE(ReadUsable(ordered_json{{"usable", true}}, &usable, &error))
+      << error;
   EXPECT_TRUE(usable);
   // The verdict counts where there is one.
-  ASSERT_TRUE(ReadUsable(Json{{"usable", true}, {"verdict", "not_usable"}},
-                         &usable, &error))
+  ASSERT_TRUE(
+      ReadUsable(ordered_json{{"usable", true}, {"verdict", "not_usable"}},
+                 &usable, &error))
       << error;
   EXPECT_FALSE(usable);
 }
@@ -49,10 +51,10 @@ TEST(VerdictJson, ReadsOlderResults) {
 TEST(VerdictJson, RefusesOtherValues) {
   bool usable = false;
   std::string error;
-  EXPECT_FALSE(ReadUsable(Json::object(), &usable, &error));
+  EXPECT_FALSE(ReadUsable(ordered_json::object(), &usable, &error));
   EXPECT_THAT(error, HasSubstr("\"usable\" is missing"));
-  EXPECT_FALSE(ReadUsable(Json{{"usable", 1}}, &usable, &error));
-  EXPECT_FALSE(ReadUsable(Json{{"verdict", "fine"}}, &usable, &error));
+  EXPECT_FALSE(ReadUsable(ordered_json{{"usable", 1}}, &usable, &error));
+  EXPECT_FALSE(ReadUsable(ordered_json{{"verdict", "fine"}}, &usable, &error));
   EXPECT_THAT(error, HasSubstr("\"verdict\" is \"fine\""));
 }
 

@@ -149,7 +149,7 @@ TEST(ModalSection, MoreModesThanTheModelHas) {
   EXPECT_THAT(summary.remarks,
               Contains(HasSubstr("the fit does not use 'high'")));
   EXPECT_EQ(model.parameters, other.parameters);
-  EXPECT_EQ(summary.usable(), expected.usable);
+  EXPECT_EQ(summary.usable(), expected.usable());
 }
 
 TEST(ModalSection, ConvertsHzToTheModelsTime) {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pinode/study/damage/damage_analysis.h"
+#include "pinode/study/identify/identify.h"
 #include "tests/support/ambient_covariate_testing.h"
-#include "tests/support/identify_testing.h"
 
 namespace pinode {
 namespace {
@@ -23,22 +23,24 @@ using ::testing::IsEmpty;
 
 constexpr double kSeconds = 300.0;
 
-FitOfRecords FitOf(const std::string& name, IdentificationProblem problem) {
-  FitOfRecords fit;
-  fit.name = name;
-  fit.problem = std::move(problem);
+// The outcome of the main job on `problem`.
+Identification FitOf(IdentificationProblem problem) {
   IdentificationOptions options;
   options.num_threads = 2;
-  testing::FitAndJudge(fit.problem, options, nullptr, &fit.summary, &fit.model);
-  EXPECT_TRUE(fit.summary.usable()) << name << ": " << fit.summary.message;
+  Identification fit = Identify(std::move(problem), options);
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
   return fit;
 }
 
-Baseline BaselineOf(const FitOfRecords& fit) {
+FitOfRecords RecordsOf(const Identification& fit) {
+  return {"new", fit.problem, fit.summary, fit.model};
+}
+
+Baseline BaselineOf(const std::string& name, const Identification& fit) {
   Baseline baseline;
   std::string error;
-  EXPECT_TRUE(BaselineFrom(fit.name, fit.problem, fit.summary, fit.model,
-                           &baseline, &error))
+  EXPECT_TRUE(BaselineFrom(name, fit.problem, fit.summary, fit.model, &baseline,
+                           &error))
       << error;
   return baseline;
 }
@@ -56,10 +58,11 @@ void Hold(double slope, IdentificationProblem* problem) {
 class HeldFollowersTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    baseline_ = new Baseline(BaselineOf(FitOf(
-        "healthy", ProblemOfRecords(0.05, {RecordAt(0.0, 1, kSeconds),
-                                           RecordAt(10.0, 2, kSeconds),
-                                           RecordAt(20.0, 3, kSeconds)}))));
+    baseline_ = new Baseline(BaselineOf(
+        "healthy",
+        FitOf(ProblemOfRecords(
+            0.05, {RecordAt(0.0, 1, kSeconds), RecordAt(10.0, 2, kSeconds),
+                   RecordAt(20.0, 3, kSeconds)}))));
   }
   static void TearDownTestSuite() { delete baseline_; }
 
@@ -68,7 +71,7 @@ class HeldFollowersTest : public ::testing::Test {
     return ProblemOfRecords(0.0, {RecordAt(temperature, seed, kSeconds, loss)});
   }
 
-  static DamageResult Analyse(const FitOfRecords& fit) {
+  static DamageResult Analyse(const Identification& fit) {
     DamageResult result;
     std::string error;
     EXPECT_TRUE(AnalyseDamage(fit.problem, fit.summary, fit.model, {*baseline_},
@@ -114,7 +117,7 @@ TEST_F(HeldFollowersTest, AreWhatRecordsOfOneTemperatureCannotTell) {
 TEST_F(HeldFollowersTest, LossIsFoundAtAnotherTemperature) {
   IdentificationProblem problem = NewProblem(-10.0, 8, 0.1);
   Hold(baseline_->with_followers.values[4], &problem);
-  const DamageResult result = Analyse(FitOf("new", std::move(problem)));
+  const DamageResult result = Analyse(FitOf(std::move(problem)));
   ASSERT_EQ(result.estimate.groups.size(), 4u);
   const GroupChange& lost = result.estimate.groups[0];
   EXPECT_TRUE(lost.changed);
@@ -130,9 +133,9 @@ TEST_F(HeldFollowersFigures, BesideOtherKindsOfChange) {
   const double slope = baseline_->with_followers.values[4];
   IdentificationProblem problem = NewProblem(-10.0, 8, 0.1);
   Hold(slope, &problem);
-  const FitOfRecords fit = FitOf("new", std::move(problem));
+  const Identification fit = FitOf(std::move(problem));
   const Baseline other = BaselineOf(
-      FitOf("other", ProblemOfRecords(0.0, {RecordAt(-5.0, 11, kSeconds),
+      "other", FitOf(ProblemOfRecords(0.0, {RecordAt(-5.0, 11, kSeconds),
                                             RecordAt(15.0, 12, kSeconds)})));
   DamageAnalysisOptions options;
   options.search.masses = {{"u1", {0}}, {"u2", {1}}};
@@ -164,7 +167,7 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
   for (const double away : {0.0, kAway}) {
     IdentificationProblem problem = NewProblem(-10.0, 9, 0.0);
     Hold(slope + away, &problem);
-    results.push_back(Analyse(FitOf("new", std::move(problem))));
+    results.push_back(Analyse(FitOf(std::move(problem))));
   }
   for (size_t j = 0; j < 2; ++j) {
     // A difference of 30 degrees.
@@ -184,12 +187,13 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
 TEST_F(HeldFollowersTest, UncertaintyGrowsAwayFromTheBaseline) {
   IdentificationProblem problem = NewProblem(10.0, 10, 0.0);
   Hold(baseline_->with_followers.values[4], &problem);
-  const FitOfRecords fit = FitOf("new", std::move(problem));
+  const Identification fit = FitOf(std::move(problem));
   HeldFollowers followers({*baseline_}, fit.problem);
   EXPECT_THAT(followers.names(), ElementsAre("all"));
   const std::vector<std::string> groups = {"k1", "k2", "cm", "ck"};
   std::string error;
-  ASSERT_TRUE(followers.FindSlopes(fit, groups, {}, 1, &error)) << error;
+  ASSERT_TRUE(followers.FindSlopes(RecordsOf(fit), groups, {}, 1, &error))
+      << error;
   const GroupState near =
       followers.Compared(followers.StateOf(*baseline_), groups.size());
   // All the stiffness times (10 - 20) degrees.

@@ -130,8 +130,6 @@ TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
   FitSummary summary = FitOf(problem, 0.0);
   summary.way = "by stages";
   summary.linear_error = 0.25;
-  summary.choice.complete = true;
-  summary.choice.candidates = summary.choice.left_out = {"spring"};
   IdentifiedModel model;
   Fits fits({0.0, 0.0, 0.0});
   SettleLoadSpectra({}, &fits, &problem, &summary, &model);
@@ -139,9 +137,8 @@ TEST(LoadSpectra, NearerStandsWhereNoProbabilityIsLeft) {
   EXPECT_EQ(model.parameters[0], 25.0);
   EXPECT_EQ(summary.way, "by stages");
   EXPECT_EQ(summary.linear_error, 0.25);
-  ASSERT_EQ(summary.remarks.size(), 2u);
-  EXPECT_EQ(summary.remarks[0], summary.choice.Sentence());
-  EXPECT_THAT(summary.remarks[1], HasSubstr("13 knots (probability 0); then"));
+  ASSERT_EQ(summary.remarks.size(), 1u);
+  EXPECT_THAT(summary.remarks[0], HasSubstr("13 knots (probability 0); then"));
 }
 
 // With the same knots: what the first fit took for loads was of its start.

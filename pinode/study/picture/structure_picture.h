@@ -14,8 +14,8 @@
 namespace pinode {
 
 struct DamageResult;
+struct FitSummary;
 struct IdentificationProblem;
-struct IdentificationSummary;
 struct IdentifiedModel;
 struct MergedModes;
 struct PlaceOfShape;
