@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 constexpr double kSeconds = 300.0;
 
 // The outcome of the main job on `problem`.
-Identification FitOf(IdentificationProblem problem) {
+Identification IdentifyOrFail(IdentificationProblem problem) {
   IdentificationOptions options;
   options.num_threads = 2;
   Identification fit = Identify(std::move(problem), options);
@@ -60,7 +60,7 @@ class HeldFollowersTest : public ::testing::Test {
   static void SetUpTestSuite() {
     baseline_ = new Baseline(BaselineOf(
         "healthy",
-        FitOf(ProblemOfRecords(
+        IdentifyOrFail(ProblemOfRecords(
             0.05, {RecordAt(0.0, 1, kSeconds), RecordAt(10.0, 2, kSeconds),
                    RecordAt(20.0, 3, kSeconds)}))));
   }
@@ -117,7 +117,7 @@ TEST_F(HeldFollowersTest, AreWhatRecordsOfOneTemperatureCannotTell) {
 TEST_F(HeldFollowersTest, LossIsFoundAtAnotherTemperature) {
   IdentificationProblem problem = NewProblem(-10.0, 8, 0.1);
   Hold(baseline_->with_followers.values[4], &problem);
-  const DamageResult result = Analyse(FitOf(std::move(problem)));
+  const DamageResult result = Analyse(IdentifyOrFail(std::move(problem)));
   ASSERT_EQ(result.estimate.groups.size(), 4u);
   const GroupChange& lost = result.estimate.groups[0];
   EXPECT_TRUE(lost.changed);
@@ -133,10 +133,11 @@ TEST_F(HeldFollowersFigures, BesideOtherKindsOfChange) {
   const double slope = baseline_->with_followers.values[4];
   IdentificationProblem problem = NewProblem(-10.0, 8, 0.1);
   Hold(slope, &problem);
-  const Identification fit = FitOf(std::move(problem));
+  const Identification fit = IdentifyOrFail(std::move(problem));
   const Baseline other = BaselineOf(
-      "other", FitOf(ProblemOfRecords(0.0, {RecordAt(-5.0, 11, kSeconds),
-                                            RecordAt(15.0, 12, kSeconds)})));
+      "other",
+      IdentifyOrFail(ProblemOfRecords(
+          0.0, {RecordAt(-5.0, 11, kSeconds), RecordAt(15.0, 12, kSeconds)})));
   DamageAnalysisOptions options;
   options.search.masses = {{"u1", {0}}, {"u2", {1}}};
   DamageResult result;
@@ -167,7 +168,7 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
   for (const double away : {0.0, kAway}) {
     IdentificationProblem problem = NewProblem(-10.0, 9, 0.0);
     Hold(slope + away, &problem);
-    results.push_back(Analyse(FitOf(std::move(problem))));
+    results.push_back(Analyse(IdentifyOrFail(std::move(problem))));
   }
   for (size_t j = 0; j < 2; ++j) {
     // A difference of 30 degrees.
@@ -187,7 +188,7 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
 TEST_F(HeldFollowersTest, UncertaintyGrowsAwayFromTheBaseline) {
   IdentificationProblem problem = NewProblem(10.0, 10, 0.0);
   Hold(baseline_->with_followers.values[4], &problem);
-  const Identification fit = FitOf(std::move(problem));
+  const Identification fit = IdentifyOrFail(std::move(problem));
   HeldFollowers followers({*baseline_}, fit.problem);
   EXPECT_THAT(followers.names(), ElementsAre("all"));
   const std::vector<std::string> groups = {"k1", "k2", "cm", "ck"};
