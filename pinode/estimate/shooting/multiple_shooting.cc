@@ -281,6 +281,7 @@ bool MultipleShooting::Condense(const Vector& free, double cost,
   }
   ShootingLinearization result;
   FreeEquations sum = sweep_.sum();
+  std::vector<Vector> squares;
   for (size_t r = 0; r < records_.size(); ++r) {
     StartEquations& equations = records_[r]->equations();
     if (records_[r]->HasFreeStarts()) {
@@ -289,12 +290,13 @@ bool MultipleShooting::Condense(const Vector& free, double cost,
     if (!equations.Eliminate(gap_penalty_, starts_[r], &sum)) {
       return Fail(Divergence());
     }
-    result.squares.push_back(
+    Vector& of_channels = squares.emplace_back(
         Vector::Zero(records_[r]->observation().num_channels()));
     for (int k = 0; k < records_[r]->num_segments(); ++k) {
-      result.squares.back() += records_[r]->results().of(k).squares;
+      of_channels += records_[r]->results().of(k).squares;
     }
   }
+  result.squares = std::move(squares);
   for (auto& record : records_) {
     record->equations().linearized_cost = record->equations().cost;
   }

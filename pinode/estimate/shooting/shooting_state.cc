@@ -14,7 +14,7 @@ const Divergence& ShootingState::divergence() const {
 void ShootingState::SetCut(const std::vector<Matrix>& starts) {
   linearization_.free.resize(0);
   linearization_.starts = starts;
-  linearization_.squares.clear();
+  linearization_.squares.reset();
   SetCostChanged();
 }
 
@@ -40,7 +40,7 @@ void ShootingState::SetLinearization(ShootingLinearization linearization) {
   linearization_ = std::move(linearization);
   if (!linearization_.system.hessian.allFinite() ||
       !linearization_.system.gradient.allFinite()) {
-    linearization_.squares.clear();
+    linearization_.squares.reset();
     DropDerivatives();
     failure_ = Divergence();
     return;

@@ -32,8 +32,9 @@ struct ShootingLinearization {
   double cost = std::numeric_limits<double>::infinity();
   CondensedSystem system;
   // Sums of squares of each channel's residuals in the sensors' units (weights
-  // of a robust loss included), per training record; empty: none.
-  std::vector<Vector> squares;
+  // of a robust loss included), per training record, of which modal problems
+  // have none. Not set: no linearisation holds.
+  std::optional<std::vector<Vector>> squares;
   // Mean over segments and states of D^2 J'J of the data: how firmly the data
   // alone hold a start, compared with mu. A new cut leaves it.
   double data_curvature = 0.0;
@@ -75,8 +76,8 @@ class ShootingState {
   // Squares of the last linearisation, where that was at `free`; nullptr where
   // it was not.
   const std::vector<Vector>* SquaresAt(const Vector& free) const {
-    return !linearization_.squares.empty() && IsAt(linearization_.free, free)
-               ? &linearization_.squares
+    return linearization_.squares.has_value() && IsAt(linearization_.free, free)
+               ? &*linearization_.squares
                : nullptr;
   }
   // The last evaluation failed.

@@ -19,7 +19,7 @@ ShootingLinearization LinearizationAt(const Vector& free) {
   result.cost = 3.0;
   result.system.gradient = Vector::Zero(2);
   result.system.hessian = Matrix::Identity(2, 2);
-  result.squares = {Vector::Ones(1)};
+  result.squares = std::vector<Vector>{Vector::Ones(1)};
   result.data_curvature = 7.0;
   return result;
 }
