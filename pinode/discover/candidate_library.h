@@ -12,11 +12,11 @@
 
 namespace pinode {
 
-// An ordered set of candidate functions of one feature vector q: the columns
-// of Theta in y = Theta(q) xi (Brunton, Proctor, Kutz, "Discovering governing
-// equations from data by sparse identification of nonlinear dynamical systems",
-// PNAS 113 (2016) 3932; Lai et al. (2021), eqs. (7) to (9)). Outputs that have
-// libraries of their own have one object each.
+// Ordered set of candidate functions of one feature vector q. They are the
+// columns of Theta in y = Theta(q) xi (Brunton, Proctor, Kutz, "Discovering
+// governing equations from data by sparse identification of nonlinear dynamical
+// systems", PNAS 113 (2016) 3932; Lai et al. (2021), eqs. (7) to (9)). Outputs
+// that have libraries of their own have one object each.
 class CandidateLibrary {
  public:
   static constexpr int kMaxCandidates = 2000;

@@ -31,7 +31,7 @@ struct SegmentCost::Owned {
         rows(layout, RobustLoss::kNone, 1.0) {}
 
   bool HasGap() const { return last + 1 < data.num_samples(); }
-  // Whether the segment is the record.
+  // True if the segment is the whole record.
   bool IsWhole() const { return first == 0 && !HasGap(); }
 
   const IdentificationProblem& problem;
@@ -115,8 +115,8 @@ bool IsValidSegment(const IdentificationProblem& problem, int record,
   return false;
 }
 
-// The state at `sample`, as far as displacements and velocities at single DOFs
-// show it; 0 elsewhere.
+// Returns the state at `sample` from displacements and velocities at single
+// DOFs; 0 for other states.
 Vector ShownState(const IdentificationRecord& data, Eigen::Index sample,
                   int num_states) {
   Vector state = Vector::Zero(num_states);
@@ -138,7 +138,7 @@ Vector ShownState(const IdentificationRecord& data, Eigen::Index sample,
   return state;
 }
 
-// Those of the segments that begin every `length` samples.
+// Returns the initial starts of the segments that begin every `length` samples.
 Matrix FirstStarts(const IdentificationProblem& problem,
                    const IdentificationRecord& data, Eigen::Index length,
                    Eigen::Index count) {

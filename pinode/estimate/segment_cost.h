@@ -60,16 +60,16 @@ class SegmentCost final : public ceres::CostFunction {
       Eigen::Index last, const Options& options, std::string* error);
 
   // Adds a whole record to `ceres_problem`: multiple shooting with segments of
-  // `length` samples, the last one with what is left. Each is a residual block,
-  // each column of *starts (num_states x segments) the parameter block of a
-  // start, and `free` the block that all share. Both must outlive
-  // `ceres_problem`.
+  // `length` samples, the last one with the remaining samples. Each segment is
+  // a residual block. Each column of *starts (num_states x segments) is the
+  // parameter block of a start, and all segments share the block `free`. Both
+  // must outlive `ceres_problem`.
   //
-  // *starts begins with what displacements and velocities at single DOFs show
-  // of the states, and 0 for the others. The first start is constant where the
-  // record's is known or at rest.
+  // *starts is set to states from displacements and velocities at single DOFs,
+  // and to 0 for other states. The first start is constant if the record's
+  // start is known or at rest.
   //
-  // False, with a sentence in *error and nothing added, as for Create.
+  // Returns false, with a sentence in *error and nothing added, as Create does.
   [[nodiscard]] static bool AddRecord(const IdentificationProblem& problem,
                                       int record, Eigen::Index length,
                                       const Options& options, double* free,
@@ -82,7 +82,7 @@ class SegmentCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  // Whether there is a next start.
+  // True if there is a next start.
   bool HasGap() const;
 
  private:

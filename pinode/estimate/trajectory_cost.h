@@ -20,12 +20,11 @@ namespace pinode {
 // Trajectories of all training records, with the segments' starts projected out
 // (MultipleShooting), as num_free + 1 residuals: see CondensedCost.
 //
-// The one parameter block are the free parameters, in the order of layout(),
-// which names them; start from InitialValues(). Their bounds are the caller's
-// to set in the ceres::Problem, where other residuals may share the block.
-// Priors and measured modes are blocks of their own: MakePriorCost,
-// MakeModalCost.
-// Without a Jacobian only |r|^2 is right: no numeric differences of r.
+// The single parameter block holds the free parameters, in the order of
+// layout(), which names them. Start from InitialValues(). Set their bounds in
+// the ceres::Problem, where other residuals may share the block. Priors and
+// measured modes are separate blocks: MakePriorCost, MakeModalCost. Without a
+// Jacobian only |r|^2 is right: r cannot be differentiated numerically.
 //
 // Evaluations of one object must come one at a time, as Ceres does. With
 // Options::num_threads each evaluation uses threads. Like other cost functions
@@ -79,8 +78,8 @@ class TrajectoryCost final : public ceres::CostFunction {
 std::unique_ptr<ceres::CostFunction> MakePriorCost(
     const ParameterLayout& layout, const Vector& decays = Vector());
 
-// Residuals of the measured modes of `problem`, which is valid. `layout` must
-// outlive them. nullptr where there are no modes.
+// Returns the residuals of the measured modes of `problem`, which is valid.
+// `layout` must outlive them. nullptr if there are no modes.
 std::unique_ptr<ceres::CostFunction> MakeModalCost(
     const IdentificationProblem& problem, const ParameterLayout& layout);
 

@@ -16,11 +16,12 @@
 
 namespace pinode {
 
-// `problem` is complete, its responses need not be; `structure`: the
-// finite-element model of which its model is a reduction, or nullptr. Without
-// [[plan.candidate]] sensors for the absolute acceleration could be at every
-// translational DOF that moves freely, of the whole finite-element model where
-// there is one: x = T r says what they see.
+// Reads the section. `problem` is complete, except that its responses may be
+// missing. `structure`: the finite-element model of which its model is a
+// reduction, or nullptr. Without [[plan.candidate]] the candidates are sensors
+// for the absolute acceleration at every translational DOF that moves freely.
+// With a finite-element model these are the DOFs of the whole model, observed
+// by x = T r.
 [[nodiscard]] bool ReadPlan(const TomlTable& root, const UnitSystem& units,
                             const ReducedStructure* structure,
                             const std::vector<RecordSection>& sections,

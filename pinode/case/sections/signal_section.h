@@ -48,8 +48,8 @@ bool IsVoltage(const TomlTable& table);
 [[nodiscard]] bool ReadSource(const std::string& record_file,
                               SignalSection* signal);
 
-// Reads `unit`, noise and offset of a signal whose dimension, scale and sign are
-// set. "model": the unit of the case for that dimension.
+// Reads `unit`, noise and offset of a signal whose dimension, scale and sign
+// are set. "model": the unit of the case for that dimension.
 [[nodiscard]] bool ReadUnit(const UnitSystem& units, SignalSection* signal);
 
 }  // namespace pinode

@@ -37,8 +37,8 @@ void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
   const FitState& best = fit.best();
   summary->gradient_cosine = best.optimality.cosine;
   summary->promised_share = best.optimality.promise;
-  // What was undone ended elsewhere, and free runs as good as these are held
-  // up by rounding alone.
+  // Error below which a simulation is limited by rounding alone. A last stage
+  // that was undone ended elsewhere.
   constexpr double kExact = 1e-6;
   const bool undone =
       !summary->stages.empty() && summary->stages.back().rolled_back;

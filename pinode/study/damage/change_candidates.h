@@ -13,8 +13,8 @@
 
 namespace pinode {
 
-// Candidates at the places of `search`, which is valid: masses, and per spring
-// four nonlinear forces,
+// Returns candidates at the places of `search`, which is valid: masses, and
+// four nonlinear forces per spring,
 //
 //   opening    |d|            stiffness that differs by sign, as of a crack
 //   hardening  d^3            or softening

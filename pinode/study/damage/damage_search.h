@@ -1,4 +1,4 @@
-// Where other kinds of change than those of groups are looked for, and which.
+// Search for other kinds of change than those of groups: places and candidates.
 
 #ifndef PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
 #define PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
@@ -36,23 +36,23 @@ struct DamageSearch {
                              std::string* error) const;
 };
 
-// One unknown that was zero in the model and may no longer be.
+// Unknown that was zero in the model and may have changed.
 struct ChangeCandidate {
   ChangeSubject subject;
-  // The change is this part of the parameter: 1 is the mean mass of the place's
-  // DOFs, or a force with the RMS of the linear one at the place.
+  // Unit of the change in terms of the parameter: 1 is the mean mass of the
+  // place's DOFs, or a force with the RMS of the linear one at the place.
   double unit = 1.0;
-  // kMass: by DOF, what a change of 1 adds, the model's unit of mass.
+  // kMass: mass per DOF added by a change of 1, in the model's unit of mass.
   Vector masses;
-  // kNonlinear: a function of the deformation `from` to `to` and its rate.
+  // kNonlinear: a function of the deformation from `from` to `to` and its rate.
   int from = Feature::kGround;
   int to = Feature::kGround;
   std::string basis;
   std::string library;  // the name of the term
 };
 
-// The DOFs of `model` that are translations of `node`, where names are
-// "node.direction"; none where it has no such DOF.
+// Returns the DOFs of `model` that are translations of `node`, if names are
+// "node.direction"; empty if there is no such DOF.
 DamageSearch::MassPlace PlaceOfMass(const StructuralModel& model,
                                     const std::string& node);
 

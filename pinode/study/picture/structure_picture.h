@@ -21,8 +21,8 @@ struct MergedModes;
 struct PlaceOfShape;
 struct ReducedStructure;
 
-// A geometry beside a model: which of its nodes and elements are the model's
-// DOFs and groups.
+// Geometry of a model, with the nodes and elements of the model's DOFs and
+// groups.
 struct PlacedGeometry {
   StructureGeometry geometry;
   // Nodes and directions of DOFs that are not called "node.direction". Several

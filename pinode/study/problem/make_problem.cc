@@ -42,7 +42,7 @@ bool IsInputOf(const StructuralModel& model, const InputSpec& input,
   return false;
 }
 
-// What SetSubsteps changes of a record.
+// Fields of a record that SetSubsteps changes.
 struct Steps {
   int substeps;
   bool chosen;
@@ -51,7 +51,8 @@ struct Steps {
 };
 
 bool Prepare(IdentificationProblem* problem, std::string* error) {
-  // Without steps no problem is valid, and steps are chosen for valid problems.
+  // A problem is valid only with steps, and steps are chosen for valid
+  // problems.
   std::vector<size_t> to_choose;
   for (size_t r = 0; r < problem->records.size(); ++r) {
     if (problem->records[r].substeps != 0) continue;

@@ -58,14 +58,18 @@ std::vector<InputSpec> GroundMotion(const StructuralModel& model);
                              IdentificationProblem* problem,
                              std::string* error);
 
-// Checks the problem (IdentificationProblem::IsValid) and sets the steps of all
-// records whose `substeps` is 0; those that were given are checked (SetSubsteps
-// in study/problem/substeps.h says how); then the scales of networks that have
-// none (ScaleNetworks), and the starts of training records that their first
-// samples say (FixTrainingStarts). A problem that comes from a case file is
-// prepared already; to do it again changes nothing.
+// Checks and completes the problem, in this order:
 //
-// False, with the problem untouched, where something is wrong: *error names the
+// - checks it (IdentificationProblem::IsValid);
+// - sets the steps of all records whose `substeps` is 0, and checks given ones
+//   (see SetSubsteps in study/problem/substeps.h);
+// - sets the scales of networks that have none (ScaleNetworks);
+// - fixes the starts of training records that have `start_samples`
+//   (FixTrainingStarts).
+//
+// A problem from a case file is prepared already; repeating it changes nothing.
+//
+// Returns false, with the problem untouched, on an error. *error names the
 // record, channel or mode, and what was expected.
 [[nodiscard]] bool PrepareProblem(IdentificationProblem* problem,
                                   std::string* error);

@@ -14,8 +14,8 @@
 
 namespace pinode {
 
-// Of `model` where it has a value per parameter. Nothing is compared of a
-// problem that is not valid.
+// Compares with `model` if it has a value per parameter. The result is empty
+// for a problem that is not valid.
 PriorComparison CompareWithPrior(const IdentificationProblem& problem,
                                  const IdentifiedModel& model);
 

@@ -33,9 +33,9 @@ struct SensorPlanOptions {
   bool keep_own = false;
 };
 
-// Sensors to choose from, as [plan] of a case has them.
+// Possible sensors to choose from, as in [plan] of a case.
 struct SensorRequest {
-  // `num_sensors` is for the program to say.
+  // Options of the plan; the program sets `num_sensors`.
   SensorPlanOptions options;
   std::vector<OwnSensor> own;
   std::vector<CandidateSensor> candidates;
