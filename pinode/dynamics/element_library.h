@@ -27,7 +27,7 @@ struct ElementParameterInfo {
   double default_value = kNaN;
 };
 
-// What such a library has to offer; own_element.h says how one is written.
+// Elements of a shared library. own_element.h shows how to write one.
 class ElementLibrary {
  public:
   struct Element {

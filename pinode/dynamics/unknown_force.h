@@ -140,9 +140,8 @@ struct UnknownForceTerm {
   std::string name;
   std::shared_ptr<const ForceHistory> history;
   Vector outputs;  // num_dofs
-  // What happens in one record does not happen in another: an input that is
-  // one in the force's record and zero in all others, by which the force is
-  // multiplied. -1: the force acts in every record.
+  // Index of an input that is one in the force's record and zero in all others.
+  // The force is multiplied by it. -1: the force acts in every record.
   int input = -1;
   ParameterBlock parameters;
   // Empty: none but the parameters' own. With one, all parameters are free or

@@ -17,7 +17,7 @@ namespace pinode {
 
 struct IdentifiedModel;
 
-// What a program shows, and saves, while a fit runs.
+// Progress of a running fit, for programs that show or save it.
 struct IdentificationProgress {
   int stage = 0;  // from 1
   int num_stages = 0;
@@ -68,10 +68,10 @@ struct IdentificationOptions {
   // Hessian. The others are of the fit that takes the excitation as exact.
   Covariance covariance = Covariance::kAuto;
 
-  // Whether predictions get bands. Fits that are only compared need none.
+  // Predictions get bands. Fits that are only compared need none.
   bool prediction_bands = true;
 
-  // Whether the states of the free runs are kept in the summary, 8 bytes a
+  // The states of the free runs are kept in the summary, 8 bytes a
   // state and sample: for what looks at restoring forces, or searches for
   // terms.
   bool keep_states = true;

@@ -1,4 +1,4 @@
-// What a report is made from, and the sentence it begins with.
+// Input of a report, and the sentence it begins with.
 
 #ifndef PINODE_REPORT_REPORT_H_
 #define PINODE_REPORT_REPORT_H_
@@ -20,19 +20,19 @@ namespace pinode {
 
 struct StructurePicture;
 
-// Where a report comes from.
+// Origin of a report.
 struct ReportOrigin {
   std::string case_path;     // empty: from no file
   std::string command_line;  // empty: from no program
   double wall_seconds = 0.0;
 };
 
-// Of pinode.
+// Returns the version of pinode.
 std::string PinodeVersion();
 
-// What a report is made from: the problem with its description, what came out
-// of the fit, and what studies found. The objects pointed to outlive it. The
-// summary may be that of a failure: what it lacks is left out of the report.
+// Input of a report: the problem with its description, the result of the fit,
+// and the results of studies. The objects pointed to outlive it. The summary
+// may be that of a failure: what it lacks is left out of the report.
 struct ReportInput {
   const IdentificationProblem* problem = nullptr;
   const IdentificationSummary* summary = nullptr;
@@ -43,9 +43,9 @@ struct ReportInput {
   std::function<Matrix(int record, const std::vector<int>& channels)> run_prior;
   // In place of networks; nullptr: there was no discovery.
   const std::vector<DiscoveredEquation>* equations = nullptr;
-  // What has changed since healthy records; nullptr: nobody asked.
+  // Changes relative to baselines. nullptr: they were not asked for.
   const DamageResult* damage = nullptr;
-  // Where it all is; nullptr: nobody knows.
+  // Geometry of the structure. nullptr: the case has none.
   const StructurePicture* structure = nullptr;
 
   ReportOrigin origin;
@@ -62,8 +62,8 @@ ReportInput MakeReportInput(const IdentificationProblem& problem,
 // "Not usable: ..." with its findings.
 std::string VerdictSentence(const ReportInput& input);
 
-// What the model misses of the motion it was fitted to, a sentence or two;
-// empty where training records leave little but noise.
+// Returns a sentence or two on the unexplained motion of the training records;
+// empty if they leave little but noise.
 std::string WhatIsMissed(const IdentificationSummary& summary);
 
 // Name of the DOF at which channel `channel` measures, or the combination of
@@ -81,8 +81,8 @@ double NoiseShare(const ReportInput& input, int record, int channel);
 // and what was found beside them.
 std::vector<size_t> ShownChanges(const DamageResult& damage);
 
-// Whether the data say anything of a change: the numbers of what they do not
-// show are those of rounding.
+// Returns true if the data determine the change; otherwise its numbers are
+// those of rounding.
 bool IsSeen(const GroupChange& change);
 
 // P(loss > threshold) of damage.subjects[index]; NaN where a loss has no
@@ -92,8 +92,8 @@ double LossProbability(const DamageResult& damage, size_t index);
 // The unit of a feature's values; empty where it has none.
 std::string FeatureUnit(const Feature& feature, const UnitSystem& units);
 
-// What a reader should know: the problem's remarks, those of its records, those
-// on the outcome, and why there are no modes.
+// Returns the remarks for the reader: those of the problem, of its records and
+// of the result, and the reason if there are no modes.
 std::vector<std::string> RemarksOf(const ReportInput& input);
 
 }  // namespace pinode

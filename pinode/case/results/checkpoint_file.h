@@ -43,7 +43,7 @@ class CheckpointWriter {
       std::string problem_hash, std::string path,
       std::chrono::milliseconds interval = std::chrono::milliseconds(1000));
 
-  // What has been chosen when the fit begins.
+  // Sets the choice that was made before the fit begins.
   void set_choice(ModelChoice choice) { choice_ = std::move(choice); }
   // Profiles of the fit that this one goes on from: they are not lost if it is
   // cut off before its own.

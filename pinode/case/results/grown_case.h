@@ -17,8 +17,8 @@
 
 namespace pinode {
 
-// What is written of a fit of `problem`, which is that of `c` with these
-// candidates: a case that says so, with the options of `c`. False, with *error,
+// Makes the case of `problem`, which is that of `c` with these candidates, with
+// the options of `c`. False, with *error,
 // where the case cannot be read any more or says otherwise.
 [[nodiscard]] bool CaseWithCandidates(
     const Case& c, const std::vector<ChangeCandidate>& candidates,
@@ -54,7 +54,7 @@ Case CaseAfterChoice(const Case& c, const std::vector<std::string>& left_out,
 // of a curve all of them.
 void HoldInCase(const std::map<std::string, double>& values, Case* c);
 
-// Whether the case asks for a basis that follows the parameters
+// Returns true if the case asks for a basis that follows the parameters
 // ([model.reduction] renew = true).
 bool RenewsBasis(const Case& c);
 

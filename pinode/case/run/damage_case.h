@@ -1,4 +1,4 @@
-// What has changed in the structure of a case since healthy records.
+// Changes in the structure of a case relative to baselines.
 
 #ifndef PINODE_CASE_RUN_DAMAGE_CASE_H_
 #define PINODE_CASE_RUN_DAMAGE_CASE_H_
@@ -27,7 +27,7 @@ namespace pinode {
 struct JudgedChange {
   bool judged = false;
   bool interrupted = false;
-  // Where it is not judged and the fit was usable.
+  // Reason why a usable result was not judged.
   std::string why_not;
   DamageResult result;
 };

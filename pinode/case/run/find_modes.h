@@ -1,4 +1,4 @@
-// What pinode_modes finds: the modes of each record, and of all together.
+// Result of pinode_modes: the modes of each record, and of all together.
 
 #ifndef PINODE_CASE_RUN_FIND_MODES_H_
 #define PINODE_CASE_RUN_FIND_MODES_H_
@@ -18,7 +18,7 @@ struct FoundModes {
   std::vector<ModesOfRecord> by_record;
   // Merged, at DOFs where sensors determine them, with the remarks of all.
   ModesResult result;
-  // Where the case says where the structure is.
+  // Set if the case has a geometry.
   std::optional<StructurePicture> picture;
 };
 

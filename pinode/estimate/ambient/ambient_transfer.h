@@ -26,7 +26,7 @@ using ComplexFactor = Eigen::LLT<Eigen::MatrixXcd>;
 // The response of each channel, over its scale, to a unit load at each area, at
 // the frequency of each line, and its derivatives by the free groups.
 //
-// Where loads act at fewer areas than there are channels, the spectrum S_y of a
+// If loads act at fewer areas than there are channels, the spectrum S_y of a
 // line is all but singular, and the transfer function's change within the line
 // is more than small noise. Its mean over the line is then taken from two
 // frequencies (nodes), exact up to the third power of the width. Work per line:

@@ -121,13 +121,13 @@ void CheckHoldouts(const FitSummary& fit, Findings* findings) {
     const bool much = score.nrmse > largest;
     const double unexplained = StructuredError(score);
     if (!much && !(unexplained > limits::kUnexplainedOfHoldout)) continue;
-    findings->push_back({"does_not_carry_over",
-                         "the result does not carry over: hold-out record '" +
-                             score.name + "' is predicted with an error of " +
-                             PercentText(score.nrmse) +
-                             ", the training records with " + PercentText(training),
-                         much ? score.nrmse : unexplained,
-                         much ? largest : limits::kUnexplainedOfHoldout});
+    findings->push_back(
+        {"does_not_carry_over",
+         "the result does not carry over: hold-out record '" + score.name +
+             "' is predicted with an error of " + PercentText(score.nrmse) +
+             ", the training records with " + PercentText(training),
+         much ? score.nrmse : unexplained,
+         much ? largest : limits::kUnexplainedOfHoldout});
   }
 }
 
@@ -213,7 +213,8 @@ void CheckFrequencies(const FitSummary& fit, Findings* findings) {
   if (after > limits::kFrequencyError) {
     findings->push_back(
         {"frequencies_not_met",
-         "measured frequencies are met within no less than " + PercentText(after) +
+         "measured frequencies are met within no less than " +
+             PercentText(after) +
              ": sensors in another order, a sensor's sign, place or direction, "
              "or groups that cannot make the model like the structure",
          after, limits::kFrequencyError});

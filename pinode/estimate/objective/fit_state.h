@@ -25,7 +25,7 @@ struct FitState {
   Vector decays;
   TrajectoryOutlines trajectories;
   double free_run_error = kInfinity;
-  // Of the samples, what the fit has not used up.
+  // Share of the samples that the fit has not used up.
   double share_left = 1.0;
   double cost = kInfinity;
   Optimality optimality;  // of the last solve that has converged

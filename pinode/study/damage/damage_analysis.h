@@ -20,8 +20,8 @@ namespace pinode {
 
 struct DamageAnalysisOptions {
   ChangeOptions change;
-  // Where masses and nonlinear forces are looked for: nowhere unless told, see
-  // LookEverywhere.
+  // Places at which masses and nonlinear forces are looked for. Default: none;
+  // see LookEverywhere.
   DamageSearch search;
   // Options of further fits, and a watch on them (may be nullptr).
   IdentificationOptions identification;
@@ -50,19 +50,19 @@ struct DamageResult {
   IdentifiedModel model;
 };
 
-// What has changed between `baselines`, at least one, and the new records of
-// `problem`, of which `summary` and `model` are a usable fit with a covariance.
+// Finds the changes between `baselines`, at least one, and the new records of
+// `problem`. `summary` and `model` are a usable result of it with a covariance.
 //
 // Four fifths of the false-alarm rate are for changes of the groups alone. The
-// rest is for masses and nonlinear forces at the places of options.search:
-// healthy records and new ones are each linearised at their fit with all of
-// these as further unknowns, and where one of them is found in place of, or
-// beside, groups, the new records are fitted again with it. For that the
-// healthy records are needed (Baseline::fit, which is fitted first where it is
-// not); where that cannot be done, a remark says so.
+// rest is for masses and nonlinear forces at the places of options.search. The
+// records of the baselines and the new ones are each linearised at their fit
+// with all of these as further unknowns. If one of them is found in place of
+// groups, or beside them, the new records are identified again with it. This
+// needs the records of the baselines (Baseline::fit, which is fitted first if
+// necessary); if they are missing, a remark says so.
 //
-// False, with *error, where the fits, groups, places or options do not fit
-// together, and where EstimateChange is.
+// False, with *error, if the fits, groups, places or options do not fit
+// together, or if EstimateChange fails.
 [[nodiscard]] bool AnalyseDamage(const IdentificationProblem& problem,
                                  const IdentificationSummary& summary,
                                  const IdentifiedModel& model,

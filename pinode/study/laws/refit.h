@@ -15,9 +15,10 @@
 namespace pinode {
 
 struct Discovery {
-  // As selected; after a refit, as left by it.
+  // Equations as selected, or as the refit left them.
   std::vector<DiscoveredEquation> equations;
-  // What the refit took out again, "x1: x[x2]^2", and what it took in.
+  // Terms that the refit took out again, "x1: x[x2]^2", and terms that it took
+  // in.
   std::vector<std::string> dropped;
   std::vector<std::string> added;
 

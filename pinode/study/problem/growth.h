@@ -29,7 +29,7 @@ struct StructureTerms {
   // Scales of forces, and kinds that the library does not know
   // (StructuralDynamics::AddTerm).
   std::vector<std::shared_ptr<const Term>> others;
-  // Of the groups.
+  // Curves that groups follow.
   std::vector<GroupCurve> group_curves;
 };
 StructureTerms TermsOf(const StructuralDynamics& dynamics);
