@@ -39,8 +39,8 @@ TEST(Activation, UnknownNameSuggestsKnownOnes) {
   EXPECT_EQ(error, "unknown activation 'sigmiod'; did you mean 'sigmoid'?");
   EXPECT_FALSE(ParseActivation("", &parsed, &error));
   EXPECT_FALSE(ParseActivation("gaussian_bump", &parsed, &error));
-  EXPECT_THAT(error, testing::HasSubstr("'gaussian_bump'"));
-  EXPECT_THAT(error, testing::HasSubstr("leaky_relu, softplus, sine"));
+  EXPECT_THAT(error, ::testing::HasSubstr("'gaussian_bump'"));
+  EXPECT_THAT(error, ::testing::HasSubstr("leaky_relu, softplus, sine"));
 }
 
 // An odd size, so that the vectorised functions end in an incomplete block. The

@@ -109,7 +109,7 @@ TEST(MatlabWriterTest, AllOrNothing) {
   EXPECT_FALSE(writer.Close(&error));
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, signal_before);
-  EXPECT_THAT(error, testing::HasSubstr("a.mat: cannot be written"));
+  EXPECT_THAT(error, ::testing::HasSubstr("a.mat: cannot be written"));
   EXPECT_EQ(folder.Read("a.mat"), "before");
 }
 
@@ -129,7 +129,7 @@ TEST(MatlabWriterTest, AFolderThatIsNotThereIsALine) {
   writer.AddText("a", "b");
   std::string error;
   EXPECT_FALSE(writer.Close(&error));
-  EXPECT_THAT(error, testing::HasSubstr("/nowhere/at/all.mat"));
+  EXPECT_THAT(error, ::testing::HasSubstr("/nowhere/at/all.mat"));
 }
 
 TEST(MatlabWriterTest, KnowsWhatAFileOfVersion5CannotHold) {
