@@ -30,20 +30,18 @@ void WriteVerdict(const Verdict& verdict, Json* json) {
 
 bool ReadUsable(const Json& json, bool* usable, std::string* error) {
   const Json verdict = json.value("verdict", Json());
-  if (verdict.is_null()) {
-    const Json value = json.value("usable", Json());
-    if (!value.is_boolean()) {
-      *error = "\"usable\" is missing or neither true nor false";
-      return false;
-    }
-    *usable = value;
-    return true;
+  const Json value = json.value("usable", Json());
+  if (!value.is_boolean()) {
+    *error = "\"usable\" is missing or neither true nor false";
+    return false;
   }
+  *usable = value;
+  if (verdict.is_null()) return true;
   for (const Grade grade : {Grade::kGood, Grade::kNotUsable}) {
-    if (verdict == GradeName(grade)) {
-      *usable = grade != Grade::kNotUsable;
-      return true;
-    }
+    if (verdict != GradeName(grade)) continue;
+    // Both must agree: where one of them was changed by hand, take neither.
+    *usable = *usable && grade != Grade::kNotUsable;
+    return true;
   }
   *error = "\"verdict\" is " + verdict.dump() +
            ", expected \"good\" or \"not_usable\"";

@@ -40,10 +40,14 @@ TEST(VerdictJson, ReadsOlderResults) {
   ASSERT_TRUE(ReadUsable(ordered_json{{"usable", true}}, &usable, &error))
       << error;
   EXPECT_TRUE(usable);
-  // The verdict counts where there is one.
+  // A result is usable if both say so.
   ASSERT_TRUE(
       ReadUsable(ordered_json{{"usable", true}, {"verdict", "not_usable"}},
                  &usable, &error))
+      << error;
+  EXPECT_FALSE(usable);
+  ASSERT_TRUE(ReadUsable(ordered_json{{"usable", false}, {"verdict", "good"}},
+                         &usable, &error))
       << error;
   EXPECT_FALSE(usable);
 }
@@ -54,7 +58,8 @@ TEST(VerdictJson, RefusesOtherValues) {
   EXPECT_FALSE(ReadUsable(ordered_json::object(), &usable, &error));
   EXPECT_THAT(error, HasSubstr("\"usable\" is missing"));
   EXPECT_FALSE(ReadUsable(ordered_json{{"usable", 1}}, &usable, &error));
-  EXPECT_FALSE(ReadUsable(ordered_json{{"verdict", "fine"}}, &usable, &error));
+  EXPECT_FALSE(ReadUsable(ordered_json{{"usable", true}, {"verdict", "fine"}},
+                          &usable, &error));
   EXPECT_THAT(error, HasSubstr("\"verdict\" is \"fine\""));
 }
 
