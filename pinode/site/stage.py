@@ -149,22 +149,22 @@ class Stage:
                    toctree("Tutorials", titles, maxdepth=1))
 
     def cpp(self):
-        floors = sorted({p.parent for p in (self.root / "pinode").glob("*/*.h")})
         pages = []
-        for floor in floors:
-            name = floor.name
-            if name == "python":
+        for lists in sorted((self.root / "pinode").glob("*/CMakeLists.txt")):
+            name = lists.parent.name
+            # What is installed; the rest is machinery.
+            listed = re.search(r"PUBLIC_HEADERS\n((?: +\S+\.h\n)+)", lists.read_text())
+            if listed is None:
                 continue
-            headers = [h for h in sorted(floor.glob("*.h")) if not h.name.endswith("testing.h")]
             text = f"# pinode/{name}\n"
-            for header in headers:
-                text += (f"\n## {header.name}\n\n```{{doxygenfile}} pinode/{name}/{header.name}\n"
+            for header in listed.group(1).split():
+                text += (f"\n## {header}\n\n```{{doxygenfile}} pinode/{name}/{header}\n"
                          ":project: pinode\n```\n")
             self.write(pathlib.Path(f"api/{name}.md"), text)
             pages.append(f"api/{name}")
-        self.write(pathlib.Path("api_cpp.md"), "# C++\n\nThe headers of each floor; what a floor "
+        self.write(pathlib.Path("api_cpp.md"), "# C++\n\nThe public headers of each layer; what a layer "
                    "is, [pinode/README.md](pinode/README.md) says.\n" +
-                   toctree("Floors", pages, maxdepth=1))
+                   toctree("Layers", pages, maxdepth=1))
 
     def python(self):
         text = "# Python\n\nWhat [pinode/python/README.md](pinode/python/README.md) tells in words.\n"

@@ -102,7 +102,7 @@ def check(name: str, path: pathlib.Path, build: pathlib.Path, folder: pathlib.Pa
         found.append(f"exit status {update.returncode}, in Python usable = {fit.usable}")
     ours = json.loads((program / "result.json").read_text())
     found += ["C++: " + d for d in differences(ours, json.loads((cpp / "result.json").read_text()))]
-    found += ["Python: " + d for d in differences(ours, json.loads(fit.json()))]
+    found += ["Python: " + d for d in differences(ours, fit.json)]
     if fit.findings != [] and fit.findings[0]["what"] != ours["findings"][0]["what"]:
         found.append("Python has other findings")
     for file in sorted(cpp.iterdir()):
