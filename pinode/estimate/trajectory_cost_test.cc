@@ -55,5 +55,25 @@ TEST(TrajectoryCost, StandsBesideAUsersResiduals) {
   }
 }
 
+TEST(MakePriorCost, TakesWeightDecays) {
+  const testing::SmallFit fit(IdentificationRecord::Start::kFree);
+  ASSERT_GT(fit.layout->num_decay_groups(), 0);
+  const auto cost_with = [&](const Vector& decays) {
+    const auto prior = MakePriorCost(*fit.layout, decays);
+    Vector residuals(prior->num_residuals());
+    const double* block = fit.free.data();
+    EXPECT_TRUE(prior->Evaluate(&block, residuals.data(), nullptr));
+    return 0.5 * residuals.squaredNorm();
+  };
+  double decayed = 0.0;
+  for (const ParameterLayout::DecayRow& row : fit.layout->decay_rows()) {
+    decayed += 0.5 * 0.3 * std::pow(row.Value(fit.free), 2);
+  }
+  EXPECT_GT(decayed, 0.0);
+  const Vector decays = Vector::Constant(fit.layout->num_decay_groups(), 0.3);
+  EXPECT_NEAR(cost_with(decays) - cost_with(Vector()), decayed,
+              1e-12 * cost_with(decays));
+}
+
 }  // namespace
 }  // namespace pinode
