@@ -31,16 +31,16 @@ int main(int argc, char** argv) {
   const ParameterLayout layout(c.problem);
   Vector free = layout.Free(layout.InitialValues());
 
-  // 3. Multiple shooting in segments of 20 samples, 1 s. A residual block runs
-  // its segment by Runge-Kutta with Jets and compares the states with those
-  // measured; each start is a parameter block, which the segment before meets.
+  // 3. Multiple shooting in segments of 30 samples (1.5 s). A residual block is
+  // a segment run by Runge-Kutta with Jets, against the measured states. Its
+  // start is a parameter block, and the segment before must end there.
   SegmentCost::Options options;
   options.derivatives = DerivativeMethod::kJets;
   options.sigmas = options.gap_sigmas = Vector::Constant(8, 5e-3);  // m, m/s
   ceres::Problem problem;
   Matrix starts[2];
   for (int r = 0; r < 2; ++r) {
-    if (!SegmentCost::AddRecord(c.problem, r, 20, options, free.data(),
+    if (!SegmentCost::AddRecord(c.problem, r, 30, options, free.data(),
                                 &starts[r], &problem, &error)) {
       return fail();
     }
@@ -51,10 +51,10 @@ int main(int argc, char** argv) {
   problem.AddResidualBlock(MakePriorCost(layout, decays).release(), nullptr,
                            free.data());
 
-  // 5. Solve by Levenberg-Marquardt.
+  // 5. Solve by Levenberg-Marquardt; 150 steps give three digits.
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  solver.max_num_iterations = 100;
+  solver.max_num_iterations = 150;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   std::printf("%s\n", summary.BriefReport().c_str());
