@@ -145,13 +145,9 @@ std::string CodeOf(const std::string& header) {
 // Libraries compiled earlier must be refused after a change of the headers that
 // they use.
 TEST(ElementInterface, IsCountedUpWithEveryChange) {
-  std::string code =
+  const std::string code =
       CodeOf("law.h") + CodeOf("wide_jet.h") + CodeOf("element_library.h");
-  const std::string elements = CodeOf("elements.h");
-  const size_t begin = elements.find("structElementParameterInfo{");
-  ASSERT_NE(begin, std::string::npos);
-  code += elements.substr(begin, elements.find("};", begin) - begin);
-  EXPECT_EQ(Fnv1a(code.data(), code.size()), 17841534116898893781u)
+  EXPECT_EQ(Fnv1a(code.data(), code.size()), 1419100577640487142u)
       << "The interface to elements of one's own has another text: unless "
          "libraries compiled before can go on as they are, count kVersion in "
          "own_element.h up; then this figure is that of the new one.";
