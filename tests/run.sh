@@ -26,7 +26,7 @@ tests/format.sh || failed+=("format")
 batch=4
 memory_kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
 if ((memory_kib / jobs > 3000000)); then
-  batch=16
+  batch=8
 fi
 
 for preset in release asan tsan; do
