@@ -115,14 +115,14 @@ bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
 std::vector<Finding> SettleSteps(const IdentificationOptions& options,
                                  InnerFit* fit, IdentificationProblem* problem,
                                  FitSummary* summary, IdentifiedModel* model) {
-  constexpr int kMostRounds = 2;
+  constexpr int kMostRefinements = 2;
   StepCheck check;
   for (int round = 0;; ++round) {
     if (!CheckStepsAtFit(*problem, *summary, *model, options.num_threads,
                          &check)) {
       return {};
     }
-    if (round == kMostRounds || !RefineSteps(check, problem)) break;
+    if (round == kMostRefinements || !RefineSteps(check, problem)) break;
     IdentificationOptions near = options;
     BeginNearTheEnd(&near);
     const FitHistory history = FitHistory::Of(*summary);
