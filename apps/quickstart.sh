@@ -21,7 +21,7 @@ jobs=$(nproc)
 batch=4
 memory_kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
 if ((memory_kib / jobs > 3000000)); then
-  batch=16
+  batch=8
 fi
 
 cmake --preset quickstart -DPINODE_UNITY_BATCH="$batch"
