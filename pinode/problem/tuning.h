@@ -1,4 +1,6 @@
-// All tuning constants of the fit that were found by measurement.
+// Tuning constants of the fit that were found by measurement and that studies
+// vary. Constants of single algorithms stand in their files, the limits of the
+// verdict in verdict_limits.h.
 
 #ifndef PINODE_PROBLEM_TUNING_H_
 #define PINODE_PROBLEM_TUNING_H_
