@@ -9,7 +9,7 @@
 namespace pinode {
 namespace {
 
-// What the evidence takes off for loads and noise on which the likelihood has
+// Price in the evidence of loads and noise on which the likelihood has
 // this information. False where it is none.
 [[nodiscard]] bool PriceOfLoads(const AmbientLoads& loads, Matrix information,
                                 double* price) {

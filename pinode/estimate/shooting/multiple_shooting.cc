@@ -33,7 +33,7 @@ std::vector<StartProgress> ProgressOf(
   return progress;
 }
 
-// Whether derivatives by the parameters cost about what starts cost anyway.
+// Returns true if derivatives by parameters cost about as much as the starts.
 bool GoesWithFirstSweeps(const IdentificationProblem& problem,
                          const ParameterLayout& layout,
                          const SegmentSweep::Records& records) {

@@ -56,7 +56,7 @@ bool ScoreSquares(const IdentificationRecord& data,
   return score->finite;
 }
 
-// Whether residuals are those of free runs as they are: records in one piece,
+// Returns true if residuals are those of free runs: records in one piece,
 // no robust loss.
 bool HasFreeRuns(const MultipleShooting& shooting) {
   return IsSingleShooting(shooting) &&
