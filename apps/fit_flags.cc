@@ -1,5 +1,6 @@
 #include "apps/fit_flags.h"
 
+#include "apps/program.h"
 #include "pinode/case/results/matlab_results.h"
 #include "pinode/case/results/result_folder.h"
 
@@ -17,6 +18,8 @@ DEFINE_int32(threads, 0, "threads; 0: as the case says");
 DEFINE_bool(mat, false,
             "write results.mat too, with the tables, matrices and texts at the "
             "top of the output folder, for MATLAB and Octave");
+DEFINE_bool(strict, false,
+            "end with status 1 also where the result is usable with care");
 DEFINE_bool(progress, true, "show progress on standard error");
 
 namespace pinode {
@@ -41,6 +44,11 @@ bool ReadFitFlags(SharedTables* tables, Case* c, std::string* error) {
   }
   if (FLAGS_threads > 0) c->options.num_threads = FLAGS_threads;
   return true;
+}
+
+int StatusOf(const Verdict& verdict) {
+  const Grade worst = FLAGS_strict ? Grade::kGood : Grade::kWithCare;
+  return verdict.grade() <= worst ? kExitDone : kExitNotUsable;
 }
 
 bool WriteForMatlab(const ResultFolder& folder, std::string* error) {

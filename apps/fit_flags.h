@@ -9,6 +9,7 @@
 
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/sections/case_file.h"
+#include "pinode/problem/verdict.h"
 
 DECLARE_string(case);
 DECLARE_string(output_dir);
@@ -23,6 +24,9 @@ namespace pinode {
 // *error, on an error; nothing has been written then.
 [[nodiscard]] bool ReadFitFlags(SharedTables* tables, Case* c,
                                 std::string* error);
+
+// Returns the exit status that follows from a verdict, and --strict.
+int StatusOf(const Verdict& verdict);
 
 // Writes results.mat of the present contents of the folder, with --mat.
 [[nodiscard]] bool WriteForMatlab(const ResultFolder& folder,

@@ -165,9 +165,8 @@ int RunProgram(int argc, char** argv) {
   }
 
   const int status_of_fit = judgement.interrupted ? kExitInterrupted
-                            : summary.usable() && judgement.judged
-                                ? kExitDone
-                                : kExitNotUsable;
+                            : judgement.judged    ? StatusOf(summary.verdict)
+                                                  : kExitNotUsable;
   if (!ranks.is_first()) return status_of_fit;
 
   // 4. Results and report.

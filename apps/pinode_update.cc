@@ -94,9 +94,8 @@ int RunProgram(int argc, char** argv) {
   const bool cut_off = summary.termination == Termination::kInterrupted ||
                        (profiles && ranks.Interrupted());
 
-  const int status_of_fit = cut_off            ? kExitInterrupted
-                            : summary.usable() ? kExitDone
-                                               : kExitNotUsable;
+  const int status_of_fit =
+      cut_off ? kExitInterrupted : StatusOf(summary.verdict);
   if (!ranks.is_first()) return status_of_fit;
 
   // 4. Results and report.

@@ -55,7 +55,7 @@ awk '
     rooms["structure"] = "model sparse matrices decks"
     rooms["record"] = ". files"
     rooms["estimate"] = "solver shooting start ambient objective certainty fit ."
-    rooms["study"] = "problem reduction terms identify laws sensors damage picture"
+    rooms["study"] = "problem reduction terms explanations identify laws sensors damage picture"
     rooms["case"] = "text sections results run"
     rooms["python"] = "binding"
     # A fixed order, so that the message is the same everywhere.

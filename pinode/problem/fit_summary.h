@@ -26,6 +26,7 @@ const char* TerminationName(Termination termination);
 // Free run of one channel over a whole record against its measurement.
 struct ChannelScore {
   std::string name;
+  bool fitted = true;        // MeasuredChannel::fit
   double rmse = 0.0;         // model units
   double nrmse = 0.0;        // |y - yhat| / |y - mean(y)|
   double prior_nrmse = 0.0;  // of the initial model

@@ -24,6 +24,10 @@ struct IdentificationSummary : FitSummary {
   Verdict verdict;
   bool usable() const { return verdict.usable(); }
 
+  // What the model may lack, best first. Those after the first have not much
+  // smaller odds than it, or are other refits that were tried.
+  std::vector<Explanation> explanations;
+
   // Choice among candidate terms (study/terms/term_choice.h). Empty: the
   // problem had no candidates.
   ModelChoice choice;

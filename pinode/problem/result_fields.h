@@ -40,6 +40,7 @@ struct FieldTable<ChannelScore> {
   static constexpr bool kExists = true;
   static constexpr auto kFields =
       std::make_tuple(MakeField("name", &ChannelScore::name),
+                      MakeField("fitted", &ChannelScore::fitted),
                       MakeField("rmse", &ChannelScore::rmse),
                       MakeField("nrmse", &ChannelScore::nrmse),
                       MakeField("prior_nrmse", &ChannelScore::prior_nrmse),
@@ -180,6 +181,22 @@ struct FieldTable<StageRecord> {
       MakeField("free_run_error", &StageRecord::free_run_error),
       MakeField("largest_gap", &StageRecord::largest_gap),
       MakeField("rolled_back", &StageRecord::rolled_back));
+};
+
+template <>
+struct FieldTable<Explanation> {
+  static constexpr bool kExists = true;
+  static constexpr auto kFields =
+      std::make_tuple(MakeField("what", &Explanation::what),
+                      MakeField("kind", &Explanation::kind),
+                      MakeField("place", &Explanation::place),
+                      MakeField("log_odds", &Explanation::log_odds),
+                      MakeField("value", &Explanation::value),
+                      MakeField("lower95", &Explanation::lower95),
+                      MakeField("upper95", &Explanation::upper95),
+                      MakeField("removes", &Explanation::removes),
+                      MakeField("moved", &Explanation::moved),
+                      MakeField("shift", &Explanation::shift));
 };
 
 template <>

@@ -45,8 +45,8 @@ class ResultFields : public ::testing::Test {};
 using Results = ::testing::Types<
     ChannelScore, RecordScore, ParameterEstimate, ModeMatch, ModeScore,
     LoadEvidence, AmbientScore, ForceEstimate, IterationRecord, StageRecord,
-    Finding, ParameterProfile::Point, ParameterProfile, ModelChoice::Step,
-    ModelChoice, IdentifiedModel, FitSummary>;
+    Explanation, Finding, ParameterProfile::Point, ParameterProfile,
+    ModelChoice::Step, ModelChoice, IdentifiedModel, FitSummary>;
 TYPED_TEST_SUITE(ResultFields, Results);
 
 // A member that is missing in the table would be lost in archives and files.

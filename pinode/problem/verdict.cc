@@ -9,6 +9,8 @@ const char* GradeName(Grade grade) {
   switch (grade) {
     case Grade::kGood:
       return "good";
+    case Grade::kWithCare:
+      return "with_care";
     case Grade::kNotUsable:
       return "not_usable";
   }
@@ -19,6 +21,8 @@ const char* GradeTitle(Grade grade) {
   switch (grade) {
     case Grade::kGood:
       return "Good";
+    case Grade::kWithCare:
+      return "Usable with care";
     case Grade::kNotUsable:
       return "Not usable";
   }

@@ -10,10 +10,11 @@
 
 namespace pinode {
 
-enum class Grade { kGood, kNotUsable };
-// "good", "not_usable": as in result.json.
+// From best to worst. `kWithCare`: usable, with the findings in mind.
+enum class Grade { kGood, kWithCare, kNotUsable };
+// "good", "with_care", "not_usable": as in result.json.
 const char* GradeName(Grade grade);
-// "Good", "Not usable": as in reports.
+// "Good", "Usable with care", "Not usable": as in reports.
 const char* GradeTitle(Grade grade);
 
 // A failed check.
@@ -52,6 +53,37 @@ class Verdict {
  private:
   std::vector<Finding> findings_;
   Grade grade_ = Grade::kNotUsable;
+};
+
+// Something that the model does not have among its unknowns and that would
+// describe the records better: another unknown, or several together, refitted
+// with all others.
+struct Explanation {
+  // Description with its values, such as "damping of the whole structure by one
+  // factor, +31 (29 to 33) %".
+  std::string what;
+  // Kind for programs: "damping", "mass", "stiffness", "bound", "sensor_gain",
+  // "sensor_delay", "sensor_offset", "sensors_exchanged", "excitation_delay",
+  // "excitation_scale". Several together are joined by "+".
+  std::string kind;
+  // Name of the DOF, group or sensor, joined likewise. Empty: the whole
+  // structure.
+  std::string place;
+  // Logarithm of its odds against the model as it is. Number of unknowns,
+  // number of candidates and memory of the residuals are allowed for.
+  double log_odds = 0.0;
+  // Value of its first unknown, with a 95 % interval: a fraction of what the
+  // model has (damping, mass, stiffness), a gain, or a delay. NaN if it has no
+  // unknown.
+  double value = kNaN;
+  double lower95 = kNaN;
+  double upper95 = kNaN;
+  // Share of the squared error of the records that it removes.
+  double removes = 0.0;
+  // Named parameter that it moves most, and by how many half-widths of the 95 %
+  // interval. Empty: the model has no interval.
+  std::string moved;
+  double shift = 0.0;
 };
 
 }  // namespace pinode

@@ -18,7 +18,10 @@ constexpr double kNoMotionOfHoldout = 1.0;
 // of the damping, fits of a frame's storeys ended at 0.47 to 0.87. All
 // predicted better than the initial model, with intervals tens of their widths
 // off.
-constexpr double kUnexplained = 0.4;
+constexpr double kUnexplained = 1.0 / 3.0;
+// Above this the model lacks something: intervals that presume that it lacks
+// nothing are too narrow, and the result is usable with care.
+constexpr double kLittleUnexplained = 0.05;
 // Largest unexplained motion that a network which learns a force may leave: it
 // can be any force of its inputs, so that more shows a force of other inputs,
 // or a poor minimum.
@@ -74,6 +77,33 @@ constexpr double kInformationLeft = 0.1;
 // Widest half interval of a group that counts as determined, in multiples of 1
 // or of its value.
 constexpr double kWidestInterval = 1.0;
+
+// What the problem says of its sensors and unknowns.
+
+// Two channels are a copy of each other if 1 minus the size of their
+// correlation is below this: noise of a ten-thousandth in one of them is more.
+constexpr double kCopy = 1e-9;
+// Largest error of a channel in multiples of its given noise. Correct noise
+// gives 1; a model that lacks a little, somewhat more. Far above it the
+// intervals, which follow from the given noise, mean nothing.
+constexpr double kGivenNoise = 1.5;
+constexpr double kGivenNoiseFar = 5.0;
+// Largest distance of an unknown from its prior, in the prior's deviations.
+constexpr double kPriorContradicted = 4.0;
+// Largest size of a stiffness or mass group in multiples of what the model has:
+// doubtful, and beyond belief. A copied channel drove a storey to 13.6, wrong
+// masses drove a tower's spring to 15.7.
+constexpr double kGroupSize = 4.0;
+constexpr double kGroupSizeFar = 10.0;
+
+// Other explanations.
+
+// Logarithm of the odds above which another explanation counts: odds of 20 (R.
+// E. Kass and A. E. Raftery, J. Amer. Statist. Assoc. 90 (1995) 773-795).
+constexpr double kLogOdds = 2.995732273553991;
+// It matters if it moves a named parameter by more than this many half-widths
+// of the 95 % interval.
+constexpr double kShiftByExplanation = 1.0;
 
 // The solution.
 

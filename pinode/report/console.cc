@@ -137,6 +137,21 @@ TextTable MakeProfileTable(const ReportInput& input) {
   return table;
 }
 
+TextTable MakeExplanationTable(const ReportInput& input) {
+  TextTable table({{"explanation", Align::kLeft},
+                   {"log10 of the odds", Align::kDecimal},
+                   {"removes of the error %", Align::kDecimal},
+                   {"moves most", Align::kLeft},
+                   {"by half-widths", Align::kDecimal}});
+  for (const Explanation& explanation : input.summary->explanations) {
+    table.AddRow({explanation.what,
+                  ReadableNumber(explanation.log_odds / std::log(10.0), 3),
+                  Percent(explanation.removes), explanation.moved,
+                  ReadableNumber(explanation.shift, 2)});
+  }
+  return table;
+}
+
 TextTable MakeModeTable(const ReportInput& input) {
   TextTable table({{"mode", Align::kDecimal},
                    {"initial Hz", Align::kDecimal},
@@ -340,6 +355,7 @@ std::string ConsoleReport(const ReportInput& input) {
   };
   add("Free-run error (nrmse)", MakeRecordTable(input));
   add("Parameters", MakeParameterTable(input));
+  add("What the model may lack", MakeExplanationTable(input));
   add("Profiles", MakeProfileTable(input));
   add("Measured modes", MakeMeasuredModeTable(input));
   add("Ambient records", MakeAmbientTable(input));

@@ -23,6 +23,9 @@ TextTable MakeMeasuredModeTable(const ReportInput& input);
 // Returns the share of each ambient channel that the model explains.
 TextTable MakeAmbientTable(const ReportInput& input);
 
+// Returns what the model may lack, best first.
+TextTable MakeExplanationTable(const ReportInput& input);
+
 // Returns the profiles of the likelihood.
 TextTable MakeProfileTable(const ReportInput& input);
 // Returns frequencies (Hz), damping ratios (%) and MAC of the initial and the

@@ -299,6 +299,9 @@ class PageMaker {
   void AddProfiles() {
     const TextTable table = MakeProfileTable(input_);
     SetIf("profiles", !table.empty(), TableData(table), &page_);
+    const TextTable explanations = MakeExplanationTable(input_);
+    SetIf("explanations", !explanations.empty(), TableData(explanations),
+          &page_);
     page_.set("profile_figures", FigureList(figures_.profiles));
   }
 

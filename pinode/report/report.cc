@@ -94,16 +94,27 @@ std::string WhatIsMissed(const IdentificationSummary& summary) {
          "look for what it does before relying on them.";
 }
 
+namespace {
+
+// "Usable with care: <findings>. "; empty for a good result.
+std::string Cares(const Verdict& verdict) {
+  if (verdict.grade() == Grade::kGood) return "";
+  std::vector<std::string> findings;
+  for (const Finding& finding : verdict.findings()) {
+    findings.push_back(finding.Sentence());
+  }
+  return std::string(GradeTitle(verdict.grade())) + ": " +
+         Join(findings, "; ") + ". ";
+}
+
+}  // namespace
+
 std::string VerdictSentence(const ReportInput& input) {
   CHECK(input.summary != nullptr) << "a report needs the summary";
   const IdentificationSummary& summary = *input.summary;
-  if (!summary.usable()) {
-    std::vector<std::string> findings;
-    for (const Finding& finding : summary.verdict.findings()) {
-      findings.push_back(finding.Sentence());
-    }
-    return "Not usable: " + Join(findings, "; ") + ".";
-  }
+  const std::string cares = Cares(summary.verdict);
+  if (!summary.usable()) return cares.substr(0, cares.size() - 1);
+  const std::string usable = cares.empty() ? "Usable. " : cares;
   std::vector<std::string> holdouts;
   const RecordScore* worst_training = nullptr;
   for (const RecordScore& record : summary.records) {
@@ -114,14 +125,16 @@ std::string VerdictSentence(const ReportInput& input) {
       worst_training = &record;
     }
   }
-  std::string missed = WhatIsMissed(summary);
+  // A finding says it already.
+  std::string missed = cares.empty() ? WhatIsMissed(summary) : "";
   if (!missed.empty()) missed.insert(0, " ");
   if (!holdouts.empty()) {
-    return std::string("Usable. The updated model predicts the hold-out ") +
+    return usable + "The updated model predicts the hold-out " +
            (holdouts.size() == 1 ? "record " : "records ") +
            Join(holdouts, ", ") + "." + missed + ModeSentence(summary);
   }
-  std::string verdict = "Usable, but untested";
+  std::string verdict =
+      cares.empty() ? "Usable, but untested" : cares + "It is untested";
   if (worst_training == nullptr && !summary.ambient.empty()) {
     std::vector<std::string> records;
     double least = 1.0;
@@ -130,7 +143,7 @@ std::string VerdictSentence(const ReportInput& input) {
       records.push_back("'" + score.name + "' (probability " +
                         ReadableNumber(score.LeastProbability(), 2) + ")");
     }
-    return "Usable. The spectra of " +
+    return usable + "The spectra of " +
            std::string(records.size() == 1 ? "ambient record "
                                            : "the ambient records ") +
            Join(records, ", ") +

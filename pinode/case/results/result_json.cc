@@ -74,6 +74,18 @@ Json Parameters(const IdentificationSummary& summary) {
   return parameters;
 }
 
+Json Explanations(const IdentificationSummary& summary) {
+  Json explanations = Json::array();
+  for (const Explanation& explanation : summary.explanations) {
+    Json entry;
+    VisitFields(explanation, [&entry](const char* name, const auto& value) {
+      entry[name] = value;
+    });
+    explanations.push_back(std::move(entry));
+  }
+  return explanations;
+}
+
 // Infinite ends are null.
 Json Profiles(const IdentificationSummary& summary) {
   Json profiles = Json::array();
@@ -257,6 +269,7 @@ bool FormatResultJson(const IdentificationProblem& problem,
                    {"time", problem.description.units.time}};
   json["records"] = Records(problem, summary);
   json["parameters"] = Parameters(summary);
+  json["explanations"] = Explanations(summary);
   if (!summary.profiles.empty()) json["profiles"] = Profiles(summary);
   if (!summary.choice.empty()) json["choice"] = ChoiceToJson(summary.choice);
   if (!summary.forces.empty()) json["forces"] = Forces(problem, summary);

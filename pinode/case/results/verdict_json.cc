@@ -37,14 +37,15 @@ bool ReadUsable(const Json& json, bool* usable, std::string* error) {
   }
   *usable = value;
   if (verdict.is_null()) return true;
-  for (const Grade grade : {Grade::kGood, Grade::kNotUsable}) {
+  for (const Grade grade :
+       {Grade::kGood, Grade::kWithCare, Grade::kNotUsable}) {
     if (verdict != GradeName(grade)) continue;
     // Both must agree: where one of them was changed by hand, take neither.
     *usable = *usable && grade != Grade::kNotUsable;
     return true;
   }
   *error = "\"verdict\" is " + verdict.dump() +
-           ", expected \"good\" or \"not_usable\"";
+           ", expected \"good\", \"with_care\" or \"not_usable\"";
   return false;
 }
 

@@ -430,6 +430,24 @@ std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit) {
   return findings;
 }
 
+std::vector<Finding> CheckDoubts(const FitSummary& fit) {
+  Findings findings;
+  for (const RecordScore& score : fit.records) {
+    if (!IsTraining(score)) continue;
+    const double unexplained = StructuredError(score);
+    if (!(unexplained > limits::kLittleUnexplained)) continue;
+    findings.push_back(
+        {"unexplained_motion",
+         "the model misses " + PercentText(unexplained) +
+             " of the motion of record '" + score.name + "' beyond its noise",
+         unexplained, limits::kLittleUnexplained,
+         "intervals presume that the model lacks nothing: look for what it "
+         "lacks before relying on them",
+         Grade::kWithCare});
+  }
+  return findings;
+}
+
 std::string WhyNotSound(const GapTuning& gaps, const FitSummary& fit) {
   const std::vector<Finding> findings = CheckFit(gaps, fit);
   return findings.empty() ? "" : findings.front().Sentence();

@@ -29,6 +29,10 @@ namespace pinode {
 // interrupted has that finding alone.
 std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit);
 
+// Returns what is doubtful about a sound fit: training records with more than a
+// little unexplained motion. Such a fit is usable with care.
+std::vector<Finding> CheckDoubts(const FitSummary& fit);
+
 // Returns the first finding of CheckFit as a sentence; empty: the fit is sound.
 std::string WhyNotSound(const GapTuning& gaps, const FitSummary& fit);
 

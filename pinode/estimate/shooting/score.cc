@@ -31,6 +31,7 @@ void ScoreDivergence(const IdentificationRecord& data,
   score->nrmse = kInfinity;
   for (size_t c = 0; c < data.channels.size(); ++c) {
     score->channels[c].name = data.channels[c].observation.name;
+    score->channels[c].fitted = data.channels[c].fit;
     score->channels[c].rmse = kInfinity;
     score->channels[c].nrmse = kInfinity;
   }
@@ -159,6 +160,7 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
     const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
     ChannelScore& result = score->channels[static_cast<size_t>(c)];
     result.name = channel.observation.name;
+    result.fitted = channel.fit;
     double sum = 0.0;
     double spread = 0.0;
     Eigen::Index count = 0;
@@ -250,7 +252,10 @@ double NoiseShareOf(const RecordScore& score) {
   double noise = 0.0, all = 0.0;
   for (const ChannelScore& channel : score.channels) {
     const double energy = channel.nrmse * channel.nrmse;
-    if (!std::isfinite(energy * channel.noise_share)) continue;
+    // Channels that are only predicted are no part of the error either.
+    if (!channel.fitted || !std::isfinite(energy * channel.noise_share)) {
+      continue;
+    }
     all += energy;
     noise += energy * channel.noise_share;
   }

@@ -125,7 +125,8 @@ void VisitOne(Archive* a, Verdict& value) {
 template <typename Archive>
 void VisitOne(Archive* a, IdentificationSummary& value) {
   VisitOne(a, static_cast<FitSummary&>(value));
-  Visit(a, value.verdict, value.choice, value.profiles, value.profile_seconds);
+  Visit(a, value.verdict, value.explanations, value.choice, value.profiles,
+        value.profile_seconds);
 }
 
 template <typename Archive>
@@ -257,7 +258,7 @@ void Visit(Archive* a, Fields&... fields) {
 
 // Number of the layout of a packed fit. Count it up when a visited struct
 // changes.
-constexpr int kLayout = 2;
+constexpr int kLayout = 3;
 
 // Integration steps of a record, which a fit may have refined.
 struct RecordSteps {

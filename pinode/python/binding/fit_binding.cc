@@ -146,6 +146,18 @@ py::list FindingsOf(const Fit& fit) {
   return list;
 }
 
+py::list ExplanationsOf(const Fit& fit) {
+  py::list list;
+  for (const Explanation& explanation : fit.summary.explanations) {
+    py::dict entry;
+    VisitFields(explanation, [&entry](const char* name, const auto& value) {
+      entry[name] = value;
+    });
+    list.append(std::move(entry));
+  }
+  return list;
+}
+
 size_t RecordIndex(const Fit& fit, const std::string& name) {
   for (size_t r = 0; r < fit.summary.records.size(); ++r) {
     if (fit.summary.records[r].name == name) return r;
@@ -447,6 +459,7 @@ void BindFit(py::module_* module) {
           "grade",
           [](const Fit& fit) { return GradeName(fit.summary.verdict.grade()); })
       .def_property_readonly("findings", &FindingsOf)
+      .def_property_readonly("explanations", &ExplanationsOf)
       .def_property_readonly("message",
                              [](const Fit& fit) { return fit.summary.message; })
       .def_property_readonly("termination",

@@ -75,7 +75,7 @@ class _Outcome:
 
     @property
     def grade(self) -> str:
-        """Grade of the verdict: "good" or "not_usable"."""
+        """Grade of the verdict: "good", "with_care" or "not_usable"."""
         return self._handle.grade
 
     @property
@@ -83,6 +83,15 @@ class _Outcome:
         """Failed checks, each with `check`, `what`, `grade`, `number`, `limit` and
         `advice`; the verdict follows from them. Empty: the result is good."""
         return self._handle.findings
+
+    @property
+    def explanations(self) -> list[dict[str, Any]]:
+        """What the model may lack, best first: unknowns that it does not have, with
+        which it was fitted again. Each has `what`, `kind`, `place`, `log_odds`
+        (natural logarithm, against the model as it is), `value` with `lower95` and
+        `upper95`, `removes` (a share of the squared error), and the named parameter
+        that it moves most, `moved`, by `shift` half-widths of its interval."""
+        return self._handle.explanations
 
     @property
     def message(self) -> str:

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "pinode/estimate/fit/fit_checks.h"
+#include "pinode/study/explanations/explain.h"
+#include "pinode/study/explanations/record_checks.h"
 #include "pinode/study/identify/load_spectra.h"
 #include "pinode/study/identify/step_check.h"
 #include "pinode/study/problem/inner_fit.h"
@@ -139,16 +141,33 @@ class MainJob {
         std::make_shared<const ReducedStructure>(std::move(renewed.structure));
   }
 
-  // The only place that makes a verdict of an identification.
+  // The only place that makes a verdict of an identification. Doubts, and other
+  // explanations, are looked for where the fit is sound otherwise.
   Identification Judged(std::vector<Finding> of_steps) {
     std::vector<Finding> findings = CheckFit(options_.tuning.gaps, fit_);
-    std::move(of_steps.begin(), of_steps.end(), std::back_inserter(findings));
+    const auto add = [&findings](std::vector<Finding> more) {
+      std::move(more.begin(), more.end(), std::back_inserter(findings));
+    };
+    const bool sound = findings.empty();
+    add(std::move(of_steps));
+    Explained explained;
+    if (sound) {
+      add(CheckDoubts(fit_));
+      add(CheckAgainstProblem(problem_, fit_));
+      explained = Explain(problem_, options_, fit_, model_, &inner_);
+      add(std::move(explained.findings));
+    }
     Identification result{std::move(problem_),
                           IdentificationSummary(std::move(fit_)),
                           std::move(model_), std::move(reduced_)};
     IdentificationSummary& summary = result.summary;
-    if (!findings.empty()) summary.message = findings.front().Sentence();
     summary.verdict = Verdict(std::move(findings));
+    for (const Finding& finding : summary.verdict.findings()) {
+      if (finding.grade != Grade::kNotUsable) continue;
+      summary.message = finding.Sentence();
+      break;
+    }
+    summary.explanations = std::move(explained.explanations);
     summary.choice = std::move(choice_);
     if (!summary.choice.empty()) {
       summary.remarks.push_back(summary.choice.Sentence());

@@ -1,0 +1,44 @@
+// Search for what a model may lack.
+
+#ifndef PINODE_STUDY_EXPLANATIONS_EXPLAIN_H_
+#define PINODE_STUDY_EXPLANATIONS_EXPLAIN_H_
+
+#include <vector>
+
+#include "pinode/problem/fit_summary.h"
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identified_model.h"
+#include "pinode/problem/verdict.h"
+#include "pinode/study/problem/inner_fit.h"
+
+namespace pinode {
+
+struct Explained {
+  // Refits that describe the records better than the fit does, best first.
+  std::vector<Explanation> explanations;
+  // What speaks against the fit.
+  std::vector<Finding> findings;
+};
+
+// Looks for what `problem` lacks, after a sound fit of it (`fit`, `model`).
+// Score tests rank the catalogue (MakeSuspects) at the price of one
+// linearisation; the best few that they promise something of are refitted with
+// all unknowns of the problem, singly and added to the best of them. The odds
+// of a refit with k unknowns among n candidates are
+//
+//   log odds = sum_c N_c / m  log(e_c / e'_c) - k / 2 log(N / m) - log n
+//
+// with the number of samples N_c and RMS errors e_c, e'_c of each fitted
+// channel before and after, and the memory m of the residuals of the refit
+// (mean autocorrelation time, in samples): Schwarz's criterion (G. Schwarz,
+// Ann. Statist. 6 (1978) 461-464).
+//
+// Finds nothing for problems with networks, unknown forces, measured modes or
+// ambient records, and for fits on several ranks.
+Explained Explain(const IdentificationProblem& problem,
+                  const IdentificationOptions& options, const FitSummary& fit,
+                  const IdentifiedModel& model, InnerFit* inner);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_EXPLANATIONS_EXPLAIN_H_

@@ -1,0 +1,136 @@
+#include "pinode/study/explanations/record_checks.h"
+
+#include <cmath>
+#include <string>
+
+#include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/verdict_limits.h"
+
+namespace pinode {
+namespace {
+
+using Findings = std::vector<Finding>;
+
+bool IsTraining(const IdentificationRecord& record) {
+  return record.role == IdentificationRecord::Role::kTrain;
+}
+
+// Correlation of samples that both channels have.
+double Correlation(const Vector& a, const Vector& b) {
+  const auto present = a.array().isFinite() && b.array().isFinite();
+  const Vector x = present.select(a.array() - MeanOfPresent(a), 0.0);
+  const Vector y = present.select(b.array() - MeanOfPresent(b), 0.0);
+  const double size = x.norm() * y.norm();
+  return size > 0.0 ? x.dot(y) / size : 0.0;
+}
+
+void CheckCopies(const IdentificationRecord& record, Findings* findings) {
+  for (size_t c = 0; c < record.channels.size(); ++c) {
+    const MeasuredChannel& one = record.channels[c];
+    for (size_t d = 0; one.fit && d < c; ++d) {
+      const MeasuredChannel& two = record.channels[d];
+      if (!two.fit || one.observation.quantity != two.observation.quantity ||
+          one.observation.weights.isApprox(two.observation.weights) ||
+          one.values.size() != two.values.size()) {
+        continue;
+      }
+      const double unlike = 1.0 - std::abs(Correlation(one.values, two.values));
+      if (unlike > limits::kCopy) continue;
+      findings->push_back(
+          {"copied_channel",
+           "channels '" + two.observation.name + "' and '" +
+               one.observation.name + "' of record '" + record.name +
+               "' hold the same values, at two places that move differently",
+           unlike, limits::kCopy,
+           "one of them is a copy: leave it out, or give its own column"});
+    }
+  }
+}
+
+void CheckGivenNoise(const IdentificationRecord& record,
+                     const RecordScore& score, Findings* findings) {
+  double worst = 0.0;
+  std::string name;
+  for (size_t c = 0; c < record.channels.size(); ++c) {
+    const MeasuredChannel& channel = record.channels[c];
+    if (!channel.fit || !(channel.sigma > 0.0)) continue;
+    const double ratio = score.channels[c].rmse / channel.sigma;
+    if (ratio > worst) {
+      worst = ratio;
+      name = channel.observation.name;
+    }
+  }
+  if (!(worst > limits::kGivenNoise)) return;
+  findings->push_back(
+      {"given_noise_contradicted",
+       "the residuals of channel '" + name + "' of record '" + record.name +
+           "' are " + FormatNumber(worst, 3) + " times the noise given for it",
+       worst, limits::kGivenNoise,
+       "intervals that follow from the given noise are too narrow by as much; "
+       "correct `sigma`, or leave it out to have it estimated",
+       worst > limits::kGivenNoiseFar ? Grade::kNotUsable : Grade::kWithCare});
+}
+
+void CheckPriors(const IdentificationProblem& problem, const FitSummary& fit,
+                 Findings* findings) {
+  const ParameterLayout layout(problem);
+  for (const ParameterEstimate& estimate : fit.parameters) {
+    const int j = layout.FreeIndex(estimate.name);
+    if (j < 0) continue;
+    const Parameter& parameter = layout.free_parameter(j);
+    if (!parameter.HasPrior() || !(parameter.prior_sigma > 0.0)) continue;
+    const double away =
+        std::abs(estimate.value - parameter.prior_mean) / parameter.prior_sigma;
+    if (!(away > limits::kPriorContradicted)) continue;
+    findings->push_back(
+        {"prior_contradicted",
+         "'" + estimate.name + "' is " + FormatNumber(away, 2) +
+             " deviations of its prior away from it",
+         away, limits::kPriorContradicted,
+         "widen the prior if it was a guess, or look for what the model lacks",
+         Grade::kWithCare});
+  }
+}
+
+void CheckSizes(const IdentificationProblem& problem, const FitSummary& fit,
+                Findings* findings) {
+  for (const GroupTerm& term : problem.dynamics->groups()) {
+    if (!term.alpha.free || term.follows != GroupTerm::Follows::kNothing ||
+        term.group.target == MatrixGroup::Target::kDamping) {
+      continue;
+    }
+    for (const ParameterEstimate& estimate : fit.parameters) {
+      if (estimate.name != term.alpha.name) continue;
+      const double size = term.present + estimate.value;
+      if (!(size > limits::kGroupSize)) continue;
+      findings->push_back(
+          {"group_out_of_size",
+           "'" + estimate.name + "' has become " + FormatNumber(size, 3) +
+               " times what the model has",
+           size, limits::kGroupSize,
+           "check units and sensors; correct the model if it is that far off",
+           size > limits::kGroupSizeFar ? Grade::kNotUsable
+                                        : Grade::kWithCare});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
+                                         const FitSummary& fit) {
+  Findings findings;
+  for (size_t r = 0; r < fit.records.size(); ++r) {
+    const IdentificationRecord& record = problem.records[r];
+    if (!IsTraining(record)) continue;
+    CheckCopies(record, &findings);
+    CheckGivenNoise(record, fit.records[r], &findings);
+  }
+  CheckPriors(problem, fit, &findings);
+  CheckSizes(problem, fit, &findings);
+  return findings;
+}
+
+}  // namespace pinode

@@ -1,0 +1,142 @@
+#include "pinode/study/explanations/score_test.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/study/problem/growth.h"
+
+namespace pinode {
+namespace {
+
+// Information within rounding of nothing, as a share of an unknown's own.
+constexpr double kNoInformation = 1e-9;
+
+bool IsAtBound(const FitSummary& fit, const std::string& name) {
+  return std::any_of(fit.parameters.begin(), fit.parameters.end(),
+                     [&name](const ParameterEstimate& estimate) {
+                       return estimate.name == name && estimate.at_bound;
+                     });
+}
+
+// The cost around the fit, scaled to a unit diagonal of its Hessian, with the
+// problem's unknowns eliminated.
+class Information {
+ public:
+  Information(const CondensedSystem& system, const std::vector<int>& base)
+      : scale_(system.hessian.diagonal().cwiseMax(1e-300).cwiseSqrt()),
+        gradient_(system.gradient.cwiseQuotient(scale_)),
+        hessian_(scale_.cwiseInverse().asDiagonal() * system.hessian *
+                 scale_.cwiseInverse().asDiagonal()),
+        base_(base) {
+    Matrix inner = hessian_(base_, base_);
+    inner.diagonal().array() += 1e-12;
+    factor_.compute(inner);
+  }
+
+  // `directions`: of the suspect's unknowns, all free unknowns x count.
+  SuspectScore Score(const Matrix& directions) const {
+    SuspectScore score;
+    score.num_unknowns = static_cast<int>(directions.cols());
+    const Matrix t = scale_.asDiagonal() * directions;
+    const Matrix ht = hessian_ * t;
+    const Matrix cross = ht(base_, Eigen::all);
+    const Matrix solved = factor_.solve(cross);
+    const Matrix own = t.transpose() * ht;
+    Matrix left = own - cross.transpose() * solved;
+    const Vector right =
+        t.transpose() * gradient_ - solved.transpose() * gradient_(base_);
+    score.slopes = -solved.col(0).cwiseQuotient(scale_(base_));
+    // In units of each unknown's own information.
+    const Vector unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    left = unit.cwiseInverse().asDiagonal() * left *
+           unit.cwiseInverse().asDiagonal();
+    score.information_left = std::max(0.0, left.diagonal().minCoeff());
+    const Vector g = right.cwiseQuotient(unit);
+    // Directions without information gain nothing.
+    const Eigen::SelfAdjointEigenSolver<Matrix> modes(left);
+    if (modes.info() != Eigen::Success) return score;
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      const double weight = modes.eigenvalues()[i];
+      if (!(weight > kNoInformation)) continue;
+      score.gain +=
+          0.5 * std::pow(modes.eigenvectors().col(i).dot(g), 2) / weight;
+    }
+    return score;
+  }
+
+ private:
+  const Vector scale_;
+  const Vector gradient_;
+  const Matrix hessian_;
+  const std::vector<int> base_;
+  Eigen::LDLT<Matrix> factor_;
+};
+
+}  // namespace
+
+bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
+                   const IdentifiedModel& model,
+                   const std::vector<Suspect>& suspects, int num_threads,
+                   SuspectScores* scores, std::string* error) {
+  std::vector<Suspect> added;
+  for (const Suspect& suspect : suspects) {
+    if (suspect.exchanged.empty() && suspect.tied.empty()) {
+      added.push_back(suspect);
+    }
+  }
+  IdentificationProblem extended = problem;
+  if (!AddSuspects(added, &extended, error)) return false;
+  IdentifiedModel at =
+      BeginFrom(ParametersByName(problem, model), model, extended);
+  at.decays = model.decays;
+  const ParameterLayout layout(extended);
+  FittedCost cost;
+  if (!LinearizeAtFit(extended, layout, at, fit.records, num_threads, &cost)) {
+    *error = "the model with other unknowns in it is not finite";
+    return false;
+  }
+  *scores = SuspectScores();
+  std::vector<int> base;
+  const ParameterLayout own(problem);
+  for (const int index : own.free()) {
+    const std::string& name = own.parameter(index).name;
+    const int j = layout.FreeIndex(name);
+    if (j < 0 || IsAtBound(fit, name)) continue;
+    base.push_back(j);
+    scores->names.push_back(name);
+  }
+  const Information information(cost.system, base);
+  const auto column = [&layout](const std::string& name) {
+    Vector direction = Vector::Zero(layout.num_free());
+    const int j = layout.FreeIndex(name);
+    if (j >= 0) direction[j] = 1.0;
+    return direction;
+  };
+  for (const Suspect& suspect : suspects) {
+    Matrix directions(layout.num_free(), 0);
+    if (!suspect.tied.empty()) {
+      directions = Matrix::Zero(layout.num_free(), 1);
+      for (const std::string& name : suspect.tied) {
+        directions.col(0) += column(name);
+      }
+    } else if (suspect.exchanged.empty()) {
+      for (const std::string& name : suspect.Unknowns()) {
+        // What is free already is among the problem's unknowns.
+        const Vector direction = column(name);
+        const bool is_base = std::find(base.begin(), base.end(),
+                                       layout.FreeIndex(name)) != base.end();
+        if (is_base || direction.isZero()) continue;
+        directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
+        directions.rightCols(1) = direction;
+      }
+    }
+    scores->suspects.push_back(
+        directions.cols() > 0 ? information.Score(directions) : SuspectScore());
+  }
+  return true;
+}
+
+}  // namespace pinode
