@@ -82,8 +82,10 @@ std::string Describe(const ChangeSubject& subject) {
     case ChangeKind::kMass:
       if (!subject.place.empty()) return "the mass at " + subject.place;
       break;
-    case ChangeKind::kStiffness:
     case ChangeKind::kDamping:
+      if (!subject.place.empty()) return "the damping of " + subject.place;
+      break;
+    case ChangeKind::kStiffness:
       break;
   }
   return subject.name;

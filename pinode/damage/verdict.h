@@ -32,7 +32,8 @@ ChangeKind KindOf(MatrixGroup::Target target);
 struct ChangeSubject {
   std::string name;  // of the parameter
   ChangeKind kind = ChangeKind::kStiffness;
-  // Place of kMass and kNonlinear, if they are no groups of the user's.
+  // Place of kMass and kNonlinear, modes of kDamping, if they are no groups of
+  // the user's.
   std::string place;
   std::string dof;  // kNonlinear: "u1", or "u1-u2" of a force between two
   // RMS of the force as a fraction of the restoring force's; kNonlinear only.

@@ -83,6 +83,7 @@ std::string DamageAsJson(const DamageResult& result) {
   json["groups"] = Json::array();
   json["nonlinearity"] = NonlinearityAsJson(result);
   json["masses"] = Json::array();
+  json["dampings"] = Json::array();
   for (size_t j = 0; j < result.subjects.size(); ++j) {
     const ChangeSubject& subject = result.subjects[j];
     const GroupChange& change = result.estimate.groups[j];
@@ -100,12 +101,14 @@ std::string DamageAsJson(const DamageResult& result) {
            {"reason", reason},
            {"between_records",
             result.estimate.between_records[static_cast<Eigen::Index>(j)]}});
-    } else if (subject.kind == ChangeKind::kMass && change.changed) {
-      json["masses"].push_back({{"place", subject.place},
-                                {"change", change.change},
-                                {"lower95", change.lower95},
-                                {"upper95", change.upper95},
-                                {"reason", reason}});
+    } else if (subject.kind != ChangeKind::kNonlinear && change.changed) {
+      const bool is_mass = subject.kind == ChangeKind::kMass;
+      json[is_mass ? "masses" : "dampings"].push_back(
+          {{"place", subject.place},
+           {"change", change.change},
+           {"lower95", change.lower95},
+           {"upper95", change.upper95},
+           {"reason", reason}});
     }
   }
   json["rivals"] = Json::array();

@@ -19,11 +19,20 @@ void AppendTo(const char* key, TomlValue table, TomlValue* tree) {
 
 TomlValue GroupTable(const ChangeCandidate& candidate) {
   TomlValue matrix = TomlValue::Table();
-  matrix.Set("diagonal", TomlValue::Numbers({candidate.masses.begin(),
-                                             candidate.masses.end()}));
+  if (candidate.subject.kind == ChangeKind::kMass) {
+    matrix.Set("diagonal", TomlValue::Numbers({candidate.masses.begin(),
+                                               candidate.masses.end()}));
+  } else {
+    std::vector<TomlValue> rows;
+    for (const auto& row : candidate.damping.rowwise()) {
+      rows.push_back(TomlValue::Numbers({row.begin(), row.end()}));
+    }
+    matrix = TomlValue::Array(std::move(rows));
+  }
   TomlValue group = TomlValue::Table();
   group.Set("name", TomlValue::String(candidate.subject.name));
-  group.Set("adds_to", TomlValue::String("mass"));
+  group.Set("adds_to",
+            TomlValue::String(ChangeKindName(candidate.subject.kind)));
   group.Set("matrix", std::move(matrix));
   group.Set("prior_sigma", TomlValue::Float(PriorOf(candidate)));
   return group;
@@ -146,7 +155,7 @@ bool KeepOf(const LawTerm& law, const std::vector<std::string>& left_out,
 TomlValue TreeWithCandidates(TomlValue tree, const StructuralModel& model,
                              const std::vector<ChangeCandidate>& candidates) {
   for (const ChangeCandidate& candidate : candidates) {
-    if (candidate.subject.kind == ChangeKind::kMass) {
+    if (candidate.subject.kind != ChangeKind::kNonlinear) {
       AppendTo("group", GroupTable(candidate), &tree);
     } else {
       AppendTo("library", LibraryTable(candidate, model), &tree);

@@ -55,13 +55,13 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
   *search = DamageSearch();
   const TomlTable table = root.Table("damage", "[damage]");
   if (!table.AllowKeys({"kinds", "masses", "place"})) return false;
-  std::vector<std::string> kinds = {"mass", "nonlinear"};
+  std::vector<std::string> kinds = {"mass", "damping", "nonlinear"};
   if (table.Has("kinds")) {
     for (const std::string& kind : table.Strings("kinds")) {
       if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
         return table.Fail("kinds", "'kinds' has '" + kind +
-                                       "', expected mass and nonlinear, one "
-                                       "of them or none" +
+                                       "', expected some of mass, damping and "
+                                       "nonlinear, or none" +
                                        NameHint(kind, kinds));
       }
     }
@@ -84,6 +84,7 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
   } else if (asked("mass")) {
     search->masses = MeasuredMasses(problem);
   }
+  search->damping = asked("damping") && HasFixedDamping(*problem.dynamics);
   if (table.Has("place")) {
     if (!ReadPlaces(table, model, search)) return false;
   } else if (asked("nonlinear")) {

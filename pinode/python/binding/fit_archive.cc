@@ -177,8 +177,8 @@ void VisitOne(Archive* a, Judgement& value) {
 
 template <typename Archive>
 void VisitOne(Archive* a, ChangeCandidate& value) {
-  auto& [subject, unit, masses, from, to, basis, library] = value;
-  Visit(a, subject, unit, masses, from, to, basis, library);
+  auto& [subject, unit, masses, damping, from, to, basis, library] = value;
+  Visit(a, subject, unit, masses, damping, from, to, basis, library);
 }
 
 // Visits all fields but the fit, which is that of the whole.

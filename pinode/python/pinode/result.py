@@ -394,7 +394,7 @@ class Damage(_Outcome):
     def changes(self) -> list[dict[str, Any]]:
         """What a verdict looks at: name, target ("stiffness", "damping", "mass",
         "nonlinear"), change, lower95, upper95 and probability of each group, and
-        then of the masses and nonlinear forces that were found beside them."""
+        then of the masses, dampings and nonlinear forces found beside them."""
         if self._found is None:
             return []
         keys = ("name", "target", "change", "lower95", "upper95", "probability", "reason")
@@ -402,6 +402,8 @@ class Damage(_Outcome):
             *self._found["groups"],
             *({**m, "name": f"mass at {m['place']}", "target": "mass"}
               for m in self._found["masses"]),
+            *({**d, "name": f"damping of {d['place']}", "target": "damping"}
+              for d in self._found.get("dampings", [])),
             *({**n, "change": n["share"], "target": "nonlinear"}
               for n in self._found["nonlinearity"].get("terms", [])),
         ]

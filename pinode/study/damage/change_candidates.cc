@@ -11,6 +11,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/library_function.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/library_term.h"
 
@@ -87,14 +88,57 @@ std::string OutputName(const StructuralModel& model, int from, int to) {
                   : end + "-" + model.dof_names[static_cast<size_t>(from)];
 }
 
-GroupTerm MassTerm(const ChangeCandidate& candidate) {
+GroupTerm MatrixTerm(const ChangeCandidate& candidate) {
   GroupTerm term;
   term.group.name = candidate.subject.name;
-  term.group.target = MatrixGroup::Target::kMass;
-  term.group.matrix = candidate.masses.asDiagonal();
+  if (candidate.subject.kind == ChangeKind::kMass) {
+    term.group.target = MatrixGroup::Target::kMass;
+    term.group.matrix = candidate.masses.asDiagonal();
+  } else {
+    term.group.target = MatrixGroup::Target::kDamping;
+    term.group.matrix = candidate.damping;
+  }
   term.alpha.name = candidate.subject.name;
   term.alpha.prior_sigma = PriorOf(candidate);
   return term;
+}
+
+// All damping of `model` by one factor, and that of each of its lowest modes.
+std::vector<ChangeCandidate> DampingCandidates(const StructuralModel& model) {
+  // The modes that records show; what changes in all of them is the first.
+  constexpr int kMostModes = 5;
+  std::vector<ChangeCandidate> candidates;
+  const auto add = [&candidates](const std::string& name,
+                                 const std::string& place,
+                                 const Matrix& damping) {
+    ChangeCandidate candidate;
+    candidate.subject.name = name;
+    candidate.subject.kind = ChangeKind::kDamping;
+    candidate.subject.place = place;
+    candidate.damping = damping;
+    candidates.push_back(std::move(candidate));
+  };
+  add("damping.all", "all modes", model.damping);
+  ModalProperties modes;
+  std::string unused;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &unused)) {
+    return candidates;
+  }
+  int number = 0;
+  for (Eigen::Index i = 0; i < modes.frequency_hz.size(); ++i) {
+    if (!(modes.frequency_hz[i] > 0.0)) continue;
+    const Vector shape = modes.mode_shapes.col(i);
+    const double damping = shape.dot(model.damping * shape);
+    if (!(damping > 0.0)) continue;
+    if (++number > kMostModes) break;
+    const Vector momentum = model.mass * shape;
+    const std::string mode = "mode" + std::to_string(i + 1);
+    add("damping." + mode, mode, damping * momentum * momentum.transpose());
+  }
+  // One mode alone is all of them.
+  if (candidates.size() == 2) candidates.pop_back();
+  return candidates;
 }
 
 bool ForceTerm(const ChangeCandidate& candidate,
@@ -132,6 +176,11 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     candidate.masses = Vector::Zero(size);
     for (const int dof : place.dofs) candidate.masses[dof] = mean;
     candidates.push_back(std::move(candidate));
+  }
+  if (search.damping) {
+    for (ChangeCandidate& candidate : DampingCandidates(corrected)) {
+      candidates.push_back(std::move(candidate));
+    }
   }
   for (const SpringPlace& place : search.springs) {
     const Motion motion = MotionAt(summary, size, place.from, place.to);
@@ -195,8 +244,8 @@ bool AddCandidates(const IdentificationProblem& problem,
       *error = "two unknowns are named '" + candidate.subject.name + "'";
       return false;
     }
-    if (candidate.subject.kind == ChangeKind::kMass) {
-      if (!dynamics->AddGroup(MassTerm(candidate), error)) return false;
+    if (candidate.subject.kind != ChangeKind::kNonlinear) {
+      if (!dynamics->AddGroup(MatrixTerm(candidate), error)) return false;
       continue;
     }
     LawTerm term;

@@ -13,8 +13,8 @@
 
 namespace pinode {
 
-// Returns candidates at the places of `search`, which is valid: masses, and
-// four nonlinear forces per spring,
+// Returns candidates at the places of `search`, which is valid: masses, factors
+// on the damping, and four nonlinear forces per spring,
 //
 //   opening    |d|            stiffness that differs by sign, as of a crack
 //   hardening  d^3            or softening

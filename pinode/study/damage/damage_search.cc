@@ -115,8 +115,18 @@ std::vector<DamageSearch::SpringPlace> GroupSprings(
   return places;
 }
 
+bool HasFixedDamping(const StructuralDynamics& dynamics) {
+  if (dynamics.model().damping.isZero(0.0)) return false;
+  const std::vector<GroupTerm>& groups = dynamics.groups();
+  return std::none_of(groups.begin(), groups.end(), [](const GroupTerm& term) {
+    return term.alpha.free &&
+           term.group.target == MatrixGroup::Target::kDamping;
+  });
+}
+
 DamageSearch LookEverywhere(const IdentificationProblem& problem) {
-  return {MeasuredMasses(problem), GroupSprings(*problem.dynamics)};
+  return {MeasuredMasses(problem), GroupSprings(*problem.dynamics),
+          HasFixedDamping(*problem.dynamics)};
 }
 
 }  // namespace pinode

@@ -30,6 +30,8 @@ struct DamageSearch {
   };
   std::vector<MassPlace> masses;
   std::vector<SpringPlace> springs;
+  // Look for a change of the model's damping, of the whole and of single modes.
+  bool damping = false;
 
   // Checks that `model` has the DOFs. On failure *error names the place.
   [[nodiscard]] bool IsValid(const StructuralModel& model,
@@ -44,6 +46,9 @@ struct ChangeCandidate {
   double unit = 1.0;
   // kMass: mass per DOF added by a change of 1, in the model's unit of mass.
   Vector masses;
+  // kDamping: damping added by a change of 1, num_dofs x num_dofs: all that the
+  // model has, or that of a mode.
+  Matrix damping;
   // kNonlinear: a function of the deformation from `from` to `to` and its rate.
   int from = Feature::kGround;
   int to = Feature::kGround;
@@ -64,7 +69,11 @@ std::vector<DamageSearch::MassPlace> MeasuredMasses(
 std::vector<DamageSearch::SpringPlace> GroupSprings(
     const StructuralDynamics& dynamics);
 
-// Returns both: all places that the present sensors and groups allow.
+// True if `dynamics` has damping, of which no group is free: then its change
+// would be put down to what is.
+bool HasFixedDamping(const StructuralDynamics& dynamics);
+
+// Returns all of them: all places that the present sensors and groups allow.
 DamageSearch LookEverywhere(const IdentificationProblem& problem);
 
 }  // namespace pinode

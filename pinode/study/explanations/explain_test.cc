@@ -1,0 +1,178 @@
+#include "pinode/study/explanations/explain.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "pinode/study/explanations/record_checks.h"
+#include "pinode/study/explanations/score_test.h"
+#include "pinode/study/explanations/suspect.h"
+#include "pinode/study/identify/identify.h"
+#include "tests/support/dynamics_testing.h"
+#include "tests/support/study_testing.h"
+
+namespace pinode {
+namespace {
+
+// Three floors whose stiffness is free. The records come from `truth`.
+Identification IdentifyChain(const StructuralDynamics& truth) {
+  return Identify(MeasuredChain(3, truth, 7), IdentificationOptions(), {},
+                  nullptr);
+}
+
+std::vector<std::string> Checks(const Verdict& verdict) {
+  std::vector<std::string> checks;
+  for (const Finding& finding : verdict.findings()) {
+    checks.push_back(finding.check);
+  }
+  return checks;
+}
+
+TEST(Explain, FindsNothingWhereNothingIsWrong) {
+  const Identification found = IdentifyChain(*ChainAt(Vector{{0.1, -0.2, 0}}));
+  EXPECT_EQ(found.summary.verdict.grade(), Grade::kGood);
+  EXPECT_TRUE(found.summary.explanations.empty());
+}
+
+TEST(Explain, NamesTheDamping) {
+  const Identification found =
+      IdentifyChain(*testing::MakeGroupedChain(3, 100.0, 0.75));
+  ASSERT_FALSE(found.summary.explanations.empty());
+  const Explanation& first = found.summary.explanations[0];
+  EXPECT_EQ(first.kind, "damping") << first.what;
+  EXPECT_NEAR(first.value, 0.5, 0.02);
+  EXPECT_LT(first.lower95, 0.5);
+  EXPECT_GT(first.upper95, 0.5);
+  EXPECT_GT(first.removes, 0.9);
+}
+
+TEST(Explain, NamesTheMass) {
+  const auto chain = testing::MakeGroupedChain(3, 100.0, 0.5);
+  StructuralModel model = chain->model();
+  model.mass(1, 1) *= 1.3;
+  std::string error;
+  const auto truth =
+      StructuralDynamics::Create(std::move(model), chain->inputs(), &error);
+  ASSERT_NE(truth, nullptr) << error;
+  const Identification found = IdentifyChain(*truth);
+  EXPECT_EQ(found.summary.verdict.grade(), Grade::kWithCare);
+  EXPECT_THAT(Checks(found.summary.verdict),
+              ::testing::Contains("another_explanation"));
+  ASSERT_FALSE(found.summary.explanations.empty());
+  const Explanation& first = found.summary.explanations[0];
+  EXPECT_EQ(first.kind, "mass") << first.what;
+  EXPECT_EQ(first.place, chain->model().dof_names[1]);
+  EXPECT_NEAR(first.value, 0.3, 0.01);
+}
+
+TEST(Explain, NamesTheSensor) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  problem.records[0].channels[1].values *= -0.8;
+  const Identification found =
+      Identify(std::move(problem), IdentificationOptions(), {}, nullptr);
+  // A sensor upside down leaves so much that nothing can be said.
+  if (found.summary.usable()) {
+    ASSERT_FALSE(found.summary.explanations.empty());
+    EXPECT_EQ(found.summary.explanations[0].kind, "sensor_gain");
+  }
+
+  problem = MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  problem.records[0].channels[1].values *= 0.8;
+  const Identification scaled =
+      Identify(std::move(problem), IdentificationOptions(), {}, nullptr);
+  ASSERT_FALSE(scaled.summary.explanations.empty());
+  const Explanation& first = scaled.summary.explanations[0];
+  EXPECT_EQ(first.kind, "sensor_gain") << first.what;
+  EXPECT_EQ(first.place, "a2");
+  EXPECT_NEAR(first.value, 0.8, 0.005);
+}
+
+TEST(Explain, NamesTheBound) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector{{0.25, 0, 0}}), 7);
+  StructureTerms terms = TermsOf(*problem.dynamics);
+  terms.groups[0].alpha.lower = -0.5;
+  terms.groups[0].alpha.upper = 0.1;
+  std::string error;
+  ASSERT_TRUE(Assemble(problem.dynamics->model(), problem.dynamics->inputs(),
+                       terms, &problem.dynamics, &error))
+      << error;
+  const Identification found =
+      Identify(std::move(problem), IdentificationOptions(), {}, nullptr);
+  ASSERT_FALSE(found.summary.explanations.empty());
+  EXPECT_EQ(found.summary.explanations[0].kind, "bound")
+      << found.summary.explanations[0].what;
+  EXPECT_NEAR(found.summary.explanations[0].value, 0.25, 0.01);
+}
+
+// Unknown damping changes mass and stiffness under ground motion alike: the
+// records of one floor cannot show it.
+TEST(Explain, SaysWhatOnlyTheGivenDampingDetermines) {
+  auto dynamics = testing::MakeGroupedChain(1, 100.0, 0.5);
+  GroupTerm mass;
+  mass.group.name = "m";
+  mass.group.target = MatrixGroup::Target::kMass;
+  mass.group.matrix = dynamics->model().mass;
+  mass.alpha.name = "m";
+  std::string error;
+  ASSERT_TRUE(dynamics->AddGroup(mass, &error)) << error;
+  IdentificationProblem problem =
+      MeasuredChain(1, *testing::MakeGroupedChain(1, 100.0, 0.45), 7);
+  problem.dynamics = dynamics;
+  const Identification found =
+      Identify(std::move(problem), IdentificationOptions(), {}, nullptr);
+  EXPECT_THAT(Checks(found.summary.verdict),
+              ::testing::Contains("told_apart_by_damping"));
+}
+
+TEST(ScoreSuspects, PromisesWhatARefitGains) {
+  TestFit fit =
+      FitOf(MeasuredChain(3, *testing::MakeGroupedChain(3, 100.0, 0.5005), 7));
+  const std::vector<Suspect> suspects = MakeSuspects(fit.problem, fit.model);
+  SuspectScores scores;
+  std::string error;
+  ASSERT_TRUE(ScoreSuspects(fit.problem, fit.summary, fit.model, suspects, 1,
+                            &scores, &error))
+      << error;
+  ASSERT_EQ(scores.suspects.size(), suspects.size());
+  ASSERT_EQ(suspects[0].kind, Suspect::Kind::kDamping);
+  // The same from a fit with that unknown. Noise is given, so that costs can be
+  // compared.
+  IdentificationProblem given = fit.problem;
+  for (size_t c = 0; c < given.records[0].channels.size(); ++c) {
+    given.records[0].channels[c].sigma =
+        fit.model.sigmas[0][static_cast<Eigen::Index>(c)];
+  }
+  IdentificationProblem with = given;
+  ASSERT_TRUE(AddSuspects({suspects[0]}, &with, &error)) << error;
+  TestFit before = FitOf(given), after = FitOf(with);
+  EXPECT_NEAR(scores.suspects[0].gain,
+              before.summary.final_cost - after.summary.final_cost,
+              0.05 * scores.suspects[0].gain + 0.05);
+}
+
+TEST(CheckAgainstProblem, SeesACopyAndContradictedNoise) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  FitSummary fit = FitOf(problem).summary;
+  EXPECT_THAT(CheckAgainstProblem(problem, fit), ::testing::IsEmpty());
+  problem.records[0].channels[0].values = problem.records[0].channels[1].values;
+  std::vector<Finding> findings = CheckAgainstProblem(problem, fit);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "copied_channel");
+  EXPECT_EQ(findings[0].grade, Grade::kNotUsable);
+
+  problem = MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  problem.records[0].channels[2].sigma = 0.5 * fit.records[0].channels[2].rmse;
+  findings = CheckAgainstProblem(problem, fit);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "given_noise_contradicted");
+  EXPECT_NEAR(findings[0].number, 2.0, 1e-9);
+  EXPECT_EQ(findings[0].grade, Grade::kWithCare);
+}
+
+}  // namespace
+}  // namespace pinode
