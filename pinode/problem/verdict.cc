@@ -44,4 +44,12 @@ Verdict::Verdict(std::vector<Finding> findings)
   }
 }
 
+bool Verdict::MissesMotionAlone() const {
+  return std::all_of(findings_.begin(), findings_.end(),
+                     [](const Finding& finding) {
+                       return finding.grade != Grade::kNotUsable ||
+                              finding.check == kUnexplainedMotion;
+                     });
+}
+
 }  // namespace pinode

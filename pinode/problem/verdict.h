@@ -36,6 +36,9 @@ struct Finding {
   std::string Sentence() const;
 };
 
+// Check of motion that a model does not explain.
+inline constexpr char kUnexplainedMotion[] = "unexplained_motion";
+
 // Verdict on a result. Its grade is a function of its findings and of nothing
 // else: the best grade that all of them allow.
 class Verdict {
@@ -49,6 +52,9 @@ class Verdict {
   Grade grade() const { return grade_; }
   bool usable() const { return grade_ != Grade::kNotUsable; }
   const std::vector<Finding>& findings() const { return findings_; }
+  // True if nothing speaks against the result but motion that it does not
+  // explain: what explains it may still be found.
+  bool MissesMotionAlone() const;
 
  private:
   std::vector<Finding> findings_;

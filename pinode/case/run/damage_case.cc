@@ -106,7 +106,10 @@ JudgedChange JudgeChange(const IdentificationSummary& summary,
                          IdentificationWatch* watch, Case* c) {
   JudgedChange judgement;
   judgement.interrupted = summary.termination == Termination::kInterrupted;
-  if (!summary.usable() || summary.covariance.size() == 0) return judgement;
+  // A change that the case's groups do not have may be what a fit misses.
+  if (!summary.verdict.MissesMotionAlone() || summary.covariance.size() == 0) {
+    return judgement;
+  }
   DamageAnalysisOptions options;
   options.change = change;
   options.search = c->damage;

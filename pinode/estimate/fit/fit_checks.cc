@@ -78,7 +78,7 @@ void CheckPrediction(const RecordScore& score, Findings* findings) {
          score.nrmse, score.prior_nrmse});
   } else if (train && StructuredError(score) > limits::kUnexplained) {
     findings->push_back(
-        {"unexplained_motion",
+        {kUnexplainedMotion,
          "the model misses " + PercentText(score.nrmse) +
              " of the motion of record '" + score.name +
              "', and noise does not explain it",
@@ -437,7 +437,7 @@ std::vector<Finding> CheckDoubts(const FitSummary& fit) {
     const double unexplained = StructuredError(score);
     if (!(unexplained > limits::kLittleUnexplained)) continue;
     findings.push_back(
-        {"unexplained_motion",
+        {kUnexplainedMotion,
          "the model misses " + PercentText(unexplained) +
              " of the motion of record '" + score.name + "' beyond its noise",
          unexplained, limits::kLittleUnexplained,

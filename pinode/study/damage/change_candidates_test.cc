@@ -43,6 +43,8 @@ class ChangeCandidates : public ::testing::Test {
     problem_.records = {record};
     ChooseStepsOrFail(&problem_);
     search_ = LookEverywhere(problem_);
+    EXPECT_TRUE(search_.damping);
+    search_.damping = false;
     search_.springs = {{"gap", 0, 1}};
     constexpr int kSamples = 2000;
     constexpr double kFrequency = 5.0;
@@ -91,6 +93,28 @@ TEST_F(ChangeCandidates, AreMeasuredByWhatIsThere) {
   EXPECT_EQ(candidates[5].basis, "abs(w[u1,u2])*w[u1,u2]");
   EXPECT_NEAR(candidates[5].unit,
               force / (std::pow(0.1, 2) * std::sqrt(3.0 / 8.0)), 1e-8);
+}
+
+TEST_F(ChangeCandidates, ChangeTheDampingAsAWholeAndByModes) {
+  search_ = DamageSearch();
+  search_.damping = true;
+  const std::vector<ChangeCandidate> candidates =
+      MakeChangeCandidates(problem_, search_, summary_, model_);
+  ASSERT_EQ(candidates.size(), 3u);
+  const StructuralModel& model = problem_.dynamics->model();
+  EXPECT_EQ(candidates[0].subject.name, "damping.all");
+  EXPECT_EQ(candidates[0].damping, model.damping);
+  // Of two modes with proportional damping, the two are all of it.
+  EXPECT_NEAR(
+      (candidates[1].damping + candidates[2].damping - model.damping).norm(),
+      0.0, 1e-9 * model.damping.norm());
+  IdentificationProblem extended;
+  std::string error;
+  ASSERT_TRUE(AddCandidates(problem_, candidates, &extended, &error)) << error;
+  EXPECT_EQ(extended.dynamics->groups()[1].group.target,
+            MatrixGroup::Target::kDamping);
+  // Damping that is free already shows its change itself.
+  EXPECT_FALSE(HasFixedDamping(*extended.dynamics));
 }
 
 TEST_F(ChangeCandidates, BecomeUnknownsOfTheProblem) {

@@ -243,6 +243,8 @@ class Analyst {
           Without(found_, asked_for).empty()) {
         return true;
       }
+      // Without what was found the motion has no explanation at all.
+      if (asked_for.empty() && !verdict_.usable()) return true;
       FitOfRecords fit;
       fit.name = kNewRecords;
       if (!AddCandidates(problem_, asked_for, &fit.problem, error)) {
@@ -257,10 +259,11 @@ class Analyst {
                  fit.problem, options, &begin, &fit.summary, &fit.model);
       const std::string why_not = WhyNotSound(options.tuning.gaps, fit.summary);
       if (!why_not.empty() || fit.summary.covariance.size() == 0) {
-        *error = "the fit with " + asked_for[0].subject.name +
-                 (asked_for.size() > 1 ? " and others" : "") +
-                 " is not usable: " +
-                 (why_not.empty() ? "it has no covariance" : why_not);
+        *error =
+            "the fit with " +
+            (asked_for.empty() ? "groups alone" : asked_for[0].subject.name) +
+            (asked_for.size() > 1 ? " and others" : "") + " is not usable: " +
+            (why_not.empty() ? "it has no covariance" : why_not);
         return false;
       }
       found_ = std::move(asked_for);
@@ -291,6 +294,12 @@ class Analyst {
   }
 
   bool Conclude(bool kinds, std::string* error) {
+    if (!verdict_.usable()) {
+      *error =
+          "the fit is not usable, and no change of another kind explains "
+          "what it misses";
+      return false;
+    }
     for (const GroupTerm& term : problem_.dynamics->groups()) {
       if (std::find(groups_.begin(), groups_.end(), term.group.name) ==
           groups_.end()) {
@@ -520,7 +529,10 @@ bool AnalyseDamage(const IdentificationProblem& problem,
                    const std::vector<Baseline>& baselines,
                    const DamageAnalysisOptions& options, DamageResult* result,
                    std::string* error) {
-  if (!IsUsableResultOf(problem, summary, model, error) ||
+  const bool may_explain =
+      !summary.usable() && summary.verdict.MissesMotionAlone();
+  if (!(may_explain ? IsFitOf(problem, summary, model, error)
+                    : IsUsableResultOf(problem, summary, model, error)) ||
       !CheckInput(problem, baselines, options, error)) {
     return false;
   }

@@ -1,6 +1,7 @@
 #include "pinode/study/explanations/score_test.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 

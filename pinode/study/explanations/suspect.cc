@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
+#include "pinode/dynamics/feature.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/problem/growth.h"
 
@@ -156,16 +157,32 @@ class Catalogue {
       for (int from = Feature::kGround; from < to; ++from) {
         const double stiffness =
             from == Feature::kGround ? k.row(to).sum() : -k(to, from);
-        if (!(stiffness > 1e-6 * largest)) continue;
+        const Matrix spring = stiffness * SpringMatrix(size, from, to);
+        if (!(stiffness > 1e-6 * largest) || IsGroup(spring)) continue;
         const std::string start =
             from == Feature::kGround ? "ground" : Dof(from);
         const std::string place = start + "-" + Dof(to);
         Add(Kind::kStiffness, place,
             "the stiffness between " + start + " and " + Dof(to))
-            ->groups = {FactorGroup("stiffness." + place, Target::kStiffness,
-                                    stiffness * SpringMatrix(size, from, to))};
+            ->groups = {
+            FactorGroup("stiffness." + place, Target::kStiffness, spring)};
       }
     }
+  }
+
+  // True if a constant group of the problem is `stiffness` times a number.
+  bool IsGroup(const Matrix& stiffness) const {
+    const std::vector<GroupTerm>& groups = dynamics_.groups();
+    return std::any_of(
+        groups.begin(), groups.end(), [&](const GroupTerm& term) {
+          if (term.group.target != Target::kStiffness ||
+              term.follows != GroupTerm::Follows::kNothing) {
+            return false;
+          }
+          const Matrix& matrix = term.group.matrix;
+          const double product = matrix.cwiseProduct(stiffness).sum();
+          return product >= (1.0 - 1e-9) * matrix.norm() * stiffness.norm();
+        });
   }
 
   // Groups that the user has fixed, or whose bounds they have reached.

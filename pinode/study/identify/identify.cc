@@ -142,17 +142,19 @@ class MainJob {
   }
 
   // The only place that makes a verdict of an identification. Doubts, and other
-  // explanations, are looked for where the fit is sound otherwise.
+  // explanations, are looked for where the fit is sound but for what it misses.
   Identification Judged(std::vector<Finding> of_steps) {
     std::vector<Finding> findings = CheckFit(options_.tuning.gaps, fit_);
     const auto add = [&findings](std::vector<Finding> more) {
       std::move(more.begin(), more.end(), std::back_inserter(findings));
     };
+    // What is missed altogether may have an explanation too.
     const bool sound = findings.empty();
+    const bool misses_motion = Verdict(findings).MissesMotionAlone();
     add(std::move(of_steps));
     Explained explained;
-    if (sound) {
-      add(CheckDoubts(fit_));
+    if (sound) add(CheckDoubts(fit_));
+    if (misses_motion) {
       add(CheckAgainstProblem(problem_, fit_));
       explained = Explain(problem_, options_, fit_, model_, &inner_);
       add(std::move(explained.findings));
