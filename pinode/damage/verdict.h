@@ -57,6 +57,9 @@ enum class Reason {
   // Much more motion is unexplained than in the baselines: the change may be a
   // side effect of another cause.
   kUnexplained,
+  // The change is smaller than the share of the motion that the model misses,
+  // of healthy records too, and one baseline does not show how much that moves.
+  kModelError,
 };
 
 // Unexplained motion of a model, without noise, as fractions.
@@ -69,6 +72,9 @@ struct MissedMotion {
   // in the structure, its loads or its sensors is of a kind that was not
   // examined.
   bool IsMore() const;
+  // True if one baseline cannot show a change of this size: the model misses a
+  // larger share of the motion, and what it misses depends on the motion.
+  bool Hides(double change) const;
   // True if a nonlinear force with this share of the restoring force is
   // confirmed. It must explain much of the motion that groups alone leave, and
   // must not be small compared with the remaining unexplained motion, which may
@@ -93,7 +99,8 @@ struct Judgement {
 //   cannot_tell   none of these, but one of them with a rival of another kind,
 //                 or a stiffness group that may have lost more than the
 //                 threshold with more than 5 % probability; or, whatever was
-//                 found, more motion is unexplained
+//                 found, more motion is unexplained; or, with one baseline,
+//                 only changes smaller than what the model misses
 //   no_damage     none, and none is possible
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,

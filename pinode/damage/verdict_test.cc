@@ -256,5 +256,33 @@ TEST(JudgeMissed, ANonlinearForceLeavesWhatItsFormDoes) {
       << "it is small beside what is left";
 }
 
+TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {
+  ChangeEstimate estimate;
+  estimate.groups = {Change(-0.24, 0.01, true), Change(0.0, 0.01, false),
+                     Change(0.0, 0.01, false)};
+  MissedMotion missed;
+  missed.healthy = 0.3;
+  missed.last = 0.35;
+  Judgement judgement =
+      JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  EXPECT_EQ(judgement.reasons[0], Reason::kModelError);
+  EXPECT_THAT(judgement.sentence, HasSubstr("a second healthy record"));
+
+  // Several baselines show how much that moves; a larger change is none of it.
+  estimate.has_between_records = true;
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kDamage);
+  estimate.has_between_records = false;
+  estimate.groups[0] = Change(-0.5, 0.01, true);
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kDamage);
+  // A model that misses next to nothing shows small changes.
+  missed.healthy = missed.last = 0.05;
+  estimate.groups[0] = Change(-0.12, 0.01, true);
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kDamage);
+}
+
 }  // namespace
 }  // namespace pinode

@@ -47,7 +47,9 @@ std::string Hundredths(double fraction) {
 // True if a subject may be a side effect of a cause that was not examined.
 bool StandsIn(const DamageResult& damage, size_t subject) {
   const std::vector<Reason>& reasons = damage.judgement.reasons;
-  return subject < reasons.size() && reasons[subject] == Reason::kUnexplained;
+  return subject < reasons.size() &&
+         (reasons[subject] == Reason::kUnexplained ||
+          reasons[subject] == Reason::kModelError);
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ const char* ReasonName(Reason reason) {
       return "ambiguous";
     case Reason::kUnexplained:
       return "unexplained";
+    case Reason::kModelError:
+      return "model_error";
   }
   return "";
 }
