@@ -7,7 +7,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/cases/measure.h"
+#include "pinode/case/sections/case_file.h"
+#include "pinode/study/identify/identify.h"
 #include "tests/support/measured_data_testing.h"
 
 namespace pinode {
@@ -39,7 +40,8 @@ TEST_P(VerdictFaults, AreNamed) {
   Case c;
   std::string error;
   ASSERT_TRUE(ReadCase(path, &c, &error)) << error;
-  const CaseRun run = RunCase(std::move(c));
+  const Identification run =
+      Identify(std::move(c.problem), c.options, ExtrasOf(c), nullptr);
   EXPECT_EQ(run.summary.verdict.grade(), fault.grade) << run.summary.message;
   std::vector<std::string> causes;
   for (const Finding& finding : run.summary.verdict.findings()) {

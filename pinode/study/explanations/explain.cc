@@ -22,6 +22,11 @@ namespace {
 constexpr size_t kMostSingles = 4;
 constexpr size_t kMostExchanges = 2;
 constexpr size_t kMostAdded = 2;
+// Enough to compare refits: a step that changes the cost by less moves no odds,
+// and an explanation that is the right one is met within a few steps. Wrong
+// ones have long valleys.
+constexpr double kTolerance = 1e-6;
+constexpr int kMostIterations = 15;
 // Number of suspects together: more faults at once than these are another
 // model.
 constexpr size_t kMostTogether = 3;
@@ -101,7 +106,10 @@ class Search {
         inner_(*inner),
         suspects_(MakeSuspects(problem, model)) {
     BeginNearTheEnd(&options_);
-    DecideQuickly(&options_);
+    options_.function_tolerance =
+        std::max(options_.function_tolerance, kTolerance);
+    options_.max_num_iterations =
+        std::min(options_.max_num_iterations, kMostIterations);
     options_.keep_states = false;
     options_.num_starts = 0;
     for (const IdentificationRecord& record : problem.records) {
