@@ -11,6 +11,7 @@
 #include "pinode/study/explanations/score_test.h"
 #include "pinode/study/explanations/suspect.h"
 #include "pinode/study/identify/identify.h"
+#include "pinode/study/problem/growth.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/study_testing.h"
 
