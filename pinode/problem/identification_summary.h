@@ -24,8 +24,8 @@ struct IdentificationSummary : FitSummary {
   Verdict verdict;
   bool usable() const { return verdict.usable(); }
 
-  // What the model may lack, best first. Those after the first have not much
-  // smaller odds than it, or are other refits that were tried.
+  // Refits with more unknowns that describe the records better than the model
+  // as it is, best first (study/explanations/explain.h).
   std::vector<Explanation> explanations;
 
   // Choice among candidate terms (study/terms/term_choice.h). Empty: the

@@ -79,7 +79,7 @@ constexpr double kInformationLeft = 0.1;
 // or of its value.
 constexpr double kWidestInterval = 1.0;
 
-// What the problem says of its sensors and unknowns.
+// Sensors and unknowns against what the problem says of them.
 
 // Two channels are a copy of each other if 1 minus the size of their
 // correlation is below this: noise of a ten-thousandth in one of them is more.

@@ -104,7 +104,7 @@ TEST_F(ChangeCandidates, ChangeTheDampingAsAWholeAndByModes) {
   const StructuralModel& model = problem_.dynamics->model();
   EXPECT_EQ(candidates[0].subject.name, "damping.all");
   EXPECT_EQ(candidates[0].damping, model.damping);
-  // Of two modes with proportional damping, the two are all of it.
+  // Two modes with proportional damping have all of it.
   EXPECT_NEAR(
       (candidates[1].damping + candidates[2].damping - model.damping).norm(),
       0.0, 1e-9 * model.damping.norm());

@@ -304,7 +304,7 @@ class Search {
       std::vector<size_t> more = best.suspects;
       more.push_back(i);
       if (!Try(best, more, /*cold=*/false)) continue;
-      // What the new suspect makes needless was taken for it.
+      // An earlier suspect leaves again if the new one makes it needless.
       const Refit with = refits_.back();
       for (const size_t old : best.suspects) {
         std::vector<size_t> without = more;
@@ -390,7 +390,7 @@ class Search {
       result->explanations.push_back(Describe(refit));
     }
     for (const Explanation& explanation : result->explanations) {
-      // Those with about the odds of the best: nobody can tell them apart.
+      // Explanations with about the odds of the best cannot be told from it.
       if (explanation.log_odds < limits::kLogOdds ||
           explanation.log_odds <
               result->explanations.front().log_odds - limits::kLogOdds) {

@@ -16,7 +16,7 @@ namespace pinode {
 struct Explained {
   // Refits that describe the records better than the fit does, best first.
   std::vector<Explanation> explanations;
-  // What speaks against the fit.
+  // Findings against the fit.
   std::vector<Finding> findings;
 };
 

@@ -125,7 +125,7 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
       }
     } else if (suspect.exchanged.empty()) {
       for (const std::string& name : suspect.Unknowns()) {
-        // What is free already is among the problem's unknowns.
+        // An unknown that is free already is one of the problem's.
         const Vector direction = column(name);
         const bool is_base = std::find(base.begin(), base.end(),
                                        layout.FreeIndex(name)) != base.end();

@@ -205,7 +205,7 @@ class Catalogue {
   }
 
   void AddSensors() {
-    // By name: the same sensor in several records.
+    // A sensor in several records has one name.
     std::map<std::string, std::vector<std::pair<int, int>>> sensors;
     std::vector<std::string> names;
     std::vector<std::pair<int, int>> all;

@@ -59,9 +59,9 @@ struct Suspect {
 const char* SuspectKindName(Suspect::Kind kind);
 
 // Returns the catalogue for `problem` near `model`, values of its unknowns.
-// What is an unknown of the problem already is not in it. Masses and springs
-// are those of structures with at most kMostPlaces DOFs; springs only of
-// stiffness matrices that are made of them.
+// It leaves out unknowns that the problem has already. Single masses and
+// springs are in it for structures with at most 40 DOFs, and springs for
+// stiffness matrices that consist of them.
 std::vector<Suspect> MakeSuspects(const IdentificationProblem& problem,
                                   const IdentifiedModel& model);
 

@@ -148,7 +148,7 @@ class MainJob {
     const auto add = [&findings](std::vector<Finding> more) {
       std::move(more.begin(), more.end(), std::back_inserter(findings));
     };
-    // What is missed altogether may have an explanation too.
+    // Motion that is missed altogether may have an explanation too.
     const bool sound = findings.empty();
     const bool misses_motion = Verdict(findings).MissesMotionAlone();
     add(std::move(of_steps));
