@@ -276,8 +276,14 @@ void PrintAssessment(const CaseCheck& check) {
         "them or add a channel.\n",
         direction.c_str());
   }
+  for (const std::string& confusion : check.confusions) {
+    std::printf("\n%s\n", confusion.c_str());
+  }
   if (assessment.undetermined.empty() && !assessment.expected.empty()) {
-    std::printf("\nEvery named parameter is determined by the data.\n");
+    std::printf("\nEvery named parameter is determined by the data%s.\n",
+                check.confusions.empty()
+                    ? ""
+                    : ", if what they cannot tell is as the case says");
   }
 }
 

@@ -67,8 +67,13 @@ struct ParameterEstimate {
   double initial = 0.0;
   double value = 0.0;
   double sigma = 0.0;
+  // 95 % interval. Where the model lacks something (Grade::kWithCare) it
+  // reaches as far as other explanations do, and need not be centred on the
+  // value.
   double lower95 = 0.0;
   double upper95 = 0.0;
+  // Half width of the interval that presumes that the model lacks nothing.
+  double half_width95 = 0.0;
   bool free = false;
   bool at_bound = false;
 };

@@ -70,16 +70,17 @@ struct FieldTable<RecordScore> {
 template <>
 struct FieldTable<ParameterEstimate> {
   static constexpr bool kExists = true;
-  static constexpr auto kFields =
-      std::make_tuple(MakeField("name", &ParameterEstimate::name),
-                      MakeField("unit", &ParameterEstimate::unit),
-                      MakeField("initial", &ParameterEstimate::initial),
-                      MakeField("value", &ParameterEstimate::value),
-                      MakeField("sigma", &ParameterEstimate::sigma),
-                      MakeField("lower95", &ParameterEstimate::lower95),
-                      MakeField("upper95", &ParameterEstimate::upper95),
-                      MakeField("free", &ParameterEstimate::free),
-                      MakeField("at_bound", &ParameterEstimate::at_bound));
+  static constexpr auto kFields = std::make_tuple(
+      MakeField("name", &ParameterEstimate::name),
+      MakeField("unit", &ParameterEstimate::unit),
+      MakeField("initial", &ParameterEstimate::initial),
+      MakeField("value", &ParameterEstimate::value),
+      MakeField("sigma", &ParameterEstimate::sigma),
+      MakeField("lower95", &ParameterEstimate::lower95),
+      MakeField("upper95", &ParameterEstimate::upper95),
+      MakeField("half_width95", &ParameterEstimate::half_width95),
+      MakeField("free", &ParameterEstimate::free),
+      MakeField("at_bound", &ParameterEstimate::at_bound));
 };
 
 template <>
@@ -184,6 +185,16 @@ struct FieldTable<StageRecord> {
 };
 
 template <>
+struct FieldTable<ExplainedValue> {
+  static constexpr bool kExists = true;
+  static constexpr auto kFields =
+      std::make_tuple(MakeField("name", &ExplainedValue::name),
+                      MakeField("value", &ExplainedValue::value),
+                      MakeField("lower95", &ExplainedValue::lower95),
+                      MakeField("upper95", &ExplainedValue::upper95));
+};
+
+template <>
 struct FieldTable<Explanation> {
   static constexpr bool kExists = true;
   static constexpr auto kFields =
@@ -191,12 +202,14 @@ struct FieldTable<Explanation> {
                       MakeField("kind", &Explanation::kind),
                       MakeField("place", &Explanation::place),
                       MakeField("log_odds", &Explanation::log_odds),
+                      MakeField("probability", &Explanation::probability),
                       MakeField("value", &Explanation::value),
                       MakeField("lower95", &Explanation::lower95),
                       MakeField("upper95", &Explanation::upper95),
                       MakeField("removes", &Explanation::removes),
                       MakeField("moved", &Explanation::moved),
-                      MakeField("shift", &Explanation::shift));
+                      MakeField("shift", &Explanation::shift),
+                      MakeField("values", &Explanation::values));
 };
 
 template <>

@@ -61,6 +61,14 @@ class Verdict {
   Grade grade_ = Grade::kNotUsable;
 };
 
+// A named parameter of the problem under an explanation.
+struct ExplainedValue {
+  std::string name;
+  double value = kNaN;
+  double lower95 = kNaN;
+  double upper95 = kNaN;
+};
+
 // Something that the model does not have among its unknowns and that would
 // describe the records better: another unknown, or several together, refitted
 // with all others.
@@ -68,9 +76,10 @@ struct Explanation {
   // Description with its values, such as "damping of the whole structure by one
   // factor, +31 (29 to 33) %".
   std::string what;
-  // Kind for programs: "damping", "mass", "stiffness", "bound", "sensor_gain",
-  // "sensor_delay", "sensor_offset", "sensors_exchanged", "excitation_delay",
-  // "excitation_scale". Several together are joined by "+".
+  // Kind for programs: "damping", "mass", "stiffness", "bound", "nonlinear",
+  // "sensor_gain", "sensor_delay", "sensor_offset", "sensors_exchanged",
+  // "excitation_delay", "excitation_scale", "clock_rate". Several together are
+  // joined by "+".
   std::string kind;
   // Name of the DOF, group or sensor, joined likewise. Empty: the whole
   // structure.
@@ -78,9 +87,12 @@ struct Explanation {
   // Logarithm of its odds against the model as it is. Number of unknowns,
   // number of candidates and memory of the residuals are allowed for.
   double log_odds = 0.0;
+  // Probability among all that were tried and the model as it is, each equally
+  // probable before.
+  double probability = 0.0;
   // Value of its first unknown, with a 95 % interval: a fraction of what the
-  // model has (damping, mass, stiffness), a gain, or a delay. NaN if it has no
-  // unknown.
+  // model has (damping, mass, stiffness, clock rate), a gain, a delay, or the
+  // coefficient of a force. NaN if it has no unknown.
   double value = kNaN;
   double lower95 = kNaN;
   double upper95 = kNaN;
@@ -90,6 +102,8 @@ struct Explanation {
   // interval. Empty: the model has no interval.
   std::string moved;
   double shift = 0.0;
+  // The model's own named unknowns under it.
+  std::vector<ExplainedValue> values{};
 };
 
 }  // namespace pinode

@@ -97,6 +97,16 @@ constexpr double kPriorContradicted = 4.0;
 constexpr double kGroupSize = 4.0;
 constexpr double kGroupSizeFar = 10.0;
 
+// Damping ratio above which a mode is doubtful, and beyond belief, where the
+// initial model's is less than half. A shear model of a stiff frame that sways
+// and twists met 25 and 40 Hz by one mode pair of 21 Hz with 0.49.
+constexpr double kModeDamping = 0.2;
+constexpr double kModeDampingFar = 0.4;
+// Size of the least eigenvalue of a damping matrix that drives motion, as a
+// share of the largest. Three dampers of a tower whose model lacked a mass were
+// negative.
+constexpr double kNegativeDamper = 0.01;
+
 // Other explanations.
 
 // Logarithm of the odds above which another explanation counts: odds of 20 (R.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/report/number_text.h"
 
 namespace pinode {
@@ -52,6 +53,16 @@ bool StandsIn(const DamageResult& damage, size_t subject) {
           reasons[subject] == Reason::kModelError);
 }
 
+// True if the interval is not centred on the value: that of a result that lacks
+// something reaches as far as the best explanation.
+bool IsOneSided(const ParameterEstimate& parameter) {
+  constexpr double kRounding = 0.02;
+  const double width = parameter.upper95 - parameter.lower95;
+  const double middle = 0.5 * (parameter.upper95 + parameter.lower95);
+  return parameter.free && std::isfinite(width) &&
+         std::abs(middle - parameter.value) > kRounding * width;
+}
+
 }  // namespace
 
 TextTable MakeChangeTable(const DamageResult& damage) {
@@ -95,7 +106,13 @@ TextTable MakeParameterTable(const ReportInput& input) {
         parameter.free ? 0.5 * (parameter.upper95 - parameter.lower95) : 0.0;
     const EstimateText text =
         FormatEstimate(parameter.initial, parameter.value, half_width);
-    table.AddRow({parameter.name, text.initial, text.value, text.half_width,
+    const std::string within =
+        IsOneSided(parameter)
+            ? FormatEstimate(0.0, parameter.lower95, half_width).value +
+                  " to " +
+                  FormatEstimate(0.0, parameter.upper95, half_width).value
+            : text.half_width;
+    table.AddRow({parameter.name, text.initial, text.value, within,
                   UnitText(parameter.unit), NoteOn(parameter)});
   }
   return table;
@@ -140,13 +157,17 @@ TextTable MakeProfileTable(const ReportInput& input) {
 }
 
 TextTable MakeExplanationTable(const ReportInput& input) {
-  TextTable table({{"explanation", Align::kLeft},
+  TextTable table({{"", Align::kLeft},
+                   {"explanation", Align::kLeft},
+                   {"P", Align::kDecimal},
                    {"log10 of the odds", Align::kDecimal},
                    {"removes of the error %", Align::kDecimal},
                    {"moves most", Align::kLeft},
                    {"by half-widths", Align::kDecimal}});
+  int number = 0;
   for (const Explanation& explanation : input.summary->explanations) {
-    table.AddRow({explanation.what,
+    table.AddRow({std::to_string(++number), explanation.what,
+                  ReadableNumber(explanation.probability, 2),
                   ReadableNumber(explanation.log_odds / std::log(10.0), 3),
                   Percent(explanation.removes), explanation.moved,
                   ReadableNumber(explanation.shift, 2)});
@@ -341,6 +362,49 @@ TextTable MakeStageTable(const ReportInput& input) {
   return table;
 }
 
+TextTable MakeExplainedValueTable(const ReportInput& input) {
+  const std::vector<Explanation>& all = input.summary->explanations;
+  // Explanations that can be told from the best are not in it.
+  size_t count = 0;
+  while (count < all.size() &&
+         all[count].log_odds > all[0].log_odds - limits::kLogOdds) {
+    ++count;
+  }
+  std::vector<TextTable::Column> columns = {{"parameter", Align::kLeft},
+                                            {"as it is", Align::kDecimal}};
+  for (size_t e = 0; e < count; ++e) {
+    columns.push_back({"under " + std::to_string(e + 1), Align::kDecimal});
+  }
+  TextTable table(std::move(columns));
+  if (count == 0) return table;
+  const auto text = [](double value, double lower, double upper) {
+    const EstimateText estimate =
+        FormatEstimate(0.0, value, 0.5 * (upper - lower));
+    return estimate.half_width.empty()
+               ? estimate.value
+               : estimate.value + " \u00b1 " + estimate.half_width;
+  };
+  for (const ExplainedValue& value : all[0].values) {
+    std::vector<std::string> row = {value.name, ""};
+    for (const ParameterEstimate& estimate : input.summary->parameters) {
+      if (estimate.name == value.name) {
+        row[1] = text(estimate.value, estimate.value - estimate.half_width95,
+                      estimate.value + estimate.half_width95);
+      }
+    }
+    for (size_t e = 0; e < count; ++e) {
+      row.emplace_back();
+      for (const ExplainedValue& one : all[e].values) {
+        if (one.name == value.name) {
+          row.back() = text(one.value, one.lower95, one.upper95);
+        }
+      }
+    }
+    table.AddRow(std::move(row));
+  }
+  return table;
+}
+
 std::string ConsoleReport(const ReportInput& input) {
   std::string text = VerdictSentence(input) + "\n";
   for (const std::string& direction : input.summary->undetermined) {
@@ -358,6 +422,7 @@ std::string ConsoleReport(const ReportInput& input) {
   add("Free-run error (nrmse)", MakeRecordTable(input));
   add("Parameters", MakeParameterTable(input));
   add("What the model may lack", MakeExplanationTable(input));
+  add("Parameters under these explanations", MakeExplainedValueTable(input));
   add("Profiles", MakeProfileTable(input));
   add("Measured modes", MakeMeasuredModeTable(input));
   add("Ambient records", MakeAmbientTable(input));

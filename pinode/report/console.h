@@ -14,7 +14,8 @@ namespace pinode {
 TextTable MakeChangeTable(const DamageResult& damage);
 
 // Returns the named parameters: initial and identified value, half width of the
-// 95 % interval, unit, and "fixed", "at bound" or "no interval" if it applies.
+// 95 % interval (its ends, where it is not centred on the value), unit, and
+// "fixed", "at bound" or "no interval" if it applies.
 TextTable MakeParameterTable(const ReportInput& input);
 
 // Returns the measured modes: their frequencies (Hz), those of the initial and
@@ -25,6 +26,10 @@ TextTable MakeAmbientTable(const ReportInput& input);
 
 // Returns what the model may lack, best first.
 TextTable MakeExplanationTable(const ReportInput& input);
+
+// Returns the named parameters under the explanations whose odds are within 20
+// of the best one's.
+TextTable MakeExplainedValueTable(const ReportInput& input);
 
 // Returns the profiles of the likelihood.
 TextTable MakeProfileTable(const ReportInput& input);

@@ -302,6 +302,8 @@ class PageMaker {
     const TextTable explanations = MakeExplanationTable(input_);
     SetIf("explanations", !explanations.empty(), TableData(explanations),
           &page_);
+    const TextTable values = MakeExplainedValueTable(input_);
+    SetIf("explained_values", !values.empty(), TableData(values), &page_);
     page_.set("profile_figures", FigureList(figures_.profiles));
   }
 

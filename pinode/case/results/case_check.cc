@@ -4,6 +4,7 @@
 
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/objective/modal_cost.h"
+#include "pinode/study/explanations/confusions.h"
 
 namespace pinode {
 namespace {
@@ -56,6 +57,10 @@ CaseCheck CheckCase(const Case& c) {
   if (check.has_measurements &&
       !AssessProblem(c.problem, c.options, &check.assessment, &error)) {
     check.not_assessed = error;
+  }
+  if (check.has_measurements && check.ok() &&
+      check.assessment.undetermined.empty()) {
+    check.confusions = ConfusionsBeforeFit(c.problem, c.options);
   }
   return check;
 }

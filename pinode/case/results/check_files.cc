@@ -156,6 +156,9 @@ Json Check(const Case& c, const CaseCheck& check) {
   json["assessed"] = assessed;
   json["message"] = !check.has_measurements ? "nothing was measured"
                     : !check.ok()           ? check.not_assessed
+                    : !check.confusions.empty()
+                        ? "every named parameter is determined by the data, if "
+                          "what they cannot tell is as the case says"
                     : assessment.undetermined.empty()
                         ? "every named parameter is determined by the data"
                         : "the data do not determine every named parameter";
@@ -181,6 +184,7 @@ Json Check(const Case& c, const CaseCheck& check) {
   json["start_states"] = assessed ? Json(assessment.num_starts) : Json(nullptr);
   json["expected"] = Expected(assessment);
   json["undetermined"] = assessment.undetermined;
+  json["confusions"] = check.confusions;
   json["remarks"] = description.remarks;
   for (const std::string& remark : assessment.remarks) {
     json["remarks"].push_back(remark);

@@ -25,7 +25,7 @@ namespace pinode {
 //                      "mac"}],
 //  "candidates": [...], "free_parameters", "residuals", "start_states",
 //  "expected": [{"name", "unit", "initial", "sigma"}],
-//  "undetermined": [...], "remarks": [...]}
+//  "undetermined": [...], "confusions": [...], "remarks": [...]}
 // Steps are in the model's unit of time; unknown numbers are null.
 std::string CheckAsJson(const Case& c, const CaseCheck& check);
 

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "pinode/base/file.h"
@@ -62,28 +63,37 @@ Json Records(const IdentificationProblem& problem,
   return records;
 }
 
-Json Parameters(const IdentificationSummary& summary) {
-  Json parameters = Json::array();
-  for (const ParameterEstimate& estimate : summary.parameters) {
-    Json entry;
-    VisitFields(estimate, [&entry](const char* name, const auto& value) {
+template <typename T>
+Json FieldsOf(const T& fields) {
+  Json entry;
+  VisitFields(fields, [&entry](const char* name, const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, std::vector<ExplainedValue>>) {
+      entry[name] = Json::array();
+      for (const ExplainedValue& one : value) {
+        entry[name].push_back(FieldsOf(one));
+      }
+    } else {
       entry[name] = value;
-    });
-    parameters.push_back(std::move(entry));
-  }
-  return parameters;
+    }
+  });
+  return entry;
 }
 
 Json Explanations(const IdentificationSummary& summary) {
   Json explanations = Json::array();
   for (const Explanation& explanation : summary.explanations) {
-    Json entry;
-    VisitFields(explanation, [&entry](const char* name, const auto& value) {
-      entry[name] = value;
-    });
-    explanations.push_back(std::move(entry));
+    explanations.push_back(FieldsOf(explanation));
   }
   return explanations;
+}
+
+Json Parameters(const IdentificationSummary& summary) {
+  Json parameters = Json::array();
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    parameters.push_back(FieldsOf(estimate));
+  }
+  return parameters;
 }
 
 // Infinite ends are null.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/certainty/input_noise_fit.h"
@@ -40,6 +41,39 @@ void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
   }
   assessment->num_free = layout.num_free();
   if (modes != nullptr) assessment->num_residuals += modes->num_residuals();
+}
+
+// True if the model stays at rest in all records: they begin at rest, without
+// any load. Such records say nothing.
+bool StaysAtRest(const IdentificationProblem& problem) {
+  if (problem.num_train_records() == 0 || !problem.ambient.empty() ||
+      !problem.modal.modes.empty() ||
+      !problem.dynamics->unknown_forces().empty() ||
+      !problem.dynamics->networks().empty()) {
+    return false;
+  }
+  return std::all_of(
+      problem.records.begin(), problem.records.end(),
+      [](const IdentificationRecord& record) {
+        return record.role != IdentificationRecord::Role::kTrain ||
+               ((record.start == IdentificationRecord::Start::kRest ||
+                 record.known_start.isZero(0.0)) &&
+                record.start != IdentificationRecord::Start::kFree &&
+                record.excitation->samples().isZero(0.0));
+      });
+}
+
+// No unknown has an interval.
+void SeeNothing(const ParameterLayout& layout, ProblemAssessment* assessment) {
+  for (const int index : layout.free()) {
+    if (!layout.IsNamed(index)) continue;
+    const Parameter& parameter = layout.parameter(index);
+    assessment->expected.push_back(
+        {parameter.name, parameter.unit, parameter.value, kInfinity});
+    assessment->undetermined.push_back(parameter.name);
+  }
+  assessment->remarks.push_back(
+      "No training record has a load, and all begin at rest: nothing moves.");
 }
 
 }  // namespace
@@ -91,6 +125,10 @@ bool AssessProblem(const IdentificationProblem& problem,
   const std::vector<Vector> sigmas =
       AssumedNoise(problem, options.tuning.noise);
   Count(problem, layout, objective.modes(), assessment);
+  if (StaysAtRest(problem)) {
+    SeeNothing(layout, assessment);
+    return true;
+  }
   shooting.SetSigmas(sigmas);
   const Vector precisions =
       SmoothnessPrecisions(layout, options.tuning.evidence);

@@ -71,10 +71,9 @@ LinearInterval LinearIntervalOf(const FitSummary& summary,
     return interval;
   }
   interval.sigma = estimate->sigma;
-  interval.lower95 = estimate->lower95;
-  interval.upper95 = estimate->upper95;
-  interval.quantile =
-      0.5 * (estimate->upper95 - estimate->lower95) / estimate->sigma;
+  interval.lower95 = estimate->value - estimate->half_width95;
+  interval.upper95 = estimate->value + estimate->half_width95;
+  interval.quantile = estimate->half_width95 / estimate->sigma;
   return interval;
 }
 

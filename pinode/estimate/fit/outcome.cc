@@ -42,8 +42,9 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
   estimate.value = value;
   estimate.free = parameter.free;
   estimate.sigma = parameter.free ? sigma : 0.0;
-  estimate.lower95 = value - quantile * estimate.sigma;
-  estimate.upper95 = value + quantile * estimate.sigma;
+  estimate.half_width95 = quantile * estimate.sigma;
+  estimate.lower95 = value - estimate.half_width95;
+  estimate.upper95 = value + estimate.half_width95;
   const double span = 1e-9 * std::max(1.0, std::abs(value));
   estimate.at_bound = parameter.free && (value <= parameter.lower + span ||
                                          value >= parameter.upper - span);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "pinode/base/file.h"
@@ -146,14 +147,26 @@ py::list FindingsOf(const Fit& fit) {
   return list;
 }
 
+template <typename T>
+py::dict DictOf(const T& fields) {
+  py::dict entry;
+  VisitFields(fields, [&entry](const char* name, const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, std::vector<ExplainedValue>>) {
+      py::list values;
+      for (const ExplainedValue& one : value) values.append(DictOf(one));
+      entry[name] = std::move(values);
+    } else {
+      entry[name] = value;
+    }
+  });
+  return entry;
+}
+
 py::list ExplanationsOf(const Fit& fit) {
   py::list list;
   for (const Explanation& explanation : fit.summary.explanations) {
-    py::dict entry;
-    VisitFields(explanation, [&entry](const char* name, const auto& value) {
-      entry[name] = value;
-    });
-    list.append(std::move(entry));
+    list.append(DictOf(explanation));
   }
   return list;
 }

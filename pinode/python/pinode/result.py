@@ -88,7 +88,8 @@ class _Outcome:
     def explanations(self) -> list[dict[str, Any]]:
         """What the model may lack, best first: unknowns that it does not have, with
         which it was fitted again. Each has `what`, `kind`, `place`, `log_odds`
-        (natural logarithm, against the model as it is), `value` with `lower95` and
+        (natural logarithm, against the model as it is), `probability` among all that
+        were tried, `values` of the named parameters under it, `value` with `lower95` and
         `upper95`, `removes` (a share of the squared error), and the named parameter
         that it moves most, `moved`, by `shift` half-widths of its interval."""
         return self._handle.explanations

@@ -18,13 +18,23 @@ struct Explained {
   std::vector<Explanation> explanations;
   // Findings against the fit.
   std::vector<Finding> findings;
+  // For each named unknown of the fit, an interval for a result that lacks
+  // something: it holds the fit's own, that of the best explanation where it
+  // has odds of 20, and that of the fit linearised with all suspects as
+  // unknowns, each with a prior of the size that such errors usually have.
+  std::vector<ExplainedValue> intervals;
 };
 
+// False for problems of which Explain finds nothing: with networks, unknown
+// forces, measured modes or ambient records, and on several ranks.
+bool CanExplain(const IdentificationProblem& problem,
+                const IdentificationOptions& options);
+
 // Looks for what `problem` lacks, after a sound fit of it (`fit`, `model`).
-// Score tests rank the catalogue (MakeSuspects) at the price of one
-// linearisation; the best few that they promise something of are refitted with
-// all unknowns of the problem, singly and added to the best of them. The odds
-// of a refit with k unknowns among n candidates are
+// Score tests rank the catalogue (MakeSuspects, MakeForceSuspects) at the price
+// of one linearisation; the best few that they promise something of are
+// refitted with all unknowns of the problem, singly and added to the best of
+// them. The odds of a refit with k unknowns among n candidates are
 //
 //   log odds = sum_c N_c / m  log(e_c / e'_c) - k / 2 log(N / m) - log n
 //
@@ -32,9 +42,6 @@ struct Explained {
 // channel before and after, and the memory m of the residuals of the refit
 // (mean autocorrelation time, in samples): Schwarz's criterion (G. Schwarz,
 // Ann. Statist. 6 (1978) 461-464).
-//
-// Finds nothing for problems with networks, unknown forces, measured modes or
-// ambient records, and for fits on several ranks.
 Explained Explain(const IdentificationProblem& problem,
                   const IdentificationOptions& options, const FitSummary& fit,
                   const IdentifiedModel& model, InnerFit* inner);

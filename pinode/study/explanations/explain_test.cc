@@ -3,15 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "pinode/dynamics/feature.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/explanations/confusions.h"
 #include "pinode/study/explanations/record_checks.h"
 #include "pinode/study/explanations/score_test.h"
-#include "pinode/study/explanations/suspect.h"
 #include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/growth.h"
+#include "pinode/study/terms/library_term.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/study_testing.h"
 
@@ -99,6 +105,83 @@ TEST(Explain, NamesTheSensor) {
   EXPECT_NEAR(first.value, 0.8, 0.005);
 }
 
+TEST(Explain, NamesTheNonlinearSpring) {
+  const auto linear = ChainAt(Vector{{0.1, -0.2, 0}});
+  LibrarySpec spec;
+  spec.name = "spring";
+  spec.features = {Feature::Deformation(0, 1)};
+  spec.output =
+      linear->model().dof_names[1] + "-" + linear->model().dof_names[0];
+  spec.acts_as = ActsAs::kForce;
+  spec.coefficients.resize(1);
+  const std::string d = spec.features[0].Name(linear->model().dof_names, {});
+  spec.coefficients[0].basis = d + "^3";
+  spec.coefficients[0].parameter.value = 200.0;
+  LawTerm term;
+  std::string error;
+  ASSERT_TRUE(MakeLibraryTerm(spec, *linear, UnitSystem(), &term, &error))
+      << error;
+  auto truth = std::make_shared<StructuralDynamics>(*linear);
+  ASSERT_TRUE(truth->AddLaw(std::move(term), &error)) << error;
+  const Identification found = IdentifyChain(*truth);
+  ASSERT_FALSE(found.summary.explanations.empty());
+  const Explanation& first = found.summary.explanations[0];
+  EXPECT_EQ(first.kind, "nonlinear") << first.what;
+  EXPECT_EQ(first.place,
+            linear->model().dof_names[0] + "-" + linear->model().dof_names[1]);
+  EXPECT_NEAR(first.value, 200.0, 5.0);
+  EXPECT_GT(first.probability, 0.9);
+}
+
+// Stiffness of the first storey is known: stiffness and damping of the others
+// cannot take over a clock that runs fast.
+TEST(Explain, NamesTheClock) {
+  constexpr double kRate = 1.1;
+  auto truth =
+      testing::MakeGroupedChain(3, 100.0 / (kRate * kRate), 0.5 / kRate);
+  IdentificationProblem problem = MeasuredChain(3, *truth, 7);
+  StructureTerms terms = TermsOf(*problem.dynamics);
+  terms.groups[0].alpha.free = false;
+  std::string error;
+  ASSERT_TRUE(Assemble(problem.dynamics->model(), problem.dynamics->inputs(),
+                       terms, &problem.dynamics, &error))
+      << error;
+  const Identification found =
+      Identify(std::move(problem), IdentificationOptions(), {}, nullptr);
+  std::vector<std::string> kinds;
+  for (const Explanation& explanation : found.summary.explanations) {
+    kinds.push_back(explanation.kind);
+    if (explanation.kind != "clock_rate") continue;
+    EXPECT_NEAR(explanation.value, kRate - 1.0, 0.005) << explanation.what;
+  }
+  ASSERT_GE(kinds.size(), 1u);
+  kinds.resize(std::min<size_t>(kinds.size(), 2));
+  EXPECT_THAT(kinds, ::testing::Contains("clock_rate"));
+}
+
+// The interval of a result that lacks something holds the truth, and what the
+// linearised fit says alone does not.
+TEST(Explain, WidensIntervalsAsFarAsTheExplanation) {
+  const auto chain = testing::MakeGroupedChain(3, 100.0, 0.5);
+  StructuralModel model = chain->model();
+  model.mass(1, 1) *= 1.3;
+  std::string error;
+  const auto truth =
+      StructuralDynamics::Create(std::move(model), chain->inputs(), &error);
+  ASSERT_NE(truth, nullptr) << error;
+  const Identification found = IdentifyChain(*truth);
+  ASSERT_EQ(found.summary.verdict.grade(), Grade::kWithCare);
+  int missed = 0;
+  for (const ParameterEstimate& estimate : found.summary.parameters) {
+    EXPECT_LT(estimate.lower95, 1e-3) << estimate.name;
+    EXPECT_GT(estimate.upper95, -1e-3) << estimate.name;
+    missed += std::abs(estimate.value) > estimate.half_width95 ? 1 : 0;
+  }
+  EXPECT_GT(missed, 0);
+  EXPECT_EQ(found.summary.explanations[0].values.size(),
+            found.summary.parameters.size());
+}
+
 TEST(Explain, NamesTheBound) {
   IdentificationProblem problem =
       MeasuredChain(3, *ChainAt(Vector{{0.25, 0, 0}}), 7);
@@ -137,6 +220,27 @@ TEST(Explain, SaysWhatOnlyTheGivenDampingDetermines) {
               ::testing::Contains("told_apart_by_damping"));
 }
 
+TEST(ConfusionsBeforeFit, SaysWhatTheRecordsCannotTell) {
+  IdentificationProblem problem =
+      MeasuredChain(1, *testing::MakeGroupedChain(1, 100.0, 0.5), 7);
+  const IdentificationOptions options;
+  EXPECT_THAT(ConfusionsBeforeFit(problem, options),
+              ::testing::Not(::testing::Contains(
+                  ::testing::HasSubstr("damping of the whole structure"))));
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  GroupTerm mass;
+  mass.group.name = "m";
+  mass.group.target = MatrixGroup::Target::kMass;
+  mass.group.matrix = dynamics->model().mass;
+  mass.alpha.name = "m";
+  std::string error;
+  ASSERT_TRUE(dynamics->AddGroup(mass, &error)) << error;
+  problem.dynamics = dynamics;
+  EXPECT_THAT(ConfusionsBeforeFit(problem, options),
+              ::testing::Contains(
+                  ::testing::HasSubstr("damping of the whole structure")));
+}
+
 TEST(ScoreSuspects, PromisesWhatARefitGains) {
   TestFit fit =
       FitOf(MeasuredChain(3, *testing::MakeGroupedChain(3, 100.0, 0.5005), 7));
@@ -166,21 +270,55 @@ TEST(ScoreSuspects, PromisesWhatARefitGains) {
 TEST(CheckAgainstProblem, SeesACopyAndContradictedNoise) {
   IdentificationProblem problem =
       MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
-  FitSummary fit = FitOf(problem).summary;
-  EXPECT_THAT(CheckAgainstProblem(problem, fit), ::testing::IsEmpty());
+  const TestFit of_problem = FitOf(problem);
+  const FitSummary& fit = of_problem.summary;
+  const IdentifiedModel& model = of_problem.model;
+  EXPECT_THAT(CheckAgainstProblem(problem, fit, model), ::testing::IsEmpty());
   problem.records[0].channels[0].values = problem.records[0].channels[1].values;
-  std::vector<Finding> findings = CheckAgainstProblem(problem, fit);
+  std::vector<Finding> findings = CheckAgainstProblem(problem, fit, model);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "copied_channel");
   EXPECT_EQ(findings[0].grade, Grade::kNotUsable);
 
   problem = MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
   problem.records[0].channels[2].sigma = 0.5 * fit.records[0].channels[2].rmse;
-  findings = CheckAgainstProblem(problem, fit);
+  findings = CheckAgainstProblem(problem, fit, model);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "given_noise_contradicted");
   EXPECT_NEAR(findings[0].number, 2.0, 1e-9);
   EXPECT_EQ(findings[0].grade, Grade::kWithCare);
+}
+
+// Two storeys with a damper each, of which one has become negative, and so much
+// of the other that a mode has nearly stopped.
+TEST(CheckAgainstProblem, SeesDampersThatNoStructureHas) {
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  GroupTerm damper;
+  damper.group.name = "damper";
+  damper.group.target = MatrixGroup::Target::kDamping;
+  damper.group.matrix = SpringMatrix(3, 0, 1);
+  damper.alpha.name = "damper";
+  std::string error;
+  ASSERT_TRUE(dynamics->AddGroup(damper, &error)) << error;
+  problem.dynamics = dynamics;
+  TestFit fit = FitOf(problem);
+  EXPECT_THAT(CheckAgainstProblem(fit.problem, fit.summary, fit.model),
+              ::testing::IsEmpty());
+  const ParameterLayout layout(fit.problem);
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    if (layout.parameter(i).name == "damper") fit.model.parameters[i] = -5.0;
+  }
+  const auto checks = [&fit] {
+    return Checks(
+        Verdict(CheckAgainstProblem(fit.problem, fit.summary, fit.model)));
+  };
+  EXPECT_THAT(checks(), ::testing::Contains("negative_damper"));
+  for (int i = 0; i < layout.num_parameters(); ++i) {
+    if (layout.parameter(i).name == "damper") fit.model.parameters[i] = 10.0;
+  }
+  EXPECT_THAT(checks(), ::testing::ElementsAre("mode_damping"));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "pinode/study/explanations/record_checks.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -7,6 +9,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
+#include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {
@@ -117,10 +120,90 @@ void CheckSizes(const IdentificationProblem& problem, const FitSummary& fit,
   }
 }
 
+// A mode that has become strongly damped stands for something else, such as a
+// resonance that the model does not have.
+void CheckModeDampings(const StructuralModel& before,
+                       const StructuralModel& after, double highest_hz,
+                       Findings* findings) {
+  ModalProperties initial, updated;
+  std::string unused;
+  if (!ComputeModes(before.mass, before.damping, before.stiffness, &initial,
+                    &unused) ||
+      !ComputeModes(after.mass, after.damping, after.stiffness, &updated,
+                    &unused)) {
+    return;
+  }
+  for (Eigen::Index i = 0; i < updated.damping_ratio.size(); ++i) {
+    const double ratio = updated.damping_ratio[i];
+    if (!(updated.frequency_hz[i] < highest_hz) ||
+        !(ratio > limits::kModeDamping) ||
+        !(initial.damping_ratio[i] < 0.5 * ratio)) {
+      continue;
+    }
+    findings->push_back(
+        {"mode_damping",
+         "the updated model has a mode of " +
+             FormatNumber(updated.frequency_hz[i], 4) +
+             " Hz with a damping ratio of " + FormatNumber(100.0 * ratio, 3) +
+             " %, where the initial model has " +
+             FormatNumber(100.0 * initial.damping_ratio[i], 3) + " %",
+         ratio, limits::kModeDamping,
+         "no structure is damped like that without devices: look for what the "
+         "model lacks",
+         ratio > limits::kModeDampingFar ? Grade::kNotUsable
+                                         : Grade::kWithCare});
+    return;
+  }
+}
+
+// Free dampers may become negative where something else is missing.
+void CheckDampers(const StructuralModel& before, const StructuralModel& after,
+                  Findings* findings) {
+  const auto least = [](const Matrix& damping) {
+    const Eigen::SelfAdjointEigenSolver<Matrix> values(damping,
+                                                       Eigen::EigenvaluesOnly);
+    const double size = values.eigenvalues().cwiseAbs().maxCoeff();
+    return size > 0.0 ? values.eigenvalues().minCoeff() / size : 0.0;
+  };
+  const double now = least(after.damping);
+  if (!(now < -limits::kNegativeDamper) ||
+      least(before.damping) < -limits::kNegativeDamper) {
+    return;
+  }
+  findings->push_back(
+      {"negative_damper",
+       "the updated damping matrix drives a motion: its least eigenvalue is " +
+           FormatNumber(100.0 * now, 2) + " % of its largest",
+       -now, limits::kNegativeDamper,
+       "give damping groups a `lower` bound, or look for what the model lacks",
+       Grade::kWithCare});
+}
+
+void CheckDamping(const IdentificationProblem& problem,
+                  const IdentifiedModel& model, Findings* findings) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  // Modes of larger models are not worth their time here.
+  constexpr int kMostDofs = 200;
+  if (dynamics.model().num_dofs() > kMostDofs || !dynamics.networks().empty()) {
+    return;
+  }
+  double highest_hz = 0.0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (!IsTraining(record)) continue;
+    highest_hz = std::max(highest_hz, 0.4 / record.sampling_step());
+  }
+  const StructuralModel before = dynamics.CorrectedModel(dynamics.Parameters());
+  const StructuralModel after =
+      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
+  CheckModeDampings(before, after, highest_hz, findings);
+  CheckDampers(before, after, findings);
+}
+
 }  // namespace
 
 std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
-                                         const FitSummary& fit) {
+                                         const FitSummary& fit,
+                                         const IdentifiedModel& model) {
   Findings findings;
   for (size_t r = 0; r < fit.records.size(); ++r) {
     const IdentificationRecord& record = problem.records[r];
@@ -130,6 +213,7 @@ std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
   }
   CheckPriors(problem, fit, &findings);
   CheckSizes(problem, fit, &findings);
+  CheckDamping(problem, model, &findings);
   return findings;
 }
 

@@ -7,6 +7,7 @@
 
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/problem/verdict.h"
 
 namespace pinode {
@@ -17,9 +18,11 @@ namespace pinode {
 //   different motions;
 // - the residuals of a channel are far larger than its given noise;
 // - an unknown is more than four deviations of its prior away from it;
-// - a stiffness or mass group has become several times what the model has.
+// - a stiffness or mass group has become several times what the model has;
+// - a mode has become strongly damped, or the damping matrix drives a motion.
 std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
-                                         const FitSummary& fit);
+                                         const FitSummary& fit,
+                                         const IdentifiedModel& model);
 
 }  // namespace pinode
 

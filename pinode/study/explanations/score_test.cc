@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/problem/growth.h"
 
@@ -20,6 +21,21 @@ bool IsAtBound(const FitSummary& fit, const std::string& name) {
                      [&name](const ParameterEstimate& estimate) {
                        return estimate.name == name && estimate.at_bound;
                      });
+}
+
+// Share of the residuals' energy in the training records that is noise. All of
+// it where that is not known.
+double NoiseOf(const FitSummary& fit) {
+  double share = 0.0;
+  int count = 0;
+  for (const RecordScore& score : fit.records) {
+    if (score.role != IdentificationRecord::Role::kTrain) continue;
+    const double own = NoiseShareOf(score);
+    share += std::isfinite(own) ? own : 1.0;
+    ++count;
+  }
+  constexpr double kLeast = 1e-6;
+  return count == 0 ? 1.0 : std::max(share / count, kLeast);
 }
 
 // The cost around the fit, scaled to a unit diagonal of its Hessian, with the
@@ -76,6 +92,46 @@ class Information {
   Eigen::LDLT<Matrix> factor_;
 };
 
+// Fills the usual shifts and deviations.
+void AddUsual(const FitSummary& fit, const ParameterLayout& layout,
+              const CondensedSystem& system, const std::vector<int>& base,
+              const std::vector<Suspect>& suspects, SuspectScores* scores) {
+  const double weight = 1.0 / NoiseOf(fit);
+  std::vector<int> all = base;
+  std::vector<double> prior(base.size(), 0.0);
+  for (const Suspect& suspect : suspects) {
+    if (!suspect.exchanged.empty()) continue;
+    for (const std::string& name : suspect.Unknowns()) {
+      const int j = layout.FreeIndex(name);
+      if (j < 0 || std::find(all.begin(), all.end(), j) != all.end()) continue;
+      all.push_back(j);
+      prior.push_back(1.0 / (suspect.usual * suspect.usual));
+    }
+  }
+  Matrix hessian = weight * system.hessian(all, all);
+  for (size_t i = 0; i < prior.size(); ++i) {
+    hessian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) +=
+        prior[i];
+  }
+  const Vector scale = hessian.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  hessian = scale.cwiseInverse().asDiagonal() * hessian *
+            scale.cwiseInverse().asDiagonal();
+  hessian.diagonal().array() += 1e-12;
+  const Eigen::LDLT<Matrix> factor(hessian);
+  if (factor.info() != Eigen::Success) return;
+  const Vector gradient = weight * system.gradient(all);
+  const Vector step =
+      -factor.solve(gradient.cwiseQuotient(scale)).cwiseQuotient(scale);
+  const Eigen::Index count = static_cast<Eigen::Index>(base.size());
+  Matrix unit = Matrix::Zero(hessian.rows(), count);
+  unit.topRows(count).setIdentity();
+  const Matrix inverse = factor.solve(unit);
+  scores->usual_shifts = step.head(count);
+  scores->usual_deviations =
+      inverse.topRows(count).diagonal().cwiseMax(0.0).cwiseSqrt().cwiseQuotient(
+          scale.head(count));
+}
+
 }  // namespace
 
 bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
@@ -84,9 +140,9 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
                    SuspectScores* scores, std::string* error) {
   std::vector<Suspect> added;
   for (const Suspect& suspect : suspects) {
-    if (suspect.exchanged.empty() && suspect.tied.empty()) {
-      added.push_back(suspect);
-    }
+    if (!suspect.exchanged.empty()) continue;
+    added.push_back(suspect);
+    if (!suspect.tied.empty()) added.back().sensors.clear();
   }
   IdentificationProblem extended = problem;
   if (!AddSuspects(added, &extended, error)) return false;
@@ -109,6 +165,7 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
     base.push_back(j);
     scores->names.push_back(name);
   }
+  AddUsual(fit, layout, cost.system, base, suspects, scores);
   const Information information(cost.system, base);
   const auto column = [&layout](const std::string& name) {
     Vector direction = Vector::Zero(layout.num_free());
@@ -118,21 +175,21 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
   };
   for (const Suspect& suspect : suspects) {
     Matrix directions(layout.num_free(), 0);
+    const auto append = [&directions](const Vector& direction) {
+      directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
+      directions.rightCols(1) = direction;
+    };
+    for (const std::string& name : suspect.Unknowns()) {
+      // An unknown that is free already is one of the problem's.
+      const Vector direction = column(name);
+      const bool is_base = std::find(base.begin(), base.end(),
+                                     layout.FreeIndex(name)) != base.end();
+      if (!is_base && !direction.isZero()) append(direction);
+    }
     if (!suspect.tied.empty()) {
-      directions = Matrix::Zero(layout.num_free(), 1);
-      for (const std::string& name : suspect.tied) {
-        directions.col(0) += column(name);
-      }
-    } else if (suspect.exchanged.empty()) {
-      for (const std::string& name : suspect.Unknowns()) {
-        // An unknown that is free already is one of the problem's.
-        const Vector direction = column(name);
-        const bool is_base = std::find(base.begin(), base.end(),
-                                       layout.FreeIndex(name)) != base.end();
-        if (is_base || direction.isZero()) continue;
-        directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
-        directions.rightCols(1) = direction;
-      }
+      Vector together = Vector::Zero(layout.num_free());
+      for (const std::string& name : suspect.tied) together += column(name);
+      append(together);
     }
     scores->suspects.push_back(
         directions.cols() > 0 ? information.Score(directions) : SuspectScore());

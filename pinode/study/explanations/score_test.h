@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/problem/fit_summary.h"
+#include "pinode/problem/identified_model.h"
 #include "pinode/study/explanations/suspect.h"
 
 namespace pinode {
@@ -31,6 +32,12 @@ struct SuspectScore {
 struct SuspectScores {
   std::vector<SuspectScore> suspects;  // in the order of the catalogue
   std::vector<std::string> names;
+  // For each of `names`: change and standard deviation if all suspects are
+  // unknowns together, each with the prior deviation Suspect::usual, the noise
+  // of the sensors is what has no memory in the residuals, and the cost is
+  // linear.
+  Vector usual_shifts;
+  Vector usual_deviations;
 };
 
 // Scores all suspects by one linearisation of `problem` with all their unknowns

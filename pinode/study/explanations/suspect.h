@@ -1,4 +1,4 @@
-// Catalogue of what a model may lack, each entry a few extra unknowns.
+// What a model may lack: the unknowns that a problem gets if this is it.
 
 #ifndef PINODE_STUDY_EXPLANATIONS_SUSPECT_H_
 #define PINODE_STUDY_EXPLANATIONS_SUSPECT_H_
@@ -7,26 +7,27 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/base/types.h"
 #include "pinode/dynamics/group_term.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identified_model.h"
+#include "pinode/study/terms/library_term.h"
 
 namespace pinode {
 
-// Entry of the catalogue: the unknowns that a problem gets if this is what its
-// model lacks. All begin at values that change nothing.
+// Entry of the catalogue (MakeSuspects). All its unknowns begin at values that
+// change nothing.
 struct Suspect {
   enum class Kind {
     kDamping,          // factors on the damping
     kMass,             // a mass, or all of them by one factor
     kStiffness,        // of a spring, or of a group that the user has fixed
     kBound,            // bounds of a group that a fit has reached
+    kNonlinear,        // a nonlinear force at a spring
     kSensorGain,       // of one sensor
     kSensorDelay,      // of one sensor
     kSensorOffset,     // of one sensor
     kExcitationDelay,  // of the excitation against all sensors
     kExcitationScale,  // of the excitation, or of all sensors alike
+    kClockRate,        // of the logger
     kExchange,         // two sensors in each other's place
   };
 
@@ -41,15 +42,21 @@ struct Suspect {
   std::string place;  // as Explanation::place
   std::string what;   // as Explanation::what, without values
   std::vector<GroupTerm> groups;
+  std::vector<LibrarySpec> forces;
   std::vector<SensorUnknown> sensors;
   // Groups of the problem that become free, without bounds.
   std::vector<std::string> freed;
   // Two channels of a record that exchange their values.
   std::vector<std::pair<std::pair<int, int>, std::pair<int, int>>> exchanged;
 
-  // Its only unknown equals these unknowns of other suspects, all at the same
-  // value: a common delay, the delays of all sensors. Empty: there are none.
+  // The unknown of its sensors equals these unknowns of other suspects, all at
+  // the same value: a common delay, the delays of all sensors. Empty: there are
+  // none.
   std::vector<std::string> tied;
+
+  // Plausible size of its unknowns: standard deviation of the error that a
+  // careful user still makes.
+  double usual = 0.1;
 
   // Names of its unknowns in a problem that has them.
   std::vector<std::string> Unknowns() const;
@@ -58,12 +65,12 @@ struct Suspect {
 // Returns "damping", "mass", ..., as Explanation::kind.
 const char* SuspectKindName(Suspect::Kind kind);
 
-// Returns the catalogue for `problem` near `model`, values of its unknowns.
-// It leaves out unknowns that the problem has already. Single masses and
-// springs are in it for structures with at most 40 DOFs, and springs for
-// stiffness matrices that consist of them.
-std::vector<Suspect> MakeSuspects(const IdentificationProblem& problem,
-                                  const IdentifiedModel& model);
+// Name of an unknown of a suspect.
+std::string SuspectUnknown(const std::string& text);
+
+// Unknown gain of these channels, 1 at first.
+Suspect::SensorUnknown UnknownGain(
+    const std::string& name, const std::vector<std::pair<int, int>>& channels);
 
 // Adds the unknowns of `suspects` to *problem. Returns false, with *error, if
 // they do not fit it or each other.

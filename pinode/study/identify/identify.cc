@@ -19,6 +19,18 @@ namespace {
 
 // The steps of one identification; what stands is in problem_, fit_, model_,
 // choice_ and reduced_.
+// Widens the intervals of a result that lacks something.
+void Widen(const std::vector<ExplainedValue>& intervals,
+           std::vector<ParameterEstimate>* parameters) {
+  for (ParameterEstimate& estimate : *parameters) {
+    for (const ExplainedValue& wide : intervals) {
+      if (wide.name != estimate.name) continue;
+      estimate.lower95 = std::min(estimate.lower95, wide.lower95);
+      estimate.upper95 = std::max(estimate.upper95, wide.upper95);
+    }
+  }
+}
+
 class MainJob {
  public:
   MainJob(IdentificationProblem problem, const IdentificationOptions& options,
@@ -141,21 +153,20 @@ class MainJob {
         std::make_shared<const ReducedStructure>(std::move(renewed.structure));
   }
 
-  // The only place that makes a verdict of an identification. Doubts, and other
-  // explanations, are looked for where the fit is sound but for what it misses.
+  // The only place that makes a verdict of an identification. A fit that is not
+  // sound may have an explanation too.
   Identification Judged(std::vector<Finding> of_steps) {
     std::vector<Finding> findings = CheckFit(options_.tuning.gaps, fit_);
     const auto add = [&findings](std::vector<Finding> more) {
       std::move(more.begin(), more.end(), std::back_inserter(findings));
     };
-    // Motion that is missed altogether may have an explanation too.
     const bool sound = findings.empty();
-    const bool misses_motion = Verdict(findings).MissesMotionAlone();
     add(std::move(of_steps));
     Explained explained;
     if (sound) add(CheckDoubts(fit_));
-    if (misses_motion) {
-      add(CheckAgainstProblem(problem_, fit_));
+    if (fit_.termination != Termination::kFailure &&
+        fit_.termination != Termination::kInterrupted) {
+      add(CheckAgainstProblem(problem_, fit_, model_));
       explained = Explain(problem_, options_, fit_, model_, &inner_);
       add(std::move(explained.findings));
     }
@@ -168,6 +179,9 @@ class MainJob {
       if (finding.grade != Grade::kNotUsable) continue;
       summary.message = finding.Sentence();
       break;
+    }
+    if (summary.verdict.grade() == Grade::kWithCare) {
+      Widen(explained.intervals, &summary.parameters);
     }
     summary.explanations = std::move(explained.explanations);
     summary.choice = std::move(choice_);

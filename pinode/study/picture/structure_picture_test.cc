@@ -188,9 +188,9 @@ TEST(StructurePictureTest, AgainstTheModelAndWithoutPlaces) {
       MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
   IdentificationSummary summary;
   summary.parameters.push_back(
-      {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, true, false});
+      {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, 0.02, true, false});
   summary.parameters.push_back(
-      {"k2", "1", 0.0, 0.01, 0.01, -0.01, 0.03, true, false});
+      {"k2", "1", 0.0, 0.01, 0.01, -0.01, 0.03, 0.02, true, false});
   PlacedGeometry placed = Frame();
   placed.dofs.erase("u3");
   placed.groups["k3"] = {"nothing"};
@@ -262,7 +262,7 @@ TEST(VtuTest, CellsAndPoints) {
       MeasuredChain(3, *ChainAt(Vector::Zero(3)), 1);
   IdentificationSummary summary;
   summary.parameters.push_back(
-      {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, true, false});
+      {"k1", "1", 0.0, 0.2, 0.01, 0.18, 0.22, 0.02, true, false});
   StructurePicture picture = MakeStructurePicture(
       Frame(), problem, nullptr, &summary, nullptr, nullptr, 1);
   const std::string vtu = FormatVtu(picture);

@@ -1,0 +1,348 @@
+#include "pinode/study/explanations/catalogue.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "pinode/base/constants.h"
+#include "pinode/dynamics/feature.h"
+#include "pinode/structure/model/modal_analysis.h"
+#include "pinode/study/explanations/nonlinear_force.h"
+
+namespace pinode {
+namespace {
+
+using Kind = Suspect::Kind;
+using Target = MatrixGroup::Target;
+
+// Largest number of DOFs for which each mass and spring is a suspect. The cost
+// of the score tests grows with the number of candidates.
+constexpr int kMostPlaces = 40;
+// Least damping ratio on which a factor per mode is based.
+constexpr double kLeastRatio = 0.005;
+
+GroupTerm FactorGroup(const std::string& name, Target target,
+                      const Matrix& matrix) {
+  GroupTerm term;
+  term.group.name = SuspectUnknown(name);
+  term.group.target = target;
+  term.group.matrix = matrix;
+  term.alpha.name = term.group.name;
+  // The prior only keeps undetermined factors from growing.
+  term.alpha.prior_sigma = 1.0;
+  return term;
+}
+
+// Name of a DOF, or "ground".
+std::string NameOf(const StructuralModel& model, int dof) {
+  return dof == Feature::kGround ? "ground"
+                                 : model.dof_names[static_cast<size_t>(dof)];
+}
+
+// Spring between two DOFs, or a DOF and the ground.
+struct Spring {
+  int from = Feature::kGround;
+  int to = 0;
+  double stiffness = 0.0;
+};
+
+// Returns the springs of a small model whose stiffness matrix consists of them,
+// else none.
+std::vector<Spring> SpringsOf(const StructuralModel& model) {
+  const Matrix& k = model.stiffness;
+  const int size = model.num_dofs();
+  std::vector<Spring> springs;
+  if (size > kMostPlaces) return springs;
+  constexpr double kRounding = 1e-9;
+  const double largest = k.cwiseAbs().maxCoeff();
+  for (int i = 0; i < size; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (k(i, j) > kRounding * largest) return springs;
+    }
+    if (k.row(i).sum() < -kRounding * largest) return springs;
+  }
+  for (int to = 0; to < size; ++to) {
+    for (int from = Feature::kGround; from < to; ++from) {
+      const double stiffness =
+          from == Feature::kGround ? k.row(to).sum() : -k(to, from);
+      if (stiffness > 1e-6 * largest) springs.push_back({from, to, stiffness});
+    }
+  }
+  return springs;
+}
+
+// Mean strain energy of a spring over the training records of `fit`, times two.
+double EnergyOf(const Spring& spring, const FitSummary& fit) {
+  double energy = 0.0;
+  for (const RecordScore& record : fit.records) {
+    if (record.role != IdentificationRecord::Role::kTrain || !record.finite) {
+      continue;
+    }
+    Vector d = record.states.row(spring.to).transpose();
+    if (spring.from >= 0) d -= record.states.row(spring.from).transpose();
+    energy += spring.stiffness * d.squaredNorm();
+  }
+  return energy;
+}
+
+class Catalogue {
+ public:
+  Catalogue(const IdentificationProblem& problem, const IdentifiedModel& model)
+      : problem_(problem),
+        dynamics_(*problem.dynamics),
+        corrected_(dynamics_.CorrectedModel(
+            model.parameters.head(dynamics_.num_parameters()))) {}
+
+  std::vector<Suspect> Make() {
+    AddDampings();
+    AddMasses();
+    AddSprings();
+    AddGroups();
+    AddClockRate();
+    AddSensorSuspects(problem_, &suspects_);
+    return std::move(suspects_);
+  }
+
+ private:
+  Suspect* Add(Kind kind, const std::string& place, const std::string& what) {
+    Suspect suspect;
+    suspect.kind = kind;
+    suspect.place = place;
+    suspect.what = what;
+    if (kind == Kind::kDamping) suspect.usual = 0.3;
+    suspects_.push_back(std::move(suspect));
+    return &suspects_.back();
+  }
+
+  std::string Dof(int j) const { return NameOf(corrected_, j); }
+
+  void AddDampings() {
+    const Matrix& damping = corrected_.damping;
+    const double size = damping.cwiseAbs().maxCoeff();
+    ModalProperties modes;
+    std::string unused;
+    if (!ComputeModes(corrected_.mass, damping, corrected_.stiffness, &modes,
+                      &unused)) {
+      return;
+    }
+    if (size > 0.0) {
+      Add(Kind::kDamping, "",
+          "damping of the whole structure by one factor (where all stiffness "
+          "is free, a clock or all masses off by a factor look the same)")
+          ->groups = {FactorGroup("damping", Target::kDamping, damping)};
+    }
+    std::vector<int> vibrating;
+    for (int i = 0; i < modes.frequency_hz.size(); ++i) {
+      if (modes.frequency_hz[i] > 0.0) vibrating.push_back(i);
+    }
+    if (vibrating.empty()) return;
+    const auto circular = [&](int i) {
+      return 2.0 * kPi * modes.frequency_hz[i];
+    };
+    const auto ratio = [&](int i) {
+      const double zeta = modes.damping_ratio[i];
+      return std::isfinite(zeta) ? std::max(zeta, kLeastRatio) : kLeastRatio;
+    };
+    const int first = vibrating.front();
+    Add(Kind::kDamping, "", "damping proportional to mass and to stiffness")
+        ->groups = {
+        FactorGroup("damping.mass", Target::kDamping,
+                    2.0 * ratio(first) * circular(first) * corrected_.mass),
+        FactorGroup(
+            "damping.stiffness", Target::kDamping,
+            2.0 * ratio(first) / circular(first) * corrected_.stiffness)};
+    if (vibrating.size() < 2 ||
+        vibrating.size() > static_cast<size_t>(kMostPlaces)) {
+      return;
+    }
+    Suspect* per_mode =
+        Add(Kind::kDamping, "", "damping by a factor of its own per mode");
+    for (const int i : vibrating) {
+      const Vector shape = corrected_.mass * modes.mode_shapes.col(i);
+      per_mode->groups.push_back(FactorGroup(
+          "damping.mode" + std::to_string(i + 1), Target::kDamping,
+          2.0 * ratio(i) * circular(i) * shape * shape.transpose()));
+    }
+  }
+
+  void AddMasses() {
+    Add(Kind::kMass, "",
+        "all masses by one factor (where all stiffness is free, damping or a "
+        "clock off by a factor look the same)")
+        ->groups = {FactorGroup("mass", Target::kMass, corrected_.mass)};
+    const int size = corrected_.num_dofs();
+    if (size > kMostPlaces) return;
+    for (int j = 0; j < size; ++j) {
+      if (!(corrected_.mass(j, j) > 0.0)) continue;
+      Matrix matrix = Matrix::Zero(size, size);
+      matrix(j, j) = corrected_.mass(j, j);
+      Add(Kind::kMass, Dof(j), "the mass at " + Dof(j))->groups = {
+          FactorGroup("mass." + Dof(j), Target::kMass, matrix)};
+    }
+  }
+
+  // The springs that are no groups; of a matrix that has none, all of it that
+  // is in no free group.
+  void AddSprings() {
+    const int size = corrected_.num_dofs();
+    const std::vector<Spring> springs = SpringsOf(corrected_);
+    if (springs.empty()) AddRestOfStiffness();
+    for (const Spring& spring : springs) {
+      const Matrix matrix =
+          spring.stiffness * SpringMatrix(size, spring.from, spring.to);
+      if (IsGroup(matrix)) continue;
+      const std::string start = NameOf(corrected_, spring.from);
+      const std::string place = start + "-" + Dof(spring.to);
+      Suspect* suspect =
+          Add(Kind::kStiffness, place,
+              "the stiffness between " + start + " and " + Dof(spring.to));
+      suspect->groups = {
+          FactorGroup("stiffness." + place, Target::kStiffness, matrix)};
+      suspect->usual = 0.2;
+    }
+  }
+
+  void AddRestOfStiffness() {
+    Matrix rest = dynamics_.model().stiffness;
+    bool any = false;
+    for (const GroupTerm& term : dynamics_.groups()) {
+      if (term.group.target != Target::kStiffness || !term.alpha.free) continue;
+      rest -= term.present * term.group.matrix;
+      any = true;
+    }
+    const double size = dynamics_.model().stiffness.norm();
+    // The sum of the groups may differ from the whole by the digits of files.
+    constexpr double kDigits = 1e-4;
+    if (!any || !(rest.norm() > kDigits * size)) return;
+    Suspect* suspect = Add(Kind::kStiffness, "rest",
+                           "the stiffness of all that is in no free group");
+    suspect->groups = {FactorGroup("stiffness.rest", Target::kStiffness, rest)};
+    suspect->usual = 0.2;
+  }
+
+  // True if a constant group of the problem is `stiffness` times a number.
+  bool IsGroup(const Matrix& stiffness) const {
+    const std::vector<GroupTerm>& groups = dynamics_.groups();
+    return std::any_of(
+        groups.begin(), groups.end(), [&](const GroupTerm& term) {
+          if (term.group.target != Target::kStiffness ||
+              term.follows != GroupTerm::Follows::kNothing) {
+            return false;
+          }
+          const Matrix& matrix = term.group.matrix;
+          const double product = matrix.cwiseProduct(stiffness).sum();
+          return product >= (1.0 - 1e-9) * matrix.norm() * stiffness.norm();
+        });
+  }
+
+  // Groups that the user has fixed, or whose bounds they have reached.
+  void AddGroups() {
+    for (const GroupTerm& term : dynamics_.groups()) {
+      const Parameter& alpha = term.alpha;
+      if (!alpha.free) {
+        Kind kind = Kind::kStiffness;
+        if (term.group.target == Target::kMass) kind = Kind::kMass;
+        if (term.group.target == Target::kDamping) kind = Kind::kDamping;
+        Add(kind, term.group.name,
+            "group '" + term.group.name + "', which is fixed")
+            ->freed = {term.group.name};
+      } else if (std::isfinite(alpha.lower) || std::isfinite(alpha.upper)) {
+        Add(Kind::kBound, term.group.name,
+            "group '" + term.group.name + "' beyond its bounds")
+            ->freed = {term.group.name};
+      }
+    }
+  }
+
+  // In the logger's time t = q tau, with the true time tau, the equation of
+  // motion is that of stiffness / q^2 and damping / q for y = q^2 x, of which
+  // accelerations are the true ones.
+  void AddClockRate() {
+    bool any_gain = false, any_motion = false;
+    std::set<std::string> names;
+    std::vector<std::pair<int, int>> moved;
+    for (size_t r = 0; r < problem_.records.size(); ++r) {
+      const IdentificationRecord& record = problem_.records[r];
+      if (record.role != IdentificationRecord::Role::kTrain) continue;
+      for (size_t c = 0; c < record.channels.size(); ++c) {
+        const MeasuredChannel& channel = record.channels[c];
+        if (!channel.fit) continue;
+        any_motion = true;
+        const Quantity quantity = channel.observation.quantity;
+        if (quantity == Quantity::kRelativeAcceleration ||
+            quantity == Quantity::kAbsoluteAcceleration) {
+          continue;
+        }
+        any_gain = any_gain || channel.gain >= 0;
+        names.insert(channel.observation.name);
+        moved.emplace_back(static_cast<int>(r), static_cast<int>(c));
+      }
+    }
+    if (!any_motion || any_gain ||
+        !(corrected_.damping.cwiseAbs().maxCoeff() > 0.0)) {
+      return;
+    }
+    Suspect* suspect =
+        Add(Kind::kClockRate, "", "the rate of the logger's clock");
+    suspect->groups = {
+        FactorGroup("clock.stiffness", Target::kStiffness,
+                    corrected_.stiffness),
+        FactorGroup("clock.damping", Target::kDamping, corrected_.damping)};
+    if (!moved.empty()) suspect->sensors = {UnknownGain("clock", moved)};
+    for (const std::string& name : names) {
+      suspect->tied.push_back(SuspectUnknown("gain." + name));
+    }
+    suspect->usual = 0.02;
+  }
+
+  const IdentificationProblem& problem_;
+  const StructuralDynamics& dynamics_;
+  const StructuralModel corrected_;
+  std::vector<Suspect> suspects_;
+};
+
+}  // namespace
+
+std::vector<Suspect> MakeSuspects(const IdentificationProblem& problem,
+                                  const IdentifiedModel& model) {
+  return Catalogue(problem, model).Make();
+}
+
+std::vector<Suspect> MakeForceSuspects(const IdentificationProblem& problem,
+                                       const FitSummary& fit,
+                                       const IdentifiedModel& model,
+                                       size_t most_places) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  const StructuralModel corrected =
+      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
+  std::vector<std::pair<double, Spring>> ranked;
+  for (const Spring& spring : SpringsOf(corrected)) {
+    ranked.emplace_back(-EnergyOf(spring, fit), spring);
+  }
+  std::stable_sort(
+      ranked.begin(), ranked.end(),
+      [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (ranked.size() > most_places) ranked.resize(most_places);
+  std::vector<Suspect> suspects;
+  for (const auto& [unused, spring] : ranked) {
+    const std::string start = NameOf(corrected, spring.from);
+    const std::string end = NameOf(corrected, spring.to);
+    const std::string place = start + "-" + end;
+    for (NonlinearForce& force :
+         NonlinearForcesAt(corrected, fit, spring.from, spring.to,
+                           spring.stiffness, SuspectUnknown(place))) {
+      Suspect suspect;
+      suspect.kind = Kind::kNonlinear;
+      suspect.place = place;
+      suspect.what = force.form + " between " + start + " and " + end;
+      suspect.usual = 0.1 * force.unit;
+      suspect.forces = {std::move(force.spec)};
+      suspects.push_back(std::move(suspect));
+    }
+  }
+  return suspects;
+}
+
+}  // namespace pinode

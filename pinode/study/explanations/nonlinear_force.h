@@ -1,0 +1,34 @@
+// Forms of a nonlinear force that may act at a spring.
+
+#ifndef PINODE_STUDY_EXPLANATIONS_NONLINEAR_FORCE_H_
+#define PINODE_STUDY_EXPLANATIONS_NONLINEAR_FORCE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/problem/fit_summary.h"
+#include "pinode/structure/model/structural_model.h"
+#include "pinode/study/terms/library_term.h"
+
+namespace pinode {
+
+// A force between two DOFs, or a DOF and the ground (Feature::kGround), as a
+// term of one unknown coefficient that begins at zero.
+struct NonlinearForce {
+  std::string form;  // "hardening", "friction", "opening", "drag"
+  LibrarySpec spec;
+  // Coefficient with which it is as large (RMS) as the spring's own force along
+  // the motion.
+  double unit = 1.0;
+};
+
+// Returns the forms at a spring of this stiffness along the motion of `fit`,
+// whose training records have states. None if the spring does not move.
+std::vector<NonlinearForce> NonlinearForcesAt(const StructuralModel& model,
+                                              const FitSummary& fit, int from,
+                                              int to, double stiffness,
+                                              const std::string& name);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_EXPLANATIONS_NONLINEAR_FORCE_H_

@@ -1,0 +1,385 @@
+#include "pinode/study/explanations/refit_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pinode/base/statistics.h"
+#include "pinode/estimate/shooting/score.h"
+#include "pinode/problem/verdict_limits.h"
+#include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/problem/growth.h"
+#include "pinode/study/terms/term_worth.h"
+
+namespace pinode {
+namespace {
+
+// Number of refits: of single suspects, of exchanges, and of suspects added to
+// the best. Each costs a fraction of the fit, from whose end it begins.
+constexpr size_t kMostSingles = 4;
+constexpr size_t kMostExchanges = 2;
+constexpr size_t kMostAdded = 2;
+// Enough to compare refits: a step that changes the cost by less moves no odds,
+// and an explanation that is the right one is met within a few steps. Wrong
+// ones have long valleys.
+constexpr double kTolerance = 1e-6;
+constexpr int kMostIterations = 15;
+// Number of suspects together: more faults at once than these are another
+// model.
+constexpr size_t kMostTogether = 3;
+bool IsTraining(const RecordScore& score) {
+  return score.role == IdentificationRecord::Role::kTrain;
+}
+
+double MostUnexplained(const FitSummary& fit) {
+  double most = 0.0;
+  for (const RecordScore& score : fit.records) {
+    if (IsTraining(score)) most = std::max(most, StructuredError(score));
+  }
+  return most;
+}
+
+// Mean autocorrelation time of the residuals of fitted channels, at least 1.
+double MemoryOf(const IdentificationProblem& problem, const FitSummary& fit) {
+  double sum = 0.0;
+  int count = 0;
+  for (size_t r = 0; r < fit.records.size(); ++r) {
+    const RecordScore& score = fit.records[r];
+    const IdentificationRecord& record = problem.records[r];
+    if (!IsTraining(score) || score.prediction.cols() != record.num_samples()) {
+      continue;
+    }
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      if (!record.channels[c].fit) continue;
+      Vector residuals =
+          record.channels[c].values -
+          score.prediction.row(static_cast<Eigen::Index>(c)).transpose();
+      residuals = residuals.array().isNaN().select(0.0, residuals);
+      sum += AutocorrelationTime(residuals);
+      ++count;
+    }
+  }
+  return std::max(1.0, sum / std::max(count, 1));
+}
+
+// `fit` with the states of its training records.
+FitSummary WithStates(const IdentificationProblem& problem,
+                      const IdentifiedModel& model, const FitSummary& fit) {
+  FitSummary result = fit;
+  for (size_t r = 0; r < result.records.size(); ++r) {
+    RecordScore& score = result.records[r];
+    if (!IsTraining(score) || !score.finite || score.states.size() > 0) {
+      continue;
+    }
+    const Vector start = score.start;
+    ScoreRecord(problem, static_cast<int>(r), model.parameters, start,
+                score.first_scored_sample, &score);
+  }
+  return result;
+}
+
+// True unless a clock is among `suspects` and the factors that it gives to
+// stiffness and damping, the square of one number and that number, contradict
+// each other: then something else has changed them.
+bool ClockIsConsistent(const std::vector<Suspect>& suspects,
+                       const FitSummary& fit) {
+  for (const Suspect& suspect : suspects) {
+    if (suspect.kind != Suspect::Kind::kClockRate) continue;
+    const std::vector<std::string> unknowns = suspect.Unknowns();
+    const ParameterEstimate* stiffness = FindEstimate(fit, unknowns[0]);
+    const ParameterEstimate* damping = FindEstimate(fit, unknowns[1]);
+    constexpr double kDetermined = 0.2;
+    constexpr double kRounding = 0.02;
+    if (stiffness == nullptr || damping == nullptr ||
+        !(stiffness->value > -1.0) || !(stiffness->sigma < kDetermined)) {
+      return false;
+    }
+    const double expected = std::sqrt(1.0 + stiffness->value) - 1.0;
+    const double deviation = std::hypot(damping->sigma, 0.5 * stiffness->sigma);
+    if (std::abs(damping->value - expected) > kRounding + 3.0 * deviation) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+double SquaredError(const FitSummary& fit) {
+  double sum = 0.0;
+  for (const RecordScore& score : fit.records) {
+    if (IsTraining(score)) sum += std::pow(score.nrmse, 2);
+  }
+  return sum;
+}
+
+RefitSearch::RefitSearch(const IdentificationProblem& problem,
+                         const IdentificationOptions& options,
+                         const FitSummary& fit, const IdentifiedModel& model,
+                         InnerFit* inner)
+    : problem_(problem),
+      options_(options),
+      fit_(fit),
+      model_(model),
+      inner_(*inner),
+      suspects_(MakeSuspects(problem, model)) {
+  BeginNearTheEnd(&options_);
+  options_.function_tolerance =
+      std::max(options_.function_tolerance, kTolerance);
+  options_.max_num_iterations =
+      std::min(options_.max_num_iterations, kMostIterations);
+  options_.keep_states = false;
+  options_.num_starts = 0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.fit) {
+        num_samples_ += static_cast<double>(CountPresent(channel.values));
+      }
+    }
+  }
+}
+
+bool RefitSearch::Run() {
+  Refit own;
+  own.problem = problem_;
+  own.fit = fit_;
+  own.model = model_;
+  own.log_odds = 0.0;
+  AddForceSuspects(own);
+  if (!Score(own, suspects_, &scores_)) return false;
+  // A bound that a fit has reached is a suspect whatever the score says.
+  for (size_t i = 0; i < suspects_.size(); ++i) {
+    if (suspects_[i].kind == Suspect::Kind::kBound && IsHeld(suspects_[i])) {
+      Try(own, {i}, /*cold=*/false);
+    }
+  }
+  for (const size_t i : Promising(scores_, kMostSingles, {})) {
+    Try(own, {i}, /*cold=*/false);
+  }
+  if (MostUnexplained(fit_) > limits::kLittleUnexplained) {
+    for (const size_t i : LikelyExchanges()) Try(own, {i}, /*cold=*/true);
+  }
+  for (size_t together = 2; together <= kMostTogether; ++together) {
+    if (!AddToBest()) break;
+  }
+  std::stable_sort(
+      refits_.begin(), refits_.end(),
+      [](const Refit& a, const Refit& b) { return a.log_odds > b.log_odds; });
+  return true;
+}
+
+bool RefitSearch::Score(const Refit& at, std::vector<Suspect> suspects,
+                        SuspectScores* scores) const {
+  // Forces make a linear problem nonlinear: they are scored apart.
+  std::vector<Suspect> forces(suspects.size());
+  bool any_force = false;
+  for (size_t i = 0; i < suspects.size(); ++i) {
+    if (suspects[i].forces.empty()) continue;
+    any_force = true;
+    std::swap(suspects[i], forces[i]);
+  }
+  std::string unused;
+  if (!ScoreSuspects(at.problem, at.fit, at.model, suspects,
+                     options_.num_threads, scores, &unused)) {
+    return false;
+  }
+  SuspectScores of_forces;
+  if (!any_force || !ScoreSuspects(at.problem, at.fit, at.model, forces,
+                                   options_.num_threads, &of_forces, &unused)) {
+    return true;
+  }
+  for (size_t i = 0; i < forces.size(); ++i) {
+    if (!forces[i].forces.empty()) scores->suspects[i] = of_forces.suspects[i];
+  }
+  return true;
+}
+
+void RefitSearch::AddForceSuspects(const Refit& own) {
+  // Where nothing is left but noise, a force elsewhere would be small.
+  constexpr double kWhite = 1.1;
+  constexpr size_t kPlaces = 12;
+  constexpr size_t kPlacesIfWhite = 3;
+  const bool is_white = MemoryOf(problem_, fit_) < kWhite;
+  for (Suspect& suspect :
+       MakeForceSuspects(problem_, WithStates(problem_, own.model, fit_),
+                         own.model, is_white ? kPlacesIfWhite : kPlaces)) {
+    suspects_.push_back(std::move(suspect));
+  }
+}
+
+std::vector<size_t> RefitSearch::Promising(
+    const SuspectScores& scores, size_t most,
+    const std::vector<size_t>& taken) const {
+  std::vector<std::pair<double, size_t>> ranked;
+  for (size_t i = 0; i < scores.suspects.size(); ++i) {
+    const SuspectScore& score = scores.suspects[i];
+    if (score.num_unknowns == 0 ||
+        std::find(taken.begin(), taken.end(), i) != taken.end()) {
+      continue;
+    }
+    const double promise = score.gain - Penalty(score.num_unknowns, 1.0);
+    if (promise > limits::kLogOdds) ranked.emplace_back(-promise, i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<size_t> best;
+  for (const auto& [unused, i] : ranked) {
+    if (best.size() < most) best.push_back(i);
+  }
+  return best;
+}
+
+double RefitSearch::Penalty(int num_unknowns, double memory) const {
+  return 0.5 * num_unknowns * std::log(std::max(num_samples_ / memory, 2.0)) +
+         std::log(static_cast<double>(suspects_.size()));
+}
+
+// Exchanges after which measured and predicted channels agree better.
+std::vector<size_t> RefitSearch::LikelyExchanges() const {
+  std::vector<std::pair<double, size_t>> ranked;
+  for (size_t i = 0; i < suspects_.size(); ++i) {
+    if (suspects_[i].exchanged.empty()) continue;
+    double better = 0.0;
+    for (const auto& [one, two] : suspects_[i].exchanged) {
+      better += Agreement(one, two.second) + Agreement(two, one.second) -
+                Agreement(one, one.second) - Agreement(two, two.second);
+    }
+    if (better > 0.0) ranked.emplace_back(-better, i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<size_t> best;
+  for (const auto& [unused, i] : ranked) {
+    if (best.size() < kMostExchanges) best.push_back(i);
+  }
+  return best;
+}
+
+// Correlation of a measured channel with what another one should measure.
+double RefitSearch::Agreement(const std::pair<int, int>& at,
+                              int predicted) const {
+  const size_t r = static_cast<size_t>(at.first);
+  const Matrix& prediction = fit_.records[r].prediction;
+  const Vector& values =
+      problem_.records[r].channels[static_cast<size_t>(at.second)].values;
+  if (prediction.cols() != values.size()) return 0.0;
+  const Vector other = prediction.row(predicted).transpose();
+  const auto present = values.array().isFinite();
+  const Vector y = present.select(values, 0.0);
+  const Vector p = present.select(other, 0.0);
+  const double size = y.norm() * p.norm();
+  return size > 0.0 ? y.dot(p) / size : 0.0;
+}
+
+bool RefitSearch::IsHeld(const Suspect& suspect) const {
+  return std::any_of(
+      suspect.freed.begin(), suspect.freed.end(), [&](const std::string& name) {
+        const ParameterEstimate* estimate = FindEstimate(fit_, name);
+        return estimate != nullptr && estimate->at_bound;
+      });
+}
+
+// Refits with `suspects`, beginning with the values of `from`. `cold`: from
+// the problem's own initial values, where the fit has adapted to the fault.
+bool RefitSearch::Try(const Refit& from, std::vector<size_t> suspects,
+                      bool cold) {
+  Refit refit;
+  refit.suspects = std::move(suspects);
+  std::set<size_t> key(refit.suspects.begin(), refit.suspects.end());
+  if (interrupted_ || !tried_.insert(key).second) return false;
+  std::string unused;
+  refit.problem = problem_;
+  std::vector<Suspect> added;
+  for (const size_t i : refit.suspects) added.push_back(suspects_[i]);
+  if (!AddSuspects(added, &refit.problem, &unused)) return false;
+  IdentifiedModel begin = BeginFrom(ParametersByName(from.problem, from.model),
+                                    from.model, refit.problem);
+  begin.decays = from.model.decays;
+  IdentificationOptions options = options_;
+  if (cold) options.shooting = IdentificationOptions().shooting;
+  inner_.Run("another explanation", refit.problem, options,
+             cold ? nullptr : &begin, &refit.fit, &refit.model);
+  if (refit.fit.termination == Termination::kInterrupted) {
+    interrupted_ = true;
+    return false;
+  }
+  if (refit.fit.termination == Termination::kFailure) return false;
+  if (!ClockIsConsistent(added, refit.fit)) return false;
+  refit.log_odds = LogOdds(refit);
+  if (!std::isfinite(refit.log_odds)) return false;
+  refits_.push_back(std::move(refit));
+  return true;
+}
+
+double RefitSearch::LogOdds(const Refit& refit) const {
+  const double memory = MemoryOf(refit.problem, refit.fit);
+  double gain = 0.0;
+  for (size_t r = 0; r < fit_.records.size(); ++r) {
+    const RecordScore& before = fit_.records[r];
+    const RecordScore& after = refit.fit.records[r];
+    if (!IsTraining(before)) continue;
+    if (!after.finite) return -kInfinity;
+    const IdentificationRecord& record = refit.problem.records[r];
+    for (size_t c = 0; c < record.channels.size(); ++c) {
+      if (!record.channels[c].fit) continue;
+      const double count =
+          static_cast<double>(CountPresent(record.channels[c].values));
+      gain += count / memory *
+              std::log(before.channels[c].rmse /
+                       std::max(after.channels[c].rmse, 1e-300));
+    }
+  }
+  int unknowns = 0;
+  double candidates = 0.0;
+  for (const size_t i : refit.suspects) {
+    unknowns += static_cast<int>(suspects_[i].Unknowns().size());
+    candidates += std::log(static_cast<double>(suspects_.size()));
+  }
+  return gain -
+         0.5 * unknowns * std::log(std::max(num_samples_ / memory, 2.0)) -
+         candidates;
+}
+
+// Adds a suspect to the best refit; true if that made it better by odds that
+// count.
+bool RefitSearch::AddToBest() {
+  if (interrupted_ || refits_.empty()) return false;
+  const Refit best = *std::max_element(
+      refits_.begin(), refits_.end(),
+      [](const Refit& a, const Refit& b) { return a.log_odds < b.log_odds; });
+  if (best.log_odds < limits::kLogOdds) return false;
+  SuspectScores scores;
+  std::vector<Suspect> rest = suspects_;
+  for (const size_t i : best.suspects) rest[i] = Suspect();
+  if (!Score(best, std::move(rest), &scores)) return false;
+  for (const size_t i : Promising(scores, kMostAdded, best.suspects)) {
+    std::vector<size_t> more = best.suspects;
+    more.push_back(i);
+    if (!Try(best, more, /*cold=*/false)) continue;
+    // An earlier suspect leaves again if the new one makes it needless.
+    const Refit with = refits_.back();
+    for (const size_t old : best.suspects) {
+      std::vector<size_t> without = more;
+      without.erase(std::find(without.begin(), without.end(), old));
+      if (HoldsNothing(with, old)) Try(with, without, /*cold=*/false);
+    }
+  }
+  return std::any_of(refits_.begin(), refits_.end(), [&](const Refit& other) {
+    return other.suspects.size() > best.suspects.size() &&
+           other.log_odds > best.log_odds + limits::kLogOdds;
+  });
+}
+
+// True if the only unknown of suspect `i` is zero within its interval.
+bool RefitSearch::HoldsNothing(const Refit& refit, size_t i) const {
+  const std::vector<std::string> unknowns = suspects_[i].Unknowns();
+  if (unknowns.size() != 1) return false;
+  const ParameterEstimate* estimate = FindEstimate(refit.fit, unknowns[0]);
+  if (estimate == nullptr) return false;
+  const double nothing =
+      suspects_[i].sensors.empty() ||
+              suspects_[i].sensors[0].role != &MeasuredChannel::gain
+          ? 0.0
+          : 1.0;
+  return estimate->lower95 < nothing && nothing < estimate->upper95;
+}
+
+}  // namespace pinode
